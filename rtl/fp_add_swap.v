@@ -1,0 +1,93 @@
+// fp_add_swap: the front of fp_add: decodes, compares, and puts the greater operand first.
+//
+// Purpose   What follows may assume big >= little, and meets no infinity and no NaN: such a
+//           result is made here, as a big operand to which nothing is added.
+// Latency   As many cycles as CUTS has ones.
+// Hazard    special_o: take big_o + little_o as it stands. The exponent is e_o, the bit that
+//           is the hidden one elsewhere is the top fraction bit.
+//
+//     1.5 - 12.0  ->  big 1.1000.., little 1.1000.., n 3, e 130, sign 1, minus 1
+`default_nettype none
+module fp_add_swap #(
+    parameter       EXP       = 8,
+    parameter       FRAC      = 23,
+    parameter       N         = 5,      // bits of the distance
+    parameter       SUBNORMAL = 1,
+    parameter [1:0] CUTS      = 0       // after: compare, swap
+) (
+    input  wire              clk_i,
+    input  wire              sub_i,
+    input  wire [EXP+FRAC:0] a_i,
+    input  wire [EXP+FRAC:0] b_i,
+    output wire [FRAC:0]     big_o,     // significands
+    output wire [FRAC:0]     little_o,
+    output wire [FRAC+1:0]   lower_o,   // little, aligned for a distance of 0 or 1
+    output wire [N-1:0]      n_o,       // the distance
+    output wire              gone_o,    // it is greater than n_o can say
+    output wire [EXP-1:0]    e_o,       // exponent of big, 1 if it is subnormal
+    output wire              sign_o,    // of the result
+    output wire              minus_o,   // big - little, else big + little
+    output wire              special_o, // infinity or NaN: see above
+    output wire              nought_o,  // unless special, zero: as special, with exponent 0
+    output wire              invalid_o
+);
+    localparam M = EXP + FRAC;          // the magnitude, and the place of the sign
+
+    wire [EXP-1:0] ea = a_i[FRAC +: EXP], eb = b_i[FRAC +: EXP];
+    wire a_zero = ea == 0, b_zero = eb == 0, a_ones = &ea, b_ones = &eb;
+    wire a_some = |a_i[FRAC-1:0], b_some = |b_i[FRAC-1:0];
+    wire differ = a_i[M] ^ b_i[M] ^ sub_i;
+    wire same   = a_i[M-1:0] == b_i[M-1:0];
+    wire swap;                          // a sum bit is ready a LUT sooner than a comparison
+    wire [M-1:0] unused_difference;
+    assign {swap, unused_difference} = {1'b0, a_i[M-1:0]} - {1'b0, b_i[M-1:0]};
+
+    // The distance is the difference of the exponents, but one less when exactly one of
+    // them is 0, whose weight is that of 1: x - y - 1 = ~(y - x).
+    wire [EXP-1:0] d_ba = eb - ea;
+    wire [EXP-1:0] d_ab;
+    wire           less;                // in exponent: known before swap
+    assign {less, d_ab} = {1'b0, ea} - {1'b0, eb};
+    wire           odd = a_zero ^ b_zero;
+    wire           one = ea[0] ^ eb[0] ^ odd;           // the distance if it is 0 or 1
+    wire [N-1:0]   n_a = odd ? ~d_ba[N-1:0] : d_ab[N-1:0];
+    wire [N-1:0]   n_b = odd ? ~d_ab[N-1:0] : d_ba[N-1:0];
+    wire           gone_a = a_ones || b_ones || |d_ab[EXP-1:N];
+    wire           gone_b = a_ones || b_ones || |d_ba[EXP-1:N];
+
+    wire [M:0]   a0, b0;
+    wire [N-1:0] n_a0, n_b0;
+    wire gone_a0, gone_b0, less0, one0, same0, swap0;
+    wire a_zero0, b_zero0, a_ones0, b_ones0, a_some0, b_some0, differ0;
+    cut #(.W(2*M + 2*N + 15), .ON(CUTS[0])) u_compare (.clk_i(clk_i),
+        .d_i({a_i[M], b_i[M] ^ sub_i, a_i[M-1:0], b_i[M-1:0], n_a, n_b, gone_a, gone_b, less, one,
+              same, swap, a_zero, b_zero, a_ones, b_ones, a_some, b_some, differ}),
+        .q_o({a0[M], b0[M], a0[M-1:0], b0[M-1:0], n_a0, n_b0, gone_a0, gone_b0, less0, one0,
+              same0, swap0, a_zero0, b_zero0, a_ones0, b_ones0, a_some0, b_some0, differ0}));
+
+    wire a_nan   = a_ones0 && a_some0, b_nan = b_ones0 && b_some0;
+    wire special = a_ones0 || b_ones0;
+    wire clash   = a_ones0 && b_ones0 && differ0;       // inf - inf, or a NaN among them
+    wire nan     = a_nan || b_nan || clash;
+    wire invalid = (a_nan && !a0[FRAC-1]) || (b_nan && !b0[FRAC-1]) || (clash && !a_some0 && !b_some0);
+
+    wire [M:0]      x = swap0 ? b0 : a0;
+    wire [FRAC-1:0] y = swap0 ? a0[FRAC-1:0] : b0[FRAC-1:0];
+    wire            x_some = !a_zero0 || !b_zero0;      // the exponent of x is not 0
+    wire            y_some = !a_zero0 && !b_zero0;
+    wire            nought = (same0 && differ0) || (SUBNORMAL == 0 && !x_some);
+    wire [FRAC:0]   big    = special ? {nan, {FRAC{1'b0}}}
+                           : {x_some, x[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || x_some}}};
+    wire [FRAC:0]   little = {y_some, y & {FRAC{SUBNORMAL != 0 || y_some}}};
+    // Shifted before the choice, because the choice is late.
+    wire [FRAC+1:0] a_low  = one0 ? {1'b0, y_some, a0[FRAC-1:0]} : {y_some, a0[FRAC-1:0], 1'b0};
+    wire [FRAC+1:0] b_low  = one0 ? {1'b0, y_some, b0[FRAC-1:0]} : {y_some, b0[FRAC-1:0], 1'b0};
+
+    cut #(.W(3*FRAC + N + EXP + 10), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
+        .d_i({big, little, (swap0 ? a_low : b_low) & {FRAC+2{SUBNORMAL != 0 || y_some}},
+              less0 ? n_b0 : n_a0, less0 ? gone_b0 : gone_a0,
+              x[FRAC+1 +: EXP-1], x[FRAC] || !x_some, x[M] && !nan && !(nought && differ0),
+              differ0 && !special, special, nought, invalid}),
+        .q_o({big_o, little_o, lower_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
+endmodule
+`default_nettype wire

@@ -1,0 +1,75 @@
+// fp_mul_scale: how far fp_mul shifts its product, and which exponent results.
+//
+// Purpose   {product, 0} >> shift_o puts the leading one of a normal product at the top of
+//           FRAC + 3 bits or just below it. A subnormal operand, its leading one at bit n,
+//           shifts by n instead of FRAC; a small exponent asks for more: room. So n - room is
+//           the exponent of the product counted as 1 to 1.99..; with zero or less the result
+//           is subnormal unless the top bit is set, and the shift is room. Two subnormals
+//           underflow whatever n is.
+// Latency   popcount(CUTS), beside fp_mul_product: bit 0 is place 1 of fp_mul, bit 1 place 2.
+// Hazard    An operand that is zero, infinite or no number gives a number without meaning.
+//
+//     fp_mul_scale u (..., .shift_o(shift), .place_o(place));
+//     // place: {exponent field, low, over, by1, by2, gone}, as fp_mul names them
+`default_nettype none
+module fp_mul_scale #(
+    parameter       EXP       = 8,
+    parameter       FRAC      = 23,
+    parameter       SUBNORMAL = 1,
+    parameter       SW        = 6,     // width of the shift
+    parameter [1:0] CUTS      = 0
+) (
+    input  wire            clk_i,
+    input  wire [EXP-1:0]  ae_i, be_i,
+    input  wire [FRAC-1:0] af_i, bf_i,
+    input  wire            a_normal_i, b_normal_i,
+    output wire [SW-1:0]   shift_o,
+    output wire [EXP+4:0]  place_o
+);
+    localparam XW  = (EXP > SW ? EXP : SW) + 2;     // signed exponent
+    localparam TOP = (1 << EXP) - 1;                // exponent field of an infinity
+    localparam MAX = 2*FRAC + 2;                    // this shift leaves sticky bits only
+    localparam MID = FRAC + TOP / 2;
+
+    function [SW-1:0] last;            // index of the leading one, four bits at a time
+        input [FRAC-1:0] x;
+        reg   [FRAC+2:0] y;
+        reg   [SW-3:0]   g;
+        begin
+            y    = {3'b000, x};
+            last = 0;
+            for (g = 0; 4*g < FRAC; g = g + 1)
+                if (|y[4*g +: 4])
+                    last = {g, y[4*g+3] || y[4*g+2], y[4*g+3] || (!y[4*g+2] && y[4*g+1])};
+        end
+    endfunction
+
+    // Both n are found before it is known which one counts.
+    wire both = a_normal_i && b_normal_i;
+    wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? last(bf_i) : last(af_i);
+    wire [XW-1:0] sum  = {{XW-EXP{1'b0}}, ae_i} + {{XW-EXP{1'b0}}, be_i} - MID[XW-1:0];
+    wire [XW-1:0] room = MID[XW-1:0]
+                       - {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i}
+                       - {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i};
+    wire [SW-1:0] n_1;
+    wire [XW-1:0] sum_1, room_1;
+    wire          both_1;
+    cut #(.W(SW+2*XW+1), .ON(CUTS[0])) u_1 (.clk_i(clk_i),
+        .d_i({n, sum, room, both}), .q_o({n_1, sum_1, room_1, both_1}));
+
+    // n - room, but not by way of room, which waits for the zero exponents.
+    wire [XW-1:0]  exponent = sum_1 + {{XW-SW{1'b0}}, n_1} + {{XW-1{1'b0}}, !both_1};
+    wire           under = exponent[XW-1];
+    wire [SW-1:0]  shift = SUBNORMAL == 0 ? FRAC[SW-1:0]
+                         : !under ? n_1
+                         : room_1 > MAX[XW-1:0] ? MAX[SW-1:0] : room_1[SW-1:0];
+    wire [EXP-1:0] field = exponent[EXP-1:0] & {EXP{!under}};
+    wire           low   = under || exponent == 0;
+    wire           over  = !under && exponent >= TOP[XW-1:0];
+    wire           by1   = exponent == TOP[XW-1:0] - 1;     // short of overflow
+    wire           by2   = exponent == TOP[XW-1:0] - 2;
+    wire           gone  = SUBNORMAL == 0 && under;         // flushed whatever the product
+    cut #(.W(SW+EXP+5), .ON(CUTS[1])) u_2 (.clk_i(clk_i),
+        .d_i({shift, field, low, over, by1, by2, gone}), .q_o({shift_o, place_o}));
+endmodule
+`default_nettype wire

@@ -1,0 +1,213 @@
+// scheduler: the workload scheduler. Fetches a program, issues each of its instructions for every
+// context in turn, and writes the results back.
+//
+// Purpose   The paper's instruction memory, register file and busy flags, for as many objects as
+//           there are contexts. An instruction issues when none of its registers is flagged, its
+//           unit takes it, and the register file will be free for its result. In order.
+//
+//           stage    fetch  fetch | issue         | operands       | unit ... | write
+//                    memory word  | busy flags,   | register file  |          | register file,
+//                                 | slot, sweep   | or bypass      |          | retirement
+//
+// Latency   4 cycles from start_i to the first operands; then one instruction per cycle at best.
+//           A result meets a waiting operand in the cycle in which it is written (BYPASS), or is
+//           read from the register file two cycles later.
+// Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
+`default_nettype none
+module scheduler #(
+    parameter REGISTER_W      = 5,     // 2^REGISTER_W registers per context, as many constants
+    parameter CONTEXTS        = 1,
+    parameter CONTEXT_W       = 1,     // bits that count 0 .. CONTEXTS (the constants')
+    parameter PROGRAM_W       = 9,     // 2^PROGRAM_W instruction words
+    parameter BYPASS          = 1,
+    parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written (paper)
+    parameter CHAIN           = 1,
+    parameter ADD_LATENCY     = 1,
+    parameter MUL_LATENCY     = 1
+) (
+    input  wire                            clk_i,
+    input  wire                            rst_i,
+    // A run
+    input  wire                            start_i,
+    input  wire                            stop_i,
+    input  wire [31:0]                     steps_i,
+    input  wire [PROGRAM_W-1:0]            step_i,
+    input  wire [PROGRAM_W-1:0]            step_end_i,
+    input  wire [PROGRAM_W-1:0]            end_i,
+    output wire                            running_o,
+    output wire                            illegal_o,       // the word at issue_pc_o: no run
+    // The host: program, registers, constants (context CONTEXTS)
+    input  wire                            host_program_i,  // write host_wdata_i there
+    input  wire                            host_write_i,
+    input  wire [PROGRAM_W-1:0]            host_program_addr_i,
+    input  wire [CONTEXT_W+REGISTER_W-1:0] host_addr_i,
+    input  wire [31:0]                     host_wdata_i,
+    output wire [31:0]                     host_rdata_o,    // one cycle after host_addr_i
+    // The arithmetic unit
+    output wire                            chain_o,
+    output wire                            subtract_o,
+    output wire [31:0]                     a_o,
+    output wire [31:0]                     b_o,
+    output wire [31:0]                     c_o,
+    input  wire                            chain_soon_i,
+    input  wire [31:0]                     add_value_i,
+    input  wire [4:0]                      add_flags_i,
+    input  wire [31:0]                     mul_value_i,
+    input  wire [4:0]                      mul_flags_i,
+    // What happens in this cycle, for counters and traces
+    output wire                            issue_o,
+    output wire                            issue_add_o,
+    output wire                            issue_mul_o,
+    output wire                            issue_chain_o,
+    output wire [PROGRAM_W-1:0]            issue_pc_o,
+    output wire [CONTEXT_W-1:0]            issue_context_o,
+    output wire [31:0]                     issue_word_o,
+    output wire                            stall_fetch_o,
+    output wire                            stall_dependency_o,
+    output wire                            stall_unit_o,
+    output wire                            stall_writeback_o,
+    output wire                            stall_drain_o,
+    output wire                            retire_o,
+    output wire [CONTEXT_W-1:0]            retire_context_o,
+    output wire [REGISTER_W-1:0]           retire_register_o,
+    output wire [31:0]                     retire_value_o,
+    output wire [4:0]                      retire_flags_o
+);
+    localparam REG_W = CONTEXT_W + REGISTER_W;
+    localparam [CONTEXT_W-1:0] SHARED = CONTEXTS;         // the constants' context
+    localparam [CONTEXT_W-1:0] FINAL  = CONTEXTS - 1;
+
+    // Fetch and decode ------------------------------------------------------------------------
+    wire                 advance;
+    wire                 fetched, fetch_empty;
+    wire [PROGRAM_W-1:0] fetch_pc;
+    wire [31:0]          fetch_word;
+
+    fetch #(.ADDR_W(PROGRAM_W)) u_fetch (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .write_i(host_program_i), .write_addr_i(host_program_addr_i), .write_word_i(host_wdata_i),
+        .start_i(start_i), .stop_i(stop_i || illegal_o),
+        .steps_i(steps_i), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
+        .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
+        .empty_o(fetch_empty));
+
+    localparam DECODED_W = 5 + REGISTER_W + 3*(REGISTER_W+1);
+    wire [DECODED_W-1:0] decoded;
+    reg  [DECODED_W-1:0] decoded_q;
+    reg                  valid_q;
+    reg  [PROGRAM_W-1:0] pc_q;
+    reg  [31:0]          word_q;
+
+    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN)) u_decode (
+        .word_i(fetch_word),
+        .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
+        .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
+        .subtract_o(decoded[DECODED_W-5]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
+        .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
+        .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
+
+    always @(posedge clk_i) begin
+        if (rst_i || stop_i || illegal_o) valid_q <= 1'b0;
+        else if (advance)                 valid_q <= fetched;
+        if (advance) begin
+            decoded_q <= decoded;
+            pc_q      <= fetch_pc;
+            word_q    <= fetch_word;
+        end
+    end
+
+    wire legal, to_add, to_mul, to_chain, subtract;
+    wire [REGISTER_W-1:0] d;
+    wire [REGISTER_W:0]   a, b, c;
+    assign {legal, to_add, to_mul, to_chain, subtract, d, a, b, c} = decoded_q;
+
+    // Issue -----------------------------------------------------------------------------------
+    reg  [CONTEXT_W-1:0] context_q;
+    wire [REG_W-1:0] a_reg = {a[REGISTER_W] ? SHARED : context_q, a[REGISTER_W-1:0]};
+    wire [REG_W-1:0] b_reg = {b[REGISTER_W] ? SHARED : context_q, b[REGISTER_W-1:0]};
+    wire [REG_W-1:0] c_reg = {c[REGISTER_W] ? SHARED : context_q, c[REGISTER_W-1:0]};
+
+    wire             blocked, taken, in_flight_none, write, write_mul;
+    wire [REG_W-1:0] write_d;
+    wire [1:0]       a_bypass, b_bypass, c_bypass;
+
+    wire unit_busy = to_add && chain_soon_i;
+    wire port_busy = taken || (WRITEBACK_STALL != 0 && write);
+    wire issue     = valid_q && legal && !blocked && !unit_busy && !port_busy && !stop_i;
+    assign advance   = !valid_q || (issue && context_q == FINAL);
+    assign illegal_o = valid_q && !legal;
+
+    always @(posedge clk_i)
+        if (rst_i || start_i) context_q <= {CONTEXT_W{1'b0}};
+        else if (issue)       context_q <= context_q == FINAL ? {CONTEXT_W{1'b0}}
+                                                              : context_q + 1'b1;
+
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS),
+                 .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .issue_i(issue), .to_add_i(to_add), .to_mul_i(to_mul), .to_chain_i(to_chain),
+        .d_i({context_q, d}), .a_i(a_reg), .b_i(b_reg), .c_i(c_reg),
+        .a_object_i(!a[REGISTER_W]), .b_object_i(!b[REGISTER_W]),
+        .c_object_i(!c[REGISTER_W] && to_chain),
+        .blocked_o(blocked), .taken_o(taken),
+        .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
+        .write_o(write), .write_mul_o(write_mul), .write_d_o(write_d), .empty_o(in_flight_none));
+
+    // Operands --------------------------------------------------------------------------------
+    wire [31:0] a_value, b_value, c_value;
+    wire [31:0] result = write_mul ? mul_value_i : add_value_i;
+    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
+    reg         chain_q, subtract_q;
+
+    regfile #(.ADDR_W(REG_W)) u_regfile (
+        .clk_i(clk_i),
+        .write_i(write || host_write_i),
+        .write_addr_i(write ? write_d : host_addr_i),
+        .write_value_i(write ? result : host_wdata_i),
+        .a_addr_i(running_o ? a_reg : host_addr_i), .b_addr_i(b_reg), .c_addr_i(c_reg),
+        .a_value_o(a_value), .b_value_o(b_value), .c_value_o(c_value));
+    assign host_rdata_o = a_value;
+
+    always @(posedge clk_i) begin
+        a_bypass_q <= a_bypass;
+        b_bypass_q <= b_bypass;
+        c_bypass_q <= c_bypass;
+        subtract_q <= subtract;
+        chain_q    <= !rst_i && issue && to_chain;
+    end
+
+    assign chain_o    = chain_q;
+    assign subtract_o = subtract_q;
+    assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
+    assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
+    assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;
+
+    // A run ends when nothing is left to fetch, to issue or to write ---------------------------
+    reg running_q;
+    always @(posedge clk_i)
+        if (rst_i)        running_q <= 1'b0;
+        else if (start_i) running_q <= 1'b1;
+        else if (fetch_empty && !valid_q && in_flight_none) running_q <= 1'b0;
+    assign running_o = running_q;
+
+    // Every running cycle is an issue or exactly one stall ---------------------------------------
+    wire waiting = running_q && valid_q && !issue;
+    assign issue_o            = issue;
+    assign issue_add_o        = issue && to_add;
+    assign issue_mul_o        = issue && to_mul;
+    assign issue_chain_o      = issue && to_chain;
+    assign issue_pc_o         = pc_q;
+    assign issue_context_o    = context_q;
+    assign issue_word_o       = word_q;
+    assign stall_fetch_o      = running_q && !valid_q && !fetch_empty;
+    assign stall_drain_o      = (running_q && !valid_q && fetch_empty)
+                             || (waiting && (!legal || stop_i));
+    assign stall_dependency_o = waiting && legal && !stop_i && blocked;
+    assign stall_unit_o       = waiting && legal && !stop_i && !blocked && unit_busy;
+    assign stall_writeback_o  = waiting && legal && !stop_i && !blocked && !unit_busy;
+    assign retire_o           = write;
+    assign {retire_context_o, retire_register_o} = write_d;
+    assign retire_value_o     = result;
+    assign retire_flags_o     = write_mul ? mul_flags_i : add_flags_i;
+endmodule
+`default_nettype wire

@@ -1,0 +1,109 @@
+// scoreboard: one busy flag per register of each context, and the results in flight.
+//
+// Purpose   Says whether an instruction may issue: no register that it names is flagged (paper,
+//           section 4), and the register file's write port is free in the cycle of its result.
+//           Units have fixed latencies, so a result's cycle is known at issue: the slot that is
+//           reserved then also carries the destination, and no tag travels through a unit.
+//
+//           slot     LATENCY ...    2    1    0
+//                    ^ issue             |    a result is written in this cycle
+//                                        a result will be written in the next cycle: an operand
+//                                        that is read now comes from the bypass
+//
+// Latency   0 for every answer. A flag rises in the cycle after issue_i, and falls so that the
+//           earliest correct reader issues: with BYPASS two cycles before the write, without
+//           in the cycle after it.
+// Hazard    issue_i only with blocked_o and taken_o low. Constants are never flagged.
+`default_nettype none
+module scoreboard #(
+    parameter REG_W       = 5,         // a register's number, its context's included
+    parameter BYPASS      = 1,
+    parameter ADD_LATENCY = 1,         // cycles from operands to result, each >= 1
+    parameter MUL_LATENCY = 1
+) (
+    input  wire             clk_i,
+    input  wire             rst_i,
+    // The instruction at the issue stage
+    input  wire             issue_i,
+    input  wire             to_add_i,
+    input  wire             to_mul_i,
+    input  wire             to_chain_i,
+    input  wire [REG_W-1:0] d_i,
+    input  wire [REG_W-1:0] a_i,
+    input  wire [REG_W-1:0] b_i,
+    input  wire [REG_W-1:0] c_i,
+    input  wire             a_object_i,  // it reads an object register there, not a constant
+    input  wire             b_object_i,
+    input  wire             c_object_i,
+    output wire             blocked_o,   // a register it names is flagged
+    output wire             taken_o,     // the write port is taken in the cycle of its result
+    output wire [1:0]       a_bypass_o,  // {from the multiplier, from the adder}
+    output wire [1:0]       b_bypass_o,
+    output wire [1:0]       c_bypass_o,
+    // The result of this cycle
+    output wire             write_o,
+    output wire             write_mul_o, // from the multiplier, else from the adder
+    output wire [REG_W-1:0] write_d_o,
+    output wire             empty_o      // nothing in flight after this cycle
+);
+    localparam CHAIN_LATENCY = MUL_LATENCY + ADD_LATENCY;
+    localparam FREE          = BYPASS ? 2 : 0;    // the slot that lowers a flag as it leaves
+
+    // Slots 0 .. CHAIN_LATENCY, shifting down by one each cycle.
+    reg  [CHAIN_LATENCY:0] valid_q;
+    reg  [CHAIN_LATENCY:0] mul_q;
+    reg  [REG_W-1:0]       d_q [0:CHAIN_LATENCY];
+
+    wire [CHAIN_LATENCY:0] slot =
+          {{CHAIN_LATENCY{1'b0}}, to_add_i}   << ADD_LATENCY
+        | {{CHAIN_LATENCY{1'b0}}, to_mul_i}   << MUL_LATENCY
+        | {{CHAIN_LATENCY{1'b0}}, to_chain_i} << CHAIN_LATENCY;
+    wire [CHAIN_LATENCY:0] insert = issue_i ? slot : {CHAIN_LATENCY+1{1'b0}};
+
+    always @(posedge clk_i)
+        if (rst_i) valid_q <= {CHAIN_LATENCY+1{1'b0}};
+        else       valid_q <= valid_q >> 1 | insert;
+
+    genvar k;
+    generate
+        for (k = 0; k <= CHAIN_LATENCY; k = k + 1) begin : g_slot
+            always @(posedge clk_i)
+                if (insert[k]) begin
+                    mul_q[k] <= to_mul_i;
+                    d_q[k]   <= d_i;
+                end else if (k < CHAIN_LATENCY) begin
+                    mul_q[k] <= mul_q[k < CHAIN_LATENCY ? k+1 : k];
+                    d_q[k]   <= d_q[k < CHAIN_LATENCY ? k+1 : k];
+                end
+        end
+    endgenerate
+
+    assign taken_o     = |(slot & valid_q >> 1);
+    assign write_o     = valid_q[0];
+    assign write_mul_o = mul_q[0];
+    assign write_d_o   = d_q[0];
+    assign empty_o     = ~|(valid_q >> 1);
+
+    // A result that is due in the next cycle meets its reader at the units' operands.
+    wire [1:0] due = BYPASS == 0 || !valid_q[1] ? 2'b00 : {mul_q[1], !mul_q[1]};
+    assign a_bypass_o = a_object_i && a_i == d_q[1] ? due : 2'b00;
+    assign b_bypass_o = b_object_i && b_i == d_q[1] ? due : 2'b00;
+    assign c_bypass_o = c_object_i && c_i == d_q[1] ? due : 2'b00;
+
+    // Busy flags. With BYPASS a result of latency 1 is there for the next instruction already.
+    reg  [(1<<REG_W)-1:0] busy_q;
+    wire                  flag   = BYPASS ? |(insert >> FREE) : issue_i;
+    wire                  unflag = valid_q[FREE];
+    wire [(1<<REG_W)-1:0] one    = {{(1<<REG_W)-1{1'b0}}, 1'b1};
+
+    always @(posedge clk_i)
+        if (rst_i) busy_q <= {(1<<REG_W){1'b0}};
+        else       busy_q <= busy_q & ~(unflag ? one << d_q[FREE] : {(1<<REG_W){1'b0}})
+                                    |  (flag   ? one << d_i       : {(1<<REG_W){1'b0}});
+
+    assign blocked_o = busy_q[d_i]
+                    || (busy_q[a_i] && a_object_i)
+                    || (busy_q[b_i] && b_object_i)
+                    || (busy_q[c_i] && c_object_i);
+endmodule
+`default_nettype wire

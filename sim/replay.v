@@ -1,0 +1,157 @@
+// replay: runs a recorded host session on the processor, and checks every answer.
+//
+// Purpose   The same requests that the C host sent to the processor under Verilator, sent to it
+//           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
+// Use       vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES]
+//           FILE, a line each, hexadecimal:
+//               w address data     write, answered without error
+//               r address data     read, answered with this data
+//               p address mask     read until no bit of mask is set
+//               h high low         the hash of all retirements so far (FNV-1a, 64 bits, over register,
+//                                  value, flags, each as 32 bits)
+// Result    A closing line PASS or FAIL; $fatal, hence a non-zero exit, on FAIL.
+`default_nettype none
+`timescale 1ns/1ps
+`ifndef TOP
+`define TOP fp3_single
+`endif
+module replay;
+`include "gen/isa.vh"
+    reg clk = 1'b0, rst = 1'b1;
+    always #5 clk = !clk;
+
+    reg         req_valid = 1'b0, req_write = 1'b0;
+    reg  [15:0] req_addr = 16'd0;
+    reg  [31:0] req_wdata = 32'd0;
+    wire        req_ready, rsp_valid, rsp_error;
+    wire [31:0] rsp_rdata;
+    wire        issue_valid, retire_valid;
+    wire [15:0] issue_pc, issue_context, retire_context;
+    wire [31:0] issue_word, retire_value;
+    wire [5:0]  retire_register;
+    wire [4:0]  retire_flags;
+
+    `TOP dut (
+        .clk_i(clk), .rst_i(rst),
+        .req_valid_i(req_valid), .req_ready_o(req_ready), .req_write_i(req_write),
+        .req_addr_i(req_addr), .req_wdata_i(req_wdata),
+        .rsp_valid_o(rsp_valid), .rsp_ready_i(1'b1), .rsp_rdata_o(rsp_rdata), .rsp_error_o(rsp_error),
+        .issue_valid_o(issue_valid), .issue_pc_o(issue_pc), .issue_context_o(issue_context),
+        .issue_word_o(issue_word),
+        .retire_valid_o(retire_valid), .retire_context_o(retire_context),
+        .retire_register_o(retire_register), .retire_value_o(retire_value),
+        .retire_flags_o(retire_flags));
+
+    // What a wave viewer shows as text: the instruction that issues, the result that is written.
+    reg [8*32-1:0] issue_text = "", retire_text = "";
+    function [8*4-1:0] operand(input [6:0] field);
+        operand = {field[6] ? "k" : "r", 8'h30 + field[5:0] / 8'd10, 8'h30 + field[5:0] % 8'd10, " "};
+    endfunction
+    always @(negedge clk) begin
+        issue_text = "";
+        if (issue_valid)
+            issue_text = {mnemonic(issue_word[OP_HI:OP_LO]), " ",
+                          operand({1'b0, issue_word[D_HI:D_LO]}), operand(issue_word[A_HI:A_LO]),
+                          operand(issue_word[B_HI:B_LO]), operand(issue_word[C_HI:C_LO])};
+        retire_text = "";
+        if (retire_valid) $sformat(retire_text, "r%0d=%h", retire_register, retire_value);
+    end
+
+    // The hash of everything that was ever written.
+    localparam [63:0] FNV_OFFSET = 64'hcbf29ce484222325, FNV_PRIME = 64'h00000100000001b3;
+    reg [63:0] hash = FNV_OFFSET;
+    function [63:0] fnv(input [63:0] from, input [31:0] word);
+        integer i;
+        begin
+            fnv = from;
+            for (i = 0; i < 4; i = i + 1) fnv = (fnv ^ {56'd0, word[8*i +: 8]}) * FNV_PRIME;
+        end
+    endfunction
+    always @(posedge clk)
+        if (!rst && retire_valid)
+            hash <= fnv(fnv(fnv(hash, {26'd0, retire_register}), retire_value), {27'd0, retire_flags});
+
+    integer cycles = 0, limit = 1000000;
+    always @(posedge clk) begin
+        cycles <= cycles + 1;
+        if (cycles > limit) fail("the cycle limit was reached");
+    end
+
+    reg [8*256-1:0] session, waves;
+    reg [8*8-1:0]   kind;
+    reg [31:0]      x, y;
+    integer         file, line, fields, checks;
+
+    task fail(input [8*64-1:0] why);
+        begin
+            $display("FAIL %0s:%0d: %0s", session, line, why);
+            $fatal(1);
+        end
+    endtask
+
+    // One request and its response; inputs change at the falling edge.
+    task access(input write, input [15:0] addr, input [31:0] data);
+        begin
+            @(negedge clk);
+            {req_valid, req_write, req_addr, req_wdata} = {1'b1, write, addr, data};
+            while (!req_ready) @(negedge clk);
+            @(negedge clk);
+            req_valid = 1'b0;
+            while (!rsp_valid) @(negedge clk);
+            if (rsp_error) fail("the host port answered with an error");
+        end
+    endtask
+
+    initial begin
+        if (!$value$plusargs("session=%s", session)) begin
+            $display("FAIL: +session=FILE is missing");
+            $fatal(1);
+        end
+        if ($value$plusargs("waves=%s", waves)) begin
+            $dumpfile(waves);
+            $dumpvars(0, replay);
+        end
+        if ($value$plusargs("limit=%d", limit)) $display("limit: %0d cycles", limit);
+        line = 0;
+        checks = 0;
+        file = $fopen(session, "r");
+        if (file == 0) fail("the file cannot be opened");
+        repeat (4) @(negedge clk);
+        rst = 1'b0;
+        fields = $fscanf(file, " %s %h %h", kind, x, y);
+        while (fields == 3) begin
+            line = line + 1;
+            case (kind)
+                "w": access(1'b1, x[15:0], y);
+                "r": begin
+                    access(1'b0, x[15:0], 32'd0);
+                    checks = checks + 1;
+                    if (rsp_rdata !== y) begin
+                        $display("address %h: expected %h, got %h", x[15:0], y, rsp_rdata);
+                        fail("a read differs from the record");
+                    end
+                end
+                "p": begin
+                    access(1'b0, x[15:0], 32'd0);
+                    while ((rsp_rdata & y) != 32'd0) access(1'b0, x[15:0], 32'd0);
+                end
+                "h": begin
+                    checks = checks + 1;
+                    if (hash !== {x, y}) begin
+                        $display("hash of retirements: expected %h%h, got %h", x, y, hash);
+                        fail("the retirements differ from the record");
+                    end
+                end
+                default: fail("a line is not w, r, p or h");
+            endcase
+            fields = $fscanf(file, " %s %h %h", kind, x, y);
+        end
+        if (!$feof(file)) begin line = line + 1; fail("the line cannot be read"); end
+        if (checks == 0) fail("the session checks nothing");
+        $display("PASS %0s: %0d lines, %0d answers checked, %0d cycles, hash %h",
+                 session, line, checks, cycles, hash);
+        $finish;
+    end
+`include "gen/mnemonic.vh"
+endmodule
+`default_nettype wire

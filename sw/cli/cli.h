@@ -1,0 +1,24 @@
+/* cli.h - the subcommands of fp3, one file cmd_<name>.c each. */
+#ifndef FP3_CLI_H
+#define FP3_CLI_H
+
+#include <fp3/status.h>
+
+#define FP3_VERSION "0.1.0"
+
+/* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
+ * code: 0 well, 1 failed, 2 bad input or usage. Ends usage errors itself through argp. */
+int fp3_cmd_asm(int argc, char **argv);
+int fp3_cmd_dis(int argc, char **argv);
+int fp3_cmd_run(int argc, char **argv);
+int fp3_cmd_bench(int argc, char **argv);
+int fp3_cmd_info(int argc, char **argv);
+
+/* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */
+int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error);
+
+/* Flushes stdout and returns exit_code, or reports the write error and returns 1 (a full disk, a
+ * closed pipe). */
+int fp3_cli_done(const char *command, int exit_code);
+
+#endif

@@ -1,0 +1,108 @@
+/* cmd_asm.c - fp3 asm: assembly text to an image. */
+#include "cli.h"
+
+#include <argp.h>
+#include <fp3/asm.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lib/file.h"
+
+typedef struct {
+    const char *source, *image, *hex, *listing;
+} options;
+
+enum { KEY_HEX = 256, KEY_LISTING };
+
+static const struct argp_option table[] = {
+    {"output", 'o', "FILE", 0, "Write the image (*.fp3)", 0},
+    {"hex", KEY_HEX, "FILE", 0, "Write the image's words as text for $readmemh", 0},
+    {"listing", KEY_LISTING, "FILE", 0,
+     "Write the source with the words beside it, and the registers", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    switch (key) {
+    case 'o':
+        o->image = text;
+        break;
+    case KEY_HEX:
+        o->hex = text;
+        break;
+    case KEY_LISTING:
+        o->listing = text;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->source)
+            argp_error(state, "found '%s', expected one source", text);
+        o->source = text;
+        break;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "expected a source");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static int same(const char *one, const char *other) {
+    return one && other && (!strcmp(one, other) || fp3_file_same(one, other));
+}
+
+/* The image comes last: where it is new, all is. */
+static fp3_status write_outputs(const options *o, const fp3_assembly *assembly, const char *source,
+                                size_t size, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    if (o->listing) {
+        char *text = NULL;
+        status = fp3_listing(assembly, source, size, &text, error);
+        if (!status)
+            status = fp3_file_write(o->listing, text, strlen(text), error);
+        free(text);
+    }
+    if (!status && o->hex)
+        status = fp3_image_save_hex(assembly->image, o->hex, error);
+    if (!status && o->image)
+        status = fp3_image_save(assembly->image, o->image, error);
+    return status;
+}
+
+int fp3_cmd_asm(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "SOURCE",
+        .doc = "Assembles SOURCE. Writes what is asked for; with no FILE given, only checks.",
+    };
+    options o = {0};
+    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
+        return 1;
+    const char *files[] = {o.source, o.image, o.hex, o.listing};
+    fp3_error error;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < i; j++)
+            if (same(files[i], files[j]) && strcmp(files[i], "/dev/null"))
+                return fp3_cli_fail(
+                    "asm", fp3_fail(&error, FP3_E_ARGUMENT, "%s would be overwritten", files[j]),
+                    &error);
+
+    char *source = NULL;
+    size_t size = 0;
+    fp3_status status = fp3_file_read(o.source, &source, &size, &error);
+    if (status)
+        return fp3_cli_fail("asm", status, &error);
+    fp3_assembly *assembly = NULL;
+    status = fp3_assemble(source, size, o.source, &assembly, &error);
+    int exit_code = fp3_exit_code(status);
+    if (status && assembly && assembly->error_count)
+        fputs(assembly->report, stderr);
+    else if (status || (status = write_outputs(&o, assembly, source, size, &error)))
+        exit_code = fp3_cli_fail("asm", status, &error);
+    fp3_assembly_free(&assembly);
+    free(source);
+    return exit_code;
+}

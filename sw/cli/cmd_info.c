@@ -1,0 +1,150 @@
+/* cmd_info.c - fp3 info: what an image needs, or what this build has. */
+#include "cli.h"
+
+#include <argp.h>
+#include <fp3/image.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "configs.h"
+#include "isa.h"
+#include "lib/operation.h"
+
+typedef struct {
+    const char *name, *doc;
+    unsigned registers, contexts, program_words, bypass, writeback_stall, chain, subnormal, nearest;
+    unsigned add_latency, mul_latency;
+} config;
+
+static const config configs[] = {
+#define ROW(name, doc, registers, contexts, words, bypass, stall, chain, subnormal, nearest, add,  \
+            mul, add_cuts, mul_cuts)                                                               \
+    {#name, doc, registers, contexts, words, bypass, stall, chain, subnormal, nearest, add, mul},
+    FP3_CONFIGS(ROW)
+#undef ROW
+};
+enum { CONFIG_COUNT = sizeof configs / sizeof *configs };
+
+static const fp3_operation *operation_at(const fp3_image *image, uint32_t index) {
+    fp3_instruction word;
+    return fp3_word_decode(image->code[index], &word, NULL) ? NULL : fp3_operation_find(word.op);
+}
+
+/* "  step part   30: 9 add, 4 sub, 17 mul" */
+static void print_part(const fp3_image *image, const char *name, uint32_t begin, uint32_t end) {
+    const char *separator = ":";
+    printf("%-11s %u", name, end - begin);
+    for (unsigned i = 0; i < fp3_operation_count; i++) {
+        unsigned count = 0;
+        for (uint32_t at = begin; at < end; at++)
+            count += operation_at(image, at) == &fp3_operations[i];
+        if (count > 0) {
+            printf("%s %u %s", separator, count, fp3_operations[i].name);
+            separator = ",";
+        }
+    }
+    unsigned illegal = 0;
+    for (uint32_t at = begin; at < end; at++)
+        illegal += !operation_at(image, at);
+    if (illegal > 0)
+        printf("%s %u illegal", separator, illegal);
+    printf("\n");
+}
+
+static void print_names(const fp3_image *image, fp3_symbol_kind kind, const char *title) {
+    int found = 0;
+    for (uint32_t i = 0; i < image->symbol_count; i++)
+        if (image->symbols[i].kind == kind) {
+            printf(found ? " %s" : "%-11s %s", found ? image->symbols[i].name : title,
+                   image->symbols[i].name);
+            found = 1;
+        }
+    if (found)
+        printf("\n");
+}
+
+/* NULL, or what the configuration lacks. */
+static const char *lacks(const config *c, const fp3_image *image) {
+    for (uint32_t i = 0; i < image->code_count; i++) {
+        const fp3_operation *operation = operation_at(image, i);
+        if (!c->chain && operation &&
+            (operation->code == FP3_OP_MADD || operation->code == FP3_OP_MSUB))
+            return "it has no madd and msub";
+    }
+    if (image->registers > c->registers)
+        return "it has too few object registers";
+    if (image->shared > c->registers)
+        return "it has too few shared constants";
+    if (image->code_count > c->program_words)
+        return "its instruction memory is too small";
+    return NULL;
+}
+
+static int print_image(const char *path) {
+    fp3_image *image = NULL;
+    fp3_error error;
+    fp3_status status = fp3_image_load(path, &image, &error);
+    if (status)
+        return fp3_cli_fail("info", status, &error);
+    printf("%-11s %u words\n", "code", image->code_count);
+    print_part(image, "first part", 0, image->step);
+    print_part(image, "step part", image->step, image->last);
+    print_part(image, "last part", image->last, image->code_count);
+    printf("%-11s %u object registers, %u shared constants\n", "registers", image->registers,
+           image->shared);
+    print_names(image, FP3_SYMBOL_STATE, "state");
+    print_names(image, FP3_SYMBOL_PARAM, "param");
+    print_names(image, FP3_SYMBOL_SHARED, "shared");
+    print_names(image, FP3_SYMBOL_LABEL, "label");
+    for (int i = 0; i < CONFIG_COUNT; i++) {
+        const char *reason = lacks(&configs[i], image);
+        printf("%-11s %s%s%s\n", reason ? "not for" : "for", configs[i].name, reason ? ": " : "",
+               reason ? reason : "");
+    }
+    fp3_image_free(&image);
+    return fp3_cli_done("info", 0);
+}
+
+static int print_build(void) {
+    printf("fp3 %s, instruction set revision %d:", FP3_VERSION, FP3_ISA_REVISION);
+    for (unsigned i = 0; i < fp3_operation_count; i++)
+        printf(" %s", fp3_operations[i].name);
+    printf("\n");
+    for (int i = 0; i < CONFIG_COUNT; i++) {
+        const config *c = &configs[i];
+        printf("\n%s: %s\n", c->name, c->doc);
+        printf("  %u object registers and shared constants, %u context%s, %u words of program\n",
+               c->registers, c->contexts, c->contexts == 1 ? "" : "s", c->program_words);
+        printf("  add %u and mul %u cycles; %s, %s, %s\n", c->add_latency, c->mul_latency,
+               c->bypass ? "bypass" : "no bypass",
+               c->writeback_stall ? "writeback stall" : "no writeback stall",
+               c->chain ? "madd and msub" : "no madd and msub");
+        printf("  %s, %s\n",
+               c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
+               c->nearest ? "rounds to nearest" : "truncates");
+    }
+    return fp3_cli_done("info", 0);
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    const char **image = state->input;
+    if (key != ARGP_KEY_ARG)
+        return ARGP_ERR_UNKNOWN;
+    if (*image)
+        argp_error(state, "found '%s', expected one image", text);
+    *image = text;
+    return 0;
+}
+
+int fp3_cmd_info(int argc, char **argv) {
+    static const struct argp argp = {
+        .parser = parse,
+        .args_doc = "[IMAGE]",
+        .doc = "Says what IMAGE needs; without it, which version, instructions and configurations "
+               "this is.",
+    };
+    const char *image = NULL;
+    if (argp_parse(&argp, argc, argv, 0, NULL, &image))
+        return 1;
+    return image ? print_image(image) : print_build();
+}

@@ -1,0 +1,80 @@
+/* main.c - the command fp3: finds the subcommand and hands it the rest of the line. */
+#include "cli.h"
+
+#include <argp.h>
+#include <stdio.h>
+#include <string.h>
+
+/* X(name, what it does) */
+#define COMMANDS(X)                                                                                \
+    X(asm, "Assemble a program into an image")                                                     \
+    X(dis, "Disassemble an image, or one instruction word")                                        \
+    X(run, "Run an image on an engine")                                                            \
+    X(bench, "Measure the cycles and the time of an image")                                        \
+    X(info, "Say what an image needs, or what this build has")
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+#define ROW(name, doc) {#name, fp3_cmd_##name},
+    COMMANDS(ROW)
+#undef ROW
+};
+enum { COUNT = sizeof commands / sizeof *commands };
+
+#define LINE(name, doc) "  " #name "\t" doc "\n"
+static const char text[] =
+    "Programs for FP3, a processor for equations of motion.\v"
+    "Commands:\n" COMMANDS(LINE) "\n"
+                                 "'fp3 COMMAND --help' lists a command's options.\n"
+                                 "Exit codes: 0 well, 1 failed, 2 bad input or usage.";
+
+int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
+    fflush(stdout);
+    fprintf(stderr, "fp3 %s: %s\n", command, error->text);
+    return fp3_exit_code(status);
+}
+
+int fp3_cli_done(const char *command, int exit_code) {
+    if (!fflush(stdout) && !ferror(stdout))
+        return exit_code;
+    fprintf(stderr, "fp3 %s: cannot write the output\n", command);
+    return 1;
+}
+
+static error_t parse(int key, char *argument, struct argp_state *state) {
+    int *at = state->input;
+    if (key == ARGP_KEY_ARG) {
+        *at = state->next - 1;
+        state->next = state->argc; /* the rest is the subcommand's */
+        return 0;
+    }
+    (void)argument;
+    if (key == ARGP_KEY_NO_ARGS)
+        argp_usage(state);
+    return ARGP_ERR_UNKNOWN;
+}
+
+int main(int argc, char **argv) {
+    static char name[64];
+    static const struct argp argp = {
+        .parser = parse, .args_doc = "COMMAND [ARGUMENT...]", .doc = text};
+    argp_program_version = "fp3 " FP3_VERSION;
+    argp_err_exit_status = 2;
+    int at = 0;
+    if (argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &at))
+        return 1;
+    for (int i = 0; i < COUNT; i++) {
+        if (strcmp(argv[at], commands[i].name))
+            continue;
+        snprintf(name, sizeof name, "fp3 %s", commands[i].name);
+        argv[at] = name;
+        return commands[i].run(argc - at, argv + at);
+    }
+    fprintf(stderr, "fp3: found '%s', expected a command:", argv[at]);
+    for (int i = 0; i < COUNT; i++)
+        fprintf(stderr, " %s", commands[i].name);
+    fprintf(stderr, "\n");
+    return 2;
+}

@@ -1,0 +1,48 @@
+/* fp3/asm.h - assembly text to image and back.
+ *
+ *     fp3_assembly *result = NULL;
+ *     if (fp3_assemble(text, strlen(text), "ship.s", &result, &error))
+ *         fputs(result ? result->report : error.text, stderr);
+ *     else
+ *         fp3_image_save(result->image, "ship.fp3", &error);
+ *     fp3_assembly_free(&result);
+ *
+ * docs/assembly.md describes the language.
+ */
+#ifndef FP3_ASM_H
+#define FP3_ASM_H
+
+#include <fp3/image.h>
+
+typedef struct {
+    fp3_image *image;     /* NULL when the source has errors */
+    uint32_t *lines;      /* the source line of each code word, from 1 */
+    unsigned error_count; /* assembly ends at the 20th */
+    char *report; /* "name:line:column: error: found 'x', expected y", the line and a caret for each
+                   */
+} fp3_assembly;
+
+/* source needs no NUL and may be anything at all; name is for the report. FP3_E_PROGRAM: the source
+ * is wrong, *result holds the report and error the first line of it. */
+fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_assembly **result,
+                        fp3_error *error);
+void fp3_assembly_free(fp3_assembly **result);
+
+/* The source beside indices and words, then what each register stands for. *text is malloc'ed. */
+fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t size, char **text,
+                       fp3_error *error);
+
+/* Assembles to an image identical in every bit. *text is malloc'ed. FP3_E_PROGRAM: a word is
+ * illegal. */
+fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error);
+
+/* One instruction, as in "madd r3, k1, r2, r0"; with an image by its names. */
+#define FP3_WORD_TEXT_SIZE 160
+fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WORD_TEXT_SIZE],
+                         fp3_error *error);
+
+/* The shortest number that the assembler reads as these bits. */
+#define FP3_NUMBER_TEXT_SIZE 24
+void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]);
+
+#endif

@@ -1,0 +1,120 @@
+/* fp3/image.h - a program as the hardware takes it: code, constants, and the names of its
+ * registers.
+ *
+ *     fp3_image *image = NULL;
+ *     fp3_error error;
+ *     if (fp3_image_load("ship.fp3", &image, &error))
+ *         return fp3_fail(...);
+ *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_KINDS_OBJECT);    // v->index is its
+ * register fp3_image_free(&image);
+ *
+ * An image that the library hands out has passed every check below and is never changed again.
+ *
+ * As a file (*.fp3) it is 32-bit words, low byte first:
+ *     0  magic            1  revision of the instruction set     2  words in all, the last included
+ *     3  code words       4  step     5  last     6  constants   7  symbols
+ *     8  object registers used | shared constants used << 16
+ *     then the code, {index, bits} of each constant by index, {kind << 24 | index, name in eight
+ *     words padded with NULs} of each symbol by kind, index and name,
+ *     and last the CRC-32 (as in zlib) of all before. An image has this one form only.
+ */
+#ifndef FP3_IMAGE_H
+#define FP3_IMAGE_H
+
+#include <fp3/status.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define FP3_IMAGE_MAGIC 0x49335046u /* "FP3I" as bytes */
+#define FP3_IMAGE_HEADER_WORDS 9
+#define FP3_IMAGE_CODE_LIMIT 65536u /* words: a program counter has 16 bits */
+#define FP3_IMAGE_LABEL_LIMIT 1024u
+#define FP3_NAME_SIZE 32 /* bytes of a name, its NUL included */
+
+/* What a name stands for. The host writes state, param and shared, and reads state back. */
+typedef enum {
+    FP3_SYMBOL_STATE,  /* object register */
+    FP3_SYMBOL_PARAM,  /* object register */
+    FP3_SYMBOL_TEMP,   /* object register */
+    FP3_SYMBOL_SHARED, /* shared constant without a value: the host gives it */
+    FP3_SYMBOL_CONST,  /* shared constant with a value in the image */
+    FP3_SYMBOL_LABEL,  /* index of a code word; code_count is possible */
+    FP3_SYMBOL_KINDS
+} fp3_symbol_kind;
+
+/* Sets of kinds, for fp3_image_find. */
+#define FP3_KIND(kind) (1u << (kind))
+#define FP3_KINDS_OBJECT                                                                           \
+    (FP3_KIND(FP3_SYMBOL_STATE) | FP3_KIND(FP3_SYMBOL_PARAM) | FP3_KIND(FP3_SYMBOL_TEMP))
+#define FP3_KINDS_SHARED (FP3_KIND(FP3_SYMBOL_SHARED) | FP3_KIND(FP3_SYMBOL_CONST))
+#define FP3_KINDS_HOST                                                                             \
+    (FP3_KIND(FP3_SYMBOL_STATE) | FP3_KIND(FP3_SYMBOL_PARAM) | FP3_KIND(FP3_SYMBOL_SHARED))
+#define FP3_KINDS_ALL (FP3_KIND(FP3_SYMBOL_KINDS) - 1)
+
+typedef struct {
+    fp3_symbol_kind kind;
+    uint32_t index; /* 0..63 within its bank, or a code word's index */
+    char name[FP3_NAME_SIZE];
+} fp3_symbol;
+
+typedef struct {
+    uint32_t index; /* of the shared constant, 0..63 */
+    uint32_t bits;  /* of its FP32 value */
+} fp3_constant;
+
+/* A run executes code[0..step) once, code[step..last) once per step, code[last..code_count) once.
+ */
+typedef struct {
+    uint32_t code_count, step, last;
+    uint32_t constant_count, symbol_count;
+    uint32_t registers; /* object registers that code or names use: the highest index + 1 */
+    uint32_t shared;    /* shared constants that code, names or values use, likewise */
+    const uint32_t *code;
+    const fp3_constant *constants; /* by index */
+    const fp3_symbol *symbols;     /* by kind, then index */
+} fp3_image;
+
+/* One instruction, operands as numbered in the word: shared constant k is FP3_BANK_SHARED_BASE + k.
+ * Operands that the operation does not have are 0. */
+typedef struct {
+    uint32_t op; /* enum fp3_opcode */
+    uint32_t d, a, b, c;
+} fp3_instruction;
+
+/* FP3_E_PROGRAM for a word that the hardware refuses: an unknown opcode, or an operand that the
+ * operation does not have and that is not 0. instruction may be NULL. */
+fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_error *error);
+uint32_t fp3_word_encode(const fp3_instruction *instruction);
+
+/* A checked copy of the draft: registers and shared are counted, constants and symbols sorted.
+ * Refused: step < last <= code_count <= FP3_IMAGE_CODE_LIMIT not held, an index out of its bank, a
+ * malformed or a double name, two names or two values for one register, a .const without a value or
+ * a .shared with one. Illegal code words are let through: they are an engine's to refuse. */
+fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
+void fp3_image_free(fp3_image **image);
+
+/* From and to the words of a .fp3 file. encode: *words is malloc'ed, the caller frees it. */
+fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **image,
+                            fp3_error *error);
+fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *count,
+                            fp3_error *error);
+
+/* Messages begin with the path. */
+fp3_status fp3_image_load(const char *path, fp3_image **image, fp3_error *error);
+fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *error);
+/* The same words as $readmemh text, each with its meaning as a comment. */
+fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
+
+/* The symbol of this name if it is of one of these kinds, or NULL. Names are unique in an image. */
+const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned kinds);
+/* The name of a register or constant as numbered in a word, or NULL. */
+const char *fp3_image_name(const fp3_image *image, uint32_t operand);
+/* The value that the image gives shared constant index, or NULL. */
+const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
+const char *fp3_kind_name(fp3_symbol_kind kind);
+int fp3_kind_is_object(fp3_symbol_kind kind);
+/* Whether text is a name: a letter or _, then letters, digits or _, 31 characters at most, and not
+ * one of the words that mean something by themselves: first, step, last, inf, nan. */
+int fp3_name_valid(const char *text);
+
+#endif

@@ -1,0 +1,35 @@
+/* fp3/status.h - how every call of the library says that it failed, and why.
+ *
+ *     fp3_error error;
+ *     if (fp3_image_load("ship.fp3", &image, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *
+ * A call returns a status; on failure it also writes one line into the caller's fp3_error
+ * (or nothing, where that is NULL). What a failed call would have made is left NULL or unchanged.
+ */
+#ifndef FP3_STATUS_H
+#define FP3_STATUS_H
+
+typedef enum {
+    FP3_OK = 0,
+    FP3_E_ARGUMENT, /* the caller asks for what cannot be: an option, a name, a value out of range
+                     */
+    FP3_E_PROGRAM,  /* the program is wrong: source, image, or an instruction word */
+    FP3_E_LIMIT,    /* stopped at a limit that the caller gave; the state is readable */
+    FP3_E_SYSTEM,   /* memory, file or device */
+    FP3_E_MISMATCH  /* two results that must agree do not */
+} fp3_status;
+
+typedef struct {
+    char text[512]; /* one line without a newline; longer ones are cut */
+} fp3_error;
+
+/* Writes the message (error may be NULL) and returns status, so that a caller can
+ * say: return fp3_fail(error, FP3_E_ARGUMENT, "no register '%s'", name); */
+__attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_status status,
+                                                          const char *format, ...);
+
+/* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage. */
+int fp3_exit_code(fp3_status status);
+
+#endif

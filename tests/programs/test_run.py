@@ -1,0 +1,111 @@
+"""`fp3 run`: what it prints, and each kind of bad input."""
+
+import re
+import struct
+import subprocess
+import zlib
+
+import pytest
+
+
+@pytest.fixture
+def image(fp3, root, tmp_path):
+    path = tmp_path / "ship.fp3"
+    subprocess.run([fp3, "asm", root / "programs/ship.s", "-o", path], check=True)
+    return path
+
+
+@pytest.fixture
+def run(fp3, root, tmp_path):
+    def start(*arguments):
+        done = subprocess.run([fp3, "run", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        assert done.returncode in (0, 1, 2), done.stderr
+        return done
+
+    return start
+
+
+@pytest.fixture
+def params(root):
+    return ["--params", root / "programs/ship.cfg"]
+
+
+def fails(done, code, message):
+    assert done.returncode == code, done.stdout + done.stderr
+    assert re.search(message, done.stderr), done.stderr
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("engine", ["rtl", "model"])
+def test_run_prints_states_and_counters(run, image, params, engine):
+    done = run(image, "--engine", engine, "--steps", "10", *params)
+    assert done.returncode == 0, done.stderr
+    for row in (r"v +0\.0\d+ +0x3\w{7}", r"s +0\.0\d+ ", r"object_steps +10", r"retired +303", r"flags +inexact"):
+        assert re.search("^" + row, done.stdout, re.M), done.stdout
+
+
+def test_both_engines_print_the_same_states(run, image, params):
+    states = {engine: re.findall(r"^[vs] .*0x\w+", run(image, "--engine", engine, "--steps", "99", *params).stdout, re.M)
+              for engine in ("rtl", "model")}
+    assert len(states["rtl"]) == 2 and states["rtl"] == states["model"]
+
+
+def test_a_missing_file_is_named(run):
+    fails(run("nonesuch.fp3"), 2, "nonesuch.fp3")
+
+
+def test_a_truncated_image_is_refused(run, image, tmp_path):
+    whole = image.read_bytes()
+    for size in (0, 3, 20, len(whole) // 2, len(whole) - 4):
+        short = tmp_path / "short.fp3"
+        short.write_bytes(whole[:size])
+        fails(run(short), 2, "short.fp3")
+
+
+def test_an_illegal_word_is_trapped_by_the_hardware(run, image, params, tmp_path):
+    """The image is sound, its third word is not: only execution finds it."""
+    words = list(struct.unpack(f"<{len(image.read_bytes()) // 4}I", image.read_bytes()))
+    words[9 + 2] = 0xdeadbeef
+    body = struct.pack(f"<{len(words) - 1}I", *words[:-1])
+    bad = tmp_path / "bad.fp3"
+    bad.write_bytes(body + struct.pack("<I", zlib.crc32(body)))
+    done = run(bad, *params, "--config", "single")
+    fails(done, 2, "word 2 is 0xdeadbeef, no instruction of configuration 'single'")
+    assert re.search(r"^retired +2$", done.stdout, re.M)
+
+
+def test_the_cycle_limit_ends_a_run_with_1(run, image, params):
+    done = run(image, *params, "--steps", "4000000000", "--cycle-limit", "5000")
+    fails(done, 1, "limit of 5000 cycles")
+    assert re.search(r"^v ", done.stdout, re.M) and re.search(r"^object_steps +0$", done.stdout, re.M)
+
+
+def test_parameters_are_all_needed_and_all_known(run, image, params, tmp_path):
+    fails(run(image), 2, "parameter '.*' has no value")
+    fails(run(image, *params, "--set", "mass=3"), 2, "no parameter 'mass'")
+    fails(run(image, *params, "--set", "h=fast"), 2, "'fast' is no number")
+    fails(run(image, *params, "--set", "h"), 2, "'h' is not name=value")
+    fails(run(image, *params, "--set", "h=1e39"), 2, "'h' is too large")
+    fails(run(image, "--params", "nonesuch.cfg"), 2, "nonesuch.cfg")
+    for text, message in (("h = ;", "x.cfg:1: syntax error"), ("\nh = true;", "x.cfg:2: 'h' is neither"),
+                          ('rm = "1/m";', "'rm' is 1/m")):
+        (tmp_path / "x.cfg").write_text(text)
+        fails(run(image, "--params", "x.cfg", *(f"--set={name}=1" for name in ("v", "s", "T", "C"))), 2, message)
+
+
+def test_unknown_names_are_refused(run, image, params):
+    fails(run(image, *params, "--config", "nonesuch"), 2, "no configuration 'nonesuch': there are .*single")
+    fails(run(image, *params, "--engine", "abacus"), 2, "no engine 'abacus'")
+    fails(run(image, *params, "--steps", "-1"), 2, "'-1' is no number")
+    fails(run(image, *params, "--steps", "4294967296"), 2, "4294967296 steps")
+    fails(run(), 2, "an image is missing")
+
+
+def test_the_bus_log_tells_the_run(run, image, params, tmp_path):
+    assert run(image, *params, "--bus-log", "log").returncode == 0
+    log = (tmp_path / "log").read_text()
+    lines = log.splitlines()
+    assert all(re.fullmatch(r"[wrp] [0-9a-f]{4} [0-9a-f]{8}|h [0-9a-f]{8} [0-9a-f]{8}", line) for line in lines)
+    assert [line[0] for line in lines].count("h") == 1
+    assert re.search(r"w 0010 00000001\np 0014 00000001\nr 0014 00000002\n", log)  # start, wait, done
+    fails(run(image, *params, "--bus-log", "nonesuch/log"), 1, "nonesuch/log")

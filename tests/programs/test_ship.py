@@ -1,0 +1,149 @@
+"""The ship: bench on every configuration, an independent Equations (1), and that bench can fail."""
+
+import json
+import re
+import struct
+import subprocess
+from fractions import Fraction
+
+import pytest
+
+KEYS = {
+    "config": str, "program": str, "first_cycles": int, "next_cycles": (int, float), "objects": int, "steps": int, "words": int,
+    "mismatches": int, "rel_err_v": float, "rel_err_s": float, "stalls": dict, "cycles_per_second": float,
+}
+
+
+@pytest.fixture
+def bench(fp3, root, tmp_path):
+    """Runs `fp3 bench`; returns what it printed and, if it came so far, its figures."""
+
+    def run(*arguments, steps=200):
+        path = tmp_path / "deeper" / "sim.json"
+        path.unlink(missing_ok=True)
+        done = subprocess.run([fp3, "bench", "--steps", str(steps), "--json", path, *arguments],
+                              cwd=root, capture_output=True, text=True, timeout=300)
+        return done, json.loads(path.read_text())["runs"] if path.exists() else None
+
+    return run
+
+
+def configs(root):
+    return re.findall(r"^ *X\((\w+),", (root / "sw/gen/configs.h").read_text(), re.M)
+
+
+@pytest.mark.smoke
+def test_every_configuration_gives_golden_bits(bench, root):
+    done, runs = bench()
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert {run["config"] for run in runs} == set(configs(root))
+    for run in runs:
+        for key, kind in KEYS.items():
+            assert isinstance(run[key], kind), key
+        assert run["mismatches"] == 0
+        # each step of two runs, two registers read back in each, and one more write where s lags behind
+        words = run["words"] / run["objects"]
+        assert 2 * (1 + 201) + 4 <= words <= 2 * (1 + 201) + 4 + 4
+        assert run["steps"] == 201
+        issued = run["issued_add"] + run["issued_mul"] + run["issued_chain"]
+        assert run["cycles"] == issued + sum(run["stalls"].values())
+        assert round(run["next_cycles"] * 200) + run["first_cycles"] == run["cycles"]
+        assert run["rel_err_v"] < 1e-5
+        assert f"{run['program']}, {run['config']}" in done.stdout
+    assert re.search(r"the paper +445 +418", done.stdout)
+
+
+def fp32(x):
+    """The FP32 number next to a rational."""
+    if x == 0:
+        return Fraction(0)
+    exponent = max(abs(x.numerator).bit_length() - x.denominator.bit_length(), -126)
+    while abs(x) >= Fraction(2) ** exponent * 2:
+        exponent += 1
+    while exponent > -126 and abs(x) < Fraction(2) ** exponent:
+        exponent -= 1
+    ulp = Fraction(2) ** (exponent - 23)
+    return round(x / ulp) * ulp  # to even in a tie
+
+
+def bits(x):
+    return struct.unpack("<I", struct.pack("<f", float(x)))[0]
+
+
+def equations_1(T, C, m, h, steps):
+    """Equations (1) in rationals, each operation rounded."""
+    v = s = Fraction(0)
+    rm, sixth = fp32(Fraction(1) / m), fp32(Fraction("0.16666667"))
+
+    def k(v):
+        return fp32(h * fp32(fp32(T - fp32(C * v)) * rm))
+
+    for _ in range(steps):
+        k1 = k(v)
+        k2 = k(fp32(v + k1 / 2))
+        k3 = k(fp32(v + k2 / 2))
+        k4 = k(fp32(v + k3))
+        total = fp32(fp32(fp32(k1 + 2 * k2) + 2 * k3) + k4)
+        v = fp32(v + fp32(sixth * total))
+        s = fp32(s + fp32(h * v))
+    return bits(v), bits(s)
+
+
+@pytest.mark.parametrize("engine", ["model", "rtl"])
+def test_run_ends_in_the_bits_of_exact_arithmetic_rounded(fp3, root, tmp_path, engine):
+    """Shares nothing with golden, which is compiled C: rationals, rounded to FP32 one by one."""
+    image = tmp_path / "ship.fp3"
+    subprocess.run([fp3, "asm", root / "programs/ship.s", "-o", image], check=True)
+    done = subprocess.run([fp3, "run", image, "--engine", engine, "--steps", "300", "--params",
+                           root / "programs/ship.cfg", "--set", "C=51234.5", "--set", "T=3.1e5"],
+                          capture_output=True, text=True, check=True)
+    got = {name: int(re.search(rf"^{name} .*(0x\w+)", done.stdout, re.M)[1], 16) for name in "vs"}
+    v, s = equations_1(Fraction(310000), Fraction("51234.5"), Fraction(870000), Fraction(1, 128), 300)
+    assert (got["v"], got["s"]) == (v, s)
+
+
+WRONG = {
+    # what is done to ship.s: what bench must say, expected and got included
+    "another 1/6": (("0.16666667", "0.16666668"), r"step 1: v as written is 0x\w{8} .*golden has 0x\w{8}"),
+    "one rounding elsewhere": (("add  sum, sum, w        #     k1 + 2*k2 + 2*k3", "add  sum, w, k1"),
+                               r"step \d+: [vs] as written is 0x\w{8} .*golden has 0x\w{8}"),
+    "a position that starts elsewhere": (("add  p, -0.0, -0.0", "add  p, 1.0, -0.0"), r"step 0: s as first written is 0x3f800000"),
+    "a position one step late": (("last:\n    add  s, s, p ", "last:\n    add  t, s, p "),
+                                 r"step 1: s as written is 0x00000000"),
+    "a write too many": (("    mul  p, h, v", "    add  v, v, -0.0\n    mul  p, h, v"), r"v was written 102 times in 51 steps"),
+    "a lost state": (("last:\n", "last:\n    add  v, v, 1.0\n"), r"[vs] .*(golden has|was written)"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_bench_fails_on(bench, root, tmp_path, what):
+    (right, wrong), message = WRONG[what]
+    source = (root / "programs/ship.s").read_text()
+    assert source.count(right) == 1, right
+    program = tmp_path / "wrong.s"
+    program.write_text(source.replace(right, wrong))
+    done, runs = bench("--program", program, "--config", "single", steps=50)
+    assert done.returncode == 1, done.stdout
+    assert re.search(message, done.stderr), done.stderr
+    assert runs is None or runs[0]["mismatches"] > 0
+
+
+def test_bench_says_what_it_cannot_do(bench, tmp_path):
+    cases = [
+        (["--config", "nonesuch"], "no configuration 'nonesuch'"),
+        (["--program", "nonesuch"], "no program programs/nonesuch.s"),
+        (["--program", "ship_madd", "--config", "paper"], "chained multiply-add"),
+        (["--params", "nonesuch.cfg"], "nonesuch.cfg"),
+        (["--steps", "0"], "'0' is no number"),
+    ]
+    for arguments, message in cases:
+        done, runs = bench(*arguments)
+        assert done.returncode == 2 and message in done.stderr and runs is None, (arguments, done.stderr)
+
+
+def test_bench_needs_a_ship_that_moves_to_an_end(bench, root, tmp_path):
+    """Truth is for C > 0: no figures instead of nonsense."""
+    params = tmp_path / "ship.cfg"
+    params.write_text((root / "programs/ship.cfg").read_text().replace("4.1e4", "0.0"))
+    done, runs = bench("--params", params)
+    assert done.returncode == 2 and "C > 0" in done.stderr and runs is None

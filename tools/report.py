@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+"""The results as tables: build/results/*.json to docs/results.md and to README.md's table.
+
+    tools/report.py            what `make report` runs, after `make sim prove synth`
+
+Every figure in docs/results.md and between README's marks comes from here. Results that have not
+been measured are an error: a table with holes would pass for a whole one.
+"""
+
+import json
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAPER = {"first": 445, "next": 418, "ns": 3715.184}
+
+# From the paper's machine to `single`, one change at a time: configuration, program, the change.
+WALK = [
+    ("paper", "ship_paper", "the paper's machine, our calibration"),
+    ("paper", "ship", "no register initialisation; independent work in the shadow of the chain"),
+    ("walk_slot", "ship", "write slots reserved at issue instead of a stall at each write"),
+    ("walk_bypass", "ship", "results go straight to waiting operands"),
+    ("single", "ship", "shallow cores: fewer cycles each, a slower clock"),
+    ("single", "ship_madd", "chained multiply-add"),
+]
+
+
+def load(name):
+    path = ROOT / "build/results" / name
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        sys.exit(f"{path.relative_to(ROOT)} is missing: run `make sim prove synth` first")
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def number(x, digits=0):
+    return "–" if x is None else f"{x:,.{digits}f}"
+
+
+def find(rows, what, **keys):
+    for row in rows:
+        if all(row[key] == value for key, value in keys.items()):
+            return row
+    sys.exit(f"{what}: nothing measured for " + ", ".join(f"{k} {v}" for k, v in keys.items()))
+
+
+def nanoseconds(run, synth, grade):
+    row = find(synth, "synth.json", top="fp3", config=run["config"], grade=grade)
+    return run["next_cycles"] * 1000 / row["fmax_best"], run["next_cycles"] * 1000 / row["fmax_median"]
+
+
+def ship(runs, synth):
+    rows = []
+    for run in runs:
+        rows.append([f"`{run['config']}`", f"`{run['program']}`", number(run["first_cycles"]),
+                     number(run["next_cycles"])]
+                    + [" / ".join(number(ns) for ns in nanoseconds(run, synth, grade)) for grade in (6, 8)]
+                    + [f"{run['mismatches']} of {run['words']:,}", f"{run['rel_err_v']:.1e}",
+                       f"{run['rel_err_s']:.1e}"])
+    return table(["configuration", "program", "first", "next", "ns grade 6, best / median seed",
+                  "ns grade 8", "mismatches", "error of v", "error of s"], rows)
+
+
+def walk(runs, synth):
+    rows = [["the paper, Virtex-II grade 4", "", PAPER["first"], PAPER["next"], number(PAPER["ns"]), ""]]
+    before = None
+    for config, program, change in WALK:
+        run = find(runs, "sim.json", config=config, program=program)
+        ns = nanoseconds(run, synth, 6)[0]
+        rows.append([change, f"`{config}`, `{program}`", number(run["first_cycles"]), number(run["next_cycles"]),
+                     number(ns), f"{ns - before:+,.0f}" if before else ""])
+        before = ns
+    return table(["change", "configuration, program", "first", "next", "ns, grade 6", "bought"], rows)
+
+
+def stalls(runs):
+    causes = list(runs[0]["stalls"])
+    return table(["configuration", "program", *causes],
+                 [[f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in runs])
+
+
+def cores(synth):
+    rows = []
+    for row in synth:
+        if row["top"] == "fp3" or row["grade"] != 6:
+            continue
+        other = find(synth, "synth.json", top=row["top"], config=row["config"], grade=8)
+        rows.append([f"`{row['top']}`", f"`{row['config']}`", row["cuts"], row["lut4"], row["ff"], row["dsp"],
+                     f"{row['fmax_best']:.0f} / {row['fmax_median']:.0f}",
+                     f"{other['fmax_best']:.0f} / {other['fmax_median']:.0f}", number(row["latency_ns"], 1),
+                     number(other["latency_ns"], 1)])
+    rows.sort(key=lambda r: (r[0], r[2]))
+    return table(["core", "masks of", "cuts", "LUT4", "FF", "DSP", "MHz grade 6, best / median", "MHz grade 8",
+                  "ns grade 6", "ns grade 8"], rows)
+
+
+def processors(synth):
+    rows = []
+    for row in synth:
+        if row["top"] != "fp3" or row["grade"] != 6:
+            continue
+        other = find(synth, "synth.json", top="fp3", config=row["config"], grade=8)
+        rows.append([f"`{row['config']}`", row["lut4"], row["ff"], row["dsp"], row["ebr"],
+                     f"{row['fmax_best']:.1f} / {row['fmax_median']:.1f}",
+                     f"{other['fmax_best']:.1f} / {other['fmax_median']:.1f}"])
+    return table(["configuration", "LUT4", "FF", "DSP", "EBR", "MHz grade 6, best / median", "MHz grade 8"], rows)
+
+
+def proofs(rows):
+    groups = {}
+    for row in rows:
+        group = groups.setdefault(row["core"], {"questions": 0, "seconds": 0.0, "verdicts": set()})
+        group["questions"] += 1
+        group["seconds"] += row["seconds"]
+        group["verdicts"].add(row["verdict"])
+    return table(["what", "questions", "seconds on one core", "verdicts"],
+                 [[core, g["questions"], number(g["seconds"], 1), ", ".join(sorted(g["verdicts"]))]
+                  for core, g in groups.items()])
+
+
+def between(text, begin, end, new):
+    head, _, rest = text.partition(begin)
+    old, found, tail = rest.partition(end)
+    if not found:
+        sys.exit(f"README.md: expected the marks {begin} and {end}")
+    return head + begin + "\n" + new + "\n" + end + tail
+
+
+def main():
+    runs, synth, proved = load("sim.json")["runs"], load("synth.json")["rows"], load("prove.json")["rows"]
+    fields = next(iter(synth))
+    text = f"""<!-- Generated by tools/report.py (make report): do not edit. -->
+# Results
+
+Cycles are exact and the same on every machine. Clock rates are post-route on {fields['device']} (CABGA381), by
+yosys and nextpnr-ecp5 in the versions that `make setup-fpga` pins, seeds {', '.join(map(str, fields['seeds']))}, operand register to
+result register for a core, whole processor otherwise; `lut4` counts TRELLIS_COMB cells as nextpnr does, two for
+each carry cell. Nanoseconds are cycles divided by clock rate.
+
+## The ship, Equations (1): `make sim`, `make synth`
+The paper: {PAPER['first']} cycles for the first integration, {PAPER['next']} for each next one, {PAPER['ns']:,.0f} ns.
+Errors are relative, against GSL's rk8pd in double; `s = s + h*v1` is first order in the position, so its error is the
+method's and not the arithmetic's.
+
+{ship(runs, synth)}
+
+## From the paper's machine to `single`, one change at a time
+{walk(runs, synth)}
+
+## Where the cycles went
+Stall cycles of the whole run, by cause.
+
+{stalls(runs)}
+
+## Processors: `make synth TOP=fp3`
+{processors(synth)}
+
+## Floating-point cores: `make synth TOP=fp_add`, `make synth TOP=fp_mul`
+Exact IEEE 754 binary32 with gradual underflow and flags. Latency is (cuts + 1) periods at the best seed.
+
+{cores(synth)}
+
+## Proofs: `make prove`
+{proofs(proved)}
+"""
+    (ROOT / "docs/results.md").write_text(text, encoding="utf-8")
+    readme = ROOT / "README.md"
+    readme.write_text(between(readme.read_text(encoding="utf-8"), "<!-- results -->", "<!-- end -->",
+                              walk(runs, synth)), encoding="utf-8")
+    print("wrote docs/results.md and README.md's table")
+
+
+if __name__ == "__main__":
+    main()

