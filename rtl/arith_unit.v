@@ -18,8 +18,8 @@ module arith_unit #(
     parameter        NEAREST     = 1,
     parameter        ADD_LATENCY = 1,  // at least the cuts + 1; more are plain registers
     parameter        MUL_LATENCY = 1,
-    parameter [15:0] ADD_CUTS    = 0,
-    parameter [15:0] MUL_CUTS    = 0
+    parameter [6:0]  ADD_CUTS    = 0,
+    parameter [6:0]  MUL_CUTS    = 0
 ) (
     input  wire        clk_i,
     input  wire        rst_i,
@@ -38,11 +38,11 @@ module arith_unit #(
     output wire [31:0] mul_value_o,
     output wire [4:0]  mul_flags_o
 );
-    function integer ones(input [15:0] mask);
+    function integer ones(input [6:0] mask);
         integer i;
         begin
             ones = 0;
-            for (i = 0; i < 16; i = i + 1) ones = ones + {31'd0, mask[i]};
+            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
         end
     endfunction
 
@@ -72,7 +72,7 @@ module arith_unit #(
     wire [31:0] sum, product;
     wire [4:0]  sum_flags, product_flags, add_flags;
 
-    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS[6:0])) u_add (
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
         .clk_i(clk_i),
         .sub_i(chained ? chain_subtract : subtract_i),
         .a_i(chained ? chain_c : add_a_i),
@@ -82,7 +82,7 @@ module arith_unit #(
         .d_i({sum_flags, sum}), .q_o({add_flags, add_value_o}));
     assign add_flags_o = add_flags | chain_flags;
 
-    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS[6:0])) u_mul (
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (
         .clk_i(clk_i),
         .a_i(mul_a_i),
         .b_i(mul_b_i),

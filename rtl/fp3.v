@@ -22,8 +22,8 @@ module fp3 #(
     parameter NEAREST         = 1,     // 1: nearest-even, 0: truncated
     parameter ADD_LATENCY     = 1,     // at least 1 + the number of cuts
     parameter MUL_LATENCY     = 1,
-    parameter [15:0] ADD_CUTS = 0,     // see fp_add
-    parameter [15:0] MUL_CUTS = 0      // see fp_mul
+    parameter [6:0] ADD_CUTS  = 0,     // see fp_add
+    parameter [6:0] MUL_CUTS  = 0      // see fp_mul
 ) (
     input  wire        clk_i,
     input  wire        rst_i,

@@ -146,7 +146,7 @@ module host_port #(
             to_size_q    <= addr_q == ADDR_SIZE;
         end
 
-    wire write   = execute_q && write_q && ok_q;
+    wire write   = execute_q && write_q && ok_q && !rst_i;
     wire control = write && to_control_q;
     wire start   = control && wants_start;
     assign start_o = start && steps_q != 32'd0;

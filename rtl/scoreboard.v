@@ -79,7 +79,8 @@ module scoreboard #(
     endgenerate
 
     assign taken_o     = |(slot & valid_q >> 1);
-    assign write_o     = valid_q[0];
+    // In reset the slots may still hold anything: memories keep what they have.
+    assign write_o     = valid_q[0] && !rst_i;
     assign write_mul_o = mul_q[0];
     assign write_d_o   = d_q[0];
     assign empty_o     = ~|(valid_q >> 1);
@@ -105,5 +106,25 @@ module scoreboard #(
                     || (busy_q[a_i] && a_object_i)
                     || (busy_q[b_i] && b_object_i)
                     || (busy_q[c_i] && c_object_i);
+
+`ifdef FORMAL
+    // What the flags promise, for one register that the solver picks: it is flagged exactly while
+    // one result for it, and no more than one, is FREE or more slots away.
+    (* anyseq *) reg [REG_W-1:0] who;
+    reg [REG_W-1:0] who_q;
+    reg [7:0]       later;
+    reg             started_q = 1'b0;
+    integer         i;
+    always @(posedge clk_i) {started_q, who_q} <= {1'b1, who};
+    always @* begin
+        assume (started_q ? who == who_q : rst_i);
+        assume (!issue_i || (!blocked_o && !taken_o));
+        assume ({2'b00, to_add_i} + {2'b00, to_mul_i} + {2'b00, to_chain_i} == 3'd1);
+        later = 8'd0;
+        for (i = FREE; i <= CHAIN_LATENCY; i = i + 1)
+            later = later + {7'd0, valid_q[i] && d_q[i] == who};
+    end
+    always @* if (started_q) assert (later == {7'd0, busy_q[who]});
+`endif
 endmodule
 `default_nettype wire

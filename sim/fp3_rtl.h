@@ -22,8 +22,8 @@ typedef struct {
     /* One request and its response on the host port. 0: done; 1: the hardware answered with an
      * error; -1: it did not answer. */
     int (*transfer)(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data);
-    /* Clocks until nothing has retired for quiet cycles in a row, cycles at most. Returns the
-     * cycles. */
+    /* Clocks until nothing has retired for quiet cycles in a row; cycles at most. Returns
+     * the number of cycles. */
     uint64_t (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
 } fp3_rtl_ops;
 

@@ -42,8 +42,7 @@ unsigned fp3_bench_rows(const fp3_bench *bench);
 fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_bench_op op);
 
 /* z[i] and flags[i] = a[i] op b[i] for i < n, one operation per cycle, as deep as the core is cut.
- * Operands and results are right-aligned; flags are {NV, DZ, OF, UF, NX}. row < fp3_bench_rows().
- */
+ * Operands and results are right-aligned, flags {NV, DZ, OF, UF, NX}. row < fp3_bench_rows(). */
 void fp3_bench_run(fp3_bench *bench, unsigned row, fp3_bench_op op, size_t n, const uint32_t *a,
                    const uint32_t *b, uint32_t *z, uint8_t *flags);
 

@@ -74,7 +74,7 @@ module replay;
     integer cycles = 0, limit = 1000000;
     always @(posedge clk) begin
         cycles <= cycles + 1;
-        if (cycles > limit) fail("the cycle limit was reached");
+        if (cycles > limit) fail("the cycle limit was reached; +limit=CYCLES moves it");
     end
 
     reg [8*256-1:0] session, waves;

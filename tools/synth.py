@@ -4,10 +4,14 @@
     tools/synth.py                                     cores and processors, every configuration
     tools/synth.py --top fp_add --config single --grades 8 --seeds 1
 
+A core is placed with the cuts of each configuration, and with the best places found for each number of
+cuts (DEPTHS, as configurations cuts0, cuts1, ...).
+
 Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
 the same top, config and grade and keeps the others. Netlists and logs go to build/synth/.
 
-  lut4          TRELLIS_COMB cells as nextpnr counts them: LUT4s, with two for each carry cell
+  lut4          LUT4 cells of the netlist: logic alone
+  comb          TRELLIS_COMB cells that nextpnr places: logic, two for each carry cell, distributed RAM
   ff, dsp, ebr  TRELLIS_FF, MULT18X18D, DP16KD cells. ff includes the registers put around the top:
                 operands and result of a core, host port of a processor. The trace ports of a
                 processor are left open, as in a design.
@@ -33,6 +37,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
 DEVICE = "LFE5U-85F"
 CORES = ("fp_add", "fp_mul")
+
+# Where to cut a core for each number of cuts: the best of the places tried, post-route.
+DEPTHS = {
+    "fp_add": (0x00, 0x04, 0x0a, 0x2a, 0x56, 0x6e, 0x7f),
+    "fp_mul": (0x00, 0x04, 0x12, 0x2a, 0x2b, 0x3b, 0x7f),
+}
 GOAL = 200  # MHz; nextpnr weighs paths against the slowest, so that it gets the same with any goal
 
 
@@ -47,10 +57,16 @@ def registered(name, inputs, outputs, instance):
                       f"    {instance} ({', '.join(pins)});", "endmodule", ""])
 
 
+def depths(top):
+    """The core by number of cuts, each as if it were a configuration."""
+    mask = "add_cuts" if top == "fp_add" else "mul_cuts"
+    return [{"name": f"cuts{cuts.bit_count()}", mask: cuts, "subnormal": 1, "nearest": 1} for cuts in DEPTHS[top]]
+
+
 def core(top, row):
     cuts = row["add_cuts" if top == "fp_add" else "mul_cuts"]
     inputs = [("sub_i", 1)] * (top == "fp_add") + [("a_i", 32), ("b_i", 32)]
-    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .CUTS(16'd{cuts})"
+    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .CUTS(7'd{cuts})"
     wrapper = registered("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 
@@ -61,6 +77,16 @@ def processor(row):
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     module = f"fp3_{row['name']}"
     return None, registered("top", inputs, outputs, f"{module} u_{module}"), [f"rtl/gen/{module}.v"]
+
+
+def count(path, kind):
+    """How many cells of a kind a netlist has, modules that were kept included."""
+    modules = json.loads(path.read_text(encoding="utf-8"))["modules"]
+
+    def inside(name):
+        return sum(1 if cell["type"] == kind else inside(cell["type"]) if cell["type"] in modules else 0
+                   for cell in modules[name]["cells"].values() if "blackbox" not in modules[name].get("attributes", {}))
+    return inside("top")
 
 
 def run(tool, arguments, log):
@@ -90,6 +116,7 @@ def place(tools, name, grade, seed):
     report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
     used = {cell: report["utilization"].get(cell, {"used": 0})["used"]
             for cell in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
+    used["LUT4"] = count(ROOT / WORK / f"{name}.json", "LUT4")
     if not report["fmax"]:
         raise RuntimeError(f"{stem}.report.json: no clock was timed")
     mhz = min(clock["achieved"] for clock in report["fmax"].values())
@@ -112,7 +139,7 @@ def result(top, config, grade, seeds, cuts, placements):
     cycles = cuts + 1 if cuts is not None else cycles_per_step(config)
     return {
         "top": top, "config": config, "device": DEVICE, "grade": grade, "seeds": seeds,
-        "lut4": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
+        "lut4": used["LUT4"], "comb": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
         "dsp": used["MULT18X18D"], "ebr": used["DP16KD"], "cuts": cuts,
         "fmax_median": round(statistics.median(mhz), 2), "fmax_best": round(max(mhz), 2),
         "fmax_all": [round(m, 2) for m in mhz],
@@ -142,7 +169,7 @@ def numbers(text):
 
 
 def arguments(configs):
-    names = [row["name"] for row in configs]
+    names = [row["name"] for row in configs] + sorted({row["name"] for top in CORES for row in depths(top)})
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--top", choices=(*CORES, "fp3"), action="append", help="default: all of them")
     parser.add_argument("--config", choices=names, action="append", help="default: all of them")
@@ -167,10 +194,10 @@ def main():
 
     # What is the same design under two configurations' names is placed once.
     designs, wanted = {}, []
-    for row in configs:
-        if args.config and row["name"] not in args.config:
-            continue
-        for top in args.top or (*CORES, "fp3"):
+    for top in args.top or (*CORES, "fp3"):
+        for row in configs + (depths(top) if top in CORES else []):
+            if args.config and row["name"] not in args.config:
+                continue
             cuts, wrapper, files = core(top, row) if top in CORES else processor(row)
             name, _ = designs.setdefault(wrapper, (f"{top}-{row['name']}", files))
             wanted.append((top, row["name"], cuts, name))
@@ -192,7 +219,7 @@ def main():
     rows = [result(top, config, grade, args.seeds, cuts, [places[name, grade, seed] for seed in args.seeds])
             for top, config, cuts, name in wanted for grade in args.grades]
     merge(ROOT / "build/results/synth.json", rows)
-    heads = ["top", "config", "grade", "lut4", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
+    heads = ["top", "config", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
     print("\n".join(generate.markdown(heads, table)))
     print("Written to build/results/synth.json")

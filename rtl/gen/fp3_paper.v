@@ -39,8 +39,8 @@ module fp3_paper (
         .NEAREST         (1),
         .ADD_LATENCY     (14),
         .MUL_LATENCY     (13),
-        .ADD_CUTS        (16'h007f),
-        .MUL_CUTS        (16'h007f)
+        .ADD_CUTS        (7'h7f),
+        .MUL_CUTS        (7'h7f)
     ) u_fp3 (
         .clk_i             (clk_i),
         .rst_i             (rst_i),

@@ -195,8 +195,7 @@ fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_a
         fp3_assembly_free(result);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
-    /* The program may have set a locale that reads 0.5 as 0. newlocale("C") cannot fail: it is
-     * built in. */
+    /* The program may have set a locale that reads 0.5 as 0. "C" is built in: no failure. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     a->report = (report){.name = name, .source = source, .size = size};
     fp3_lexer_open(&a->lexer, source, size);

@@ -1,5 +1,4 @@
-/* assembler.h - one source between the two passes: what its lines say, then where names and numbers
- * go. */
+/* assembler.h - one source between the two passes: what its lines say, then where names go. */
 #ifndef FP3_ASSEMBLER_H
 #define FP3_ASSEMBLER_H
 

@@ -78,8 +78,7 @@ fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WO
 }
 
 /* Whether the assembler, given numbers for all constants without a name, would put each where the
- * image has it: in the order of their first use, each in the lowest place that nothing else takes.
- */
+ * image has it: in the order of their first use, each in the lowest place that is not taken. */
 static int numbers_fall_into_place(const view *v) {
     const fp3_image *image = v->image;
     uint8_t taken[REGISTERS] = {0}, seen[REGISTERS] = {0};
@@ -88,8 +87,8 @@ static int numbers_fall_into_place(const view *v) {
             if (i != j && image->constants[i].bits == image->constants[j].bits &&
                 v->numbers[FP3_BANK_SHARED_BASE + image->constants[i].index])
                 return 0; /* the same bits twice: a number does not say which */
-    for (int pass = 0; pass < 2;
-         pass++) /* first what names and register numbers take, then the numbers */
+    /* First what names and register numbers take, then the numbers. */
+    for (int pass = 0; pass < 2; pass++)
         for (uint32_t i = 0; i < image->code_count; i++) {
             fp3_instruction word;
             if (fp3_word_decode(image->code[i], &word, NULL))

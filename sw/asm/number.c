@@ -20,8 +20,7 @@ void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "bits:0x%08x", bits);
         return;
     }
-    /* The program may have set a locale that writes commas. newlocale("C") cannot fail: it is built
-     * in. */
+    /* The program may have set a locale that writes commas. "C" is built in: no failure. */
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
     for (int digits = 1; digits <= 9; digits++) { /* nine always suffice */
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%.*g", digits, (double)value);

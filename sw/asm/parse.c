@@ -21,8 +21,8 @@ const token *fp3_asm_find_label(const assembler *a, token name) {
 
 static void advance(assembler *a) { a->next = fp3_lexer_next(&a->lexer); }
 
-/* One more element behind the first count; NULL when out of memory. Arrays double: capacity is the
- * next power of two. */
+/* Room for one element behind the first count; NULL when out of memory. Arrays double: their
+ * capacity is the next power of two. */
 static void *grown(assembler *a, void *array, uint32_t count, size_t element) {
     if (count & (count - 1) || a->out_of_memory) /* count is no power of two: there is room */
         return a->out_of_memory ? NULL : array;

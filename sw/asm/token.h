@@ -43,8 +43,8 @@ int fp3_token_same(token a, token b);
 #define TOKEN_SHOWN_SIZE 64
 const char *fp3_token_shown(token token, char text[TOKEN_SHOWN_SIZE]);
 
-/* NULL, or why the token is no number: "a number" and so on, to follow "expected". Needs the C
- * locale. */
+/* NULL, or why the token is no number: "a number" and so on, to follow "expected". *bits is FP32.
+ * Needs the C locale. */
 const char *fp3_token_number(token token, uint32_t *bits);
 
 /* Whether the token is spelled like a register: r or k (after % in a raw one) and a number without

@@ -1,5 +1,5 @@
-/* cmd_bench.c - fp3 bench: the ship on the hardware, compared with the golden model and with truth:
- * the pairs of program and configuration, the table, the JSON.
+/* cmd_bench.c - fp3 bench: the ship on the hardware against golden and truth. The pairs of program
+ * and configuration, the table, the JSON; ship_bench.c runs one pair.
  */
 #include "cli.h"
 #include "lib/file.h"
@@ -41,18 +41,18 @@ static double rate(const fp3_ship_result *r) {
 
 static void print_head(const options *o) {
     printf("The ship of Equations (1), one integration and %" PRIu64 " more.\n\n", o->steps);
-    printf("%-20s %7s %9s %7s", "program, config", "first", "next", "issue");
+    printf("%-24s %7s %9s %7s", "program, config", "first", "next", "issue");
     for (int i = 0; i < FP3_COUNTER_COUNT; i++)
         if (fp3_counter_is_stall((fp3_counter)i))
             printf(" %10s", fp3_counter_name((fp3_counter)i) + strlen("stall_"));
     printf(" %9s %9s %9s\n", "error v", "error s", "cycles/s");
-    printf("%-20s %7d %9d\n", "the paper", PAPER_FIRST, PAPER_NEXT);
+    printf("%-24s %7d %9d\n", "the paper", PAPER_FIRST, PAPER_NEXT);
 }
 
 static void print_result(const fp3_ship_result *r) {
     char name[64];
     snprintf(name, sizeof name, "%s, %s", r->program, r->config);
-    printf("%-20s %7" PRIu64 " %9.9g %7.9g", name, r->one.counter[FP3_COUNTER_CYCLES],
+    printf("%-24s %7" PRIu64 " %9.9g %7.9g", name, r->one.counter[FP3_COUNTER_CYCLES],
            per_step(r, FP3_COUNTER_CYCLES),
            per_step(r, FP3_COUNTER_ISSUED_ADD) + per_step(r, FP3_COUNTER_ISSUED_MUL) +
                per_step(r, FP3_COUNTER_ISSUED_CHAIN));
@@ -235,7 +235,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
             argp_error(state, "--steps: '%s' is no number from 1 to 10000000", text);
         break;
     case ARGP_KEY_ARG:
-        argp_error(state, "what is '%s' for?", text);
+        argp_error(state, "found '%s', expected options only", text);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -248,9 +248,9 @@ int fp3_cmd_bench(int argc, char **argv) {
     const struct argp argp = {
         .options = table,
         .parser = parse,
-        .doc = "Run the ship on the hardware under Verilator: compare every step with the golden "
-               "model bit for "
-               "bit, count cycles, measure the error. Exit code 1 on any mismatch."};
+        .doc = "Runs the ship on the hardware under Verilator: compares every step with the golden "
+               "model bit for bit, counts cycles, measures the error against truth. Exit code 1 on "
+               "any mismatch."};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
     fp3_error error = {""};
     fp3_status status = bench(&o, &error);

@@ -2,7 +2,7 @@
 #include "cli.h"
 
 #include <argp.h>
-#include <fp3/image.h>
+#include <fp3/engine.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -63,21 +63,17 @@ static void print_names(const fp3_image *image, fp3_symbol_kind kind, const char
         printf("\n");
 }
 
-/* NULL, or what the configuration lacks. */
-static const char *lacks(const config *c, const fp3_image *image) {
-    for (uint32_t i = 0; i < image->code_count; i++) {
-        const fp3_operation *operation = operation_at(image, i);
-        if (!c->chain && operation &&
-            (operation->code == FP3_OP_MADD || operation->code == FP3_OP_MSUB))
-            return "it has no madd and msub";
-    }
-    if (image->registers > c->registers)
-        return "it has too few object registers";
-    if (image->shared > c->registers)
-        return "it has too few shared constants";
-    if (image->code_count > c->program_words)
-        return "its instruction memory is too small";
-    return NULL;
+/* What fits is the engine's to say: it is asked to load the image. */
+static fp3_status try_load(const config *c, const fp3_image *image, fp3_error *error) {
+    fp3_engine *engine = NULL;
+    fp3_engine_def def = fp3_engine_default();
+    def.config = c->name;
+    def.error = error;
+    fp3_status status = fp3_engine_open(&def, &engine);
+    if (!status)
+        status = fp3_engine_load(engine, image);
+    fp3_engine_close(&engine);
+    return status;
 }
 
 static int print_image(const char *path) {
@@ -97,9 +93,9 @@ static int print_image(const char *path) {
     print_names(image, FP3_SYMBOL_SHARED, "shared");
     print_names(image, FP3_SYMBOL_LABEL, "label");
     for (int i = 0; i < CONFIG_COUNT; i++) {
-        const char *reason = lacks(&configs[i], image);
-        printf("%-11s %s%s%s\n", reason ? "not for" : "for", configs[i].name, reason ? ": " : "",
-               reason ? reason : "");
+        const int fits = !try_load(&configs[i], image, &error);
+        printf("%-11s %s%s%s\n", fits ? "for" : "not for", configs[i].name, fits ? "" : ": ",
+               fits ? "" : error.text);
     }
     fp3_image_free(&image);
     return fp3_cli_done("info", 0);

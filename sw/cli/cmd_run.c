@@ -23,19 +23,19 @@ static const struct argp_option table[] = {
      "rtl, the hardware under Verilator (default), or model, the instruction set in C", 0},
     {"steps", 'n', "N", 0, "How often the step part runs (default: 1)", 0},
     {"params", KEY_PARAMS, "FILE", 0, "Values of states, parameters and shared constants", 0},
-    {"set", KEY_SET, "NAME=VALUE", 0, "One of them; the last word counts", 0},
+    {"set", KEY_SET, "NAME=VALUE", 0, "One such value; replaces what was given before it", 0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
     {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the host port to FILE", 0},
     {0},
 };
 
-static uint64_t number(struct argp_state *state, const char *text) {
+static uint64_t number(struct argp_state *state, const char *option, const char *text) {
     char *end;
     errno = 0;
     const uint64_t value = strtoull(text, &end, 10);
     if (errno || end == text || *end || *text < '0' || *text > '9')
-        argp_error(state, "'%s' is no number", text);
+        argp_error(state, "%s: '%s' is no number from 0 to 2^64 - 1", option, text);
     return value;
 }
 
@@ -50,10 +50,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->engine = text;
         break;
     case 'n':
-        o->steps = number(state, text);
+        o->steps = number(state, "--steps", text);
         break;
     case KEY_LIMIT:
-        o->cycle_limit = number(state, text);
+        o->cycle_limit = number(state, "--cycle-limit", text);
         break;
     case KEY_BUS_LOG:
         o->bus_log = text;
@@ -68,12 +68,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case ARGP_KEY_ARG:
         if (o->image)
-            argp_error(state, "one image, not '%s' too", text);
+            argp_error(state, "found '%s', expected one image", text);
         o->image = text;
         break;
     case ARGP_KEY_END:
         if (!o->image)
-            argp_error(state, "an image is missing");
+            argp_error(state, "expected an image");
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -115,9 +115,8 @@ int fp3_cmd_run(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "IMAGE",
-        .doc =
-            "Run a program image: its first part once, its step part N times, its last part once. "
-            "Prints the final states and what the run cost."};
+        .doc = "Runs IMAGE: its first part once, its step part N times, its last part once. Prints "
+               "the final states and what the run cost."};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
 
     fp3_error error = {""};

@@ -10,7 +10,7 @@
     X(asm, "Assemble a program into an image")                                                     \
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
-    X(bench, "Measure the cycles and the time of an image")                                        \
+    X(bench, "Measure the ship against golden and truth")                                          \
     X(info, "Say what an image needs, or what this build has")
 
 static const struct {
@@ -24,11 +24,11 @@ static const struct {
 enum { COUNT = sizeof commands / sizeof *commands };
 
 #define LINE(name, doc) "  " #name "\t" doc "\n"
-static const char text[] =
-    "Programs for FP3, a processor for equations of motion.\v"
-    "Commands:\n" COMMANDS(LINE) "\n"
-                                 "'fp3 COMMAND --help' lists a command's options.\n"
-                                 "Exit codes: 0 well, 1 failed, 2 bad input or usage.";
+#define LINES COMMANDS(LINE)
+static const char text[] = "Programs for FP3, a processor for equations of motion.\v"
+                           "Commands:\n" LINES "\n"
+                           "'fp3 COMMAND --help' lists a command's options.\n"
+                           "Exit codes: 0 well, 1 failed, 2 bad input or usage.";
 
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
     fflush(stdout);

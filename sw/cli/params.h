@@ -1,5 +1,4 @@
-/* params.h - the values that a host gives a program, by name: from a file and from the command
- * line.
+/* params.h - the values that a host gives a program, by name, from a file or the command line.
  *
  * A file is in libconfig's syntax, name = value; a value is a number or "1/name".
  */

@@ -1,5 +1,4 @@
-/* engine.c - what all kinds of engine share: the configurations, every check of an argument, and
- * names. */
+/* engine.c - what all kinds of engine share: configurations, names, every check of an argument. */
 #include "kind.h"
 
 #include <configs.h>
@@ -182,8 +181,8 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
     fp3_status status = check_cell(engine, first, count, reg);
     for (size_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
-        status = engine->kind->read(engine, first + i, reg, &bits);
-        memcpy(&values[i], &bits, sizeof bits);
+        if (!(status = engine->kind->read(engine, first + i, reg, &bits)))
+            memcpy(&values[i], &bits, sizeof bits);
     }
     return status;
 }
@@ -205,8 +204,8 @@ fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t cou
         check_range(engine, "shared constant", first, count, engine->config->registers);
     for (uint32_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
-        status = engine->kind->read_shared(engine, first + i, &bits);
-        memcpy(&values[i], &bits, sizeof bits);
+        if (!(status = engine->kind->read_shared(engine, first + i, &bits)))
+            memcpy(&values[i], &bits, sizeof bits);
     }
     return status;
 }

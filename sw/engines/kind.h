@@ -1,8 +1,7 @@
 /* kind.h - what a kind of engine provides behind fp3/engine.h.
  *
  * engine.c checks every argument, so a kind sees valid ones only: objects, registers and constants
- * in range, an image that fits. To add a kind, write this table and list it in
- * engine.c.
+ * in range, an image that fits. To add a kind, write this table and list it in engine.c.
  */
 #ifndef FP3_KIND_H
 #define FP3_KIND_H

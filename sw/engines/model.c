@@ -110,10 +110,10 @@ static float execute(const fp3_instruction *in, volatile float a, volatile float
         d = a * b;
         d = c + d;
         break;
-    default:
+    default: /* FP3_OP_MSUB; there are no others, see is_legal */
         d = a * b;
         d = c - d;
-        break; /* FP3_OP_MSUB; there are no others, see is_legal */
+        break;
     }
     return d;
 }

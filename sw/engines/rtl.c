@@ -197,8 +197,7 @@ static fp3_status read_counters(fp3_engine *engine, fp3_stats *stats) {
     return get(engine, FP3_ADDR_FLAGS, &stats->flags);
 }
 
-/* docs/registers.md: every running cycle is an issue or a stall, and all that was issued retires.
- */
+/* docs/registers.md: every running cycle is an issue or a stall; all that was issued retires. */
 static fp3_status check_counters(fp3_engine *engine, const fp3_stats *stats) {
     const uint64_t *n = stats->counter;
     const uint64_t issued =

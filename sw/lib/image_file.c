@@ -97,8 +97,7 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
     status = fp3_image_make(&draft, image, error);
     if (status)
         goto end;
-    /* An image has one form: what is not in it (order, counts, the bytes after a name) is damage.
-     */
+    /* An image has one form: another order, count or byte after a name is damage. */
     uint32_t *again = NULL;
     size_t again_count = 0;
     status = fp3_image_encode(*image, &again, &again_count, error);

@@ -92,11 +92,21 @@ static void registers_out_of_range_are_refused(bench *b) {
     EXPECT(value == 1);
 }
 
+static void registers_are_0_at_first(bench *b) {
+    for (uint32_t reg = 0; reg < b->registers; reg++) {
+        float values[2] = {1, 1};
+        static const float zeros[2];
+        EXPECT(!fp3_engine_read(b->engine, 0, 1, reg, &values[0]) &&
+               !fp3_engine_read_shared(b->engine, reg, 1, &values[1]));
+        EXPECT(memcmp(values, zeros, sizeof zeros) == 0);
+    }
+}
+
 static void every_register_keeps_its_bits(bench *b) {
     for (uint32_t pass = 0; pass < 2; pass++)
         for (uint32_t reg = 0; reg < b->registers; reg++) {
-            const uint32_t bits[2] = {0x7f800001u + reg,
-                                      0x80000000u + reg}; /* signalling NaN, subnormal */
+            /* A signalling NaN, a subnormal number. */
+            const uint32_t bits[2] = {0x7f800001u + reg, 0x80000000u + reg};
             uint32_t got[2];
             float values[2];
             memcpy(values, bits, sizeof values);
@@ -253,6 +263,7 @@ static void the_bus_log_has_every_transfer(bench *b) {
     X(open_refuses_what_is_unknown)                                                                \
     X(nothing_runs_before_a_load)                                                                  \
     X(registers_out_of_range_are_refused)                                                          \
+    X(registers_are_0_at_first)                                                                    \
     X(every_register_keeps_its_bits)                                                               \
     X(load_refuses_what_does_not_fit)                                                              \
     X(names_are_those_of_the_program)                                                              \

@@ -27,8 +27,8 @@ typedef struct {
     uint32_t last; /* the last value made */
 } chance;
 
-static uint64_t next64(chance *c) /* splitmix64 */
-{
+/* splitmix64 */
+static uint64_t next64(chance *c) {
     uint64_t z = c->state += 0x9e3779b97f4a7c15u;
     z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
     z = (z ^ z >> 27) * 0x94d049bb133111ebu;
@@ -326,6 +326,15 @@ static const char *run_stream(bench *b, uint64_t seed) {
     return compare_end(b->engine, stats, &b->error[1]);
 }
 
+static uint64_t number(const char *text) {
+    char *end;
+    const uint64_t value = strtoull(text, &end, 0);
+    if (end != text && !*end && value > 0)
+        return value;
+    fprintf(stderr, "random_stream: '%s' is no number above 0\n", text);
+    exit(2);
+}
+
 /* Exit code. */
 static int run_config(const char *program, const char *name, uint64_t seed, uint64_t instructions,
                       uint64_t streams) {
@@ -392,26 +401,26 @@ int main(int argc, char **argv) {
     for (int key; (key = getopt_long(argc, argv, "", options, NULL)) != -1;)
         switch (key) {
         case 'i':
-            instructions = strtoull(optarg, NULL, 0);
+            instructions = number(optarg);
             break;
         case 'c':
             only = optarg;
             break;
         case 's':
-            seed = strtoull(optarg, NULL, 0);
+            seed = number(optarg);
             break;
         case 'n':
-            streams = strtoull(optarg, NULL, 0);
+            streams = number(optarg);
             break;
         default:
             return 2;
         }
     const size_t count = sizeof configs / sizeof *configs;
     printf("seed %" PRIu64 "\n", seed);
+    if (only) /* run_config says so if there is none of this name */
+        return run_config(argv[0], only, seed, instructions, streams);
     int code = 0;
     for (size_t i = 0; i < count; i++)
-        if (!only || strcmp(only, configs[i]) == 0)
-            code |= run_config(argv[0], configs[i], seed,
-                               only ? instructions : (instructions + count - 1) / count, streams);
+        code |= run_config(argv[0], configs[i], seed, (instructions + count - 1) / count, streams);
     return code;
 }

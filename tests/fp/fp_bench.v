@@ -35,9 +35,9 @@ module fp_bench (clk_i, sub_i, a_i, b_i, z_o, flags_o, info_o);
             localparam SUBNORMAL = ROW < 4 ? ROW / 2 : 1;
             localparam NEAREST   = ROW < 4 ? ROW % 2 : 1;
             localparam CONFIG    = ROW < 6 ? 0 : ROW - 6;
-            localparam [15:0] CUTS = ROW < 6 ? 16'd0
-                                   : MUL != 0 ? CONFIG_MUL_CUTS[16*CONFIG +: 16]
-                                              : CONFIG_ADD_CUTS[16*CONFIG +: 16];
+            localparam [6:0]  CUTS = ROW < 6 ? 7'd0
+                                   : MUL != 0 ? CONFIG_MUL_CUTS[7*CONFIG +: 7]
+                                              : CONFIG_ADD_CUTS[7*CONFIG +: 7];
             localparam W = 1 + EXP + FRAC;
 
             reg          sub_q;
@@ -57,10 +57,10 @@ module fp_bench (clk_i, sub_i, a_i, b_i, z_o, flags_o, info_o);
             if (MUL != 0) begin : g_mul
                 // A multiplier has nothing to subtract.
                 wire unused = sub_q;
-                fp_mul #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS[6:0]))
+                fp_mul #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS))
                     u_mul (.clk_i(clk_i[u]), .a_i(a_q), .b_i(b_q), .z_o(z), .flags_o(flags));
             end else begin : g_add
-                fp_add #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS[6:0]))
+                fp_add #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS))
                     u_add (.clk_i(clk_i[u]), .sub_i(sub_q), .a_i(a_q), .b_i(b_q), .z_o(z), .flags_o(flags));
             end
 
@@ -69,7 +69,7 @@ module fp_bench (clk_i, sub_i, a_i, b_i, z_o, flags_o, info_o);
             end
             assign z_o[32*u +: W]      = z_q;
             assign flags_o[32*u +: 32] = {27'd0, flags_q};
-            assign info_o[32*u +: 32]  = {2'd0, EXP[5:0], FRAC[5:0], SUBNORMAL[0], NEAREST[0], CUTS};
+            assign info_o[32*u +: 32]  = {2'd0, EXP[5:0], FRAC[5:0], SUBNORMAL[0], NEAREST[0], 9'd0, CUTS};
         end
     endgenerate
 endmodule

@@ -136,8 +136,7 @@ static inline void fp3_print_result(const char *what, uint32_t z, unsigned flags
 }
 
 /* Runs a batch through one row. Returns the number of mismatches; the first FP3_REPORTS that
- * *reported has not counted yet are printed, each with a replay line of options for this program.
- */
+ * *reported has not counted yet are printed, each with a line that replays it. */
 static inline uint64_t fp3_check(fp3_bench *bench, unsigned row, fp3_bench_op op, fp3_batch *t,
                                  const char *program, unsigned *reported) {
     uint64_t wrong = 0;

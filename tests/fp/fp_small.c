@@ -54,8 +54,7 @@ static void reference_close(reference *ref) {
     free(ref->unbounded.value);
 }
 
-/* The index of the entry that x >= value[0] is rounded to; what is above the last goes to the last.
- */
+/* The index of the entry that x >= value[0] is rounded to; above the last it is the last. */
 static size_t nearest_entry(const table *t, double x, bool nearest) {
     size_t below = 0, above = t->n;
     while (above - below > 1) {

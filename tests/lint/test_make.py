@@ -27,6 +27,13 @@ def test_every_listed_target_exists(root):
         assert "No rule to make target" not in done.stderr, target
 
 
+@pytest.mark.parametrize("target", ["sim", "waves", "synth"])
+def test_an_unknown_configuration_is_named_before_anything_is_built(root, target):
+    done = make(root, target, "CONFIG=nonesuch")
+    assert done.returncode != 0 and done.stdout == ""
+    assert "no configuration 'nonesuch': there are " in done.stderr and "single" in done.stderr
+
+
 @pytest.mark.parametrize("goals", [["setup", "sim", "test"], ["sim", "test", "setup"]])
 def test_setup_ends_before_anything_else_starts(root, tmp_path, goals):
     # The same rules, with recipes that only note their order.
@@ -38,6 +45,14 @@ def test_setup_ends_before_anything_else_starts(root, tmp_path, goals):
     did = [line for line in done.stdout.splitlines() if line.startswith("did ")]
     assert did == ["did setup", "did sim", "did test"], done.stdout + done.stderr
     assert done.returncode == 0
+
+
+@pytest.mark.parametrize("goals", [["clean", "sim"], ["sim", "clean"], ["sim", "synth"], ["sim", "report"]])
+def test_goals_that_need_each_other_run_in_the_order_given(root, tmp_path, goals):
+    text = (root / "Makefile").read_text()
+    rules = "".join(f"{goal}:\n\t@sleep {0.3 if goal == goals[0] else 0}; echo did {goal}\n" for goal in goals)
+    (tmp_path / "Makefile").write_text(text[:text.index("# ---- what there is")] + rules + "endif\n")
+    assert make(tmp_path, "-j4", *goals).stdout.split() == ["did", goals[0], "did", goals[1]]
 
 
 # A test file, and the closing line and success that must follow.

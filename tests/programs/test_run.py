@@ -50,6 +50,30 @@ def test_both_engines_print_the_same_states(run, image, params):
     assert len(states["rtl"]) == 2 and states["rtl"] == states["model"]
 
 
+def blocks(page):
+    """The indented blocks of a page, as they would be copied from it."""
+    return [re.sub("^    ", "", block, flags=re.M) for block in re.findall(r"(?:^(?:    .*)?\n)+", page.read_text(), re.M)]
+
+
+def test_the_examples_of_the_pages_run_as_printed(root, build, tmp_path):
+    readme = blocks(root / "README.md")
+    (tmp_path / "build").symlink_to(build)
+    (tmp_path / "euler.s").write_text(next(text for text in readme if ".state" in text))
+    commands = next(text for text in readme if "build/fp3 run" in text)
+    done = subprocess.run(["sh", "-ec", commands], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    v = s = 0.0
+    for _ in range(1000):
+        v += 0.0078125 * (1.2e6 - 5e4 * v) * 4e-7
+        s += 0.0078125 * v
+    got = dict(re.findall(r"^([vs]) +(\S+)", done.stdout, re.M))
+    assert float(got["v"]) == pytest.approx(v, rel=1e-5) and float(got["s"]) == pytest.approx(s, rel=1e-5)
+
+    (tmp_path / "page.s").write_text(next(text for text in blocks(root / "docs/assembly.md") if "step:" in text))
+    done = subprocess.run([build / "fp3", "asm", "page.s"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_missing_file_is_named(run):
     fails(run("nonesuch.fp3"), 2, "nonesuch.fp3")
 
@@ -96,9 +120,9 @@ def test_parameters_are_all_needed_and_all_known(run, image, params, tmp_path):
 def test_unknown_names_are_refused(run, image, params):
     fails(run(image, *params, "--config", "nonesuch"), 2, "no configuration 'nonesuch': there are .*single")
     fails(run(image, *params, "--engine", "abacus"), 2, "no engine 'abacus'")
-    fails(run(image, *params, "--steps", "-1"), 2, "'-1' is no number")
+    fails(run(image, *params, "--steps", "-1"), 2, "--steps: '-1' is no number")
     fails(run(image, *params, "--steps", "4294967296"), 2, "4294967296 steps")
-    fails(run(), 2, "an image is missing")
+    fails(run(), 2, "expected an image")
 
 
 def test_the_bus_log_tells_the_run(run, image, params, tmp_path):

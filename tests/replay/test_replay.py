@@ -12,20 +12,10 @@ def start(*command, cwd):
     return subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True, text=True, timeout=300)
 
 
-@pytest.fixture(scope="module")
-def icarus(root, tmp_path_factory):
-    """Compiles the replay bench for a configuration, once."""
-    where = tmp_path_factory.mktemp("icarus")
-
-    def compiled(config):
-        out = where / f"{config}.vvp"
-        if not out.exists():
-            done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", f"-DTOP=fp3_{config}", "-s", "replay",
-                         "-c", "rtl/fp3.f", "-o", out, "sim/replay.v", f"rtl/gen/fp3_{config}.v", cwd=root)
-            assert done.returncode == 0 and done.stderr == "", done.stderr
-        return out
-
-    return compiled
+@pytest.fixture
+def icarus(build):
+    """The replay bench of a configuration, as make has compiled it."""
+    return lambda config: build / f"icarus/replay_{config}.vvp"
 
 
 def record(root, fp3, tmp_path, program, config, steps):
@@ -73,6 +63,19 @@ def test_a_bad_session_fails(root, icarus, tmp_path, text):
 
 def test_a_missing_session_fails(root, icarus, tmp_path):
     assert replay(root, icarus("single"), tmp_path / "none").returncode != 0
+
+
+def test_a_hang_ends_at_the_limit(root, fp3, icarus, tmp_path):
+    """A run that takes longer than the limit looks like one that never ends."""
+    session = record(root, fp3, tmp_path, "ship", "single", 30)
+    done = replay(root, icarus("single"), session, "+limit=1000")
+    assert done.returncode != 0 and "the cycle limit was reached" in done.stdout and "PASS" not in done.stdout
+
+
+def test_the_bench_compiles_without_a_warning(root):
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", "replay", "-t", "null", "-c", "rtl/fp3.f",
+                 "sim/replay.v", "rtl/gen/fp3_single.v", cwd=root)
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
 
 def test_committed_sessions_are_what_the_host_sends(root, fp3, tmp_path):

@@ -18,30 +18,34 @@ typedef struct {
     fp3_image *image;     /* NULL when the source has errors */
     uint32_t *lines;      /* the source line of each code word, from 1 */
     unsigned error_count; /* assembly ends at the 20th */
-    char *report; /* "name:line:column: error: found 'x', expected y", the line and a caret for each
-                   */
+    /* Of each error "name:line:column: error: found 'x', expected y", the line and a caret. */
+    char *report;
 } fp3_assembly;
 
-/* source needs no NUL and may be anything at all; name is for the report. FP3_E_PROGRAM: the source
- * is wrong, *result holds the report and error the first line of it. */
+/* source is size bytes, needs no NUL and may be anything at all; name is for the report. The caller
+ * frees *result, and with it all that it holds. FP3_E_PROGRAM: the source is wrong, *result holds
+ * the report and error the first line of it; after any other failure *result is NULL. */
 fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_assembly **result,
                         fp3_error *error);
+/* Sets *result to NULL; that it was NULL before does no harm. */
 void fp3_assembly_free(fp3_assembly **result);
 
-/* The source beside indices and words, then what each register stands for. *text is malloc'ed. */
+/* The source beside indices and words, then what each register stands for. The assembly must have
+ * an image, and source be what it was made from. The caller frees *text, which ends with a NUL. */
 fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t size, char **text,
                        fp3_error *error);
 
-/* Assembles to an image identical in every bit. *text is malloc'ed. FP3_E_PROGRAM: a word is
- * illegal. */
+/* Text that assembles to an image identical in every bit. The caller frees *text, which ends with a
+ * NUL. FP3_E_PROGRAM: a word is illegal. */
 fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error);
 
-/* One instruction, as in "madd r3, k1, r2, r0"; with an image by its names. */
+/* One instruction, as in "madd r3, k1, r2, r0"; by the names of image unless that is NULL.
+ * FP3_E_PROGRAM: it is none; text is unchanged. */
 #define FP3_WORD_TEXT_SIZE 160
 fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WORD_TEXT_SIZE],
                          fp3_error *error);
 
-/* The shortest number that the assembler reads as these bits. */
+/* The shortest number that the assembler reads as these FP32 bits. */
 #define FP3_NUMBER_TEXT_SIZE 24
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]);
 

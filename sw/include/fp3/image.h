@@ -1,12 +1,12 @@
-/* fp3/image.h - a program as the hardware takes it: code, constants, and the names of its
- * registers.
+/* fp3/image.h - a program as the hardware takes it: code, constants, names of registers.
  *
  *     fp3_image *image = NULL;
  *     fp3_error error;
  *     if (fp3_image_load("ship.fp3", &image, &error))
  *         return fp3_fail(...);
- *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_KINDS_OBJECT);    // v->index is its
- * register fp3_image_free(&image);
+ *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_KINDS_OBJECT);
+ *     ... v->index is its register ...
+ *     fp3_image_free(&image);
  *
  * An image that the library hands out has passed every check below and is never changed again.
  *
@@ -62,8 +62,7 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_constant;
 
-/* A run executes code[0..step) once, code[step..last) once per step, code[last..code_count) once.
- */
+/* A run executes code[0..step) once, code[step..last) once a step, code[last..code_count) once. */
 typedef struct {
     uint32_t code_count, step, last;
     uint32_t constant_count, symbol_count;
@@ -77,41 +76,49 @@ typedef struct {
 /* One instruction, operands as numbered in the word: shared constant k is FP3_BANK_SHARED_BASE + k.
  * Operands that the operation does not have are 0. */
 typedef struct {
-    uint32_t op; /* enum fp3_opcode */
+    uint32_t op; /* FP3_OP_ADD, ... of sw/gen/isa.h */
     uint32_t d, a, b, c;
 } fp3_instruction;
 
 /* FP3_E_PROGRAM for a word that the hardware refuses: an unknown opcode, or an operand that the
  * operation does not have and that is not 0. instruction may be NULL. */
 fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_error *error);
+/* The inverse. Checks nothing: what does not fit its field is cut. */
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
-/* A checked copy of the draft: registers and shared are counted, constants and symbols sorted.
+/* A checked copy of the draft, which stays the caller's, as *image does: fp3_image_free. registers
+ * and shared are counted (the draft's are ignored), constants and symbols sorted.
  * Refused: step < last <= code_count <= FP3_IMAGE_CODE_LIMIT not held, an index out of its bank, a
  * malformed or a double name, two names or two values for one register, a .const without a value or
  * a .shared with one. Illegal code words are let through: they are an engine's to refuse. */
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
+/* Sets *image to NULL; that it was NULL before does no harm. */
 void fp3_image_free(fp3_image **image);
 
-/* From and to the words of a .fp3 file. encode: *words is malloc'ed, the caller frees it. */
+/* From and to the words of a .fp3 file. The caller frees *image with fp3_image_free, *words with
+ * free; count is of words. FP3_E_PROGRAM: the words are no image of this revision, or damaged. */
 fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **image,
                             fp3_error *error);
 fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *count,
                             fp3_error *error);
 
-/* Messages begin with the path. */
+/* Likewise with a file. Messages begin with the path. After a failed save the file is what it was
+ * (or not there). A missing or forbidden file is FP3_E_ARGUMENT, a failing device FP3_E_SYSTEM. */
 fp3_status fp3_image_load(const char *path, fp3_image **image, fp3_error *error);
 fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *error);
 /* The same words as $readmemh text, each with its meaning as a comment. */
 fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
 
-/* The symbol of this name if it is of one of these kinds, or NULL. Names are unique in an image. */
+/* What the next three give belongs to the image.
+ * The symbol of this name if it is of one of these kinds, or NULL. Names are unique in an image. */
 const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned kinds);
 /* The name of a register or constant as numbered in a word, or NULL. */
 const char *fp3_image_name(const fp3_image *image, uint32_t operand);
-/* The value that the image gives shared constant index, or NULL. */
+/* The FP32 bits that the image gives shared constant index, or NULL. */
 const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
+/* "state" and so on; "?" for what is no kind. */
 const char *fp3_kind_name(fp3_symbol_kind kind);
+/* Whether the kind names object registers. */
 int fp3_kind_is_object(fp3_symbol_kind kind);
 /* Whether text is a name: a letter or _, then letters, digits or _, 31 characters at most, and not
  * one of the words that mean something by themselves: first, step, last, inf, nan. */

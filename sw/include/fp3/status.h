@@ -5,15 +5,15 @@
  *         fprintf(stderr, "%s\n", error.text);
  *
  * A call returns a status; on failure it also writes one line into the caller's fp3_error
- * (or nothing, where that is NULL). What a failed call would have made is left NULL or unchanged.
+ * (or nothing, where that is NULL). What a failed call would have made is left NULL or unchanged,
+ * unless its own comment says otherwise. No pointer may be NULL unless its comment says so.
  */
 #ifndef FP3_STATUS_H
 #define FP3_STATUS_H
 
 typedef enum {
     FP3_OK = 0,
-    FP3_E_ARGUMENT, /* the caller asks for what cannot be: an option, a name, a value out of range
-                     */
+    FP3_E_ARGUMENT, /* the caller asks for what cannot be: an option, a name, a value */
     FP3_E_PROGRAM,  /* the program is wrong: source, image, or an instruction word */
     FP3_E_LIMIT,    /* stopped at a limit that the caller gave; the state is readable */
     FP3_E_SYSTEM,   /* memory, file or device */
