@@ -47,12 +47,15 @@ module replay;
     function [8*4-1:0] operand(input [6:0] field);
         operand = {field[6] ? "k" : "r", 8'h30 + field[5:0] / 8'd10, 8'h30 + field[5:0] % 8'd10, " "};
     endfunction
-    always @(negedge clk) begin
+    always @* begin
         issue_text = "";
         if (issue_valid)
             issue_text = {mnemonic(issue_word[OP_HI:OP_LO]), " ",
                           operand({1'b0, issue_word[D_HI:D_LO]}), operand(issue_word[A_HI:A_LO]),
-                          operand(issue_word[B_HI:B_LO]), operand(issue_word[C_HI:C_LO])};
+                          operand(issue_word[B_HI:B_LO]),
+                          has_c(issue_word[OP_HI:OP_LO]) ? operand(issue_word[C_HI:C_LO]) : "    "};
+    end
+    always @* begin
         retire_text = "";
         if (retire_valid) $sformat(retire_text, "r%0d=%h", retire_register, retire_value);
     end

@@ -303,14 +303,17 @@ def isa_verilog(isa):
 
 
 def mnemonic_verilog(isa):
-    """For benches: an opcode as text, padded with blanks."""
+    """For benches: an opcode as text, padded with blanks, and whether it has a third source."""
     hi, lo = isa["field"]["op"]
     bits, width = hi - lo + 1, max(len(op["name"]) for op in isa["op"])
     rows = [(f"        {bits}'d{op['code']}: ", f'mnemonic = "{op["name"]:<{width}}";') for op in isa["op"]]
     rows.append(("        default: ", f'mnemonic = "{"?":<{width}}";'))
     return [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module.",
             f"function [8*{width}-1:0] mnemonic(input [{bits - 1}:0] code);",
-            "    case (code)", *columns(rows), "    endcase", "endfunction"]
+            "    case (code)", *columns(rows), "    endcase", "endfunction",
+            f"function has_c(input [{bits - 1}:0] code);",
+            "    has_c = " + " || ".join(f"code == {bits}'d{op['code']}" for op in isa["op"] if "c" in op["operands"])
+            + ";", "endfunction"]
 
 
 def isa_c(isa):

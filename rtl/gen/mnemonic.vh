@@ -10,3 +10,6 @@ function [8*4-1:0] mnemonic(input [4:0] code);
         default: mnemonic = "?   ";
     endcase
 endfunction
+function has_c(input [4:0] code);
+    has_c = code == 5'd4 || code == 5'd5;
+endfunction
