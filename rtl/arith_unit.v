@@ -1,8 +1,8 @@
 // arith_unit: the pipelined adder and multiplier, and the chain from one to the other.
 //
-// Purpose   One door to the floating-point cores: operands go in with a valid bit, and
-//           results appear a fixed number of cycles later in the unit's result register.
-//           Whoever issues knows when, so no tag travels with them.
+// Purpose   One door to the floating-point cores: operands go in every cycle, meant or not, and
+//           a result appears a fixed number of cycles later in the unit's result register.
+//           Whoever issues knows when, so neither valid bit nor tag travels with them.
 //
 //               a, b ──► multiplier ──► mul_value_o
 //                              │ chained
@@ -46,13 +46,23 @@ module arith_unit #(
         end
     endfunction
 
+    // A latency that cannot be built names a module that does not exist: elaboration ends there.
+    generate
+        if (ADD_LATENCY <= ones(ADD_CUTS)) begin : g_add_latency
+            ADD_LATENCY_must_be_more_than_the_cuts u_error ();
+        end
+        if (MUL_LATENCY <= ones(MUL_CUTS)) begin : g_mul_latency
+            MUL_LATENCY_must_be_more_than_the_cuts u_error ();
+        end
+    endgenerate
+
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
     wire [31:0] chain_c;
     wire [4:0]  chain_flags;
     generate
-        if (CHAIN) begin : g_chain
+        if (CHAIN != 0) begin : g_chain
             wire soon;
             delay #(.W(1), .N(MUL_LATENCY-1)) u_soon (.clk_i(clk_i), .rst_i(rst_i),
                 .d_i(chain_i), .q_o(soon));

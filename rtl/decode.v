@@ -5,7 +5,7 @@
 // Promise   legal_o is low for an unknown opcode, an operand beyond the register file, a field
 //           that the instruction does not have and that is not 0, and a unit left out.
 //
-//     word_i = 0x0820c105       to_add_o, d_o = 1, a_o = {0, 3}, b_o = {0, 2}, ...
+//     word_i = 0x0820c100       legal_o, to_add_o, d_o = 1, a_o = {0, 3}, b_o = {0, 2}
 `default_nettype none
 module decode #(
     parameter REGISTER_W = 5,          // 2^REGISTER_W registers, and as many constants

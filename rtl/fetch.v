@@ -6,9 +6,9 @@
 //           0 ........ step ........ last ........ size
 //           first part |  step part  |  last part  |
 //
-// Latency   2: the first word is on word_o two cycles after start_i, then one per cycle
+// Latency   3: the first word is on word_o three cycles after start_i, then one per cycle
 //           in which advance_i is high.
-// Hazard    advance_i low holds everything. stop_i drops what was fetched and not taken.
+// Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and not taken.
 `default_nettype none
 module fetch #(
     parameter ADDR_W = 9               // 2^ADDR_W instruction words
@@ -43,7 +43,7 @@ module fetch #(
         if (start_i) begin
             pc_q    <= {ADDR_W{1'b0}};
             steps_q <= steps_i - 1'b1;
-        end else if (advance_i) begin
+        end else if (advance_i && active_q) begin
             pc_q    <= again ? step_i : pc_q + 1'b1;
             steps_q <= steps_q - {31'b0, again};
         end
@@ -56,7 +56,7 @@ module fetch #(
 
     ram_1r1w #(.ADDR_W(ADDR_W)) u_program (
         .clk_i(clk_i), .write_i(write_i), .write_addr_i(write_addr_i), .write_value_i(write_word_i),
-        .read_i(advance_i), .read_addr_i(pc_q), .read_value_o(word));
+        .read_i(advance_i && active_q), .read_addr_i(pc_q), .read_value_o(word));
 
     always @(posedge clk_i)
         if (rst_i || stop_i) begin

@@ -21,7 +21,7 @@ module fp3 #(
     parameter SUBNORMAL       = 1,     // 1: gradual underflow, 0: flushed
     parameter NEAREST         = 1,     // 1: nearest-even, 0: truncated
     parameter ADD_LATENCY     = 1,     // at least 1 + the number of cuts
-    parameter MUL_LATENCY     = 1,
+    parameter MUL_LATENCY     = 1,     // likewise
     parameter [6:0] ADD_CUTS  = 0,     // see fp_add
     parameter [6:0] MUL_CUTS  = 0      // see fp_mul
 ) (
@@ -63,6 +63,19 @@ module fp3 #(
         | (NEAREST         != 0 ? 32'd1 << FEATURES_NEAREST_LO         : 32'd0)
         | {24'd0, ADD_LATENCY_8} << FEATURES_ADD_LATENCY_LO
         | {24'd0, MUL_LATENCY_8} << FEATURES_MUL_LATENCY_LO;
+
+    // A parameter that cannot be built names a module that does not exist: elaboration ends there.
+    generate
+        if (REGISTERS != 1 << REGISTER_W || REGISTERS < 2 || REGISTERS > 64) begin : g_registers
+            REGISTERS_must_be_a_power_of_two_from_2_to_64 u_error ();
+        end
+        if (PROGRAM_WORDS != 1 << PROGRAM_W || PROGRAM_WORDS < 2 || PROGRAM_WORDS > 1024) begin : g_program
+            PROGRAM_WORDS_must_be_a_power_of_two_from_2_to_1024 u_error ();
+        end
+        if (CONTEXTS < 1 || CONTEXTS > 64) begin : g_contexts
+            CONTEXTS_must_be_1_to_64 u_error ();
+        end
+    endgenerate
 
     wire                            start, stop, running, illegal;
     wire [31:0]                     steps;
@@ -128,7 +141,7 @@ module fp3 #(
 
     // In the order of isa/registers.toml, the first counter in bit 0.
     counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(counters_clear),
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear),
         .event_i({stall_drain, stall_writeback, stall_unit, stall_dependency, stall_fetch,
                   retire_valid_o, issue_chain, issue_mul, issue_add, running}),
         .index_i(counters_index), .value_o(counters_value));

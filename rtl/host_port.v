@@ -62,13 +62,14 @@ module host_port #(
     localparam [31:0] PROGRAM_WORDS = 32'd1 << PROGRAM_W;
     localparam [31:0] CONTEXTS_32   = CONTEXTS;
     localparam [CONTEXT_W-1:0] SHARED = CONTEXTS;
+    localparam [15:0] IN_WINDOW       = 16'h3fff;         // address bits within the objects' window
 
     // Take a request, decode it, execute it, hold the response until it is taken.
     reg        decode_q, execute_q, respond_q;
     reg        write_q;
     reg [15:0] addr_q;
     reg [31:0] wdata_q;
-    assign req_ready_o = !decode_q && !execute_q && !respond_q;
+    assign req_ready_o = !rst_i && !decode_q && !execute_q && !respond_q;
     assign rsp_valid_o = respond_q;
 
     always @(posedge clk_i) begin
@@ -103,6 +104,9 @@ module host_port #(
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
     wire wants_start = wdata_q[CONTROL_START_LO];
 
+    // The outcome is known in the cycle after the end: until then the run goes on.
+    wire busy = running_i || was_running_q;
+
     reg        ok;                     // this access has a meaning now
     reg [31:0] rdata;
     always @* begin
@@ -114,7 +118,7 @@ module host_port #(
             ADDR_MEMORY:   {ok, rdata} = {!write_q, PROGRAM_WORDS};
             ADDR_FEATURES: {ok, rdata} = {!write_q, FEATURES};
             ADDR_CONTROL:  ok = write_q && !(wants_start && (running_i || wants_stop || !runnable));
-            ADDR_STATUS:   {ok, rdata} = {!write_q, 28'd0, stopped_q, illegal_q, done_q, running_i};
+            ADDR_STATUS:   {ok, rdata} = {!write_q, 28'd0, {stopped_q, illegal_q, done_q} & {3{!busy}}, busy};
             ADDR_FAULT:    {ok, rdata} = {!write_q, {32-PROGRAM_W{1'b0}}, fault_q};
             ADDR_FLAGS:    {ok, rdata} = {!write_q, 27'd0, flags_q};
             ADDR_STEPS:    {ok, rdata} = {!write_q || !running_i, steps_q};
@@ -172,8 +176,9 @@ module host_port #(
                 {illegal_q, stopped_q, flags_q} <= 7'd0;
                 done_q <= steps_q == 32'd0;
             end else begin
-                if (stop_o)    stopped_q <= 1'b1;
-                if (illegal_i) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
+                // The first reason to end is the one that counts.
+                if (stop_o && !illegal_i && !illegal_q) stopped_q <= 1'b1;
+                if (illegal_i && !stopped_q) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
                 if (retire_i)  flags_q <= flags_q | retire_flags_i;
                 if (was_running_q && !running_i) done_q <= !illegal_q && !stopped_q;
             end
@@ -192,7 +197,8 @@ module host_port #(
     assign program_write_o  = write && to_program_q;
     assign program_addr_o   = addr_q[PROGRAM_W+1:2];
     assign write_o          = write && to_values_q;
-    assign addr_o           = {in_objects ? addr_q[8 +: CONTEXT_W] : SHARED, addr_q[REGISTER_W+1:2]};
+    assign addr_o           = {in_objects ? addr_q[8 +: CONTEXT_W] & IN_WINDOW[8 +: CONTEXT_W] : SHARED,
+                               addr_q[REGISTER_W+1:2]};
     assign wdata_o          = wdata_q;
     assign counters_clear_o = start;
     assign counters_index_o = from_counters[6:3];

@@ -9,7 +9,8 @@
 //                    memory word  | busy flags,   | register file  |          | register file,
 //                                 | slot, sweep   | or bypass      |          | retirement
 //
-// Latency   4 cycles from start_i to the first operands; then one instruction per cycle at best.
+// Latency   The first instruction issues 4 cycles after start_i and has its operands in the
+//           cycle after; then one instruction per cycle at best.
 //           A result meets a waiting operand in the cycle in which it is written (BYPASS), or is
 //           read from the register file two cycles later.
 // Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
@@ -35,7 +36,7 @@ module scheduler #(
     input  wire [PROGRAM_W-1:0]            step_end_i,
     input  wire [PROGRAM_W-1:0]            end_i,
     output wire                            running_o,
-    output wire                            illegal_o,       // the word at issue_pc_o: no run
+    output wire                            illegal_o,       // the word at issue_pc_o ends the run
     // The host: program, registers, constants (context CONTEXTS)
     input  wire                            host_program_i,  // write host_wdata_i there
     input  wire                            host_write_i,
@@ -142,13 +143,11 @@ module scheduler #(
         else if (issue)       context_q <= context_q == FINAL ? {CONTEXT_W{1'b0}}
                                                               : context_q + 1'b1;
 
-    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS),
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i),
         .issue_i(issue), .to_add_i(to_add), .to_mul_i(to_mul), .to_chain_i(to_chain),
         .d_i({context_q, d}), .a_i(a_reg), .b_i(b_reg), .c_i(c_reg),
-        .a_object_i(!a[REGISTER_W]), .b_object_i(!b[REGISTER_W]),
-        .c_object_i(!c[REGISTER_W] && to_chain),
         .blocked_o(blocked), .taken_o(taken),
         .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
         .write_o(write), .write_mul_o(write_mul), .write_d_o(write_d), .empty_o(in_flight_none));

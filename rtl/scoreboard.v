@@ -11,13 +11,16 @@
 //                                        that is read now comes from the bypass
 //
 // Latency   0 for every answer. A flag rises in the cycle after issue_i, and falls so that the
-//           earliest correct reader issues: with BYPASS two cycles before the write, without
-//           in the cycle after it.
-// Hazard    issue_i only with blocked_o and taken_o low. Constants are never flagged.
+//           earliest correct reader issues: with BYPASS in the cycle before the write, without
+//           in the cycle after it. What the next instruction can read (BYPASS, latency 1) is
+//           never flagged.
+// Hazard    issue_i only with blocked_o and taken_o low. Constants are nobody's destination, so
+//           they are never flagged. c_i counts for a chain only: other words have 0 there.
 `default_nettype none
 module scoreboard #(
     parameter REG_W       = 5,         // a register's number, its context's included
     parameter BYPASS      = 1,
+    parameter CHAIN       = 1,         // to_chain_i is in use
     parameter ADD_LATENCY = 1,         // cycles from operands to result, each >= 1
     parameter MUL_LATENCY = 1
 ) (
@@ -32,9 +35,6 @@ module scoreboard #(
     input  wire [REG_W-1:0] a_i,
     input  wire [REG_W-1:0] b_i,
     input  wire [REG_W-1:0] c_i,
-    input  wire             a_object_i,  // it reads an object register there, not a constant
-    input  wire             b_object_i,
-    input  wire             c_object_i,
     output wire             blocked_o,   // a register it names is flagged
     output wire             taken_o,     // the write port is taken in the cycle of its result
     output wire [1:0]       a_bypass_o,  // {from the multiplier, from the adder}
@@ -44,41 +44,39 @@ module scoreboard #(
     output wire             write_o,
     output wire             write_mul_o, // from the multiplier, else from the adder
     output wire [REG_W-1:0] write_d_o,
-    output wire             empty_o      // nothing in flight after this cycle
+    output wire             empty_o      // nothing in flight after this cycle, but for issue_i
 );
     localparam CHAIN_LATENCY = MUL_LATENCY + ADD_LATENCY;
-    localparam FREE          = BYPASS ? 2 : 0;    // the slot that lowers a flag as it leaves
+    localparam UNIT_LATENCY  = MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY;
+    localparam LONGEST       = CHAIN != 0 ? CHAIN_LATENCY : UNIT_LATENCY > 1 ? UNIT_LATENCY : 2;
+    localparam FREE          = BYPASS != 0 ? 2 : 0;   // the slot that lowers a flag as it leaves
 
-    // Slots 0 .. CHAIN_LATENCY, shifting down by one each cycle.
-    reg  [CHAIN_LATENCY:0] valid_q;
-    reg  [CHAIN_LATENCY:0] mul_q;
-    reg  [REG_W-1:0]       d_q [0:CHAIN_LATENCY];
+    // Slots 0 .. LONGEST, shifting down by one each cycle.
+    reg  [LONGEST:0] valid_q;
+    reg  [LONGEST:0] mul_q;
+    reg  [REG_W-1:0] d_q [0:LONGEST];
 
-    wire [CHAIN_LATENCY:0] slot =
-          {{CHAIN_LATENCY{1'b0}}, to_add_i}   << ADD_LATENCY
-        | {{CHAIN_LATENCY{1'b0}}, to_mul_i}   << MUL_LATENCY
-        | {{CHAIN_LATENCY{1'b0}}, to_chain_i} << CHAIN_LATENCY;
-    wire [CHAIN_LATENCY:0] insert = issue_i ? slot : {CHAIN_LATENCY+1{1'b0}};
+    wire [LONGEST:0] slot = ({{LONGEST{1'b0}}, to_add_i}                 << ADD_LATENCY)
+                          | ({{LONGEST{1'b0}}, to_mul_i}                 << MUL_LATENCY)
+                          | ({{LONGEST{1'b0}}, to_chain_i && CHAIN != 0} << CHAIN_LATENCY);
+    wire [LONGEST:0] insert = issue_i ? slot : {LONGEST+1{1'b0}};
 
     always @(posedge clk_i)
-        if (rst_i) valid_q <= {CHAIN_LATENCY+1{1'b0}};
-        else       valid_q <= valid_q >> 1 | insert;
+        if (rst_i) valid_q <= {LONGEST+1{1'b0}};
+        else       valid_q <= (valid_q >> 1) | insert;
 
-    genvar k;
-    generate
-        for (k = 0; k <= CHAIN_LATENCY; k = k + 1) begin : g_slot
-            always @(posedge clk_i)
-                if (insert[k]) begin
-                    mul_q[k] <= to_mul_i;
-                    d_q[k]   <= d_i;
-                end else if (k < CHAIN_LATENCY) begin
-                    mul_q[k] <= mul_q[k < CHAIN_LATENCY ? k+1 : k];
-                    d_q[k]   <= d_q[k < CHAIN_LATENCY ? k+1 : k];
-                end
-        end
-    endgenerate
+    integer k;
+    always @(posedge clk_i)
+        for (k = 0; k <= LONGEST; k = k + 1)
+            if (insert[k]) begin
+                mul_q[k] <= to_mul_i;
+                d_q[k]   <= d_i;
+            end else if (k < LONGEST) begin
+                mul_q[k] <= mul_q[k+1];
+                d_q[k]   <= d_q[k+1];
+            end
 
-    assign taken_o     = |(slot & valid_q >> 1);
+    assign taken_o     = |(slot & (valid_q >> 1));
     // In reset the slots may still hold anything: memories keep what they have.
     assign write_o     = valid_q[0] && !rst_i;
     assign write_mul_o = mul_q[0];
@@ -87,13 +85,13 @@ module scoreboard #(
 
     // A result that is due in the next cycle meets its reader at the units' operands.
     wire [1:0] due = BYPASS == 0 || !valid_q[1] ? 2'b00 : {mul_q[1], !mul_q[1]};
-    assign a_bypass_o = a_object_i && a_i == d_q[1] ? due : 2'b00;
-    assign b_bypass_o = b_object_i && b_i == d_q[1] ? due : 2'b00;
-    assign c_bypass_o = c_object_i && c_i == d_q[1] ? due : 2'b00;
+    assign a_bypass_o = a_i == d_q[1] ? due : 2'b00;
+    assign b_bypass_o = b_i == d_q[1] ? due : 2'b00;
+    assign c_bypass_o = c_i == d_q[1] ? due : 2'b00;
 
     // Busy flags. With BYPASS a result of latency 1 is there for the next instruction already.
     reg  [(1<<REG_W)-1:0] busy_q;
-    wire                  flag   = BYPASS ? |(insert >> FREE) : issue_i;
+    wire                  flag   = BYPASS != 0 ? |(insert >> FREE) : issue_i;
     wire                  unflag = valid_q[FREE];
     wire [(1<<REG_W)-1:0] one    = {{(1<<REG_W)-1{1'b0}}, 1'b1};
 
@@ -102,10 +100,7 @@ module scoreboard #(
         else       busy_q <= busy_q & ~(unflag ? one << d_q[FREE] : {(1<<REG_W){1'b0}})
                                     |  (flag   ? one << d_i       : {(1<<REG_W){1'b0}});
 
-    assign blocked_o = busy_q[d_i]
-                    || (busy_q[a_i] && a_object_i)
-                    || (busy_q[b_i] && b_object_i)
-                    || (busy_q[c_i] && c_object_i);
+    assign blocked_o = busy_q[d_i] || busy_q[a_i] || busy_q[b_i] || (busy_q[c_i] && to_chain_i);
 
 `ifdef FORMAL
     // What the flags promise, for one register that the solver picks: it is flagged exactly while
@@ -121,7 +116,7 @@ module scoreboard #(
         assume (!issue_i || (!blocked_o && !taken_o));
         assume ({2'b00, to_add_i} + {2'b00, to_mul_i} + {2'b00, to_chain_i} == 3'd1);
         later = 8'd0;
-        for (i = FREE; i <= CHAIN_LATENCY; i = i + 1)
+        for (i = FREE; i <= LONGEST; i = i + 1)
             later = later + {7'd0, valid_q[i] && d_q[i] == who};
     end
     always @* if (started_q) assert (later == {7'd0, busy_q[who]});

@@ -23,7 +23,7 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 # of the sizes are what the register map has room for, those of the masks the cuts that a core has;
 # check_configs() fills them in.
 CONFIG_KEYS = {
-    "registers": (1, 64), "contexts": (1, None), "program_words": (1, None), "bypass": (0, 1),
+    "registers": (2, 64), "contexts": (1, None), "program_words": (2, None), "bypass": (0, 1),
     "writeback_stall": (0, 1), "chain": (0, 1), "subnormal": (0, 1), "nearest": (0, 1),
     "add_latency": (1, 255), "mul_latency": (1, 255),
     "add_cuts": (0, None), "mul_cuts": (0, None),
@@ -146,15 +146,15 @@ def check_registers(regs):
         keys(row, file, f"counter '{row.get('name', '?')}'", {"name": str, "doc": str})
     for row in regs["window"]:
         keys(row, file, f"window '{row.get('name', '?')}'",
-             {"name": str, "at": int, "access": str, "doc": str})
+             {"name": str, "at": int, "words": int, "access": str, "doc": str})
     for what in ("register", "counter", "window"):
         named(regs[what], file, what)
 
-    # A window reaches to the next one, the last to the end of the 16-bit addresses.
+    # A window ends before the next one, the last before the end of the 16-bit addresses.
     windows = sorted(regs["window"], key=lambda row: row["at"])
     for row, above in zip(windows, windows[1:] + [{"at": 0x10000}]):
-        row["words"] = (above["at"] - row["at"]) // 4
-        need(row["words"] > 0, file, f"window '{row['name']}' has no room: the next starts at 0x{above['at']:04x}")
+        need(0 < row["words"] <= (above["at"] - row["at"]) // 4, file,
+             f"window '{row['name']}' has no room: the next starts at 0x{above['at']:04x}")
     counters = [{"name": "counter " + row["name"], "at": regs["counters"]["at"] + 8 * i, "bytes": 8}
                 for i, row in enumerate(regs["counter"])]
     owner = {}
@@ -184,7 +184,7 @@ def cut_positions(root, core):
 def check_configs(data, regs, positions):
     file = "configs.toml"
     room = {row["name"]: row["words"] for row in regs["window"]}
-    limits = dict(CONFIG_KEYS, program_words=(1, room["program"]), contexts=(1, room["objects"] // 64),
+    limits = dict(CONFIG_KEYS, program_words=(2, room["program"]), contexts=(1, room["objects"] // 64),
                   **{f"{unit}_cuts": (0, (1 << n) - 1) for unit, n in positions.items()})
     keys(data, file, "top level", {"default": dict, "config": list})
     keys(data["default"], file, "[default]", {}, {key: int for key in CONFIG_KEYS})
@@ -204,6 +204,8 @@ def check_configs(data, regs, positions):
             need(key in row, file, f"{where}: '{key}' is missing, here and in [default]")
             need(low <= row[key] <= high, file, f"{where}: {key} = {config_value(key, row[key])} is not in "
                  f"{config_value(key, low)} .. {config_value(key, high)}")
+        for key in ("registers", "program_words"):
+            need(row[key] & (row[key] - 1) == 0, file, f"{where}: {key} = {row[key]} is not a power of two")
         rows.append(row)
     named(rows, file, "config")
     return rows

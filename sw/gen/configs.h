@@ -4,12 +4,13 @@
 /* clang-format off */
 
 /* X(name, doc, registers, contexts, program_words, bypass, writeback_stall, chain, subnormal, nearest, add_latency, mul_latency, add_cuts, mul_cuts) */
-#define FP3_CONFIGS(X)                                                                                                                                                       \
-    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                    32, 1, 512, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",           32, 1, 512, 0, 0, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_bypass, "The same with bypass.",                                                                               32, 1, 512, 1, 0, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.", 32, 1, 512, 1, 0, 1, 1, 1, 1,  1,  0x0000, 0x0000) \
-    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",           32, 1, 512, 1, 0, 1, 1, 1, 2,  2,  0x0004, 0x0004)
+#define FP3_CONFIGS(X)                                                                                                                                                        \
+    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                    32, 1,  512, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",           32, 1,  512, 0, 0, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(walk_bypass, "The same with bypass.",                                                                               32, 1,  512, 1, 0, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.", 32, 1,  512, 1, 0, 1, 1, 1, 1,  1,  0x0000, 0x0000) \
+    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",           32, 1,  512, 1, 0, 1, 1, 1, 2,  2,  0x0004, 0x0004) \
+    X(many,        "Sixteen objects in flight on deep cores: each instruction issues for all of them in turn.",           32, 16, 512, 1, 0, 1, 1, 1, 8,  4,  0x007f, 0x002a)
 
 /* clang-format on */
 #endif

@@ -181,6 +181,41 @@ static void a_running_machine_guards_its_memories(bench *b) {
     want(b, "untouched:", FP3_ADDR_STEPS, 0xffffffffu);
 }
 
+static void counters_are_0_before_the_first_run(bench *b) {
+#define X(NAME, name, address)                                                                     \
+    want(b, "counter " name, address, 0);                                                          \
+    want(b, "counter " name ", high word", address + 4, 0);
+    FP3_COUNTERS(X)
+#undef X
+}
+
+static int one_bit(uint32_t word) { return word && !(word & (word - 1)); }
+
+/* Whenever a host looks, a run either goes on or has one outcome; whether it comes to its end, meets
+ * an illegal word, is stopped, or more than one of these at once. */
+static void a_run_has_one_outcome(bench *b) {
+    for (unsigned is_illegal = 0; is_illegal < 2; is_illegal++)
+        for (unsigned is_stopped = 0; is_stopped < 2; is_stopped++)
+            for (uint64_t when = 0; when < 60; when++) {
+                load(b, 1);
+                put(b, FP3_ADDR_WINDOW_PROGRAM + 4, 0);
+                if (is_illegal)
+                    put(b, FP3_ADDR_SIZE, 2);
+                if (put(b, FP3_ADDR_CONTROL, start))
+                    fail(b, "a start", FP3_ADDR_CONTROL, 1, 0);
+                b->build->ops->clock(b->rtl, when, when + 1);
+                if (is_stopped)
+                    put(b, FP3_ADDR_CONTROL, stop);
+                for (int i = 0; i < 2; i++) {
+                    const uint32_t status = get(b, FP3_ADDR_STATUS);
+                    if (!one_bit(status))
+                        fail(b, "running or one outcome: status", FP3_ADDR_STATUS, status,
+                             1u << FP3_STATUS_RUNNING_LO);
+                    b->build->ops->clock(b->rtl, 10000, 100);
+                }
+            }
+}
+
 int main(void) {
     static const build builds[] = {
 #define X(name, doc, registers, contexts, program_words, ...)                                      \
@@ -193,10 +228,12 @@ int main(void) {
         bench b = {.build = &builds[i], .rtl = builds[i].ops->open(NULL, NULL)};
         if (!b.rtl)
             return 1;
+        counters_are_0_before_the_first_run(&b);
         sweep(&b, 0);
         memories_keep_words_apart(&b);
         nonsense_does_not_start(&b);
         a_running_machine_guards_its_memories(&b);
+        a_run_has_one_outcome(&b);
         sweep(&b, 0);
         builds[i].ops->close(b.rtl);
         failed += b.failed;

@@ -6,11 +6,11 @@ from mutants import Bug
 SHAPES = [(1, 1, 1), (1, 2, 2), (1, 3, 5), (1, 14, 13), (0, 1, 1), (0, 14, 13)]
 
 BUGS = [
-    (Bug("control", "a flag for what nobody waits for", "scoreboard.v", "BYPASS ? |(insert >> FREE) : issue_i",
+    (Bug("control", "a flag for what nobody waits for", "scoreboard.v", "BYPASS != 0 ? |(insert >> FREE) : issue_i",
          "issue_i"), (1, 1, 1)),
     (Bug("control", "a flagged destination issues", "scoreboard.v", "assign blocked_o = busy_q[d_i]",
          "assign blocked_o = 1'b0"), (1, 2, 2)),
-    (Bug("control", "a taken slot is overwritten", "scoreboard.v", "|(slot & valid_q >> 1)", "1'b0"), (1, 3, 5)),
+    (Bug("control", "a taken slot is overwritten", "scoreboard.v", "|(slot & (valid_q >> 1))", "1'b0"), (1, 3, 5)),
     (Bug("control", "a flag falls with the wrong result", "scoreboard.v", "one << d_q[FREE]", "one << d_q[0]"),
      (1, 2, 2)),
 ]

@@ -98,8 +98,9 @@ MISTAKES = [
     ("configs.toml", "mul_cuts = 0x04", "mul_cuts = 0x8000", "config 'single': mul_cuts = 0x8000 is not in 0x0000 .. 0x"),
     ("configs.toml", "chain           = 1", "chain           = 2", "chain = 2 is not in 0 .. 1"),
     ("configs.toml", "chain           = 1", "chain           = true", "[default]: 'chain' must be of type int"),
-    ("configs.toml", "program_words   = 512", "program_words   = 1025", "program_words = 1025 is not in 1 .. 1024"),
-    ("configs.toml", "contexts        = 1 ", "contexts        = 193 ", "contexts = 193 is not in 1 .. 192"),
+    ("configs.toml", "program_words   = 512", "program_words   = 1025", "program_words = 1025 is not in 2 .. 1024"),
+    ("configs.toml", "registers       = 32", "registers       = 24", "registers = 24 is not a power of two"),
+    ("configs.toml", "contexts        = 1 ", "contexts        = 193 ", "contexts = 65 is not in 1 .. 64"),
     ("configs.toml", "registers       = 32", "registres       = 32", "[default]: unknown key 'registres'"),
     ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),
 ]
