@@ -100,7 +100,7 @@ MISTAKES = [
     ("configs.toml", "chain           = 1", "chain           = true", "[default]: 'chain' must be of type int"),
     ("configs.toml", "program_words   = 512", "program_words   = 1025", "program_words = 1025 is not in 2 .. 1024"),
     ("configs.toml", "registers       = 32", "registers       = 24", "registers = 24 is not a power of two"),
-    ("configs.toml", "contexts        = 1 ", "contexts        = 193 ", "contexts = 65 is not in 1 .. 64"),
+    ("configs.toml", "contexts        = 1 ", "contexts        = 65 ", "contexts = 65 is not in 1 .. 64"),
     ("configs.toml", "registers       = 32", "registres       = 32", "[default]: unknown key 'registres'"),
     ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),
 ]
