@@ -1,0 +1,23 @@
+"""tools/report.py: every figure of docs/results.md and of README's table comes from results, or there is no table."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+
+def report(tree):
+    return subprocess.run([sys.executable, tree / "tools/report.py"], capture_output=True, text=True)
+
+
+def test_missing_results_are_named_and_nothing_is_written(root, tmp_path):
+    (tmp_path / "tools").mkdir()
+    shutil.copy(root / "tools/report.py", tmp_path / "tools")
+    done = report(tmp_path)
+    assert done.returncode != 0 and "build/results/sim.json" in done.stderr and not (tmp_path / "docs").exists()
+    results = tmp_path / "build/results"
+    results.mkdir(parents=True)
+    for name, what in (("sim", {"runs": []}), ("synth", {"rows": [{"device": "x", "seeds": [1]}]}), ("prove", [])):
+        (results / f"{name}.json").write_text(json.dumps(what))
+    done = report(tmp_path)
+    assert done.returncode != 0 and not (tmp_path / "docs").exists()
