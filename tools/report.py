@@ -17,7 +17,7 @@ PAPER = {"first": 445, "next": 418, "ns": 3715.184}
 # From the paper's machine to `single`, one change at a time: configuration, program, the change.
 WALK = [
     ("paper", "ship_paper", "the paper's machine, our calibration"),
-    ("paper", "ship", "no register initialisation; independent work in the shadow of the chain"),
+    ("paper", "ship", "another program: no register initialisation, independent work in the shadow of the chain"),
     ("walk_slot", "ship", "write slots reserved at issue instead of a stall at each write"),
     ("walk_bypass", "ship", "results go straight to waiting operands"),
     ("single", "ship", "shallow cores: fewer cycles each, a slower clock"),

@@ -105,3 +105,27 @@ def test_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path):
     assert len(shown) > 30 and shown <= known, sorted(shown - known)
     assert "madd" in bytes.fromhex("".join(f"{int(bits, 2):064x}" for bits in re.findall(
         r"^b([01]{100,256}) ", dump.read_text(), re.M))).decode("latin-1"), "no mnemonic to be read"
+
+
+def test_the_last_of_64_contexts_is_addressed(root, tmp_path):
+    """The largest build: the objects' window is full, and the constants are a context beyond it."""
+    wrapper, session, bench = tmp_path / "fp3_crowd.v", tmp_path / "x.session", tmp_path / "x.vvp"
+    text = (root / "rtl/gen/fp3_many.v").read_text()
+    assert re.search(r"\.CONTEXTS +\(16\)", text)
+    wrapper.write_text(re.sub(r"(\.CONTEXTS +)\(16\)", r"\1(64)", text).replace("fp3_many", "fp3_crowd"))
+    words = {0x2000: 0x11111111, 0x4000: 0x22222222, 0x4100: 0x33333333, 0x7f00: 0x44444444}
+    session.write_text("".join(f"{kind} {at:04x} {word:08x}\n" for kind in "wr" for at, word in words.items()))
+    start("iverilog", "-g2012", "-DTOP=fp3_crowd", "-s", "replay", "-c", "rtl/fp3.f", "-o", bench, "sim/replay.v",
+          wrapper, cwd=root)
+    done = replay(root, bench, session)
+    assert done.returncode == 0 and "PASS" in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("parameter, value, rule", [
+    ("REGISTERS", 24, "REGISTERS_must_be"), ("PROGRAM_WORDS", 2048, "PROGRAM_WORDS_must_be"),
+    ("CONTEXTS", 65, "CONTEXTS_must_be"), ("ADD_LATENCY", 0, "ADD_LATENCY_must_be"),
+    ("MUL_LATENCY", 0, "MUL_LATENCY_must_be")])
+def test_a_parameter_that_cannot_be_built_stops_elaboration(root, parameter, value, rule):
+    done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", f"-Pfp3.{parameter}={value}",
+                 "rtl/fp3.v", cwd=root)
+    assert done.returncode != 0 and rule in done.stderr + done.stdout, done.stderr
