@@ -74,7 +74,7 @@ CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SANITIZE)
 LDFLAGS  := $(SANITIZE)
 LDLIBS   := -lgsl -lgslcblas -ljansson -lconfig -lz -lpthread -lm
 
-VERILATOR = verilator -f rtl/fp3.f -Wall -O3 --x-assign fast --x-initial unique
+VERILATOR = verilator -f rtl/fp3.f -Wall -DFP3_CHECK -O3 --x-assign fast --x-initial unique
 VL_INC    = $(VL_ROOT)/include
 VL_ROOT   = $(eval VL_ROOT := $$(shell verilator --getenv VERILATOR_ROOT))$(VL_ROOT)
 
@@ -89,7 +89,7 @@ link    = @g++ $(LDFLAGS) -o $@ $(1) -Wl,--start-group $(LIBS) -Wl,--end-group $
 
 .PHONY: all sim
 sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
-	@$(BUILD)/fp3 bench $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
+	@$(BUILD)/fp3 bench $(if $(PROGRAM)$(CONFIG),,--scenes) $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
 
 all: $(BUILD)/fp3 $(TESTS) $(REPLAYS) ## Build the command and everything else that the tests start
 
@@ -143,11 +143,14 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/ready
 	@mkdir -p $(@D)
 	@$(CCACHE) g++ -std=c++17 -O2 -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
+# How many parts a configuration's trace has: schedulers, and lanes of them all.
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} END {print "-DUNITS=" t*s " -DLANES=" t*s*l}' rtl/gen/fp3_$(1).v)
+
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v rtl/gen/fp3_%.v $(RTL) rtl/fp3.f
 	@mkdir -p $(@D)
 	@echo "  VVP  fp3_$*"
-	@iverilog -g2012 -Wall -Wno-timescale -DTOP=fp3_$* -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
+	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DTOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
 
 .PHONY: waves
 CONFIG_OR  = $(or $(CONFIG),single)
@@ -159,7 +162,7 @@ waves: $(BUILD)/fp3 $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Reco
 	@$(BUILD)/fp3 asm programs/$(PROGRAM_OR).s -o $(WAVES).fp3
 	@$(BUILD)/fp3 run $(WAVES).fp3 -c $(CONFIG_OR) --steps $(STEPS_OR) --params programs/ship.cfg --bus-log $(WAVES).session >/dev/null
 	@vvp -n $(BUILD)/icarus/replay_$(CONFIG_OR).vvp -fst +session=$(WAVES).session +waves=$(WAVES).fst
-	@echo "Look at it with: gtkwave $(WAVES).fst sim/fp3.gtkw"
+	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'INTERLEAVE *(1)' rtl/gen/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
 
 # Recorded sessions, NAME.CONFIG.session, are part of the project: no host software is needed to replay them.
 SESSIONS := $(wildcard programs/*.session)

@@ -9,14 +9,23 @@
 `default_nettype none
 module decode #(
     parameter REGISTER_W = 5,          // 2^REGISTER_W registers, and as many constants
-    parameter CHAIN      = 1           // madd and msub are built
+    parameter CHAIN      = 1,          // madd and msub are built
+    parameter SCALE      = 0,          // addh, subh, addt, subt
+    parameter SLEEP      = 0,          // sleep and lds
+    parameter STORE      = 0           // ld, lds and st
 ) (
     input  wire [31:0]           word_i,
     output wire                  legal_o,
-    output wire                  to_add_o,    // exactly one of these three, if legal
+    output wire                  to_add_o,    // exactly one of these five, if legal
     output wire                  to_mul_o,
     output wire                  to_chain_o,  // to the multiplier, and on to the adder
+    output wire                  to_sleep_o,
+    output wire                  to_memory_o,
     output wire                  subtract_o,
+    output wire                  st_o,        // which of those to memory
+    output wire                  lds_o,
+    output wire                  twice_o,     // what b is multiplied with, in an addition
+    output wire                  half_o,
     output wire [REGISTER_W-1:0] d_o,
     output wire [REGISTER_W:0]   a_o,         // {shared constant, index}
     output wire [REGISTER_W:0]   b_o,
@@ -30,10 +39,12 @@ module decode #(
     wire [6:0] b  = word_i[B_HI:B_LO];
     wire [6:0] c  = word_i[C_HI:C_LO];
 
-    assign to_add_o   = op == OP_ADD || op == OP_SUB;
+    assign half_o     = SCALE != 0 && (op == OP_ADDH || op == OP_SUBH);
+    assign twice_o    = SCALE != 0 && (op == OP_ADDT || op == OP_SUBT);
+    assign to_add_o   = op == OP_ADD || op == OP_SUB || half_o || twice_o;
     assign to_mul_o   = op == OP_MUL;
     assign to_chain_o = CHAIN != 0 && (op == OP_MADD || op == OP_MSUB);
-    assign subtract_o = op == OP_SUB || op == OP_MSUB;
+    assign subtract_o = op == OP_SUB || op == OP_MSUB || op == OP_SUBH || op == OP_SUBT;
 
     // An index fits if shifting out the bits that the register file has leaves nothing.
     wire in_range = ((d      >> REGISTER_W) == 6'd0)
@@ -41,7 +52,15 @@ module decode #(
                  && ((b[5:0] >> REGISTER_W) == 6'd0)
                  && ((c[5:0] >> REGISTER_W) == 6'd0);
 
-    assign legal_o = in_range && (to_chain_o || ((to_add_o || to_mul_o) && c == 7'd0));
+    assign to_sleep_o  = SLEEP != 0 && op == OP_SLEEP;
+    assign st_o        = STORE != 0 && op == OP_ST;
+    assign lds_o       = STORE != 0 && SLEEP != 0 && op == OP_LDS;
+    assign to_memory_o = st_o || lds_o || (STORE != 0 && op == OP_LD);
+
+    wire no_c = c == 7'd0;
+    wire no_a = a == 7'd0 && b == 7'd0 && no_c;
+    assign legal_o = in_range && (to_chain_o || ((to_add_o || to_mul_o || to_sleep_o) && no_c)
+                                             || (to_memory_o && no_a));
 
     assign d_o = d[REGISTER_W-1:0];
     assign a_o = {a[6], a[REGISTER_W-1:0]};

@@ -1,14 +1,17 @@
 // fetch: instruction memory, program counter and the step loop.
 //
-// Purpose   Delivers a run's instructions in order: the first part once, the step part
-//           `steps` times, the last part once. The loop costs no instruction and no cycle.
+// Purpose   Delivers a visit's instructions in order: the first part once, the step part
+//           `steps` times, the last part once; then the next visit's. The loops cost no
+//           instruction and no cycle.
 //
 //           0 ........ step ........ last ........ size
 //           first part |  step part  |  last part  |
 //
 // Latency   3: the first word is on word_o three cycles after start_i, then one per cycle
 //           in which advance_i is high.
-// Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and not taken.
+// Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and
+//           not taken. skip_i ends the steps of this visit early: it may come at any time, and takes
+//           effect at the end of a step.
 `default_nettype none
 module fetch #(
     parameter ADDR_W = 9               // 2^ADDR_W instruction words
@@ -26,37 +29,67 @@ module fetch #(
     input  wire [ADDR_W-1:0] step_i,    // first word of the step part
     input  wire [ADDR_W-1:0] step_end_i,// its last word
     input  wire [ADDR_W-1:0] end_i,     // the program's last word
+    input  wire              skip_i,    // no more steps
+    input  wire              more_i,    // another visit follows this one
+    output wire              again_o,   // it begins
     // To decode
     input  wire              advance_i,
     output wire              valid_o,
     output wire [ADDR_W-1:0] pc_o,
     output wire [31:0]       word_o,
+    output wire              begins_o,  // the first word of a visit
+    output wire              ends_o,    // its last
+    output wire              steps_o,   // the first word of a step
+    output wire              lasts_o,   // in the last part
     output wire              empty_o    // nothing left to deliver
 );
     reg [ADDR_W-1:0] pc_q;
     reg [31:0]       steps_q;           // step parts left to begin, after this one
+    reg              none_q;            // that is 0
     reg              active_q;          // pc_q points to a word to be fetched
 
-    wire again = pc_q == step_end_i && steps_q != 0;
+    reg                begins_q, lasts_q;
+
+    // Whether pc_q is at an end is found a cycle ahead, for each word that may come next.
+    reg  steps_over, ends, again_over, again_ends, zero_over, zero_ends;
+    reg  [ADDR_W-1:0] before_step_end_q, before_end_q;
+    always @(posedge clk_i) begin
+        {again_over, again_ends} <= {step_i == step_end_i, step_i == end_i};
+        {zero_over, zero_ends}   <= {step_end_i == {ADDR_W{1'b0}}, end_i == {ADDR_W{1'b0}}};
+        before_step_end_q        <= step_end_i - 1'b1;
+        before_end_q             <= end_i - 1'b1;
+        if (anew)                       {steps_over, ends} <= {zero_over, zero_ends};
+        else if (advance_i && active_q) {steps_over, ends} <= again ? {again_over, again_ends}
+                                                                    : {pc_q == before_step_end_q, pc_q == before_end_q};
+    end
+    wire [31:0] fewer = steps_q - 1'b1;
+    wire again      = steps_over && !none_q && !skip_i;
+    wire anew       = start_i || (advance_i && active_q && ends && !again && more_i);
+    assign again_o  = anew && !start_i;
 
     always @(posedge clk_i)
-        if (start_i) begin
-            pc_q    <= {ADDR_W{1'b0}};
-            steps_q <= steps_i - 1'b1;
+        if (anew) begin
+            pc_q     <= {ADDR_W{1'b0}};
+            steps_q  <= steps_i - 1'b1;
+            none_q   <= steps_i == 32'd1;
+            begins_q <= 1'b1;
+            lasts_q  <= 1'b0;
         end else if (advance_i && active_q) begin
-            pc_q    <= again ? step_i : pc_q + 1'b1;
-            steps_q <= steps_q - {31'b0, again};
+            pc_q     <= again ? step_i : pc_q + 1'b1;
+            if (again) steps_q <= fewer;
+            none_q   <= none_q || (again && steps_q == 32'd1);
+            begins_q <= 1'b0;
+            lasts_q  <= lasts_q || (steps_over && !again);
         end
 
     // The word is registered behind the memory, whose own output is late in its cycle.
-    wire [31:0]      word;
     reg [ADDR_W-1:0] pc_1q, pc_2q;
+    reg [3:0]        marks_1q, marks_2q;
     reg              valid_1q, valid_2q;
-    reg [31:0]       word_q;
 
-    ram_1r1w #(.ADDR_W(ADDR_W)) u_program (
+    ram_registered #(.ADDR_W(ADDR_W)) u_program (
         .clk_i(clk_i), .write_i(write_i), .write_addr_i(write_addr_i), .write_value_i(write_word_i),
-        .read_i(advance_i && active_q), .read_addr_i(pc_q), .read_value_o(word));
+        .read_i(advance_i), .read_addr_i(pc_q), .read_value_o(word_o));
 
     always @(posedge clk_i)
         if (rst_i || stop_i) begin
@@ -66,21 +99,22 @@ module fetch #(
         end else if (start_i) begin
             active_q <= 1'b1;
         end else if (advance_i) begin
-            active_q <= active_q && (again || pc_q != end_i);
+            active_q <= active_q && (again || !ends || more_i);
             valid_1q <= active_q;
             valid_2q <= valid_1q;
         end
 
     always @(posedge clk_i)
         if (advance_i) begin
-            pc_1q  <= pc_q;
-            pc_2q  <= pc_1q;
-            word_q <= word;
+            pc_1q    <= pc_q;
+            pc_2q    <= pc_1q;
+            marks_1q <= {begins_q, ends && !again, pc_q == step_i, lasts_q};
+            marks_2q <= marks_1q;
         end
 
     assign valid_o = valid_2q;
     assign pc_o    = pc_2q;
-    assign word_o  = word_q;
+    assign {begins_o, ends_o, steps_o, lasts_o} = marks_2q;
     assign empty_o = !active_q && !valid_1q && !valid_2q;
 endmodule
 `default_nettype wire

@@ -38,22 +38,24 @@ module fp_mul #(
     fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS[3:0])) u_product (
         .clk_i(clk_i), .a_i({a_normal, af}), .b_i({b_normal, bf}), .p_o(p));
 
+    // Leading zeros are counted in one operand at most. In front of a cut there is time to choose
+    // it; otherwise fp_mul_scale counts in both and chooses last.
+    wire [FRAC-1:0] either = a_normal ? bf : af;
     wire [EXP-1:0]  ae_0, be_0;
     wire [FRAC-1:0] af_0, bf_0;
-    wire a_normal_0, b_normal_0, a_empty_0, b_empty_0, a_top_0, b_top_0, sign_0;
-    cut #(.W(2*EXP+2*FRAC+7), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
-        .d_i({ae, be, af, bf, a_normal, b_normal, a_empty, b_empty, &ae, &be,
-              a_i[EXP+FRAC] ^ b_i[EXP+FRAC]}),
+    wire a_normal_0, b_normal_0, a_empty_0, b_empty_0, a_top_0, b_top_0, a_quiet_0, b_quiet_0, sign_0;
+    cut #(.W(2*EXP+2*FRAC+9), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
+        .d_i({ae, be, CUTS[0] ? {either, either} : {af, bf}, a_normal, b_normal, a_empty, b_empty,
+              &ae, &be, af[FRAC-1], bf[FRAC-1], a_i[EXP+FRAC] ^ b_i[EXP+FRAC]}),
         .q_o({ae_0, be_0, af_0, bf_0, a_normal_0, b_normal_0, a_empty_0, b_empty_0,
-              a_top_0, b_top_0, sign_0}));
+              a_top_0, b_top_0, a_quiet_0, b_quiet_0, sign_0}));
 
     // Class of the result.
     wire a_zero = !a_normal_0 && (a_empty_0 || SUBNORMAL == 0);
     wire b_zero = !b_normal_0 && (b_empty_0 || SUBNORMAL == 0);
     wire a_nan = a_top_0 && !a_empty_0, b_nan = b_top_0 && !b_empty_0;
-    wire nv = (a_nan && !af_0[FRAC-1]) || (b_nan && !bf_0[FRAC-1])
+    wire nv = (a_nan && !a_quiet_0) || (b_nan && !b_quiet_0)
            || (a_top_0 && b_zero && a_empty_0) || (b_top_0 && a_zero && b_empty_0);
-    wire nan  = nv || a_nan || b_nan;
     wire inf  = a_top_0 || b_top_0;
     wire zero = a_zero || b_zero;
 
@@ -64,10 +66,13 @@ module fp_mul #(
         u_scale (.clk_i(clk_i), .ae_i(ae_0), .be_i(be_0), .af_i(af_0), .bf_i(bf_0),
                  .a_normal_i(a_normal_0), .b_normal_i(b_normal_0),
                  .shift_o(shift_2), .place_o(place_2));
-    wire [4:0] class_1, class_2;
+    wire nv_1, quiet_1, inf_1, zero_1, sign_1;
     cut #(.W(5), .ON(CUTS[1])) u_1 (.clk_i(clk_i),
-        .d_i({nv, nan, inf && !nan, zero && !nan, sign_0 && !nan}), .q_o(class_1));
-    cut #(.W(5), .ON(CUTS[2])) u_2 (.clk_i(clk_i), .d_i(class_1), .q_o(class_2));
+        .d_i({nv, a_nan || b_nan, inf, zero, sign_0}), .q_o({nv_1, quiet_1, inf_1, zero_1, sign_1}));
+    wire nan = nv_1 || quiet_1;
+    wire [4:0] class_2;
+    cut #(.W(5), .ON(CUTS[2])) u_2 (.clk_i(clk_i),
+        .d_i({nv_1, nan, inf_1 && !nan, zero_1 && !nan, sign_1 && !nan}), .q_o(class_2));
 
     // abc9 believes that multipliers take no time, and would hurry the shift instead of the
     // product; keep makes it see both as early.
@@ -86,14 +91,31 @@ module fp_mul #(
     wire [11:0]        fours_unused;
     assign {sixteens_unused, sixteens} = wide >> by_16;
     assign {fours_unused, fours} = sixteens >> by_4;
-    wire lost = |(wide & ~({2*FRAC+19{1'b1}} << by_16)) || |(sixteens[11:0] & ~(12'hFFF << by_4));
-    wire lost_4;
+    // A four of bits is lost if the shift goes beyond it: told beside the shift, not behind it.
+    localparam FOURS = (2*FRAC + 6) / 4;
+    localparam LOST  = (FOURS + 3) / 4;                  // fours of those
+    wire [4*LOST-1:0] gone;
+    wire [LOST-1:0] lost, losts_4;
+    genvar i;
+    generate
+        for (i = 0; i < 4*LOST; i = i + 1) begin : g_four
+            if (i < FOURS) begin : g_some
+                assign gone[i] = |wide[4*i +: 4] && {{34-SW{1'b0}}, shift_3[SW-1:2]} > i;
+            end else begin : g_none
+                assign gone[i] = 1'b0;
+            end
+        end
+        for (i = 0; i < LOST; i = i + 1) begin : g_lost
+            assign lost[i] = |gone[4*i +: 4];
+        end
+    endgenerate
     wire [1:0] by_1;
-    cut #(.W(FRAC+EXP+19), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
-        .d_i({fours, lost, shift_3[1:0], side_3}), .q_o({fours_4, lost_4, by_1, side_4}));
+    cut #(.W(FRAC+EXP+18+LOST), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
+        .d_i({fours, lost, shift_3[1:0], side_3}), .q_o({fours_4, losts_4, by_1, side_4}));
 
     wire [2:0]      ones_unused;
     wire [FRAC+2:0] fine, t;
+    wire            lost_4 = |losts_4;
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
     assign {ones_unused, fine} = fours_4 >> by_1;
     wire            st;

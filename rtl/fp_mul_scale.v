@@ -28,7 +28,6 @@ module fp_mul_scale #(
 );
     localparam XW  = (EXP > SW ? EXP : SW) + 2;     // signed exponent
     localparam TOP = (1 << EXP) - 1;                // exponent field of an infinity
-    localparam MAX = 2*FRAC + 2;                    // this shift leaves sticky bits only
     localparam MID = FRAC + TOP / 2;
 
     function [SW-1:0] last;            // index of the leading one, four bits at a time
@@ -44,32 +43,35 @@ module fp_mul_scale #(
         end
     endfunction
 
-    // Both n are found before it is known which one counts.
+    // Both n are found before it is known which one counts. A zero exponent counts as 1.
     wire both = a_normal_i && b_normal_i;
     wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? last(bf_i) : last(af_i);
-    wire [XW-1:0] sum  = {{XW-EXP{1'b0}}, ae_i} + {{XW-EXP{1'b0}}, be_i} - MID[XW-1:0];
-    wire [XW-1:0] room = MID[XW-1:0]
-                       - {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i}
-                       - {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i};
+    wire [XW-1:0] sum = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i}
+                      + {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i} - MID[XW-1:0];
     wire [SW-1:0] n_1;
-    wire [XW-1:0] sum_1, room_1;
-    wire          both_1;
-    cut #(.W(SW+2*XW+1), .ON(CUTS[0])) u_1 (.clk_i(clk_i),
-        .d_i({n, sum, room, both}), .q_o({n_1, sum_1, room_1, both_1}));
+    wire [XW-1:0] sum_1;
+    cut #(.W(SW+XW), .ON(CUTS[0])) u_1 (.clk_i(clk_i), .d_i({n, sum}), .q_o({n_1, sum_1}));
 
-    // n - room, but not by way of room, which waits for the zero exponents.
-    wire [XW-1:0]  exponent = sum_1 + {{XW-SW{1'b0}}, n_1} + {{XW-1{1'b0}}, !both_1};
-    wire           under = exponent[XW-1];
-    wire [SW-1:0]  shift = SUBNORMAL == 0 ? FRAC[SW-1:0]
-                         : !under ? n_1
-                         : room_1 > MAX[XW-1:0] ? MAX[SW-1:0] : room_1[SW-1:0];
-    wire [EXP-1:0] field = exponent[EXP-1:0] & {EXP{!under}};
-    wire           low   = under || exponent == 0;
-    wire           over  = !under && exponent >= TOP[XW-1:0];
-    wire           by1   = exponent == TOP[XW-1:0] - 1;     // short of overflow
-    wire           by2   = exponent == TOP[XW-1:0] - 2;
-    wire           gone  = SUBNORMAL == 0 && under;         // flushed whatever the product
-    cut #(.W(SW+EXP+5), .ON(CUTS[1])) u_2 (.clk_i(clk_i),
-        .d_i({shift, field, low, over, by1, by2, gone}), .q_o({shift_o, place_o}));
+    // n - room, but not by way of room.
+    wire [XW-1:0] exponent = sum_1 + {{XW-SW{1'b0}}, n_1};
+    wire          under    = exponent[XW-1];
+    wire [XW-1:0] room     = -sum_1;
+    wire          beyond   = |room[XW-1:SW];    // then all ones: only sticky bits are left
+    wire [SW-1:0] shift    = SUBNORMAL == 0 ? FRAC[SW-1:0]
+                           : under ? room[SW-1:0] | {SW{beyond}} : n_1;
+
+    wire [XW-1:0] exponent_2;
+    cut #(.W(SW+XW), .ON(CUTS[1])) u_2 (.clk_i(clk_i),
+        .d_i({shift, exponent}), .q_o({shift_o, exponent_2}));
+
+    // What the exponent says is asked behind the cut: nothing waits for it there.
+    wire           under_2 = exponent_2[XW-1];
+    wire [EXP-1:0] field   = exponent_2[EXP-1:0] & {EXP{!under_2}};
+    wire           low     = under_2 || exponent_2 == 0;
+    wire           over    = !under_2 && exponent_2 >= TOP[XW-1:0];
+    wire           by1     = exponent_2 == TOP[XW-1:0] - 1;     // short of overflow
+    wire           by2     = exponent_2 == TOP[XW-1:0] - 2;
+    wire           gone    = SUBNORMAL == 0 && under_2;         // flushed whatever the product
+    assign place_o = {field, low, over, by1, by2, gone};
 endmodule
 `default_nettype wire

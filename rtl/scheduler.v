@@ -1,13 +1,13 @@
-// scheduler: the workload scheduler. Fetches a program, issues each of its instructions for every
-// context in turn, and writes the results back.
+// scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and writes
+// the results back, for one object in the shortest time. (For many objects: sequencer and lane.)
 //
-// Purpose   The paper's instruction memory, register file and busy flags, for as many objects as
-//           there are contexts. An instruction issues when none of its registers is flagged, its
-//           unit takes it, and the register file will be free for its result. In order.
+// Purpose   The paper's instruction memory, register file and busy flags. An instruction issues
+//           when none of its registers is flagged, its unit takes it, and the register file will
+//           be free for its result. In order.
 //
 //           stage    fetch  fetch | issue         | operands       | unit ... | write
 //                    memory word  | busy flags,   | register file  |          | register file,
-//                                 | slot, sweep   | or bypass      |          | retirement
+//                                 | slot          | or bypass      |          | retirement
 //
 // Latency   The first instruction issues 4 cycles after start_i and has its operands in the
 //           cycle after; then one instruction per cycle at best.
@@ -16,9 +16,7 @@
 // Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
 `default_nettype none
 module scheduler #(
-    parameter REGISTER_W      = 5,     // 2^REGISTER_W registers per context, as many constants
-    parameter CONTEXTS        = 1,
-    parameter CONTEXT_W       = 1,     // bits that count 0 .. CONTEXTS (the constants')
+    parameter REGISTER_W      = 5,     // 2^REGISTER_W registers, and as many constants
     parameter PROGRAM_W       = 9,     // 2^PROGRAM_W instruction words
     parameter BYPASS          = 1,
     parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written (paper)
@@ -37,11 +35,11 @@ module scheduler #(
     input  wire [PROGRAM_W-1:0]            end_i,
     output wire                            running_o,
     output wire                            illegal_o,       // the word at issue_pc_o ends the run
-    // The host: program, registers, constants (context CONTEXTS)
+    // The host: program, registers, constants (above the registers)
     input  wire                            host_program_i,  // write host_wdata_i there
     input  wire                            host_write_i,
     input  wire [PROGRAM_W-1:0]            host_program_addr_i,
-    input  wire [CONTEXT_W+REGISTER_W-1:0] host_addr_i,
+    input  wire [REGISTER_W:0]          host_addr_i,
     input  wire [31:0]                     host_wdata_i,
     output wire [31:0]                     host_rdata_o,    // one cycle after host_addr_i
     // The arithmetic unit
@@ -61,7 +59,6 @@ module scheduler #(
     output wire                            issue_mul_o,
     output wire                            issue_chain_o,
     output wire [PROGRAM_W-1:0]            issue_pc_o,
-    output wire [CONTEXT_W-1:0]            issue_context_o,
     output wire [31:0]                     issue_word_o,
     output wire                            stall_fetch_o,
     output wire                            stall_dependency_o,
@@ -69,31 +66,32 @@ module scheduler #(
     output wire                            stall_writeback_o,
     output wire                            stall_drain_o,
     output wire                            retire_o,
-    output wire [CONTEXT_W-1:0]            retire_context_o,
     output wire [REGISTER_W-1:0]           retire_register_o,
     output wire [31:0]                     retire_value_o,
     output wire [4:0]                      retire_flags_o
 );
-    localparam REG_W = CONTEXT_W + REGISTER_W;
-    localparam [CONTEXT_W-1:0] SHARED = CONTEXTS;         // the constants' context
-    localparam [CONTEXT_W-1:0] FINAL  = CONTEXTS - 1;
+    localparam REG_W = 1 + REGISTER_W;
 
     // Fetch and decode ------------------------------------------------------------------------
     wire                 advance;
     wire                 fetched, fetch_empty;
     wire [PROGRAM_W-1:0] fetch_pc;
     wire [31:0]          fetch_word;
+    wire [4:0]           unused_fetch;                    // visits are for many objects
 
     fetch #(.ADDR_W(PROGRAM_W)) u_fetch (
         .clk_i(clk_i), .rst_i(rst_i),
         .write_i(host_program_i), .write_addr_i(host_program_addr_i), .write_word_i(host_wdata_i),
         .start_i(start_i), .stop_i(stop_i || illegal_o),
         .steps_i(steps_i), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
+        .skip_i(1'b0), .more_i(1'b0), .again_o(unused_fetch[4]),
         .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
+        .begins_o(unused_fetch[3]), .ends_o(unused_fetch[2]), .steps_o(unused_fetch[1]), .lasts_o(unused_fetch[0]),
         .empty_o(fetch_empty));
 
     localparam DECODED_W = 5 + REGISTER_W + 3*(REGISTER_W+1);
     wire [DECODED_W-1:0] decoded;
+    wire [5:0]           unused_decode;
     reg  [DECODED_W-1:0] decoded_q;
     reg                  valid_q;
     reg  [PROGRAM_W-1:0] pc_q;
@@ -103,7 +101,8 @@ module scheduler #(
         .word_i(fetch_word),
         .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
         .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
-        .subtract_o(decoded[DECODED_W-5]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
+        .to_sleep_o(unused_decode[3]), .to_memory_o(unused_decode[2]), .st_o(unused_decode[1]),
+        .lds_o(unused_decode[0]), .twice_o(unused_decode[4]), .half_o(unused_decode[5]), .subtract_o(decoded[DECODED_W-5]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
         .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
         .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
 
@@ -123,11 +122,6 @@ module scheduler #(
     assign {legal, to_add, to_mul, to_chain, subtract, d, a, b, c} = decoded_q;
 
     // Issue -----------------------------------------------------------------------------------
-    reg  [CONTEXT_W-1:0] context_q;
-    wire [REG_W-1:0] a_reg = {a[REGISTER_W] ? SHARED : context_q, a[REGISTER_W-1:0]};
-    wire [REG_W-1:0] b_reg = {b[REGISTER_W] ? SHARED : context_q, b[REGISTER_W-1:0]};
-    wire [REG_W-1:0] c_reg = {c[REGISTER_W] ? SHARED : context_q, c[REGISTER_W-1:0]};
-
     wire             blocked, taken, in_flight_none, write, write_mul;
     wire [REG_W-1:0] write_d;
     wire [1:0]       a_bypass, b_bypass, c_bypass;
@@ -135,19 +129,14 @@ module scheduler #(
     wire unit_busy = to_add && chain_soon_i;
     wire port_busy = taken || (WRITEBACK_STALL != 0 && write);
     wire issue     = valid_q && legal && !blocked && !unit_busy && !port_busy && !stop_i;
-    assign advance   = !valid_q || (issue && context_q == FINAL);
+    assign advance   = !valid_q || issue;
     assign illegal_o = valid_q && !legal;
-
-    always @(posedge clk_i)
-        if (rst_i || start_i) context_q <= {CONTEXT_W{1'b0}};
-        else if (issue)       context_q <= context_q == FINAL ? {CONTEXT_W{1'b0}}
-                                                              : context_q + 1'b1;
 
     scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i),
         .issue_i(issue), .to_add_i(to_add), .to_mul_i(to_mul), .to_chain_i(to_chain),
-        .d_i({context_q, d}), .a_i(a_reg), .b_i(b_reg), .c_i(c_reg),
+        .d_i({1'b0, d}), .a_i(a), .b_i(b), .c_i(c),
         .blocked_o(blocked), .taken_o(taken),
         .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
         .write_o(write), .write_mul_o(write_mul), .write_d_o(write_d), .empty_o(in_flight_none));
@@ -163,7 +152,7 @@ module scheduler #(
         .write_i(write || host_write_i),
         .write_addr_i(write ? write_d : host_addr_i),
         .write_value_i(write ? result : host_wdata_i),
-        .a_addr_i(running_o ? a_reg : host_addr_i), .b_addr_i(b_reg), .c_addr_i(c_reg),
+        .a_addr_i(running_o ? a : host_addr_i), .b_addr_i(b), .c_addr_i(c),
         .a_value_o(a_value), .b_value_o(b_value), .c_value_o(c_value));
     assign host_rdata_o = a_value;
 
@@ -196,7 +185,6 @@ module scheduler #(
     assign issue_mul_o        = issue && to_mul;
     assign issue_chain_o      = issue && to_chain;
     assign issue_pc_o         = pc_q;
-    assign issue_context_o    = context_q;
     assign issue_word_o       = word_q;
     assign stall_fetch_o      = running_q && !valid_q && !fetch_empty;
     assign stall_drain_o      = (running_q && !valid_q && fetch_empty)
@@ -205,7 +193,8 @@ module scheduler #(
     assign stall_unit_o       = waiting && legal && !stop_i && !blocked && unit_busy;
     assign stall_writeback_o  = waiting && legal && !stop_i && !blocked && !unit_busy;
     assign retire_o           = write;
-    assign {retire_context_o, retire_register_o} = write_d;
+    assign retire_register_o  = write_d[REGISTER_W-1:0];
+    wire unused = write_d[REGISTER_W];
     assign retire_value_o     = result;
     assign retire_flags_o     = write_mul ? mul_flags_i : add_flags_i;
 endmodule

@@ -1,4 +1,4 @@
-/* fp3_rtl.h - one simulated FP3: its clock, its host port, its retirements.
+/* fp3_rtl.h - one simulated FP3: its clock, its host port, what it issues and retires.
  *
  * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator; it
  * exports one table, fp3_rtl_<configuration>.
@@ -14,17 +14,28 @@ extern "C" {
 
 typedef struct fp3_rtl fp3_rtl;
 
+/* Who watches, NULL where nobody does. In a retirement `object` is the object's number within its
+ * lane; those of one cycle come lane by lane. */
+typedef struct {
+    fp3_retire_fn *retire;
+    void *retire_user;
+    fp3_issue_fn *issue;
+    void *issue_user;
+} fp3_rtl_watch;
+
 typedef struct {
     const char *config;
-    /* Clocked through reset; NULL: out of memory. retire may be NULL. */
-    fp3_rtl *(*open)(fp3_retire_fn *retire, void *user);
+    /* Clocked through reset; NULL: out of memory. */
+    fp3_rtl *(*open)(const fp3_rtl_watch *watch);
     void (*close)(fp3_rtl *rtl);
     /* One request and its response on the host port. 0: done; 1: the hardware answered with an
      * error; -1: it did not answer. */
     int (*transfer)(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data);
-    /* Clocks until nothing has retired for quiet cycles in a row; cycles at most. Returns
-     * the number of cycles. */
-    uint64_t (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
+    /* Clocks until nothing has issued or retired, in any unit, for quiet cycles in a row; cycles at
+     * most. */
+    void (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
+    /* Cycles since open, those of transfers included. */
+    uint64_t (*now)(const fp3_rtl *rtl);
 } fp3_rtl_ops;
 
 #ifdef __cplusplus

@@ -14,6 +14,7 @@
 
 #include "fp3_rtl.h"
 
+#include <configs.h>
 #include <memory>
 #include <new>
 #include <verilated.h>
@@ -21,8 +22,7 @@
 struct fp3_rtl {
     std::unique_ptr<VerilatedContext> context;
     std::unique_ptr<MODEL> top;
-    fp3_retire_fn *retire;
-    void *user;
+    fp3_rtl_watch watch;
     uint64_t cycle;
     unsigned transfers;
 };
@@ -32,24 +32,98 @@ namespace {
 const unsigned RESET_CYCLES = 4;
 const unsigned ANSWER_CYCLES = 1000;
 
+/* How many parts the trace ports have: as many as this build has units, and lanes in each. */
+struct shape {
+    unsigned units, lanes;
+};
+
+constexpr bool same(const char *a, const char *b) {
+    return *a == *b && (!*a || same(a + 1, b + 1));
+}
+constexpr shape find_shape() {
+    shape found = {0, 0};
+#define X(name, doc, interleave, tiles, schedulers, lanes, ...)                                    \
+    if (same(#name, STRING(FP3_CONFIG)))                                                           \
+        found = {tiles * schedulers, lanes};
+    FP3_CONFIGS(X)
+#undef X
+    return found;
+}
+constexpr shape SHAPE = find_shape();
+static_assert(SHAPE.units > 0, "a configuration of isa/configs.toml");
+
+/* Part n, WIDTH bits wide, of a port: an integer up to 64 bits, an array of 32-bit words beyond. */
+template <unsigned WIDTH, typename Port> uint32_t part(const Port &port, unsigned n) {
+    return static_cast<uint32_t>(static_cast<uint64_t>(port) >> n * WIDTH) &
+           static_cast<uint32_t>((uint64_t{1} << WIDTH) - 1);
+}
+template <unsigned WIDTH, std::size_t WORDS> uint32_t part(const VlWide<WORDS> &port, unsigned n) {
+    const unsigned low = n * WIDTH, word = low / 32, shift = low % 32;
+    uint64_t bits = port[word];
+    if (shift + WIDTH > 32)
+        bits |= static_cast<uint64_t>(port[word + 1]) << 32;
+    return static_cast<uint32_t>(bits >> shift) & static_cast<uint32_t>((uint64_t{1} << WIDTH) - 1);
+}
+
+template <typename Port> bool is_zero(const Port &port) { return port == 0; }
+template <std::size_t WORDS> bool is_zero(const VlWide<WORDS> &port) {
+    for (std::size_t i = 0; i < WORDS; i++)
+        if (port[i])
+            return false;
+    return true;
+}
+
 void settle(fp3_rtl *rtl) {
     rtl->top->clk_i = 0;
     rtl->top->eval();
 }
 
-/* Ends the cycle that settle began. Whether something retired in it. */
+void tell_issues(const fp3_rtl *rtl) {
+    const MODEL *top = rtl->top.get();
+    for (unsigned unit = 0; unit < SHAPE.units; unit++) {
+        if (!part<1>(top->issue_valid_o, unit))
+            continue;
+        fp3_issue what = {};
+        what.cycle = rtl->cycle;
+        what.unit = unit;
+        what.context = part<16>(top->issue_context_o, unit);
+        what.pc = part<16>(top->issue_pc_o, unit);
+        what.word = part<32>(top->issue_word_o, unit);
+        rtl->watch.issue(rtl->watch.issue_user, &what);
+    }
+}
+
+void tell_retirements(const fp3_rtl *rtl) {
+    const MODEL *top = rtl->top.get();
+    for (unsigned n = 0; n < SHAPE.units * SHAPE.lanes; n++) {
+        if (!part<1>(top->retire_valid_o, n))
+            continue;
+        fp3_retirement what = {};
+        what.cycle = rtl->cycle;
+        what.object = part<32>(top->retire_object_o, n);
+        what.reg = part<6>(top->retire_register_o, n);
+        what.bits = part<32>(top->retire_value_o, n);
+        what.flags = part<5>(top->retire_flags_o, n);
+        what.context = part<16>(top->retire_context_o, n);
+        what.unit = n / SHAPE.lanes;
+        what.lane = n % SHAPE.lanes;
+        rtl->watch.retire(rtl->watch.retire_user, &what);
+    }
+}
+
+/* Ends the cycle that settle began. Whether something issued or retired in it. */
 bool edge(fp3_rtl *rtl) {
     MODEL *top = rtl->top.get();
-    const bool retired = top->retire_valid_o && !top->rst_i;
-    if (retired && rtl->retire) {
-        const fp3_retirement what = {rtl->cycle, top->retire_context_o, top->retire_register_o,
-                                     top->retire_value_o, top->retire_flags_o};
-        rtl->retire(rtl->user, &what);
-    }
+    const bool issued = !is_zero(top->issue_valid_o) && !top->rst_i;
+    const bool retired = !is_zero(top->retire_valid_o) && !top->rst_i;
+    if (issued && rtl->watch.issue)
+        tell_issues(rtl);
+    if (retired && rtl->watch.retire)
+        tell_retirements(rtl);
     top->clk_i = 1;
     top->eval();
     rtl->cycle++;
-    return retired;
+    return issued || retired;
 }
 
 /* The host holds its request until it is taken, and lets the response wait for 0 to 3 cycles, in
@@ -95,24 +169,23 @@ int transfer(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data) {
     return error;
 }
 
-uint64_t clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {
-    uint64_t done = 0;
-    for (uint64_t still = 0; done < cycles && still < quiet; done++) {
+void clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {
+    for (uint64_t still = 0; cycles > 0 && still < quiet; cycles--) {
         settle(rtl);
         still = edge(rtl) ? 0 : still + 1;
     }
-    return done;
 }
 
-fp3_rtl *open_rtl(fp3_retire_fn *retire, void *user) try {
+uint64_t cycles_so_far(const fp3_rtl *rtl) { return rtl->cycle; }
+
+fp3_rtl *open_rtl(const fp3_rtl_watch *watch) try {
     std::unique_ptr<fp3_rtl> rtl(new fp3_rtl());
     rtl->context.reset(new VerilatedContext);
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     rtl->context->randReset(2);
     rtl->context->randSeed(1);
     rtl->top.reset(new MODEL{rtl->context.get()});
-    rtl->retire = retire;
-    rtl->user = user;
+    rtl->watch = *watch;
     rtl->top->req_valid_i = 0;
     rtl->top->rsp_ready_i = 0;
     rtl->top->rst_i = 1;
@@ -125,11 +198,14 @@ fp3_rtl *open_rtl(fp3_retire_fn *retire, void *user) try {
 
 void close_rtl(fp3_rtl *rtl) {
     rtl->top->final();
+    /* Verilator looks for the model's scopes in the context that the thread used last, which may be
+     * that of another engine, and closed by now. */
+    Verilated::threadContextp(rtl->context.get());
     delete rtl;
 }
 
 } // namespace
 
 extern "C" const fp3_rtl_ops PASTE(fp3_rtl_, FP3_CONFIG);
-extern "C" const fp3_rtl_ops PASTE(fp3_rtl_, FP3_CONFIG) = {STRING(FP3_CONFIG), open_rtl, close_rtl,
-                                                            transfer, clock_until_quiet};
+extern "C" const fp3_rtl_ops PASTE(fp3_rtl_, FP3_CONFIG) = {
+    STRING(FP3_CONFIG), open_rtl, close_rtl, transfer, clock_until_quiet, cycles_so_far};

@@ -2,34 +2,47 @@
 //
 // Purpose   The same requests that the C host sent to the processor under Verilator, sent to it
 //           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
-// Use       vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES]
+// Use       iverilog -DTOP=fp3_array -DUNITS=4 -DLANES=4 ...: the schedulers of all tiles, and the
+//           lanes of all schedulers; 1 and 1 unless they are given.
+//           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES]
 //           FILE, a line each, hexadecimal:
 //               w address data     write, answered without error
 //               r address data     read, answered with this data
 //               p address mask     read until no bit of mask is set
-//               h high low         the hash of all retirements so far (FNV-1a, 64 bits, over register,
-//                                  value, flags, each as 32 bits)
+//               h high low         the hash of all retirements so far (FNV-1a, 64 bits, over lane,
+//                                  row, register, value, flags, each as 32 bits, low byte first;
+//                                  lanes of one cycle in their order)
 // Result    A closing line PASS or FAIL; $fatal, hence a non-zero exit, on FAIL.
 `default_nettype none
 `timescale 1ns/1ps
 `ifndef TOP
 `define TOP fp3_single
 `endif
+`ifndef UNITS
+`define UNITS 1
+`endif
+`ifndef LANES
+`define LANES 1
+`endif
 module replay;
 `include "gen/isa.vh"
     reg clk = 1'b0, rst = 1'b1;
     always #5 clk = !clk;
 
-    reg         req_valid = 1'b0, req_write = 1'b0;
-    reg  [15:0] req_addr = 16'd0;
-    reg  [31:0] req_wdata = 32'd0;
+    reg         req_valid = 1'b0, req_write;   // without a request the rest is unknown
+    reg  [31:0] req_addr, req_wdata;
     wire        req_ready, rsp_valid, rsp_error;
     wire [31:0] rsp_rdata;
-    wire        issue_valid, retire_valid;
-    wire [15:0] issue_pc, issue_context, retire_context;
-    wire [31:0] issue_word, retire_value;
-    wire [5:0]  retire_register;
-    wire [4:0]  retire_flags;
+    // The trace: a part for each unit, a part for each lane, the first in the low bits.
+    localparam UNITS = `UNITS, LANES = `LANES;
+    wire [UNITS-1:0]    issue_valid;
+    wire [16*UNITS-1:0] issue_pc, issue_context;
+    wire [32*UNITS-1:0] issue_word;
+    wire [LANES-1:0]    retire_valid;
+    wire [16*LANES-1:0] retire_context;
+    wire [32*LANES-1:0] retire_object, retire_value;
+    wire [6*LANES-1:0]  retire_register;
+    wire [5*LANES-1:0]  retire_flags;
 
     `TOP dut (
         .clk_i(clk), .rst_i(rst),
@@ -39,26 +52,46 @@ module replay;
         .issue_valid_o(issue_valid), .issue_pc_o(issue_pc), .issue_context_o(issue_context),
         .issue_word_o(issue_word),
         .retire_valid_o(retire_valid), .retire_context_o(retire_context),
-        .retire_register_o(retire_register), .retire_value_o(retire_value),
-        .retire_flags_o(retire_flags));
+        .retire_object_o(retire_object), .retire_register_o(retire_register),
+        .retire_value_o(retire_value), .retire_flags_o(retire_flags));
 
-    // What a wave viewer shows as text: the instruction that issues, the result that is written.
-    reg [8*32-1:0] issue_text = "", retire_text = "";
+    // What a wave viewer shows as text: the instruction that a unit issues, the result that a lane
+    // writes.
     function [8*4-1:0] operand(input [6:0] field);
         operand = {field[6] ? "k" : "r", 8'h30 + field[5:0] / 8'd10, 8'h30 + field[5:0] % 8'd10, " "};
     endfunction
-    always @* begin
-        issue_text = "";
-        if (issue_valid)
-            issue_text = {mnemonic(issue_word[OP_HI:OP_LO]), " ",
-                          operand({1'b0, issue_word[D_HI:D_LO]}), operand(issue_word[A_HI:A_LO]),
-                          operand(issue_word[B_HI:B_LO]),
-                          has_c(issue_word[OP_HI:OP_LO]) ? operand(issue_word[C_HI:C_LO]) : "    "};
-    end
-    always @* begin
-        retire_text = "";
-        if (retire_valid) $sformat(retire_text, "r%0d=%h", retire_register, retire_value);
-    end
+    genvar u, n;
+    generate
+        for (u = 0; u < UNITS; u = u + 1) begin : g_unit
+            wire        valid          = issue_valid[u];
+            wire [15:0] pc             = issue_pc[16*u +: 16];
+            wire [15:0] context_number = issue_context[16*u +: 16];
+            wire [31:0] word           = issue_word[32*u +: 32];
+            wire [4:0]  code           = word[OP_HI:OP_LO];
+            reg  [8*32-1:0] text = "";
+            always @* begin
+                text = "";
+                if (valid)
+                    text = {mnemonic(code), " ", operand({1'b0, word[D_HI:D_LO]}),
+                            has_a(code) ? operand(word[A_HI:A_LO]) : "    ",
+                            has_a(code) ? operand(word[B_HI:B_LO]) : "    ",
+                            has_c(code) ? operand(word[C_HI:C_LO]) : "    "};
+            end
+        end
+        for (n = 0; n < LANES; n = n + 1) begin : g_lane
+            wire        valid          = retire_valid[n];
+            wire [15:0] context_number = retire_context[16*n +: 16];
+            wire [31:0] row            = retire_object[32*n +: 32];
+            wire [5:0]  register       = retire_register[6*n +: 6];
+            wire [31:0] value          = retire_value[32*n +: 32];
+            wire [4:0]  flags          = retire_flags[5*n +: 5];
+            reg  [8*32-1:0] text = "";
+            always @* begin
+                text = "";
+                if (valid) $sformat(text, "r%0d=%h", register, value);
+            end
+        end
+    endgenerate
 
     // The hash of everything that was ever written.
     localparam [63:0] FNV_OFFSET = 64'hcbf29ce484222325, FNV_PRIME = 64'h00000100000001b3;
@@ -70,9 +103,16 @@ module replay;
             for (i = 0; i < 4; i = i + 1) fnv = (fnv ^ {56'd0, word[8*i +: 8]}) * FNV_PRIME;
         end
     endfunction
+    integer lane;
     always @(posedge clk)
-        if (!rst && retire_valid)
-            hash <= fnv(fnv(fnv(hash, {26'd0, retire_register}), retire_value), {27'd0, retire_flags});
+        for (lane = 0; lane < LANES; lane = lane + 1)
+            if (!rst && retire_valid[lane]) begin
+                hash = fnv(hash, lane);
+                hash = fnv(hash, retire_object[32*lane +: 32]);
+                hash = fnv(hash, {26'd0, retire_register[6*lane +: 6]});
+                hash = fnv(hash, retire_value[32*lane +: 32]);
+                hash = fnv(hash, {27'd0, retire_flags[5*lane +: 5]});
+            end
 
     integer cycles = 0, limit = 1000000;
     always @(posedge clk) begin
@@ -93,13 +133,13 @@ module replay;
     endtask
 
     // One request and its response; inputs change at the falling edge.
-    task access(input write, input [15:0] addr, input [31:0] data);
+    task access(input write, input [31:0] addr, input [31:0] data);
         begin
             @(negedge clk);
             {req_valid, req_write, req_addr, req_wdata} = {1'b1, write, addr, data};
             while (!req_ready) @(negedge clk);
             @(negedge clk);
-            req_valid = 1'b0;
+            {req_valid, req_write, req_addr, req_wdata} = {1'b0, 65'bx};
             while (!rsp_valid) @(negedge clk);
             if (rsp_error) fail("the host port answered with an error");
         end
@@ -125,18 +165,18 @@ module replay;
         while (fields == 3) begin
             line = line + 1;
             case (kind)
-                "w": access(1'b1, x[15:0], y);
+                "w": access(1'b1, x, y);
                 "r": begin
-                    access(1'b0, x[15:0], 32'd0);
+                    access(1'b0, x, 32'd0);
                     checks = checks + 1;
                     if (rsp_rdata !== y) begin
-                        $display("address %h: expected %h, got %h", x[15:0], y, rsp_rdata);
+                        $display("address %h: expected %h, got %h", x, y, rsp_rdata);
                         fail("a read differs from the record");
                     end
                 end
                 "p": begin
-                    access(1'b0, x[15:0], 32'd0);
-                    while ((rsp_rdata & y) != 32'd0) access(1'b0, x[15:0], 32'd0);
+                    access(1'b0, x, 32'd0);
+                    while ((rsp_rdata & y) != 32'd0) access(1'b0, x, 32'd0);
                 end
                 "h": begin
                     checks = checks + 1;

@@ -50,17 +50,21 @@ def find(rows, what, **keys):
 
 
 def nanoseconds(run, synth, grade):
-    row = find(synth, "synth.json", top="fp3", config=run["config"], grade=grade)
-    cycles = run["next_cycles"] / run["objects"]
-    return cycles * 1000 / row["fmax_best"], cycles * 1000 / row["fmax_median"]
+    """At the best and the median seed; None for a configuration that was not placed."""
+    for row in synth:
+        if (row["top"], row["config"], row["grade"]) == ("fp3", run["config"], grade):
+            cycles = run["cycles_per_object_step"]
+            return cycles * 1000 / row["fmax_best"], cycles * 1000 / row["fmax_median"]
+    return None, None
 
 
 def ship(runs, synth):
     rows = []
     for run in runs:
         rows.append([f"`{run['config']}`", f"`{run['program']}`", number(run["first_cycles"]),
-                     number(run["next_cycles"]), run["objects"], number(run["next_cycles"] / run["objects"], 2)]
-                    + [" / ".join(number(ns) for ns in nanoseconds(run, synth, grade)) for grade in (6, 8)]
+                     number(run["next_cycles"]), run["objects"], number(run["cycles_per_object_step"], 2)]
+                    + [" / ".join(number(ns, 0 if run["objects"] == 1 else 1) for ns in nanoseconds(run, synth, grade))
+                       for grade in (6, 8)]
                     + [f"{run['mismatches']} of {run['words']:,}", f"{run['rel_err_v']:.1e}",
                        f"{run['rel_err_s']:.1e}"])
     return table(["configuration", "program", "first", "next", "objects", "cycles per object-step",
@@ -83,6 +87,68 @@ def stalls(runs):
     causes = list(runs[0]["stalls"])
     return table(["configuration", "program", *causes],
                  [[f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in runs])
+
+
+def occupancy(runs):
+    rows = []
+    for run in runs:
+        if run["objects"] == 1:
+            continue
+        use = run["unit_utilisation"]
+        rows.append([f"`{run['config']}`", f"`{run['program']}`", run["objects"],
+                     number(run["cycles_per_object_step"], 3), number(run["bound"], 3),
+                     number(100 * run["bound"] / run["cycles_per_object_step"], 1),
+                     *(number(100 * use[unit], 1) for unit in ("issue", "mul", "add"))])
+    return table(["configuration", "program", "objects", "cycles per object-step", "bound", "% of the bound",
+                  "issue slots used, %", "multiplier, %", "adder, %"], rows)
+
+
+def scenes(rows):
+    full = {row["program"]: row for row in rows if row["scene"] in ("resident", "all awake")}
+    return table(["scene", "program", "objects", "awake", "steps", "cycles", "cycles per object-step",
+                  "against", "cycles, %", "cycles per object-step, %", "mismatches"],
+                 [[row["scene"], f"`{row['program']}`", number(row["objects"]), number(row["awake"]), row["steps"],
+                   number(row["cycles"]), number(row["cycles_per_object_step"], 2), full[row["program"]]["scene"],
+                   number(100 * row["cycles"] / full[row["program"]]["cycles"], 2)
+                   if row["steps"] == full[row["program"]]["steps"] and row["objects"] == full[row["program"]]["objects"] else "–",
+                   number(100 * row["cycles_per_object_step"] / full[row["program"]]["cycles_per_object_step"], 1),
+                   f"{row['mismatches']} of {row['words']:,}"] for row in rows])
+
+
+def organisations(synth, runs):
+    """Processors for many objects: what a configuration costs and gives, and what of it a thousand LUTs give."""
+    rows = []
+    for row in synth:
+        if row["top"] != "fp3" or row["grade"] != 6 or not any(
+                run["config"] == row["config"] and run["objects"] > 1 for run in runs):
+            continue
+        other = find(synth, "synth.json", top="fp3", config=row["config"], grade=8)
+        speed = row["object_steps_per_second"], other["object_steps_per_second"]
+        rows.append([f"`{row['config']}`", number(row["lut4"]), number(row["comb"]), number(row["ff"]), row["dsp"], row["ebr"],
+                     number(row["latency_ns"] * row["fmax_best"] / 1000, 2),
+                     *(number(s / 1e6, 1) for s in speed), number(speed[0] / row["lut4"] / 1e3, 2),
+                     number(speed[0] / row["dsp"] / 1e6, 2)])
+    return table(["configuration", "LUT4", "cells", "FF", "DSP", "EBR", "cycles per object-step",
+                  "million object-steps/s, grade 6", "grade 8", "per 1,000 LUT4, grade 6", "per DSP"], rows)
+
+
+def lanes(synth):
+    rows = []
+    for row in synth:
+        if row["top"] != "lane" or row["grade"] != 6:
+            continue
+        other = find(synth, "synth.json", top="lane", config=row["config"], grade=8)
+        rows.append([f"`{row['config']}`", row["lut4"], row["comb"], row["ff"], row["dsp"], row["ebr"],
+                     f"{row['fmax_best']:.1f} / {row['fmax_median']:.1f}",
+                     f"{other['fmax_best']:.1f} / {other['fmax_median']:.1f}"])
+    return table(["lane of", "LUT4", "cells", "FF", "DSP", "EBR", "MHz grade 6, best / median", "MHz grade 8"], rows)
+
+
+def trims(rows):
+    base = rows[0]
+    return table(["", "LUT4", "against the base", "carry cells", "FF", "DSP", "EBR"],
+                 [[row["what"], number(row["lut4"]), f"{row['lut4'] - base['lut4']:+,d}", number(row["carry"]), number(row["ff"]),
+                   row["dsp"], row["ebr"]] for row in rows])
 
 
 def cores(synth):
@@ -133,7 +199,11 @@ def between(text, begin, end, new):
 
 
 def main():
-    runs, synth, proved = load("sim.json")["runs"], load("synth.json")["rows"], load("prove.json")
+    sim, placed, proved = load("sim.json"), load("synth.json"), load("prove.json")
+    runs, synth = sim["runs"], placed["rows"]
+    for name, part in (("sim.json", sim.get("scenes")), ("synth.json", placed.get("trims"))):
+        if not part:
+            sys.exit(f"build/results/{name} is not whole: run `make sim synth` without CONFIG, PROGRAM and TOP")
     fields = next(iter(synth))
     text = f"""<!-- Generated by tools/report.py (make report): do not edit. -->
 # Results
@@ -153,6 +223,30 @@ method's and not the arithmetic's.
 ## From the paper's machine to `single`, one change at a time
 {walk(runs, synth)}
 
+## Many objects: `make sim`
+The bound counts, for the whole configuration, issue slots, and uses of adders and multipliers, per object-step: the largest of these.
+
+{occupancy(runs)}
+
+## Ten thousand objects from the store, on `crowd`: `make sim`
+{scenes(sim["scenes"])}
+
+## What an organisation costs and gives: `make synth TOP=fp3`
+The ship at the best seed; device registers inside multipliers and block RAM are used.
+
+{organisations(synth, runs)}
+
+## One lane alone: `make synth TOP=lane`
+With its arithmetic and store; `-inferred` without the registers inside the device's multipliers and block RAM.
+
+{lanes(synth)}
+
+## What each feature costs: `make synth TOP=trim`
+`many` with a store of 1,024 words, one change at a time; cells after synthesis, not placed. The bits of the programs that remain
+possible are the same.
+
+{trims(placed["trims"])}
+
 ## Where the cycles went
 Stall cycles of the whole run, by cause.
 
@@ -171,8 +265,8 @@ Correctly rounded IEEE 754 binary32 with gradual underflow and flags. Latency is
 """
     (ROOT / "docs/results.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
-    readme.write_text(between(readme.read_text(encoding="utf-8"), "<!-- results -->", "<!-- end -->",
-                              walk(runs, synth)), encoding="utf-8")
+    text = between(readme.read_text(encoding="utf-8"), "<!-- results -->", "<!-- end -->", walk(runs, synth))
+    readme.write_text(between(text, "<!-- many -->", "<!-- many end -->", organisations(synth, runs)), encoding="utf-8")
     print("wrote docs/results.md and README.md's table")
 
 

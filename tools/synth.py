@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Area and clock on a Lattice ECP5 (LFE5U-85F), by yosys and nextpnr: `make synth`.
 
-    tools/synth.py                                     cores and processors, every configuration
+    tools/synth.py                                     cores, processors, a lane alone: every configuration
     tools/synth.py --top fp_add --config single --grades 8 --seeds 1
+    tools/synth.py --top trim                          what a feature costs: synthesis only
 
 A core is placed with the cuts of each configuration, and with the best places found for each number of
-cuts (DEPTHS, as configurations cuts0, cuts1, ...).
+cuts (DEPTHS, as configurations cuts0, cuts1, ...). Where contexts are interleaved, processor and lane use
+the registers inside the device's multipliers and block RAM (rtl/fpga/ecp5/, the same modules on the device's primitives);
+a lane is also placed without them (configuration NAME-inferred).
 
 Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
 the same top, config and grade and keeps the others. Netlists and logs go to build/synth/.
@@ -17,9 +20,10 @@ the same top, config and grade and keeps the others. Netlists and logs go to bui
                 processor are left open, as in a design.
   fmax_all      MHz from register to register, one for each seed; fmax_median, fmax_best of these
   cuts          registers inside a core; null for a processor
+  object_steps_per_second   of the ship at fmax_best; null for a core
   latency_ns    at fmax_best: from operands to result of a core, (cuts + 1) periods; for a processor
-                of one object's step, the fewest cycles in build/results/sim.json (`fp3 bench`), null
-                while that is not there
+                cycles per object-step of the ship, the fewest in build/results/sim.json (`fp3 bench`),
+                null while that is not there
 """
 
 import argparse
@@ -37,6 +41,27 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
 DEVICE = "LFE5U-85F"
 CORES = ("fp_add", "fp_mul")
+TOPS = (*CORES, "lane", "fp3", "trim")
+BLOCK_RAMS = 208
+
+# What is left out, one at a time, and what is put in; of `many`, with a store of 1,024 words.
+TRIMS = {
+    "base": {},
+    "no chained multiply-add": {"chain": 0},
+    "no sleep": {"sleep": 0},
+    "no status of objects": {"status": 0},
+    "no flags at all": {"flags": 0, "status": 0},
+    "no gradual underflow": {"subnormal": 0},
+    "truncation": {"nearest": 0},
+    "all of these": {"chain": 0, "sleep": 0, "status": 0, "flags": 0, "subnormal": 0, "nearest": 0},
+    "16 registers": {"registers": 16},
+    "16 contexts": {"contexts": 16},
+    "64 contexts": {"contexts": 64},
+    "8,192 words of store": {"store_words": 8192},
+    "two schedulers share": {"schedulers": 2},
+    "two lanes": {"lanes": 2},
+    "two tiles": {"tiles": 2},
+}
 
 # Where to cut a core for each number of cuts: the best of the places tried, post-route.
 DEPTHS = {
@@ -71,8 +96,41 @@ def core(top, row):
     return cuts.bit_count(), wrapper, []
 
 
+def clog2(n):
+    return max(n - 1, 0).bit_length()
+
+
+def lane(row):
+    """One lane and its arithmetic; widths as in rtl/workload.v."""
+    register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
+    reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
+    issue_w, retire_w, host_w = 6 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
+    arith = ", ".join(f".{key.upper()}({row[key]})" for key in
+                      ("subnormal", "nearest", "add_latency", "mul_latency", "add_cuts", "mul_cuts"))
+    ports = [("issue", issue_w), ("retire", retire_w), ("host", host_w), ("data", 32), ("count", store_w - 2),
+             ("flags", 5), ("asleep", 1), ("answer", 32)]
+    heard = [("report", 1), ("report_batch", 1), ("report_context", context_w)]
+    inside = "\n".join([
+        f"module lane_alone (input wire clk_i, input wire rst_i, "
+        + ", ".join(f"input wire [{w - 1}:0] {n}_i, output wire [{w - 1}:0] {n}_o" for n, w in ports) + ", "
+        + ", ".join(f"output wire [{w - 1}:0] {n}_o" for n, w in heard) + ");",
+        "    wire subtract; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
+        f"    lane #(.REGISTER_W({register_w}), .CONTEXTS({row['contexts']}), .CONTEXT_W({context_w}), .STORE_W({store_w}),",
+        f"           .LANE_W({lane_w}), .CHAIN({row['chain']}), .SLEEP({row['sleep']}), .FLAGS({row['flags']}),",
+        f"           .STATUS({row['status']}), .LATENCY({row['add_latency'] + row['mul_latency']}), .ISSUE_W({issue_w}),",
+        f"           .RETIRE_W({retire_w}), .HOST_W({host_w})) u_lane (.clk_i(clk_i), .rst_i(rst_i),",
+        "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
+        "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
+        "        .subtract_o(subtract), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
+        f"    arith_chain #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .x_i(x), .y_i(y), .z_i(z),",
+        "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
+    top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
+                     [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")
+    return None, inside + top, []
+
+
 def processor(row):
-    ports = [p for p in generate.PORTS if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
+    ports = [p for p in generate.ports(row) if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     module = f"fp3_{row['name']}"
@@ -97,8 +155,9 @@ def run(tool, arguments, log):
         raise RuntimeError(f"{log}: " + " / ".join(tail))
 
 
-def synthesise(tools, name, wrapper, files):
-    sources = [p.relative_to(ROOT) for d in ("rtl", "rtl/lib") for p in sorted((ROOT / d).glob("*.v"))]
+def synthesise(tools, name, wrapper, files, device):
+    sources = {p.name: p.relative_to(ROOT) for d in ("rtl", "rtl/lib") + ("rtl/fpga/ecp5",) * device
+               for p in sorted((ROOT / d).glob("*.v"))}.values()
     path = WORK / f"{name}.v"
     (ROOT / path).write_text(wrapper, encoding="utf-8")
     script = (f"read_verilog -Irtl -Irtl/gen {' '.join(map(str, [*sources, *files, path]))}; "
@@ -125,18 +184,18 @@ def place(tools, name, grade, seed):
 
 
 def cycles_per_step(config):
-    """One object's step of the ship in cycles, by the cheapest of the programs that a bench has run."""
+    """Cycles per object-step of the ship, by the cheapest of the programs that a bench has run."""
     try:
         runs = json.loads((ROOT / "build/results/sim.json").read_text(encoding="utf-8"))["runs"]
     except FileNotFoundError:
         return None
-    return min((run["next_cycles"] for run in runs if run["config"] == config), default=None)
+    return min((run["next_cycles"] / run["objects"] for run in runs if run["config"] == config), default=None)
 
 
 def result(top, config, grade, seeds, cuts, placements):
     used = placements[0][0]
     mhz = [m for _, m in placements]
-    cycles = cuts + 1 if cuts is not None else cycles_per_step(config)
+    cycles = cuts + 1 if cuts is not None else cycles_per_step(config) if top == "fp3" else None
     return {
         "top": top, "config": config, "device": DEVICE, "grade": grade, "seeds": seeds,
         "lut4": used["LUT4"], "comb": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
@@ -144,20 +203,22 @@ def result(top, config, grade, seeds, cuts, placements):
         "fmax_median": round(statistics.median(mhz), 2), "fmax_best": round(max(mhz), 2),
         "fmax_all": [round(m, 2) for m in mhz],
         "latency_ns": round(cycles * 1000 / max(mhz), 2) if cycles else None,
+        "object_steps_per_second": round(max(mhz) * 1e6 / cycles) if cycles and top == "fp3" else None,
     }
 
 
-def merge(path, rows):
+def merge(path, rows, trims):
     def key(row):
         return row["top"], row["config"], row["grade"]
 
     try:
-        old = json.loads(path.read_text(encoding="utf-8"))["rows"]
+        results = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        old = []
+        results = {}
+    old, trims = results.get("rows", []), trims or results.get("trims", [])
     merged = {key(row): row for row in [*old, *rows]}
     path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"rows": [merged[k] for k in sorted(merged)]}, indent=2)
+    text = json.dumps({"rows": [merged[k] for k in sorted(merged)], "trims": trims}, indent=2)
     path.with_suffix(".tmp").write_text(text + "\n", encoding="utf-8")
     path.with_suffix(".tmp").replace(path)
 
@@ -168,10 +229,53 @@ def numbers(text):
     return [int(word) for word in text.split(",")]
 
 
+def variants(top, row):
+    """A configuration's designs: its name, and whether they use the device's primitives."""
+    if top in CORES or "interleave" not in row or not row["interleave"]:
+        return [(row["name"], False)]
+    return [(row["name"], True)] + [(f"{row['name']}-inferred", False)] * (top == "lane")
+
+
+def plan(args, configs):
+    """The designs by their source; what is wanted of them; the trimmed ones. What is the same design under
+    two names is placed once."""
+    designs, wanted, trims = {}, [], {}
+    for top in args.top or TOPS:
+        if top == "trim":
+            base = next(row for row in configs if row["name"] == "many")
+            for i, change in enumerate(TRIMS.values()):
+                row = {**base, "store_words": 1024, **change, "name": f"trim{i}"}
+                source = "\n".join(generate.config_verilog(row)) + "\n" + processor(row)[1]
+                trims[source, True] = (f"trim-{i}", [])
+            continue
+        for row in configs + (depths(top) if top in CORES else []):
+            if top == "lane" and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1):
+                continue
+            if top in ("lane", "fp3") and row["interleave"] \
+                    and row["store_words"] * (row["tiles"] * row["schedulers"] * row["lanes"] if top == "fp3" else 1) > 512 * BLOCK_RAMS:
+                print(f"{top}, {row['name']}: left out, its store alone has more than {BLOCK_RAMS} block RAMs", flush=True)
+                continue
+            for name, device in variants(top, row):
+                if args.config and name not in args.config:
+                    continue
+                cuts, wrapper, files = core(top, row) if top in CORES else lane(row) if top == "lane" else processor(row)
+                design, _ = designs.setdefault((wrapper, device), (f"{top}-{name}", files))
+                wanted.append((top, name, cuts, design))
+    return designs, wanted, trims
+
+
+def trim(name, what):
+    """Cells of a netlist that is not placed."""
+    used = {cell: count(ROOT / WORK / f"{name}.json", cell)
+            for cell in ("LUT4", "CCU2C", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
+    return {"what": what, "lut4": used["LUT4"], "carry": used["CCU2C"], "ff": used["TRELLIS_FF"],
+            "dsp": used["MULT18X18D"], "ebr": used["DP16KD"]}
+
+
 def arguments(configs):
-    names = [row["name"] for row in configs] + sorted({row["name"] for top in CORES for row in depths(top)})
+    names = [name for row in configs for name, _ in variants("lane", row)] + sorted({row["name"] for top in CORES for row in depths(top)})
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--top", choices=(*CORES, "fp3"), action="append", help="default: all of them")
+    parser.add_argument("--top", choices=TOPS, action="append", help="default: all of them")
     parser.add_argument("--config", choices=names, action="append", help="default: all of them")
     parser.add_argument("--grades", type=numbers, default=[6, 8], help="speed grades (default: 6,8)")
     parser.add_argument("--seeds", type=numbers, default=[1, 2, 3], help="of the placement (default: 1,2,3)")
@@ -192,21 +296,12 @@ def main():
     args = arguments(configs)
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
 
-    # What is the same design under two configurations' names is placed once.
-    designs, wanted = {}, []
-    for top in args.top or (*CORES, "fp3"):
-        for row in configs + (depths(top) if top in CORES else []):
-            if args.config and row["name"] not in args.config:
-                continue
-            cuts, wrapper, files = core(top, row) if top in CORES else processor(row)
-            name, _ = designs.setdefault(wrapper, (f"{top}-{row['name']}", files))
-            wanted.append((top, row["name"], cuts, name))
-
+    designs, wanted, trims = plan(args, configs)
     with ThreadPoolExecutor(args.jobs) as pool:
         try:
-            print(f"Synthesising {len(designs)} designs", flush=True)
-            for done in [pool.submit(synthesise, args.tools, name, wrapper, files)
-                         for wrapper, (name, files) in designs.items()]:
+            print(f"Synthesising {len(designs) + len(trims)} designs", flush=True)
+            for done in [pool.submit(synthesise, args.tools, name, wrapper, files, device)
+                         for (wrapper, device), (name, files) in [*designs.items(), *trims.items()]]:
                 done.result()
             print(f"Placing each at {len(args.grades)} grades with {len(args.seeds)} seeds", flush=True)
             places = {(name, grade, seed): pool.submit(place, args.tools, name, grade, seed)
@@ -218,7 +313,7 @@ def main():
 
     rows = [result(top, config, grade, args.seeds, cuts, [places[name, grade, seed] for seed in args.seeds])
             for top, config, cuts, name in wanted for grade in args.grades]
-    merge(ROOT / "build/results/synth.json", rows)
+    merge(ROOT / "build/results/synth.json", rows, [trim(name, what) for what, (name, _) in zip(TRIMS, trims.values())])
     heads = ["top", "config", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
     print("\n".join(generate.markdown(heads, table)))

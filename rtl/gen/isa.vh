@@ -3,7 +3,7 @@
 // verilator lint_off UNUSEDPARAM
 
 // The revision that register `id` shows.
-localparam [7:0] ISA_REVISION = 8'd1;
+localparam [7:0] ISA_REVISION = 8'd2;
 
 // Fields of the 32-bit word.
 localparam OP_HI = 31;
@@ -24,10 +24,18 @@ localparam BANK_SHARED_BASE  = 64;
 localparam BANK_SHARED_COUNT = 64;
 
 // Opcodes.
-localparam [4:0] OP_ADD  = 5'd1;
-localparam [4:0] OP_SUB  = 5'd2;
-localparam [4:0] OP_MUL  = 5'd3;
-localparam [4:0] OP_MADD = 5'd4;
-localparam [4:0] OP_MSUB = 5'd5;
+localparam [4:0] OP_ADD   = 5'd1;
+localparam [4:0] OP_SUB   = 5'd2;
+localparam [4:0] OP_MUL   = 5'd3;
+localparam [4:0] OP_MADD  = 5'd4;
+localparam [4:0] OP_MSUB  = 5'd5;
+localparam [4:0] OP_SLEEP = 5'd6;
+localparam [4:0] OP_LD    = 5'd7;
+localparam [4:0] OP_LDS   = 5'd8;
+localparam [4:0] OP_ST    = 5'd9;
+localparam [4:0] OP_ADDH  = 5'd10;
+localparam [4:0] OP_SUBH  = 5'd11;
+localparam [4:0] OP_ADDT  = 5'd12;
+localparam [4:0] OP_SUBT  = 5'd13;
 
 // verilator lint_on UNUSEDPARAM

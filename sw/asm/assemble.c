@@ -2,6 +2,7 @@
  * registers to names and numbers and encodes. So a name may be used before its line. */
 #include <fp3/asm.h>
 #include <locale.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,8 +93,12 @@ static void undefined(assembler *a, token name) {
                             fp3_asm_find_label(a, name) ? " (this is a label)" : "");
 }
 
-/* The operand as in a word, 0 after an error. */
-static uint32_t resolve(assembler *a, token t, int destination) {
+/* The operand as in a word, NOWHERE after an error. only_object: NULL, or what an operand is for
+ * that can be no shared constant. */
+static uint32_t resolve(assembler *a, token t, const char *only_object) {
+    char text[64];
+    if (only_object)
+        snprintf(text, sizeof text, "an object register %s", only_object);
     const declaration *declared = t.kind == TOKEN_NAME ? fp3_asm_find(a, t) : NULL;
     const char *expected = NULL;
     uint32_t operand = NOWHERE, bits = 0;
@@ -105,19 +110,21 @@ static uint32_t resolve(assembler *a, token t, int destination) {
     } else if (t.kind == TOKEN_RAW) {
         expected = "a register as %r5 or %k5";
     } else if (t.kind == TOKEN_NUMBER || fp3_token_is(t, "inf") || fp3_token_is(t, "nan")) {
-        expected = destination ? "an object register as destination" : fp3_token_number(t, &bits);
+        expected = only_object ? text : fp3_token_number(t, &bits);
         if (!expected && (operand = constant_for(a, bits)) == NOWHERE)
             expected = "no more than 64 shared constants";
     } else {
         undefined(a, t);
-        return 0;
+        return NOWHERE;
     }
-    if (!expected && destination && !is_object(operand))
-        expected = "an object register as destination (this is a shared constant)";
+    if (!expected && only_object && !is_object(operand)) {
+        strcat(text, " (this is a shared constant)");
+        expected = text;
+    }
     if (!expected)
         return operand;
     fp3_report_expected(&a->report, t, "%s", expected);
-    return 0;
+    return NOWHERE;
 }
 
 /* The messages above say so. */
@@ -125,13 +132,43 @@ _Static_assert(FP3_BANK_OBJECT_COUNT == 64 && FP3_BANK_SHARED_COUNT == 64 &&
                    FP3_BANK_OBJECT_PREFIX == 'r' && FP3_BANK_SHARED_PREFIX == 'k',
                "registers are r0 to r63 and k0 to k63");
 
+/* One register of an object says whether it sleeps, and the host reads and writes it: d of every
+ * sleep and lds. */
+static void check_slept(assembler *a, token t, uint32_t operand) {
+    if (a->slept_at.line) {
+        if (operand != a->slept)
+            fp3_report_expected(&a->report, t, "'%.*s', the program's sleep register (line %u)",
+                                (int)a->slept_at.length, a->slept_at.text, a->slept_at.line);
+        return;
+    }
+    for (uint32_t i = 0; i < a->declaration_count; i++) {
+        const declaration *d = &a->declarations[i];
+        if (d->operand == operand && d->kind != FP3_SYMBOL_STATE) {
+            fp3_report_expected(&a->report, t,
+                                "a .state, or a register without a name, to sleep in (line %u "
+                                "declares a .%s)",
+                                d->at.line, fp3_kind_name(d->kind));
+            return;
+        }
+    }
+    a->slept = operand;
+    a->slept_at = t;
+}
+
 static void encode(assembler *a, uint32_t *code) {
     for (uint32_t i = 0; i < a->statement_count && !fp3_report_full(&a->report); i++) {
         const statement *s = &a->statements[i];
         fp3_instruction word = {.op = s->operation->code};
         for (unsigned j = 0; s->operation->operands[j]; j++) {
-            char letter = s->operation->operands[j];
-            uint32_t operand = resolve(a, s->operands[j], letter == 'd');
+            const char letter = s->operation->operands[j];
+            const char *only_object = letter != 'd'          ? NULL
+                                      : word.op == FP3_OP_ST ? "to store"
+                                                             : "as destination";
+            uint32_t operand = resolve(a, s->operands[j], only_object);
+            if (operand == NOWHERE)
+                continue;
+            if (letter == 'd' && (word.op == FP3_OP_SLEEP || word.op == FP3_OP_LDS))
+                check_slept(a, s->operands[j], operand);
             *(letter == 'd'   ? &word.d
               : letter == 'a' ? &word.a
               : letter == 'b' ? &word.b

@@ -39,6 +39,8 @@ typedef struct {
     uint8_t taken[REGISTERS]; /* by a name, a number, or an operand that names the register */
     fp3_constant constants[FP3_BANK_SHARED_COUNT];
     uint32_t constant_count;
+    uint32_t slept;                /* the sleep register, once slept_at names it */
+    token slept_at;                /* line 0: not yet */
     token undefined[REPORT_LIMIT]; /* each is reported once */
     unsigned undefined_count;
 } assembler;

@@ -50,10 +50,6 @@ static void operand_text(const view *v, uint32_t operand, char text[FP3_NAME_SIZ
         register_text(v, operand, text);
 }
 
-static uint32_t field(const fp3_instruction *word, char letter) {
-    return letter == 'd' ? word->d : letter == 'a' ? word->a : letter == 'b' ? word->b : word->c;
-}
-
 static fp3_status word_text(const view *v, uint32_t word, char text[FP3_WORD_TEXT_SIZE],
                             fp3_error *error) {
     fp3_instruction decoded;
@@ -64,7 +60,7 @@ static fp3_status word_text(const view *v, uint32_t word, char text[FP3_WORD_TEX
     size_t used = (size_t)snprintf(text, FP3_WORD_TEXT_SIZE, "%-4s", operation->name);
     for (const char *letter = operation->operands; *letter; letter++) {
         char operand[FP3_NAME_SIZE];
-        operand_text(v, field(&decoded, *letter), operand);
+        operand_text(v, fp3_operand(&decoded, *letter), operand);
         used += (size_t)snprintf(text + used, FP3_WORD_TEXT_SIZE - used, "%s%s",
                                  letter == operation->operands ? " " : ", ", operand);
     }
@@ -94,7 +90,7 @@ static int numbers_fall_into_place(const view *v) {
             if (fp3_word_decode(image->code[i], &word, NULL))
                 continue;
             for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++) {
-                uint32_t operand = field(&word, *letter);
+                uint32_t operand = fp3_operand(&word, *letter);
                 if (pass == 0 && !v->numbers[operand])
                     taken[operand] = 1;
                 if (pass == 0 || !v->numbers[operand] || seen[operand])

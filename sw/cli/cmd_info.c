@@ -6,24 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "configs.h"
+#include "engines/config.h"
 #include "isa.h"
 #include "lib/operation.h"
-
-typedef struct {
-    const char *name, *doc;
-    unsigned registers, contexts, program_words, bypass, writeback_stall, chain, subnormal, nearest;
-    unsigned add_latency, mul_latency;
-} config;
-
-static const config configs[] = {
-#define ROW(name, doc, registers, contexts, words, bypass, stall, chain, subnormal, nearest, add,  \
-            mul, add_cuts, mul_cuts)                                                               \
-    {#name, doc, registers, contexts, words, bypass, stall, chain, subnormal, nearest, add, mul},
-    FP3_CONFIGS(ROW)
-#undef ROW
-};
-enum { CONFIG_COUNT = sizeof configs / sizeof *configs };
 
 static const fp3_operation *operation_at(const fp3_image *image, uint32_t index) {
     fp3_instruction word;
@@ -64,7 +49,7 @@ static void print_names(const fp3_image *image, fp3_symbol_kind kind, const char
 }
 
 /* What fits is the engine's to say: it is asked to load the image. */
-static fp3_status try_load(const config *c, const fp3_image *image, fp3_error *error) {
+static fp3_status try_load(const fp3_config *c, const fp3_image *image, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
     def.config = c->name;
@@ -92,13 +77,34 @@ static int print_image(const char *path) {
     print_names(image, FP3_SYMBOL_PARAM, "param");
     print_names(image, FP3_SYMBOL_SHARED, "shared");
     print_names(image, FP3_SYMBOL_LABEL, "label");
-    for (int i = 0; i < CONFIG_COUNT; i++) {
-        const int fits = !try_load(&configs[i], image, &error);
-        printf("%-11s %s%s%s\n", fits ? "for" : "not for", configs[i].name, fits ? "" : ": ",
+    for (uint32_t i = 0; i < fp3_config_count; i++) {
+        const int fits = !try_load(&fp3_configs[i], image, &error);
+        printf("%-11s %s%s%s\n", fits ? "for" : "not for", fp3_configs[i].name, fits ? "" : ": ",
                fits ? "" : error.text);
     }
     fp3_image_free(&image);
     return fp3_cli_done("info", 0);
+}
+
+static const char *plural(uint32_t count) { return count == 1 ? "" : "s"; }
+
+static void print_config(const fp3_config *c) {
+    printf("\n%s: %s\n", c->name, c->doc);
+    printf("  %u object registers and shared constants, %u context%s, %u words of program\n",
+           c->registers, c->contexts, plural(c->contexts), c->program_words);
+    if (c->interleave)
+        printf("  %u tile%s of %u scheduler%s with %u lane%s, %u words of object store each\n",
+               c->tiles, plural(c->tiles), c->schedulers, plural(c->schedulers), c->lanes,
+               plural(c->lanes), c->store_words);
+    printf("  add %u and mul %u cycles; %s, %s, %s\n", c->add_latency, c->mul_latency,
+           c->bypass ? "bypass" : "no bypass",
+           c->writeback_stall ? "writeback stall" : "no writeback stall",
+           c->chain ? "madd and msub" : "no madd and msub");
+    printf("  %s, %s; %s, %s, %s\n",
+           c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
+           c->nearest ? "rounds to nearest" : "truncates", c->sleep ? "sleep" : "no sleep",
+           c->flags ? "flags" : "no flags",
+           c->status ? "status of objects" : "no status of objects");
 }
 
 static int print_build(void) {
@@ -106,19 +112,8 @@ static int print_build(void) {
     for (unsigned i = 0; i < fp3_operation_count; i++)
         printf(" %s", fp3_operations[i].name);
     printf("\n");
-    for (int i = 0; i < CONFIG_COUNT; i++) {
-        const config *c = &configs[i];
-        printf("\n%s: %s\n", c->name, c->doc);
-        printf("  %u object registers and shared constants, %u context%s, %u words of program\n",
-               c->registers, c->contexts, c->contexts == 1 ? "" : "s", c->program_words);
-        printf("  add %u and mul %u cycles; %s, %s, %s\n", c->add_latency, c->mul_latency,
-               c->bypass ? "bypass" : "no bypass",
-               c->writeback_stall ? "writeback stall" : "no writeback stall",
-               c->chain ? "madd and msub" : "no madd and msub");
-        printf("  %s, %s\n",
-               c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
-               c->nearest ? "rounds to nearest" : "truncates");
-    }
+    for (uint32_t i = 0; i < fp3_config_count; i++)
+        print_config(&fp3_configs[i]);
     return fp3_cli_done("info", 0);
 }
 

@@ -111,22 +111,47 @@ fp3_status fp3_params_get(fp3_params *params, const char *name, double *value, f
     return FP3_OK;
 }
 
+/* The bits of a register or constant: an FP32 number, or the number of a step. */
+static fp3_status word_of(const char *name, double value, int is_slept, uint32_t *bits,
+                          fp3_error *error) {
+    const float number = (float)value;
+    if (is_slept && !(value >= 0 && value <= UINT32_MAX && floor(value) == value))
+        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is the number of a step, not %g",
+                        name, value);
+    if (isfinite(value) && !isfinite(number))
+        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is too large: %g", name, value);
+    if (is_slept)
+        *bits = (uint32_t)value;
+    else
+        memcpy(bits, &number, sizeof *bits);
+    return FP3_OK;
+}
+
+static fp3_status apply(fp3_params *params, fp3_engine *engine, const fp3_symbol *symbol,
+                        int is_slept, fp3_error *error) {
+    double value = 0;
+    uint32_t bits = 0;
+    float word;
+    if (is_slept && !find(params, symbol->name))
+        return FP3_OK;
+    fp3_status status = fp3_params_get(params, symbol->name, &value, error);
+    if (!status)
+        status = word_of(symbol->name, value, is_slept, &bits, error);
+    memcpy(&word, &bits, sizeof word);
+    return status ? status : fp3_engine_set(engine, symbol->name, word);
+}
+
 fp3_status fp3_params_apply(fp3_params *params, fp3_engine *engine, const fp3_image *image,
                             fp3_error *error) {
+    const int slept = fp3_image_slept(image);
     fp3_status status = FP3_OK;
     for (size_t i = 0; i < params->count; i++)
         params->list[i].is_used = 0;
     for (uint32_t i = 0; i < image->symbol_count && !status; i++) {
         const fp3_symbol *symbol = &image->symbols[i];
-        double value = 0;
-        if (!(FP3_KIND(symbol->kind) & FP3_KINDS_HOST))
-            continue;
-        status = fp3_params_get(params, symbol->name, &value, error);
-        if (!status && isfinite(value) && !isfinite((float)value))
-            status = fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is too large: %g",
-                              symbol->name, value);
-        if (!status)
-            status = fp3_engine_set(engine, symbol->name, (float)value);
+        const int is_slept = symbol->kind == FP3_SYMBOL_STATE && (int)symbol->index == slept;
+        if (FP3_KIND(symbol->kind) & FP3_KINDS_HOST)
+            status = apply(params, engine, symbol, is_slept, error);
     }
     for (size_t i = 0; i < params->count && !status; i++)
         if (!params->list[i].is_used)

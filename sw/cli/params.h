@@ -28,7 +28,8 @@ fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error
 
 fp3_status fp3_params_get(fp3_params *params, const char *name, double *value, fp3_error *error);
 /* Gives the engine's program all that it declares. Refused: one that has no value, and a value that
- * neither the program nor a reciprocal asks for. */
+ * neither the program nor a reciprocal asks for. The register that `sleep` writes needs none: all
+ * are awake; a value is the number of a step. */
 fp3_status fp3_params_apply(fp3_params *params, fp3_engine *engine, const fp3_image *image,
                             fp3_error *error);
 

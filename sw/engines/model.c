@@ -1,8 +1,11 @@
 /* model.c - the "model" engine: the instruction set, one instruction after the other.
  *
- * The host's FPU computes values and flags: it is IEEE 754 binary32 to nearest-even with tininess
- * detected after rounding (x86, and the reason why other hosts have to be checked first). What is
- * left to do is the one quiet NaN 7FC00000.
+ * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
+ * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
+ * What is left to do is the one quiet NaN 7FC00000, and results and operands that are flushed.
+ *
+ * It knows objects, visits and rounds of visits, but no contexts: within a round an instruction is
+ * executed for all objects before the next one, as if there were a context for each.
  */
 #include "kind.h"
 
@@ -17,109 +20,182 @@
 #error "needs binary32 arithmetic that is rounded once, with tininess detected after rounding"
 #endif
 
+/* What an object does with an instruction of its visit. */
+typedef enum {
+    AWAY,   /* nothing: not in the round, or absent since its lds */
+    AWAKE,  /* executes it */
+    ASLEEP, /* executes it in the last part */
+} presence;
+
 typedef struct {
-    float *registers; /* contexts * registers of the configuration, object by object */
-    float *shared;
+    uint32_t *registers; /* of all objects; what a visit does not load is never read */
+    uint32_t *store;     /* interleaved: the records, as many words each as registers */
+    uint32_t *before;    /* ... as they were before this round */
+    uint32_t *status;
+    uint32_t *shared;
+    presence *now;
+    char *listed; /* the next round visits the object */
+    uint64_t executed;
 } model;
 
+/* A round of a run. */
+typedef struct {
+    fp3_engine *engine;
+    fp3_stats *stats;
+    uint32_t steps;
+    uint32_t number, end; /* of the step now; of the last one */
+} round_of;
+
+static size_t words(const fp3_engine *engine) {
+    return (size_t)engine->objects * engine->config->registers;
+}
+
 static fp3_status model_open(fp3_engine *engine) {
-    const fp3_config *config = engine->config;
-    if (!config->subnormal || !config->nearest)
-        return fp3_fail(
-            engine->def.error, FP3_E_ARGUMENT,
-            "configuration '%s' flushes subnormals or truncates: the model does neither",
-            config->name);
     model *self = engine->self = calloc(1, sizeof *self);
     if (self) {
-        self->registers =
-            calloc((size_t)config->contexts * config->registers, sizeof *self->registers);
-        self->shared = calloc(config->registers, sizeof *self->shared);
+        self->registers = calloc(words(engine), sizeof *self->registers);
+        self->store = calloc(words(engine), sizeof *self->store);
+        self->before = calloc(words(engine), sizeof *self->before);
+        self->status = calloc(engine->objects, sizeof *self->status);
+        self->now = calloc(engine->objects, sizeof *self->now);
+        self->listed = calloc(engine->objects, sizeof *self->listed);
+        self->shared = calloc(engine->config->registers, sizeof *self->shared);
     }
-    if (!self || !self->registers || !self->shared)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    return FP3_OK;
+    if (self && self->registers && self->store && self->before && self->status && self->now &&
+        self->listed && self->shared)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
 
 static void model_close(fp3_engine *engine) {
     model *self = engine->self;
     if (self) {
         free(self->registers);
+        free(self->store);
+        free(self->before);
+        free(self->status);
+        free(self->now);
+        free(self->listed);
         free(self->shared);
     }
     free(self);
 }
 
-static fp3_status model_load(fp3_engine *engine, const fp3_image *image) {
-    (void)engine, (void)image; /* the engine's copy is what runs */
+static fp3_status model_load(fp3_engine *engine) {
+    (void)engine; /* engine->program is what runs */
     return FP3_OK;
 }
 
-static float *cell(fp3_engine *engine, size_t object, uint32_t reg) {
-    return &((model *)engine->self)->registers[object * engine->config->registers + reg];
+/* Where the host finds a register of an object. */
+static uint32_t *cell(fp3_engine *engine, size_t object, uint32_t reg) {
+    const model *self = engine->self;
+    uint32_t *cells = engine->config->interleave ? self->store : self->registers;
+    return &cells[object * engine->config->registers + reg];
 }
 
 static fp3_status model_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    memcpy(cell(engine, object, reg), &bits, sizeof bits);
+    *cell(engine, object, reg) = bits;
     return FP3_OK;
 }
 
 static fp3_status model_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
-    memcpy(bits, cell(engine, object, reg), sizeof *bits);
+    *bits = *cell(engine, object, reg);
     return FP3_OK;
 }
 
 static fp3_status model_write_shared(fp3_engine *engine, uint32_t index, uint32_t bits) {
-    memcpy(&((model *)engine->self)->shared[index], &bits, sizeof bits);
+    ((model *)engine->self)->shared[index] = bits;
     return FP3_OK;
 }
 
 static fp3_status model_read_shared(fp3_engine *engine, uint32_t index, uint32_t *bits) {
-    memcpy(bits, &((model *)engine->self)->shared[index], sizeof *bits);
+    *bits = ((model *)engine->self)->shared[index];
+    return FP3_OK;
+}
+
+static fp3_status model_write_status(fp3_engine *engine, size_t object, uint32_t word) {
+    ((model *)engine->self)->status[object] = word;
+    return FP3_OK;
+}
+
+static fp3_status model_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
+    *word = ((model *)engine->self)->status[object];
+    return FP3_OK;
+}
+
+static fp3_status model_list(fp3_engine *engine) {
+    model *self = engine->self;
+    for (size_t i = 0; i < engine->objects; i++)
+        self->listed[i] = (char)fp3_engine_is_awake(engine, i);
     return FP3_OK;
 }
 
 /* What the hardware's decoder refuses, too. */
 static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in) {
     const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1;
-    return !fp3_word_decode(word, in, NULL) &&
-           (config->chain || (in->op != FP3_OP_MADD && in->op != FP3_OP_MSUB)) &&
-           in->d < config->registers && (in->a & in_bank) < config->registers &&
-           (in->b & in_bank) < config->registers && (in->c & in_bank) < config->registers;
-}
-
-static float operand(const model *self, const float *object, uint32_t number) {
-    return number >= FP3_BANK_SHARED_BASE ? self->shared[number - FP3_BANK_SHARED_BASE]
-                                          : object[number];
-}
-
-/* volatile: the compiler may move no operation across the reading of its flags. */
-static float execute(const fp3_instruction *in, volatile float a, volatile float b,
-                     volatile float c) {
-    volatile float d;
+    if (fp3_word_decode(word, in, NULL) || in->d >= config->registers ||
+        (in->a & in_bank) >= config->registers || (in->b & in_bank) >= config->registers ||
+        (in->c & in_bank) >= config->registers)
+        return 0;
     switch (in->op) {
-    case FP3_OP_ADD:
-        d = a + b;
-        break;
-    case FP3_OP_SUB:
-        d = a - b;
-        break;
-    case FP3_OP_MUL:
-        d = a * b;
-        break;
     case FP3_OP_MADD:
-        d = a * b;
-        d = c + d;
-        break;
-    default: /* FP3_OP_MSUB; there are no others, see is_legal */
-        d = a * b;
-        d = c - d;
-        break;
+    case FP3_OP_MSUB:
+        return config->chain != 0;
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        return config->scale != 0;
+    case FP3_OP_SLEEP:
+    case FP3_OP_LDS:
+        return config->sleep != 0;
+    case FP3_OP_LD:
+    case FP3_OP_ST:
+        return config->interleave != 0;
+    default:
+        return 1;
     }
+}
+
+/* ---- arithmetic ---- */
+
+static float value_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t bits_of(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return isnan(value) ? 0x7fc00000u : bits;
+}
+
+static float flushed(const fp3_config *config, float x) {
+    return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
+}
+
+/* x op y, for add, sub and mul; its flags are added to those of the host's FPU. volatile: the
+ * compiler may move no operation across the reading of flags. */
+static float one(const fp3_config *config, uint32_t op, float x, float y) {
+    volatile float a = flushed(config, x), b = flushed(config, y), d;
+    if (!config->subnormal) {
+        /* A product is exact in double, and so is a sum that is as small as this. */
+        const double exact = op == FP3_OP_ADD   ? (double)a + (double)b
+                             : op == FP3_OP_SUB ? (double)a - (double)b
+                                                : (double)a * (double)b;
+        /* A comparison by isless raises nothing for a quiet NaN. */
+        if (isless(fabs(exact), (double)FLT_MIN) && exact != 0) {
+            feraiseexcept(FE_UNDERFLOW | FE_INEXACT);
+            return copysignf(0.0f, (float)exact);
+        }
+    }
+    d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
     return d;
 }
 
-static uint32_t raised(void) {
-    const int raised = fetestexcept(FE_ALL_EXCEPT);
+static uint32_t raised(const fp3_config *config) {
+    const int raised = config->flags ? fetestexcept(FE_ALL_EXCEPT) : 0;
     return (raised & FE_INVALID ? 1u << FP3_FLAGS_INVALID_LO : 0) |
            (raised & FE_DIVBYZERO ? 1u << FP3_FLAGS_DIVIDE_BY_ZERO_LO : 0) |
            (raised & FE_OVERFLOW ? 1u << FP3_FLAGS_OVERFLOW_LO : 0) |
@@ -127,52 +203,205 @@ static uint32_t raised(void) {
            (raised & FE_INEXACT ? 1u << FP3_FLAGS_INEXACT_LO : 0);
 }
 
-/* One instruction for all objects. */
-static void sweep(fp3_engine *engine, const fp3_instruction *in, fp3_stats *stats) {
-    static const fp3_counter issued[] = {
-        [FP3_OP_ADD] = FP3_COUNTER_ISSUED_ADD,    [FP3_OP_SUB] = FP3_COUNTER_ISSUED_ADD,
-        [FP3_OP_MUL] = FP3_COUNTER_ISSUED_MUL,    [FP3_OP_MADD] = FP3_COUNTER_ISSUED_CHAIN,
-        [FP3_OP_MSUB] = FP3_COUNTER_ISSUED_CHAIN,
-    };
+static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, float a, float b,
+                          float c, uint32_t *flags) {
+    float d;
+    feclearexcept(FE_ALL_EXCEPT);
+    switch (in->op) {
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        d = one(config, in->op == FP3_OP_MADD ? FP3_OP_ADD : FP3_OP_SUB, c,
+                one(config, FP3_OP_MUL, a, b));
+        break;
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+        d = one(config, in->op == FP3_OP_ADDH ? FP3_OP_ADD : FP3_OP_SUB, a,
+                one(config, FP3_OP_MUL, b, 0.5f));
+        break;
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        d = one(config, in->op == FP3_OP_ADDT ? FP3_OP_ADD : FP3_OP_SUB, a,
+                one(config, FP3_OP_MUL, b, 2.0f));
+        break;
+    default:
+        d = one(config, in->op, a, b);
+        break;
+    }
+    *flags = raised(config);
+    return bits_of(d);
+}
+
+/* ---- an instruction ---- */
+
+static uint32_t operand(const model *self, const uint32_t *object, uint32_t number) {
+    return number >= FP3_BANK_SHARED_BASE ? self->shared[number - FP3_BANK_SHARED_BASE]
+                                          : object[number];
+}
+
+/* The flags of an object, and the step in which it went wrong. */
+static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
+    const uint32_t grave = 1u << FP3_FLAGS_INVALID_LO | 1u << FP3_FLAGS_OVERFLOW_LO;
+    uint32_t *word = &((model *)r->engine->self)->status[object];
+    r->stats->flags |= flags;
+    *word |= flags;
+    if (flags & grave && !(*word >> FP3_STATUS_STEP_LO))
+        *word |= r->number << FP3_STATUS_STEP_LO;
+}
+
+static void retire(const round_of *r, uint32_t object, uint32_t reg, uint32_t bits,
+                   uint32_t flags) {
+    const fp3_engine *engine = r->engine;
     const model *self = engine->self;
-    for (uint32_t i = 0; i < engine->config->contexts; i++) {
-        float *object = cell(engine, i, 0);
-        feclearexcept(FE_ALL_EXCEPT);
-        const float value = execute(in, operand(self, object, in->a), operand(self, object, in->b),
-                                    operand(self, object, in->c));
-        fp3_retirement done = {stats->counter[FP3_COUNTER_CYCLES]++, i, in->d, 0x7fc00000u,
-                               raised()};
-        if (!isnan(value))
-            memcpy(&done.bits, &value, sizeof value);
-        memcpy(&object[in->d], &done.bits, sizeof done.bits);
-        stats->flags |= done.flags;
-        stats->counter[issued[in->op]]++;
-        stats->counter[FP3_COUNTER_RETIRED]++;
-        if (engine->def.retire)
-            engine->def.retire(engine->def.retire_user, &done);
+    const fp3_retirement done = {
+        .cycle = self->executed, .object = object, .reg = reg, .bits = bits, .flags = flags};
+    self->registers[(size_t)object * engine->config->registers + reg] = bits;
+    if (engine->def.retire)
+        engine->def.retire(engine->def.retire_user, &done);
+}
+
+/* An instruction that an object executes. */
+static void execute(const round_of *r, uint32_t object, const fp3_instruction *in) {
+    const fp3_config *config = r->engine->config;
+    model *self = r->engine->self;
+    const uint32_t *registers = &self->registers[(size_t)object * config->registers];
+    uint32_t *record = &self->store[(size_t)object * config->registers];
+    const float a = value_of(operand(self, registers, in->a));
+    const float b = value_of(operand(self, registers, in->b));
+    const float c = value_of(operand(self, registers, in->c));
+    uint32_t flags, bits;
+    switch (in->op) {
+    case FP3_OP_ST:
+        record[in->d] = registers[in->d];
+        break;
+    case FP3_OP_LD:
+        retire(r, object, in->d, record[in->d], 0);
+        break;
+    case FP3_OP_LDS:
+        if (record[in->d]) {
+            self->now[object] = AWAY;
+            self->listed[object] = 0;
+        }
+        retire(r, object, in->d, record[in->d], 0);
+        break;
+    case FP3_OP_SLEEP:
+        if (self->now[object] == AWAKE && isless(fabsf(a), b)) {
+            self->now[object] = ASLEEP;
+            self->listed[object] = 0;
+            retire(r, object, in->d, r->number, 0);
+        }
+        break;
+    default:
+        bits = calculate(config, in, a, b, c, &flags);
+        note_flags(r, object, flags);
+        retire(r, object, in->d, bits, flags);
+    }
+    self->executed++;
+}
+
+static fp3_counter counter_of(uint32_t op) {
+    switch (op) {
+    case FP3_OP_ADD:
+    case FP3_OP_SUB:
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        return FP3_COUNTER_ISSUED_ADD;
+    case FP3_OP_MUL:
+        return FP3_COUNTER_ISSUED_MUL;
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return FP3_COUNTER_ISSUED_CHAIN;
+    case FP3_OP_SLEEP:
+        return FP3_COUNTER_ISSUED_SLEEP;
+    default:
+        return FP3_COUNTER_ISSUED_MEMORY;
     }
 }
 
-static fp3_status model_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    const fp3_image *image = engine->image;
+/* One instruction for all objects that execute it. */
+static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
+    model *self = r->engine->self;
+    const uint64_t before = self->executed;
+    for (uint32_t i = 0; i < r->engine->objects; i++)
+        if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
+            execute(r, i, in);
+    uint64_t *counter = r->engine->counters[0];
+    counter[counter_of(in->op)] += self->executed - before;
+    counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
+}
+
+/* ---- a run ---- */
+
+static int is_any(const fp3_engine *engine, presence what) {
+    const model *self = engine->self;
+    for (size_t i = 0; i < engine->objects; i++)
+        if (self->now[i] == what)
+            return 1;
+    return 0;
+}
+
+/* All visits of a round. Where nothing interleaves a run is one round. */
+static fp3_status make_round(round_of *r) {
+    const fp3_engine *engine = r->engine;
+    const fp3_program *program = &engine->program;
+    const model *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
+    uint32_t left = r->steps;
+    for (uint32_t pc = 0; pc < program->count;) {
+        fp3_instruction in;
+        if (pc == program->step)
+            r->number++;
+        if (!is_legal(engine->config, program->code[pc], &in))
+            return fp3_engine_illegal(r->engine, pc);
+        if (limit && self->executed >= limit)
+            return fp3_engine_limit(r->engine);
+        sweep(r, &in, pc >= program->last);
+        pc++;
+        if (pc == program->last && --left)
+            pc = program->step;
+        if (pc < program->last && !is_any(engine, AWAKE)) {
+            r->number = r->end;
+            pc = program->last;
+        }
+    }
+    return FP3_OK;
+}
+
+/* Who is visited in a round; 0: nobody. */
+static int begin_round(fp3_engine *engine) {
+    model *self = engine->self;
+    for (size_t i = 0; i < engine->objects; i++)
+        self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
+    memcpy(self->before, self->store, words(engine) * sizeof *self->before);
+    return is_any(engine, AWAKE);
+}
+
+static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    model *self = engine->self;
+    const uint32_t visit =
+        engine->config->interleave && engine->def.visit ? engine->def.visit : UINT32_MAX;
     fp3_status status = FP3_OK;
+    for (uint32_t made = 0; !status && made < steps && begin_round(engine);) {
+        round_of r = {.engine = engine, .stats = stats, .number = engine->clock + made};
+        r.steps = steps - made < visit ? steps - made : visit;
+        r.end = r.number + r.steps;
+        made += r.steps;
+        status = make_round(&r);
+    }
+    if (status) /* of visits that did not come to their end nothing is stored */
+        memcpy(self->store, self->before, words(engine) * sizeof *self->store);
+    return status;
+}
+
+static fp3_status model_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fenv_t callers;
     fegetenv(&callers);
     fesetenv(FE_DFL_ENV); /* whatever rounding and flushing the caller has chosen */
-    for (uint32_t pc = steps ? 0 : image->code_count; pc < image->code_count && !status;) {
-        fp3_instruction in;
-        if (!is_legal(engine->config, image->code[pc], &in)) {
-            status = fp3_engine_illegal(engine, pc, image->code[pc]);
-        } else if (limit && stats->counter[FP3_COUNTER_CYCLES] >= limit) {
-            status = fp3_engine_limit(engine);
-        } else {
-            sweep(engine, &in, stats);
-            pc++;
-            if (pc == image->last && --steps)
-                pc = image->step;
-        }
-    }
+    fesetround(engine->config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
+    stats->units = 1;
+    ((model *)engine->self)->executed = 0;
+    const fp3_status status = run_rounds(engine, steps, stats);
     fesetenv(&callers);
     return status;
 }
@@ -186,5 +415,8 @@ const fp3_engine_kind fp3_kind_model = {
     .read = model_read,
     .write_shared = model_write_shared,
     .read_shared = model_read_shared,
+    .write_status = model_write_status,
+    .read_status = model_read_status,
+    .list = model_list,
     .run = model_run,
 };

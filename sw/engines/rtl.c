@@ -19,9 +19,9 @@
 FP3_CONFIGS(X)
 #undef X
 
-/* Nothing retires for so long: time to ask whether the run has ended. Asking early costs the
- * simulation some cycles, the hardware none; it may be wrong about a long stall. */
-#define QUIET_CYCLES 32
+/* Nothing issues or retires for so long: time to ask whether the run has ended. Asking early costs
+ * the simulation some cycles, the hardware none; it may be wrong about a long stall. */
+#define QUIET_CYCLES 64
 #define STOP_CYCLES 10000 /* from control.stop to the end of a run */
 
 typedef struct {
@@ -32,15 +32,33 @@ typedef struct {
 } rtl_engine;
 
 #define BIT(field) (1u << FP3_##field##_LO)
+#define VALUE(field, value) ((uint32_t)(value) << FP3_##field##_LO)
 #define FIELD(word, field)                                                                         \
     (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
+
+/* ---- the host port ---- */
+
+static uint32_t units(const fp3_engine *engine) { return fp3_config_units(engine->config); }
+
+static uint32_t of_unit(uint32_t unit, uint32_t address) {
+    return unit << FP3_ADDRESS_SCHEDULER_LO | address;
+}
+
+/* The address for all units: a write goes to all, a read gives the OR. */
+static uint32_t of_all(const fp3_engine *engine, uint32_t address) {
+    return of_unit(units(engine) > 1 ? FP3_ADDRESS_BROADCAST : 0, address);
+}
+
+static uint32_t in_space(uint32_t unit, uint32_t space, uint32_t word) {
+    return of_unit(unit, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+}
 
 static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data) {
     rtl_engine *self = engine->self;
     const int result = self->ops->transfer(self->rtl, is_write, address, data);
     if (result == 0)
         return FP3_OK;
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware %s %s at 0x%04" PRIx32,
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware %s %s at 0x%08" PRIx32,
                     result > 0 ? "refused" : "did not answer", is_write ? "a write" : "a read",
                     address);
 }
@@ -48,7 +66,7 @@ static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, u
 static fp3_status put(fp3_engine *engine, uint32_t address, uint32_t data) {
     rtl_engine *self = engine->self;
     if (self->log)
-        fprintf(self->log, "w %04" PRIx32 " %08" PRIx32 "\n", address, data);
+        fprintf(self->log, "w %08" PRIx32 " %08" PRIx32 "\n", address, data);
     return transfer(engine, 1, address, &data);
 }
 
@@ -56,9 +74,22 @@ static fp3_status get(fp3_engine *engine, uint32_t address, uint32_t *data) {
     rtl_engine *self = engine->self;
     fp3_status status = transfer(engine, 0, address, data);
     if (!status && self->log)
-        fprintf(self->log, "r %04" PRIx32 " %08" PRIx32 "\n", address, *data);
+        fprintf(self->log, "r %08" PRIx32 " %08" PRIx32 "\n", address, *data);
     return status;
 }
+
+typedef struct {
+    uint32_t address, data;
+} request;
+
+static fp3_status put_all(fp3_engine *engine, const request *list, size_t count) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < count; i++)
+        status = put(engine, of_all(engine, list[i].address), list[i].data);
+    return status;
+}
+
+/* ---- what is watched ---- */
 
 static uint64_t fnv(uint64_t hash, uint32_t word) {
     for (int i = 0; i < 4; i++)
@@ -66,39 +97,59 @@ static uint64_t fnv(uint64_t hash, uint32_t word) {
     return hash;
 }
 
-/* While a log is kept: between the hardware and whom the caller named. */
-static void hash_retirement(void *user, const fp3_retirement *retirement) {
+/* Between the hardware, which numbers objects within their lane, and whom the caller named. */
+static void pass_on(void *user, const fp3_retirement *retirement) {
     const fp3_engine *engine = user;
     rtl_engine *self = engine->self;
-    self->hash = fnv(fnv(fnv(self->hash, retirement->reg), retirement->bits), retirement->flags);
+    fp3_retirement r = *retirement;
+    const uint32_t row = r.object, column = r.unit * engine->config->lanes + r.lane;
+    r.object = row * engine->columns + column;
+    if (self->log) {
+        const uint32_t words[] = {column, row, r.reg, r.bits, r.flags};
+        for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+            self->hash = fnv(self->hash, words[i]);
+    }
     if (engine->def.retire)
-        engine->def.retire(engine->def.retire_user, retirement);
+        engine->def.retire(engine->def.retire_user, &r);
 }
 
-/* Whether the hardware is what the configuration says it is. */
+/* ---- open ---- */
+
 static fp3_status check_build(fp3_engine *engine) {
-    const fp3_config *config = engine->config;
-    uint32_t id, shape, memory, features;
-    fp3_status status = FP3_OK;
-    if ((status = get(engine, FP3_ADDR_ID, &id)) ||
-        (status = get(engine, FP3_ADDR_SHAPE, &shape)) ||
-        (status = get(engine, FP3_ADDR_MEMORY, &memory)) ||
-        (status = get(engine, FP3_ADDR_FEATURES, &features)))
-        return status;
-    if (id != (0x46503300u | FP3_ISA_REVISION))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                        "the hardware's id is 0x%08" PRIx32 ", wanted 0x%08x", id,
-                        0x46503300u | FP3_ISA_REVISION);
-    if (FIELD(shape, SHAPE_REGISTERS) != config->registers ||
-        FIELD(shape, SHAPE_CONSTANTS) != config->registers ||
-        FIELD(shape, SHAPE_CONTEXTS) != config->contexts || memory != config->program_words ||
-        FIELD(features, FEATURES_CHAIN) != (uint32_t)config->chain ||
-        FIELD(features, FEATURES_SUBNORMAL) != (uint32_t)config->subnormal ||
-        FIELD(features, FEATURES_NEAREST) != (uint32_t)config->nearest)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                        "the hardware is not configuration '%s': shape 0x%08" PRIx32
-                        ", memory %" PRIu32 ", features 0x%08" PRIx32,
-                        config->name, shape, memory, features);
+    const fp3_config *c = engine->config;
+    const uint32_t id = 0x46503300u | FP3_ISA_REVISION;
+    const struct {
+        uint32_t address, mask, expected;
+    } rows[] = {
+        {FP3_ADDR_ID, UINT32_MAX, id},
+        {FP3_ADDR_SHAPE, UINT32_MAX,
+         VALUE(SHAPE_REGISTERS, c->registers) | VALUE(SHAPE_CONSTANTS, c->registers) |
+             VALUE(SHAPE_CONTEXTS, c->contexts)},
+        {FP3_ADDR_MEMORY, UINT32_MAX, c->program_words},
+        {FP3_ADDR_STORE, UINT32_MAX, c->store_words},
+        {FP3_ADDR_ARRAY, UINT32_MAX,
+         VALUE(ARRAY_TILES, c->tiles) | VALUE(ARRAY_SCHEDULERS, c->schedulers) |
+             VALUE(ARRAY_LANES, c->lanes)},
+        {FP3_ADDR_FEATURES,
+         BIT(FEATURES_CHAIN) | BIT(FEATURES_SUBNORMAL) | BIT(FEATURES_NEAREST) |
+             BIT(FEATURES_INTERLEAVE) | BIT(FEATURES_SLEEP) | BIT(FEATURES_FLAGS) |
+             BIT(FEATURES_STATUS) | BIT(FEATURES_SCALE),
+         VALUE(FEATURES_CHAIN, c->chain) | VALUE(FEATURES_SUBNORMAL, c->subnormal) |
+             VALUE(FEATURES_NEAREST, c->nearest) | VALUE(FEATURES_INTERLEAVE, c->interleave) |
+             VALUE(FEATURES_SLEEP, c->sleep) | VALUE(FEATURES_FLAGS, c->flags) |
+             VALUE(FEATURES_STATUS, c->status) | VALUE(FEATURES_SCALE, c->scale)},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        uint32_t got = 0;
+        fp3_status status = get(engine, rows[i].address, &got);
+        if (status)
+            return status;
+        if ((got & rows[i].mask) != rows[i].expected)
+            return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                            "the hardware is not configuration '%s': at 0x%04" PRIx32
+                            " it has 0x%08" PRIx32 ", wanted 0x%08" PRIx32,
+                            c->name, rows[i].address, got, rows[i].expected);
+    }
     return FP3_OK;
 }
 
@@ -115,9 +166,8 @@ static fp3_status rtl_open(fp3_engine *engine) {
         if (strcmp(builds[i]->config, engine->config->name) == 0)
             self->ops = builds[i];
     self->hash = 0xcbf29ce484222325u;
-    self->rtl = engine->def.bus_log ? self->ops->open(hash_retirement, engine)
-                                    : self->ops->open(engine->def.retire, engine->def.retire_user);
-    if (!self->rtl)
+    const fp3_rtl_watch watch = {pass_on, engine, engine->def.issue, engine->def.issue_user};
+    if (!(self->rtl = self->ops->open(&watch)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (engine->def.bus_log && !(self->log = fopen(engine->def.bus_log, "w")))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "%s: %s", engine->def.bus_log,
@@ -134,83 +184,182 @@ static void rtl_close(fp3_engine *engine) {
     free(self);
 }
 
-static fp3_status rtl_load(fp3_engine *engine, const fp3_image *image) {
+/* ---- memories ---- */
+
+static fp3_status rtl_load(fp3_engine *engine) {
+    const fp3_program *p = &engine->program;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < image->code_count; i++)
-        status = put(engine, FP3_ADDR_WINDOW_PROGRAM + 4 * i, image->code[i]);
+    for (uint32_t i = 0; !status && i < p->count; i++)
+        status = put(engine, of_all(engine, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
+    const request shape[] = {{FP3_ADDR_STEP, p->step},
+                             {FP3_ADDR_LAST, p->last},
+                             {FP3_ADDR_SIZE, p->count},
+                             {FP3_ADDR_RECORD, engine->log2}};
     if (!status)
-        status = put(engine, FP3_ADDR_STEP, image->step);
-    if (!status)
-        status = put(engine, FP3_ADDR_LAST, image->last);
-    if (!status)
-        status = put(engine, FP3_ADDR_SIZE, image->code_count);
+        status = put_all(engine, shape, engine->config->interleave ? 4 : 3);
     return status;
 }
 
-static uint32_t object_address(size_t object, uint32_t reg) {
-    return FP3_ADDR_WINDOW_OBJECTS + 256 * (uint32_t)object + 4 * reg;
+/* Where an object is. */
+static uint32_t unit_of(const fp3_engine *engine, size_t object) {
+    return (uint32_t)(object % engine->columns) / engine->config->lanes;
+}
+
+static uint32_t lane_of(const fp3_engine *engine, size_t object) {
+    return (uint32_t)(object % engine->columns) % engine->config->lanes;
+}
+
+static uint32_t row_of(const fp3_engine *engine, size_t object) {
+    return (uint32_t)(object / engine->columns);
+}
+
+static uint32_t cell_address(const fp3_engine *engine, size_t object, uint32_t reg) {
+    const uint32_t record = row_of(engine, object) << engine->log2;
+    return in_space(unit_of(engine, object), FP3_SPACE_OBJECTS,
+                    lane_of(engine, object) * engine->config->store_words + record + reg);
+}
+
+static uint32_t status_address(const fp3_engine *engine, size_t object) {
+    return in_space(unit_of(engine, object), FP3_SPACE_STATUS,
+                    lane_of(engine, object) * engine->config->store_words + row_of(engine, object));
 }
 
 static fp3_status rtl_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    return put(engine, object_address(object, reg), bits);
+    return put(engine, cell_address(engine, object, reg), bits);
 }
 
 static fp3_status rtl_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
-    return get(engine, object_address(object, reg), bits);
+    return get(engine, cell_address(engine, object, reg), bits);
 }
 
 static fp3_status rtl_write_shared(fp3_engine *engine, uint32_t index, uint32_t bits) {
-    return put(engine, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, bits);
+    return put(engine, of_all(engine, FP3_ADDR_WINDOW_CONSTANTS + 4 * index), bits);
 }
 
 static fp3_status rtl_read_shared(fp3_engine *engine, uint32_t index, uint32_t *bits) {
     return get(engine, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, bits);
 }
 
-/* Clocks until the run has ended, for so many cycles at most; *outcome is the status word. */
+static fp3_status rtl_write_status(fp3_engine *engine, size_t object, uint32_t word) {
+    return put(engine, status_address(engine, object), word);
+}
+
+static fp3_status rtl_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
+    return get(engine, status_address(engine, object), word);
+}
+
+/* With sleep the numbers of a lane's objects, in the order of their rows; without, how many. */
+static fp3_status rtl_list(fp3_engine *engine) {
+    const fp3_config *config = engine->config;
+    const uint32_t rows = engine->objects / engine->columns,
+                   rest = engine->objects % engine->columns;
+    fp3_status status = FP3_OK;
+    for (uint32_t column = 0; !status && column < engine->columns; column++)
+        status = put(
+            engine,
+            of_unit(column / config->lanes, FP3_ADDR_WINDOW_AWAKE + 4 * (column % config->lanes)),
+            config->sleep ? 0 : rows + (column < rest));
+    for (uint32_t i = 0; !status && config->sleep && i < engine->objects; i++)
+        if (fp3_engine_is_awake(engine, i))
+            status = put(engine,
+                         of_unit(unit_of(engine, i), FP3_ADDR_WINDOW_WAKE + 4 * lane_of(engine, i)),
+                         row_of(engine, i));
+    return status;
+}
+
+/* ---- a run ---- */
+
+static fp3_status start(fp3_engine *engine, uint32_t steps) {
+    const request list[] = {{FP3_ADDR_VISIT, engine->def.visit},
+                            {FP3_ADDR_CLOCK, engine->clock},
+                            {FP3_ADDR_STEPS, steps},
+                            {FP3_ADDR_CONTROL, BIT(CONTROL_START)}};
+    const size_t without = engine->config->interleave ? 0 : 2;
+    return put_all(engine, list + without, sizeof list / sizeof *list - without);
+}
+
+/* Clocks until no unit runs, for so many cycles at most; *outcome is the OR of all status words. */
 static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t *outcome) {
     rtl_engine *self = engine->self;
     fp3_status status;
-    for (uint64_t clocked = 0;;) {
-        clocked += self->ops->clock(self->rtl, cycles - clocked, QUIET_CYCLES);
-        status = transfer(engine, 0, FP3_ADDR_STATUS, outcome);
+    const uint64_t begin = self->ops->now(self->rtl);
+    for (uint64_t clocked = 0;; clocked = self->ops->now(self->rtl) - begin) {
+        if (clocked < cycles)
+            self->ops->clock(self->rtl, cycles - clocked, QUIET_CYCLES);
+        status = transfer(engine, 0, of_all(engine, FP3_ADDR_STATUS), outcome);
         if (status || !FIELD(*outcome, STATUS_RUNNING) || clocked >= cycles)
             return status;
     }
 }
 
-static fp3_status read_counters(fp3_engine *engine, fp3_stats *stats) {
+static fp3_status wait_or_stop(fp3_engine *engine) {
+    rtl_engine *self = engine->self;
+    const uint64_t limit = engine->def.cycle_limit ? engine->def.cycle_limit : UINT64_MAX;
+    uint32_t outcome = 0;
+    fp3_status status = wait_until_idle(engine, limit, &outcome);
+    if (!status && FIELD(outcome, STATUS_RUNNING)) {
+        status = put(engine, of_all(engine, FP3_ADDR_CONTROL), BIT(CONTROL_STOP));
+        if (!status)
+            status = wait_until_idle(engine, STOP_CYCLES, &outcome);
+        if (!status && FIELD(outcome, STATUS_RUNNING))
+            return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware does not stop");
+    }
+    if (self->log)
+        fprintf(self->log, "p %08" PRIx32 " %08x\n", of_all(engine, FP3_ADDR_STATUS),
+                BIT(STATUS_RUNNING));
+    return status;
+}
+
+static fp3_status read_counters(fp3_engine *engine, uint32_t unit, uint64_t *counter) {
     static const uint32_t addresses[] = {
 #define X(NAME, name, address) address,
         FP3_COUNTERS(X)
 #undef X
     };
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++) {
         uint32_t low = 0, high = 0;
-        fp3_status status = get(engine, addresses[i], &low);
+        status = get(engine, of_unit(unit, addresses[i]), &low);
         if (!status)
-            status = get(engine, addresses[i] + 4, &high);
-        if (status)
-            return status;
-        stats->counter[i] = (uint64_t)high << 32 | low;
+            status = get(engine, of_unit(unit, addresses[i] + 4), &high);
+        counter[i] = (uint64_t)high << 32 | low;
     }
-    return get(engine, FP3_ADDR_FLAGS, &stats->flags);
+    return status;
 }
 
 /* docs/registers.md: every running cycle is an issue or a stall; all that was issued retires. */
-static fp3_status check_counters(fp3_engine *engine, const fp3_stats *stats) {
-    const uint64_t *n = stats->counter;
-    const uint64_t issued =
-        n[FP3_COUNTER_ISSUED_ADD] + n[FP3_COUNTER_ISSUED_MUL] + n[FP3_COUNTER_ISSUED_CHAIN];
-    uint64_t stalled = 0;
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+static fp3_status check_counters(fp3_engine *engine, uint32_t unit, const uint64_t *n,
+                                 int is_done) {
+    uint64_t issued = 0, stalled = 0;
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
         stalled += fp3_counter_is_stall((fp3_counter)i) ? n[i] : 0;
-    if (n[FP3_COUNTER_CYCLES] == issued + stalled && n[FP3_COUNTER_RETIRED] == issued)
+        issued += strncmp(fp3_counter_name((fp3_counter)i), "issued_", 7) == 0 ? n[i] : 0;
+    }
+    const uint64_t retired = n[FP3_COUNTER_RETIRED];
+    if (n[FP3_COUNTER_CYCLES] == issued + stalled &&
+        (is_done ? retired == issued : retired <= issued))
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                    "the hardware's counters do not add up: %" PRIu64 " cycles, %" PRIu64
-                    " issued, %" PRIu64 " stalled, %" PRIu64 " retired",
-                    n[FP3_COUNTER_CYCLES], issued, stalled, n[FP3_COUNTER_RETIRED]);
+                    "the hardware's counters do not add up: unit %" PRIu32 ", %" PRIu64
+                    " cycles, %" PRIu64 " issued, %" PRIu64 " stalled, %" PRIu64 " retired",
+                    unit, n[FP3_COUNTER_CYCLES], issued, stalled, retired);
+}
+
+/* How a unit's run ended: its status word, and where if at an illegal word. */
+static fp3_status ask_unit(fp3_engine *engine, uint32_t unit, uint32_t *outcome, uint32_t *fault) {
+    uint64_t *counter = engine->counters[unit];
+    fp3_status status = get(engine, of_unit(unit, FP3_ADDR_STATUS), outcome);
+    if (!status)
+        status = get(engine, of_unit(unit, FP3_ADDR_FAULT), fault);
+    if (!status)
+        status = read_counters(engine, unit, counter);
+    if (!status)
+        status = check_counters(engine, unit, counter, *outcome == BIT(STATUS_DONE));
+    if (!status && *outcome != BIT(STATUS_DONE) && *outcome != BIT(STATUS_ILLEGAL) &&
+        *outcome != BIT(STATUS_STOPPED))
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                          "unit %" PRIu32 " ended a run with status 0x%08" PRIx32, unit, *outcome);
+    return status;
 }
 
 static fp3_status close_log_of_run(fp3_engine *engine) {
@@ -226,35 +375,30 @@ static fp3_status close_log_of_run(fp3_engine *engine) {
 }
 
 static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    rtl_engine *self = engine->self;
-    const uint64_t limit = engine->def.cycle_limit ? engine->def.cycle_limit : UINT64_MAX;
-    uint32_t outcome = 0, fault = 0;
-    fp3_status status = put(engine, FP3_ADDR_STEPS, steps);
+    fp3_status status = start(engine, steps);
     if (!status)
-        status = put(engine, FP3_ADDR_CONTROL, BIT(CONTROL_START));
-    if (!status)
-        status = wait_until_idle(engine, limit, &outcome);
-    if (!status && FIELD(outcome, STATUS_RUNNING)) {
-        status = put(engine, FP3_ADDR_CONTROL, BIT(CONTROL_STOP));
-        if (!status)
-            status = wait_until_idle(engine, STOP_CYCLES, &outcome);
-        if (!status && FIELD(outcome, STATUS_RUNNING))
-            return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware does not stop");
+        status = wait_or_stop(engine);
+    uint32_t all = 0, illegal = 0;
+    for (uint32_t unit = 0; !status && unit < units(engine); unit++) {
+        uint32_t outcome = 0, fault = 0;
+        status = ask_unit(engine, unit, &outcome, &fault);
+        all |= outcome;
+        illegal = FIELD(outcome, STATUS_ILLEGAL) ? fault : illegal;
+        stats->units = unit + 1;
     }
-    if (self->log)
-        fprintf(self->log, "p %04x %08x\n", FP3_ADDR_STATUS, BIT(STATUS_RUNNING));
-    if (status || (status = get(engine, FP3_ADDR_STATUS, &outcome)) ||
-        (status = get(engine, FP3_ADDR_FAULT, &fault)) || (status = read_counters(engine, stats)) ||
-        (status = check_counters(engine, stats)) || (status = close_log_of_run(engine)))
+    if (!status)
+        status = get(engine, of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
+    if (!status)
+        status = close_log_of_run(engine);
+    if (status)
         return status;
-    if (FIELD(outcome, STATUS_DONE))
-        return FP3_OK;
-    if (FIELD(outcome, STATUS_STOPPED))
-        return fp3_engine_limit(engine);
-    if (FIELD(outcome, STATUS_ILLEGAL) && fault < engine->image->code_count)
-        return fp3_engine_illegal(engine, fault, engine->image->code[fault]);
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                    "a run ended with status 0x%08" PRIx32 ", fault %" PRIu32, outcome, fault);
+    if (FIELD(all, STATUS_ILLEGAL) && illegal < engine->program.count)
+        return fp3_engine_illegal(engine, illegal);
+    if (FIELD(all, STATUS_ILLEGAL))
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                        "the hardware says that word %" PRIu32 " is illegal: there is none",
+                        illegal);
+    return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
 }
 
 const fp3_engine_kind fp3_kind_rtl = {
@@ -266,5 +410,8 @@ const fp3_engine_kind fp3_kind_rtl = {
     .read = rtl_read,
     .write_shared = rtl_write_shared,
     .read_shared = rtl_read_shared,
+    .write_status = rtl_write_status,
+    .read_status = rtl_read_status,
+    .list = rtl_list,
     .run = rtl_run,
 };

@@ -3,7 +3,7 @@
 #define FP3_GEN_ISA_H
 /* clang-format off */
 
-#define FP3_ISA_REVISION 1
+#define FP3_ISA_REVISION 2
 
 /* Fields of the 32-bit word. */
 #define FP3_FIELD_OP_HI 31
@@ -26,20 +26,36 @@
 #define FP3_BANK_SHARED_PREFIX 'k'
 
 enum fp3_opcode {
-    FP3_OP_ADD  = 1,
-    FP3_OP_SUB  = 2,
-    FP3_OP_MUL  = 3,
-    FP3_OP_MADD = 4,
-    FP3_OP_MSUB = 5,
+    FP3_OP_ADD   = 1,
+    FP3_OP_SUB   = 2,
+    FP3_OP_MUL   = 3,
+    FP3_OP_MADD  = 4,
+    FP3_OP_MSUB  = 5,
+    FP3_OP_SLEEP = 6,
+    FP3_OP_LD    = 7,
+    FP3_OP_LDS   = 8,
+    FP3_OP_ST    = 9,
+    FP3_OP_ADDH  = 10,
+    FP3_OP_SUBH  = 11,
+    FP3_OP_ADDT  = 12,
+    FP3_OP_SUBT  = 13,
 };
 
 /* X(NAME, code, mnemonic, operands in assembly order, unit) */
-#define FP3_OPS(X)                    \
-    X(ADD,  1, "add",  "dab",  ADD)   \
-    X(SUB,  2, "sub",  "dab",  ADD)   \
-    X(MUL,  3, "mul",  "dab",  MUL)   \
-    X(MADD, 4, "madd", "dabc", CHAIN) \
-    X(MSUB, 5, "msub", "dabc", CHAIN)
+#define FP3_OPS(X)                        \
+    X(ADD,   1,  "add",   "dab",  ADD)    \
+    X(SUB,   2,  "sub",   "dab",  ADD)    \
+    X(MUL,   3,  "mul",   "dab",  MUL)    \
+    X(MADD,  4,  "madd",  "dabc", CHAIN)  \
+    X(MSUB,  5,  "msub",  "dabc", CHAIN)  \
+    X(SLEEP, 6,  "sleep", "dab",  SLEEP)  \
+    X(LD,    7,  "ld",    "d",    MEMORY) \
+    X(LDS,   8,  "lds",   "d",    MEMORY) \
+    X(ST,    9,  "st",    "d",    MEMORY) \
+    X(ADDH,  10, "addh",  "dab",  ADD)    \
+    X(SUBH,  11, "subh",  "dab",  ADD)    \
+    X(ADDT,  12, "addt",  "dab",  ADD)    \
+    X(SUBT,  13, "subt",  "dab",  ADD)
 
 /* clang-format on */
 #endif

@@ -10,12 +10,17 @@
 #define FP3_ADDR_FEATURES 0x000cu
 #define FP3_ADDR_CONTROL  0x0010u
 #define FP3_ADDR_STATUS   0x0014u
-#define FP3_ADDR_FAULT    0x0018u
-#define FP3_ADDR_FLAGS    0x001cu
+#define FP3_ADDR_RECORD   0x0018u
+#define FP3_ADDR_FAULT    0x001cu
 #define FP3_ADDR_STEPS    0x0020u
 #define FP3_ADDR_STEP     0x0024u
 #define FP3_ADDR_LAST     0x0028u
 #define FP3_ADDR_SIZE     0x002cu
+#define FP3_ADDR_ARRAY    0x0030u
+#define FP3_ADDR_STORE    0x0034u
+#define FP3_ADDR_VISIT    0x0038u
+#define FP3_ADDR_CLOCK    0x003cu
+#define FP3_ADDR_FLAGS    0x0040u
 
 /* Fields of registers. */
 #define FP3_SHAPE_REGISTERS_HI          7
@@ -38,6 +43,16 @@
 #define FP3_FEATURES_ADD_LATENCY_LO     8
 #define FP3_FEATURES_MUL_LATENCY_HI     23
 #define FP3_FEATURES_MUL_LATENCY_LO     16
+#define FP3_FEATURES_INTERLEAVE_HI      24
+#define FP3_FEATURES_INTERLEAVE_LO      24
+#define FP3_FEATURES_SLEEP_HI           25
+#define FP3_FEATURES_SLEEP_LO           25
+#define FP3_FEATURES_FLAGS_HI           26
+#define FP3_FEATURES_FLAGS_LO           26
+#define FP3_FEATURES_STATUS_HI          27
+#define FP3_FEATURES_STATUS_LO          27
+#define FP3_FEATURES_SCALE_HI           28
+#define FP3_FEATURES_SCALE_LO           28
 #define FP3_CONTROL_START_HI            0
 #define FP3_CONTROL_START_LO            0
 #define FP3_CONTROL_STOP_HI             1
@@ -50,6 +65,14 @@
 #define FP3_STATUS_ILLEGAL_LO           2
 #define FP3_STATUS_STOPPED_HI           3
 #define FP3_STATUS_STOPPED_LO           3
+#define FP3_RECORD_LOG2_HI              2
+#define FP3_RECORD_LOG2_LO              0
+#define FP3_ARRAY_TILES_HI              7
+#define FP3_ARRAY_TILES_LO              0
+#define FP3_ARRAY_SCHEDULERS_HI         15
+#define FP3_ARRAY_SCHEDULERS_LO         8
+#define FP3_ARRAY_LANES_HI              23
+#define FP3_ARRAY_LANES_LO              16
 #define FP3_FLAGS_INEXACT_HI            0
 #define FP3_FLAGS_INEXACT_LO            0
 #define FP3_FLAGS_UNDERFLOW_HI          1
@@ -60,36 +83,58 @@
 #define FP3_FLAGS_DIVIDE_BY_ZERO_LO     3
 #define FP3_FLAGS_INVALID_HI            4
 #define FP3_FLAGS_INVALID_LO            4
+#define FP3_STATUS_FLAGS_HI             4
+#define FP3_STATUS_FLAGS_LO             0
+#define FP3_STATUS_STEP_HI              31
+#define FP3_STATUS_STEP_LO              5
 
 /* Counters: 64 bits in two words each, low word first. */
-#define FP3_ADDR_COUNTER_CYCLES           0x0040u
-#define FP3_ADDR_COUNTER_ISSUED_ADD       0x0048u
-#define FP3_ADDR_COUNTER_ISSUED_MUL       0x0050u
-#define FP3_ADDR_COUNTER_ISSUED_CHAIN     0x0058u
-#define FP3_ADDR_COUNTER_RETIRED          0x0060u
-#define FP3_ADDR_COUNTER_STALL_FETCH      0x0068u
-#define FP3_ADDR_COUNTER_STALL_DEPENDENCY 0x0070u
-#define FP3_ADDR_COUNTER_STALL_UNIT       0x0078u
-#define FP3_ADDR_COUNTER_STALL_WRITEBACK  0x0080u
-#define FP3_ADDR_COUNTER_STALL_DRAIN      0x0088u
+#define FP3_ADDR_COUNTER_CYCLES           0x0080u
+#define FP3_ADDR_COUNTER_ISSUED_ADD       0x0088u
+#define FP3_ADDR_COUNTER_ISSUED_MUL       0x0090u
+#define FP3_ADDR_COUNTER_ISSUED_CHAIN     0x0098u
+#define FP3_ADDR_COUNTER_ISSUED_SLEEP     0x00a0u
+#define FP3_ADDR_COUNTER_ISSUED_MEMORY    0x00a8u
+#define FP3_ADDR_COUNTER_RETIRED          0x00b0u
+#define FP3_ADDR_COUNTER_STALL_FETCH      0x00b8u
+#define FP3_ADDR_COUNTER_STALL_DEPENDENCY 0x00c0u
+#define FP3_ADDR_COUNTER_STALL_UNIT       0x00c8u
+#define FP3_ADDR_COUNTER_STALL_WRITEBACK  0x00d0u
+#define FP3_ADDR_COUNTER_STALL_ASLEEP     0x00d8u
+#define FP3_ADDR_COUNTER_STALL_DRAIN      0x00e0u
 
 /* X(NAME, name, address) */
 #define FP3_COUNTERS(X)                              \
-    X(CYCLES,           "cycles",           0x0040u) \
-    X(ISSUED_ADD,       "issued_add",       0x0048u) \
-    X(ISSUED_MUL,       "issued_mul",       0x0050u) \
-    X(ISSUED_CHAIN,     "issued_chain",     0x0058u) \
-    X(RETIRED,          "retired",          0x0060u) \
-    X(STALL_FETCH,      "stall_fetch",      0x0068u) \
-    X(STALL_DEPENDENCY, "stall_dependency", 0x0070u) \
-    X(STALL_UNIT,       "stall_unit",       0x0078u) \
-    X(STALL_WRITEBACK,  "stall_writeback",  0x0080u) \
-    X(STALL_DRAIN,      "stall_drain",      0x0088u)
+    X(CYCLES,           "cycles",           0x0080u) \
+    X(ISSUED_ADD,       "issued_add",       0x0088u) \
+    X(ISSUED_MUL,       "issued_mul",       0x0090u) \
+    X(ISSUED_CHAIN,     "issued_chain",     0x0098u) \
+    X(ISSUED_SLEEP,     "issued_sleep",     0x00a0u) \
+    X(ISSUED_MEMORY,    "issued_memory",    0x00a8u) \
+    X(RETIRED,          "retired",          0x00b0u) \
+    X(STALL_FETCH,      "stall_fetch",      0x00b8u) \
+    X(STALL_DEPENDENCY, "stall_dependency", 0x00c0u) \
+    X(STALL_UNIT,       "stall_unit",       0x00c8u) \
+    X(STALL_WRITEBACK,  "stall_writeback",  0x00d0u) \
+    X(STALL_ASLEEP,     "stall_asleep",     0x00d8u) \
+    X(STALL_DRAIN,      "stall_drain",      0x00e0u)
 
 /* Windows onto the memories. */
 #define FP3_ADDR_WINDOW_PROGRAM   0x1000u
 #define FP3_ADDR_WINDOW_CONSTANTS 0x2000u
-#define FP3_ADDR_WINDOW_OBJECTS   0x4000u
+#define FP3_ADDR_WINDOW_AWAKE     0x3000u
+#define FP3_ADDR_WINDOW_WAKE      0x3100u
+
+/* The parts of an address, and what they say. */
+#define FP3_ADDRESS_SCHEDULER_HI 31
+#define FP3_ADDRESS_SCHEDULER_LO 24
+#define FP3_ADDRESS_SPACE_HI     23
+#define FP3_ADDRESS_SPACE_LO     22
+#define FP3_ADDRESS_WORD_HI      21
+#define FP3_ADDRESS_WORD_LO      2
+#define FP3_ADDRESS_BROADCAST    255
+#define FP3_SPACE_OBJECTS        2
+#define FP3_SPACE_STATUS         3
 
 /* clang-format on */
 #endif

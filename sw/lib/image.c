@@ -97,6 +97,22 @@ const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index) {
     return NULL;
 }
 
+static int names_slept(uint32_t word, uint32_t *d) {
+    fp3_instruction i;
+    if (fp3_word_decode(word, &i, NULL) || (i.op != FP3_OP_SLEEP && i.op != FP3_OP_LDS))
+        return 0;
+    *d = i.d;
+    return 1;
+}
+
+int fp3_image_slept(const fp3_image *image) {
+    uint32_t d;
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (names_slept(image->code[i], &d))
+            return (int)d;
+    return -1;
+}
+
 /* Images. */
 
 static int by_index(const void *left, const void *right) {
@@ -182,6 +198,29 @@ static fp3_status check_symbols(const fp3_image *image, fp3_error *error) {
     return check_names(image, error);
 }
 
+/* The host finds out from one register of an object whether it sleeps, and keeps it. */
+static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
+    const int slept = fp3_image_slept(image);
+    if (slept < 0)
+        return FP3_OK;
+    uint32_t d;
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (names_slept(image->code[i], &d) && d != (uint32_t)slept)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "code word %u sleeps in r%u, but one before it in r%d: a program has "
+                            "one sleep register",
+                            i, d, slept);
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *s = &image->symbols[i];
+        if (s->index == (uint32_t)slept && fp3_kind_is_object(s->kind) &&
+            s->kind != FP3_SYMBOL_STATE)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "r%d, in which objects sleep, is the %s '%s' and not a state", slept,
+                            fp3_kind_name(s->kind), s->name);
+    }
+    return FP3_OK;
+}
+
 static void raise_to(uint32_t *highest, uint32_t value) {
     if (*highest < value)
         *highest = value;
@@ -201,10 +240,7 @@ static void count_used(fp3_image *image) {
         if (fp3_word_decode(image->code[i], &word, NULL))
             continue;
         for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++)
-            count_operand(image, *letter == 'd'   ? word.d
-                                 : *letter == 'a' ? word.a
-                                 : *letter == 'b' ? word.b
-                                                  : word.c);
+            count_operand(image, fp3_operand(&word, *letter));
     }
     for (uint32_t i = 0; i < image->constant_count; i++)
         raise_to(&image->shared, image->constants[i].index + 1);
@@ -236,6 +272,8 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
     if (draft->symbol_count > FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT + FP3_IMAGE_LABEL_LIMIT)
         return fp3_fail(error, FP3_E_PROGRAM, "%u symbols are too many", draft->symbol_count);
     fp3_status status = check_symbols(draft, error);
+    if (!status)
+        status = check_slept(draft, error);
     if (status)
         return status;
 

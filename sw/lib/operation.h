@@ -2,6 +2,7 @@
 #ifndef FP3_OPERATION_H
 #define FP3_OPERATION_H
 
+#include <fp3/image.h>
 #include <stdint.h>
 
 typedef struct {
@@ -15,5 +16,10 @@ extern const unsigned fp3_operation_count;
 
 /* By code; NULL if unknown. */
 const fp3_operation *fp3_operation_find(uint32_t code);
+
+/* The operand that a letter of `operands` stands for. */
+static inline uint32_t fp3_operand(const fp3_instruction *word, char letter) {
+    return letter == 'd' ? word->d : letter == 'a' ? word->a : letter == 'b' ? word->b : word->c;
+}
 
 #endif

@@ -1,13 +1,14 @@
 /* engine_promises.c - what fp3/engine.h promises about bad input and the ends of a run.
  *
- *     engine_promises [--only PROMISE]
+ *     engine_promises [--only PROMISE] [--kind KIND]
  *
- * Each promise is checked for every kind of engine on every configuration.
+ * Each promise is checked for every kind of engine on every configuration that it is about.
  */
-#include <configs.h>
+#include <engines/config.h>
 #include <fp3/asm.h>
 #include <fp3/engine.h>
 #include <inttypes.h>
+#include <isa.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +18,8 @@ typedef struct {
     fp3_engine_def def;
     fp3_error error;
     fp3_engine *engine;
-    uint32_t registers, program_words;
-    int has_chain;
+    const fp3_config *config;
+    uint32_t registers;
     const char *failed; /* the first expression that does not hold */
     int line;
 } bench;
@@ -51,6 +52,22 @@ static fp3_status load(bench *b, const char *source) {
     return status;
 }
 
+/* The engine, opened anew with what b->def says now. */
+static fp3_status reopen(bench *b) {
+    fp3_engine_close(&b->engine);
+    return fp3_engine_open(&b->def, &b->engine);
+}
+
+/* How many objects have a register with this value, in every object from first on. */
+static size_t count_of(bench *b, size_t first, size_t count, const char *name, float expected) {
+    size_t found = 0;
+    for (size_t i = first; i < first + count; i++) {
+        float value;
+        found += !fp3_engine_get(b->engine, i, name, &value) && value == expected;
+    }
+    return found;
+}
+
 /* x grows by 1 in each step, y is 100 afterwards. */
 static const char counting[] = ".state x y\nstep:\nadd x, x, 1.0\nlast:\nadd y, -0.0, 100.0\n";
 
@@ -63,6 +80,9 @@ static void open_refuses_what_is_unknown(bench *b) {
     def = b->def;
     def.kind = "abacus";
     EXPECT(fp3_engine_open(&def, &engine) == FP3_E_ARGUMENT && !engine && SAYS("abacus"));
+    def = b->def;
+    def.objects = UINT32_MAX;
+    EXPECT(fp3_engine_open(&def, &engine) == FP3_E_ARGUMENT && !engine && SAYS("has room for"));
     memset(&def, 0, sizeof def);
     EXPECT(fp3_engine_open(&def, &engine) == FP3_E_ARGUMENT && !engine);
 }
@@ -93,13 +113,19 @@ static void registers_out_of_range_are_refused(bench *b) {
 }
 
 static void registers_are_0_at_first(bench *b) {
-    for (uint32_t reg = 0; reg < b->registers; reg++) {
-        float values[2] = {1, 1};
-        static const float zeros[2];
-        EXPECT(!fp3_engine_read(b->engine, 0, 1, reg, &values[0]) &&
-               !fp3_engine_read_shared(b->engine, reg, 1, &values[1]));
-        EXPECT(memcmp(values, zeros, sizeof zeros) == 0);
+    static const float zero;
+    float value = 1;
+    fp3_object_status status;
+    for (size_t object = 0; object < fp3_engine_objects(b->engine); object++) {
+        for (uint32_t reg = 0; reg < b->registers; reg++)
+            EXPECT(!fp3_engine_read(b->engine, object, 1, reg, &value) &&
+                   memcmp(&value, &zero, sizeof zero) == 0);
+        EXPECT(!fp3_engine_status(b->engine, object, 1, &status));
+        EXPECT(status.flags == 0 && status.failed == 0 && status.slept == 0);
     }
+    for (uint32_t reg = 0; reg < b->registers; reg++)
+        EXPECT(!fp3_engine_read_shared(b->engine, reg, 1, &value) &&
+               memcmp(&value, &zero, sizeof zero) == 0);
 }
 
 static void every_register_keeps_its_bits(bench *b) {
@@ -122,6 +148,20 @@ static void every_register_keeps_its_bits(bench *b) {
         }
 }
 
+/* So many times r0 = r0 + r1. */
+static fp3_status load_sums(bench *b, uint32_t words) {
+    uint32_t *code = calloc(words, sizeof *code);
+    fp3_image draft = {.code = code, .code_count = words, .step = 0, .last = words}, *image = NULL;
+    for (uint32_t i = 0; i < words; i++)
+        code[i] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_ADD, .b = 1});
+    fp3_status status = fp3_image_make(&draft, &image, NULL);
+    if (!status)
+        status = fp3_engine_load(b->engine, image);
+    fp3_image_free(&image);
+    free(code);
+    return status;
+}
+
 static void load_refuses_what_does_not_fit(bench *b) {
     fp3_stats stats;
     float x;
@@ -133,10 +173,16 @@ static void load_refuses_what_does_not_fit(bench *b) {
         snprintf(source, sizeof source, "step:\nadd r0, k%" PRIu32 ", r0\n", b->registers);
         EXPECT(load(b, source) == FP3_E_PROGRAM && SAYS("shared constants"));
     }
-    if (!b->has_chain)
+    if (!b->config->chain)
         EXPECT(load(b, "step:\nadd r0, r0, r0\nmadd r0, r0, r0, r0\n") == FP3_E_PROGRAM &&
-               SAYS("word 1"));
-    const uint32_t words = b->program_words + 1;
+               SAYS("word 1 is a chained"));
+    if (!b->config->sleep)
+        EXPECT(load(b, "step:\nadd r0, r0, r0\nsleep r1, r0, r0\n") == FP3_E_PROGRAM &&
+               SAYS("word 1 is an instruction for objects that sleep"));
+    if (!b->config->interleave)
+        EXPECT(load(b, "step:\nadd r0, r0, r0\nst r0\n") == FP3_E_PROGRAM &&
+               SAYS("word 1 is an access to an object store"));
+    const uint32_t words = b->config->program_words + 1;
     uint32_t *code = calloc(words, sizeof *code);
     fp3_image draft = {.code = code, .code_count = words, .step = 0, .last = words}, *image = NULL;
     const fp3_status made = fp3_image_make(&draft, &image, NULL);
@@ -144,6 +190,8 @@ static void load_refuses_what_does_not_fit(bench *b) {
     fp3_image_free(&image);
     free(code);
     EXPECT(status == FP3_E_PROGRAM && SAYS("words"));
+    if (b->config->interleave)
+        EXPECT(load_sums(b, b->config->program_words) == FP3_E_PROGRAM && SAYS("with its loads"));
     /* ... and leaves what was there. */
     EXPECT(!fp3_engine_set(b->engine, "x", 0) && !fp3_engine_run(b->engine, 3, &stats));
     EXPECT(!fp3_engine_get(b->engine, 0, "x", &x) && x == 3);
@@ -185,10 +233,11 @@ static void an_illegal_word_ends_the_run_there(bench *b) {
     EXPECT(!fp3_engine_set(b->engine, "x", 10) && !fp3_engine_set(b->engine, "y", 20));
     EXPECT(fp3_engine_run(b->engine, 4, &stats) == FP3_E_PROGRAM);
     EXPECT(SAYS("word 1") && SAYS("0xffffffff"));
-    EXPECT(!fp3_engine_get(b->engine, 0, "x", &x) && x == 14);
+    /* Interleaved, no visit came to its end. */
+    EXPECT(!fp3_engine_get(b->engine, 0, "x", &x) && x == (b->config->interleave ? 10 : 14));
     EXPECT(!fp3_engine_get(b->engine, 0, "y", &y) && y == 20);
-    EXPECT(stats.counter[FP3_COUNTER_RETIRED] == 4 * fp3_engine_objects(b->engine) &&
-           stats.object_steps == 0);
+    EXPECT(b->config->interleave || stats.counter[FP3_COUNTER_RETIRED] == 4);
+    EXPECT(stats.object_steps == 0);
     /* The engine is as good as before. */
     EXPECT(!load(b, counting) && !fp3_engine_run(b->engine, 1, NULL));
     EXPECT(!fp3_engine_get(b->engine, 0, "y", &y) && y == 100);
@@ -197,18 +246,21 @@ static void an_illegal_word_ends_the_run_there(bench *b) {
 static void the_cycle_limit_stops_a_run(bench *b) {
     fp3_stats stats;
     float x, y;
+    b->def.visit = 1; /* interleaved, x counts the visits that came to their end */
+    EXPECT(!reopen(b));
     EXPECT(!load(b, counting) && !fp3_engine_set(b->engine, "x", 0) &&
            !fp3_engine_set(b->engine, "y", 0));
     EXPECT(fp3_engine_run(b->engine, UINT32_MAX, &stats) == FP3_E_LIMIT && SAYS("20000 cycles"));
-    /* Some steps were made, and what was counted as retired is in the registers. */
-    uint64_t retired = 0;
+    uint64_t steps = 0;
     for (size_t i = 0; i < fp3_engine_objects(b->engine); i++) {
         EXPECT(!fp3_engine_get(b->engine, i, "x", &x));
-        retired += (uint64_t)x;
+        EXPECT(!fp3_engine_get(b->engine, i, "y", &y));
+        EXPECT(y == (b->config->interleave && x > 0 ? 100 : 0));
+        steps += (uint64_t)x;
     }
-    EXPECT(retired >= 100 && retired < 20100 && retired == stats.counter[FP3_COUNTER_RETIRED]);
-    EXPECT(!fp3_engine_get(b->engine, 0, "y", &y) && y == 0);
-    EXPECT(stats.counter[FP3_COUNTER_CYCLES] >= 20000 && stats.counter[FP3_COUNTER_CYCLES] < 20100);
+    EXPECT(steps >= 100 && steps < 20100 * b->config->lanes * fp3_config_units(b->config));
+    EXPECT(b->config->interleave || steps == stats.counter[FP3_COUNTER_RETIRED]);
+    EXPECT(stats.counter[FP3_COUNTER_CYCLES] >= 20000 && stats.counter[FP3_COUNTER_CYCLES] < 20400);
     EXPECT(stats.object_steps == 0);
     EXPECT(!fp3_engine_run(b->engine, 1, &stats) &&
            stats.object_steps == fp3_engine_objects(b->engine));
@@ -253,73 +305,248 @@ static void the_bus_log_has_every_transfer(bench *b) {
     remove(path);
     EXPECT(!status);
     if (strcmp(def.kind, "rtl") == 0)
-        EXPECT(read && strncmp(line, "r 0000 465033", 13) == 0);
+        EXPECT(read && strncmp(line, "r 00000000 465033", 17) == 0);
     def.bus_log = "/nonexistent/log";
     if (strcmp(def.kind, "rtl") == 0)
         EXPECT(fp3_engine_open(&def, &engine) == FP3_E_SYSTEM && SAYS("/nonexistent/log"));
 }
 
+/* ---- many objects ---- */
+
+static void set_each(bench *b, uint32_t reg, float first, float more) {
+    for (size_t i = 0; i < fp3_engine_objects(b->engine); i++) {
+        const float value = first + more * (float)i;
+        EXPECT(!fp3_engine_write(b->engine, i, 1, reg, &value));
+    }
+}
+
+static void any_number_of_objects_is_moved(bench *b) {
+    const uint32_t full = b->config->contexts * b->config->lanes * fp3_config_units(b->config);
+    const uint32_t counts[] = {1, 3, full - 1, full + 1, full + full / 3};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && !b->failed; i++)
+        for (uint32_t visit = 0; visit < 3 && !b->failed; visit++) {
+            fp3_stats stats;
+            b->def.objects = counts[i];
+            b->def.visit = visit;
+            EXPECT(!reopen(b) && fp3_engine_objects(b->engine) == counts[i]);
+            EXPECT(!load(b, ".state x y\nstep:\nadd x, x, 1.0\nlast:\nadd y, x, x\n"));
+            set_each(b, 0, 0, 1);
+            EXPECT(!fp3_engine_run(b->engine, 5, &stats));
+            EXPECT(stats.object_steps == 5u * counts[i]);
+            for (uint32_t object = 0; object < counts[i]; object++)
+                EXPECT(count_of(b, object, 1, "x", (float)object + 5) == 1 &&
+                       count_of(b, object, 1, "y", 2 * ((float)object + 5)) == 1);
+        }
+}
+
+static void more_objects_leave_room_for_fewer_registers(bench *b) {
+    float value = 1;
+    b->def.objects = b->config->store_words / 8 * b->config->lanes * fp3_config_units(b->config);
+    EXPECT(!reopen(b));
+    EXPECT(fp3_engine_write(b->engine, 0, 1, 15, &value) == FP3_E_ARGUMENT &&
+           SAYS("registers of each of"));
+    EXPECT(load(b, "step:\nadd r9, r9, r9\n") == FP3_E_PROGRAM &&
+           SAYS("16 words of the object store for each object") && SAYS("has room for"));
+    EXPECT(!load(b, "step:\nadd r3, r3, 1.0\n"));
+    const size_t last = b->def.objects - 1;
+    EXPECT(!fp3_engine_write(b->engine, last, 1, 3, &value));
+    EXPECT(!fp3_engine_read(b->engine, last, 1, 3, &value) && value == 1);
+    b->def.objects++;
+    EXPECT(reopen(b) == FP3_E_ARGUMENT && SAYS("has room for"));
+}
+
+static void the_counters_of_units_add_up(bench *b) {
+    fp3_stats stats;
+    uint64_t counter[FP3_COUNTER_COUNT], retired = 0, longest = 0;
+    EXPECT(!load(b, counting) && !fp3_engine_run(b->engine, 3, &stats) && stats.units > 0);
+    for (uint32_t unit = 0; unit < stats.units; unit++) {
+        EXPECT(!fp3_engine_unit_counters(b->engine, unit, counter));
+        retired += counter[FP3_COUNTER_RETIRED];
+        if (counter[FP3_COUNTER_CYCLES] > longest)
+            longest = counter[FP3_COUNTER_CYCLES];
+    }
+    EXPECT(retired > 0 && retired == stats.counter[FP3_COUNTER_RETIRED]);
+    EXPECT(longest == stats.counter[FP3_COUNTER_CYCLES]);
+    EXPECT(fp3_engine_unit_counters(b->engine, fp3_config_units(b->config), counter) ==
+           FP3_E_ARGUMENT);
+}
+
+/* x counts to goal and sleeps there; y follows in the last part, also of who falls asleep. */
+static const char sleeper[] = ".state x y slept\n.param goal\n.temp d\n"
+                              "step:\nadd x, x, 1.0\nsub d, goal, x\nsleep slept, d, 0.5\n"
+                              "add x, x, 0.25\nlast:\nadd y, x, 1000.0\n";
+
+static uint32_t slept_of(bench *b, size_t object) {
+    fp3_object_status status = {0};
+    const fp3_status result = fp3_engine_status(b->engine, object, 1, &status);
+    return result ? 12345 : status.slept;
+}
+
+/* Object i of the sleeper after this many steps; it sleeps in step i + 1. */
+static void expect_sleeper(bench *b, size_t object, uint32_t steps) {
+    const int sleeps = object < steps;
+    const float x = sleeps ? (float)object + 1 + 0.25f * (float)object : 1.25f * (float)steps;
+    EXPECT(count_of(b, object, 1, "x", x) == 1 && count_of(b, object, 1, "y", x + 1000) == 1);
+    EXPECT(slept_of(b, object) == (sleeps ? object + 1 : 0));
+}
+
+static void objects_sleep_when_they_say_so(bench *b) {
+    for (b->def.visit = 0; b->def.visit < 4 && !b->failed; b->def.visit++) {
+        fp3_stats stats;
+        EXPECT(!reopen(b) && !load(b, sleeper));
+        const size_t n = fp3_engine_objects(b->engine);
+        EXPECT(n > 8);
+        set_each(b, 3, 1, 1.25f);
+        EXPECT(!fp3_engine_run(b->engine, 5, &stats));
+        EXPECT(stats.object_steps == 1 + 2 + 3 + 4 + 5 * (n - 4));
+        for (size_t i = 0; i < n && !b->failed; i++)
+            expect_sleeper(b, i, 5);
+        EXPECT(!fp3_engine_run(b->engine, 3, &stats));
+        EXPECT(stats.object_steps == 1 + 2 + 3 + 3 * (n - 8));
+        for (size_t i = 0; i < n && !b->failed; i++)
+            expect_sleeper(b, i, 8);
+    }
+}
+
+static void objects_are_woken_and_removed(bench *b) {
+    fp3_stats stats;
+    EXPECT(!load(b, sleeper));
+    const size_t n = fp3_engine_objects(b->engine);
+    set_each(b, 3, 1, 0);
+    EXPECT(!fp3_engine_remove(b->engine, 2, 3) && slept_of(b, 2) == FP3_REMOVED);
+    EXPECT(!fp3_engine_run(b->engine, 2, &stats) && stats.object_steps == n - 3);
+    EXPECT(count_of(b, 2, 3, "x", 0) == 3 && count_of(b, 2, 3, "y", 0) == 3);
+    EXPECT(count_of(b, 0, n, "x", 1) == n - 3 && slept_of(b, 0) == 1);
+    /* All asleep: nothing to do. */
+    EXPECT(!fp3_engine_run(b->engine, 1000000, &stats) && stats.object_steps == 0);
+    EXPECT(stats.counter[FP3_COUNTER_CYCLES] < 100);
+    set_each(b, 3, 2, 0);
+    EXPECT(!fp3_engine_wake(b->engine, 1, 3) && slept_of(b, 1) == 0);
+    EXPECT(!fp3_engine_run(b->engine, 2, &stats));
+    /* 1 is at 1 and sleeps at once; 2 and 3 would reach 2 in their second step, but for 0.25. */
+    EXPECT(count_of(b, 1, 1, "x", 2) == 1 && slept_of(b, 1) == 1000003);
+    EXPECT(count_of(b, 2, 2, "x", 2.25f) == 2 && slept_of(b, 3) == 1000004);
+    EXPECT(count_of(b, 4, 1, "x", 0) == 1 && stats.object_steps == 1 + 2 * 2);
+    /* The sleep register is a register. */
+    const float awake = 0;
+    EXPECT(!fp3_engine_write(b->engine, 4, 1, 2, &awake));
+    EXPECT(!fp3_engine_run(b->engine, 1, &stats) && stats.object_steps == 1 &&
+           count_of(b, 4, 1, "x", 1.25f) == 1);
+}
+
+static void only_programs_with_a_sleep_have_sleepers(bench *b) {
+    EXPECT(fp3_engine_wake(b->engine, 0, 1) == FP3_E_ARGUMENT && SAYS("no program"));
+    EXPECT(!load(b, counting));
+    EXPECT(fp3_engine_wake(b->engine, 0, 1) == FP3_E_PROGRAM && SAYS("no sleep"));
+    EXPECT(fp3_engine_remove(b->engine, 0, 1) == FP3_E_PROGRAM && SAYS("no sleep"));
+    fp3_object_status status = {1, 1, 1};
+    EXPECT(!fp3_engine_status(b->engine, 0, 1, &status) && status.slept == 0);
+    const size_t n = fp3_engine_objects(b->engine);
+    EXPECT(fp3_engine_status(b->engine, n, 1, &status) == FP3_E_ARGUMENT && SAYS("object"));
+    if (!b->config->status)
+        EXPECT(fp3_engine_clear_status(b->engine, 0, 1) == FP3_E_ARGUMENT && SAYS("no status"));
+}
+
+/* Object i overflows in step i + 2, for i below 4. */
+static void an_object_knows_when_it_failed(bench *b) {
+    fp3_stats stats;
+    fp3_object_status status[5];
+    EXPECT(!load(b, ".state x\nstep:\nmul x, x, 2.0\nlast:\nadd x, x, 0.0\n"));
+    const float first[5] = {0x1p126f, 0x1p125f, 0x1p124f, 0x1p123f, 1};
+    for (size_t i = 0; i < 5; i++)
+        EXPECT(!fp3_engine_write(b->engine, i, 1, 0, &first[i]));
+    EXPECT(!fp3_engine_run(b->engine, 1, &stats) && stats.flags == 0);
+    EXPECT(!fp3_engine_run(b->engine, 3, &stats) && stats.flags != 0);
+    EXPECT(!fp3_engine_status(b->engine, 0, 5, status));
+    const uint32_t overflow = 1u << FP3_FLAGS_OVERFLOW_LO | 1u << FP3_FLAGS_INEXACT_LO;
+    for (uint32_t i = 0; i < 5; i++) {
+        EXPECT(status[i].failed == (i < 3 ? i + 2 : 0));
+        EXPECT(status[i].flags == (i < 3 ? overflow : 0));
+    }
+    EXPECT(!fp3_engine_clear_status(b->engine, 1, 4) && !fp3_engine_run(b->engine, 1, &stats));
+    EXPECT(!fp3_engine_status(b->engine, 0, 5, status));
+    EXPECT(status[0].failed == 2 && status[1].failed == 0 && status[3].failed == 5);
+    EXPECT(status[0].flags == overflow && status[1].flags == 0);
+}
+
+/* Which configurations a promise is about. */
+typedef enum { ANY, STORE, SLEEP, STATUS } about;
+
 #define PROMISES(X)                                                                                \
-    X(open_refuses_what_is_unknown)                                                                \
-    X(nothing_runs_before_a_load)                                                                  \
-    X(registers_out_of_range_are_refused)                                                          \
-    X(registers_are_0_at_first)                                                                    \
-    X(every_register_keeps_its_bits)                                                               \
-    X(load_refuses_what_does_not_fit)                                                              \
-    X(names_are_those_of_the_program)                                                              \
-    X(an_illegal_word_ends_the_run_there)                                                          \
-    X(the_cycle_limit_stops_a_run)                                                                 \
-    X(no_steps_execute_nothing)                                                                    \
-    X(flags_are_those_of_the_last_run)                                                             \
-    X(the_bus_log_has_every_transfer)
+    X(open_refuses_what_is_unknown, ANY)                                                           \
+    X(nothing_runs_before_a_load, ANY)                                                             \
+    X(registers_out_of_range_are_refused, ANY)                                                     \
+    X(registers_are_0_at_first, ANY)                                                               \
+    X(every_register_keeps_its_bits, ANY)                                                          \
+    X(load_refuses_what_does_not_fit, ANY)                                                         \
+    X(names_are_those_of_the_program, ANY)                                                         \
+    X(an_illegal_word_ends_the_run_there, ANY)                                                     \
+    X(the_cycle_limit_stops_a_run, ANY)                                                            \
+    X(no_steps_execute_nothing, ANY)                                                               \
+    X(flags_are_those_of_the_last_run, ANY)                                                        \
+    X(the_bus_log_has_every_transfer, ANY)                                                         \
+    X(the_counters_of_units_add_up, ANY)                                                           \
+    X(only_programs_with_a_sleep_have_sleepers, ANY)                                               \
+    X(any_number_of_objects_is_moved, STORE)                                                       \
+    X(more_objects_leave_room_for_fewer_registers, STORE)                                          \
+    X(objects_sleep_when_they_say_so, SLEEP)                                                       \
+    X(objects_are_woken_and_removed, SLEEP)                                                        \
+    X(an_object_knows_when_it_failed, STATUS)
+
+typedef struct {
+    const char *name;
+    void (*check)(bench *);
+    about about;
+} promise;
+
+static int concerns(const promise *p, const fp3_config *config) {
+    return p->about == ANY || (p->about == STORE && config->interleave) ||
+           (p->about == SLEEP && config->sleep) || (p->about == STATUS && config->status);
+}
+
+/* Whether the promise is kept. */
+static int check(const promise *p, const char *kind, const fp3_config *config,
+                 const char *program) {
+    bench b = {.config = config, .registers = config->registers};
+    b.def = fp3_engine_default();
+    b.def.kind = kind;
+    b.def.config = config->name;
+    b.def.cycle_limit = 20000;
+    b.def.error = &b.error;
+    if (fp3_engine_open(&b.def, &b.engine))
+        b.failed = "the engine opens";
+    else
+        p->check(&b);
+    fp3_engine_close(&b.engine);
+    if (b.failed)
+        printf("FAIL %s, %s, %s: line %d: expected %s\n  last message: '%s'\n  replay: "
+               "%s --only %s --kind %s\n",
+               p->name, kind, config->name, b.line, b.failed, b.error.text, program, p->name, kind);
+    return !b.failed;
+}
 
 int main(int argc, char **argv) {
-    static const struct {
-        const char *name;
-        void (*check)(bench *);
-    } promises[] = {
-#define X(name) {#name, name},
+    static const promise promises[] = {
+#define X(name, about) {#name, name, about},
         PROMISES(X)
 #undef X
     };
-    static const struct {
-        const char *name;
-        uint32_t registers, program_words;
-        int has_chain;
-    } configs[] = {
-#define X(name, doc, registers, contexts, program_words, bypass, writeback_stall, chain, ...)      \
-    {#name, registers, program_words, chain},
-        FP3_CONFIGS(X)
-#undef X
-    };
     static const char *const kinds[] = {"model", "rtl"};
-    const char *only = argc == 3 && strcmp(argv[1], "--only") == 0 ? argv[2] : NULL;
+    const char *only = NULL, *only_kind = NULL;
+    for (int i = 1; i + 1 < argc; i += 2) {
+        only = strcmp(argv[i], "--only") == 0 ? argv[i + 1] : only;
+        only_kind = strcmp(argv[i], "--kind") == 0 ? argv[i + 1] : only_kind;
+    }
     unsigned checked = 0, failed = 0;
     for (size_t p = 0; p < sizeof promises / sizeof *promises; p++)
-        for (size_t c = 0; c < sizeof configs / sizeof *configs; c++)
+        for (uint32_t c = 0; c < fp3_config_count; c++)
             for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
-                bench b = {.registers = configs[c].registers,
-                           .program_words = configs[c].program_words,
-                           .has_chain = configs[c].has_chain};
-                if (only && strcmp(only, promises[p].name) != 0)
+                if ((only && strcmp(only, promises[p].name) != 0) ||
+                    (only_kind && strcmp(only_kind, kinds[k]) != 0) ||
+                    !concerns(&promises[p], &fp3_configs[c]))
                     continue;
-                b.def = fp3_engine_default();
-                b.def.kind = kinds[k];
-                b.def.config = configs[c].name;
-                b.def.cycle_limit = 20000;
-                b.def.error = &b.error;
-                if (fp3_engine_open(&b.def, &b.engine))
-                    b.failed = "the engine opens";
-                else
-                    promises[p].check(&b);
-                fp3_engine_close(&b.engine);
                 checked++;
-                failed += b.failed != NULL;
-                if (b.failed)
-                    printf("FAIL %s, %s, %s: line %d: expected %s\n  last message: '%s'\n  replay: "
-                           "%s --only %s\n",
-                           promises[p].name, kinds[k], configs[c].name, b.line, b.failed,
-                           b.error.text, argv[0], promises[p].name);
+                failed += !check(&promises[p], kinds[k], &fp3_configs[c], argv[0]);
             }
     printf("%u checked, %u failed\n", checked, failed);
     return failed || !checked;

@@ -1,329 +1,546 @@
-/* random_stream.c - random instruction streams: the hardware against the model at every retirement.
+/* random_stream.c - random programs: the hardware against the model at every retirement.
  *
- *     random_stream [--instructions N] [--config NAME] [--seed S] [--streams N]
+ *     random_stream [--instructions N] [--config NAME] [--seed S] [--streams N] [--trace]
  *
- * The hardware's units finish out of order, but each register is written in program order: the
- * model runs first and leaves a queue per register, from which each retirement of the hardware
- * takes one. Values, flags, final registers, sticky flags, counts, and the end of a run that meets
- * an illegal word must agree. A stream has its own seed: --seed S --streams 1 repeats it alone.
+ * The hardware's units finish out of order, but each register of an object is written in program
+ * order: the model runs first and leaves a queue per register, from which each retirement of the
+ * hardware takes one. Values, flags, final registers, the status of objects, sticky flags, steps and
+ * counts must agree. A run that ends before its time, at an illegal word or because it is stopped,
+ * retires the beginning of what the model does, and leaves each object as one of its visits left it.
+ *
+ * A session opens both engines for a random number of objects and runs some streams; between the
+ * runs of a stream the host writes, wakes and removes objects. A session has its own seed:
+ * --seed S --streams 1 repeats it alone, --trace prints what it does.
  */
 #include "engines/kind.h"
+#include "stream.h"
 
-#include <configs.h>
 #include <fp3/asm.h>
 #include <getopt.h>
 #include <inttypes.h>
-#include <isa.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum { CODE_SHORT = 40, CODE_MAX = 160, STEPS_MAX = 4, OBJECTS_MAX = 64, REGISTERS_MAX = 64 };
+enum { STREAMS = 4, RUNS_MAX = 3, STEPS_MAX = 5, OBJECTS_MAX = 200 };
 
-/* ---- chance ---- */
-
-typedef struct {
-    uint64_t state;
-    uint32_t last; /* the last value made */
-} chance;
-
-/* splitmix64 */
-static uint64_t next64(chance *c) {
-    uint64_t z = c->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
-static uint32_t below(chance *c, uint32_t bound) {
-    return (uint32_t)((next64(c) >> 32) * bound >> 32);
-}
-
-/* Values of which neighbours meet: equal magnitudes cancel, products come close to both ends. */
-static uint32_t value(chance *c) {
-    static const uint32_t specials[] = {
-        0x00000000, 0x00000001, 0x00000002, 0x007fffff, 0x00800000, 0x00800001, 0x01000000,
-        0x33800000, 0x3effffff, 0x3f000000, 0x3f7fffff, 0x3f800000, 0x3f800001, 0x40000000,
-        0x4b800000, 0x7effffff, 0x7f7fffff, 0x7f800000, 0x7f800001, 0x7fc00000, 0x7fc12345,
-    };
-    const uint32_t random = (uint32_t)next64(c);
-    const uint32_t exponent = random & 0x807fffffu;
-    switch (below(c, 16)) {
-    case 0:
-        return c->last = random;
-    case 1:
-        return c->last =
-                   specials[below(c, sizeof specials / sizeof *specials)] | (random & 0x80000000u);
-    case 2:
-        return c->last = exponent | below(c, 3) << 23; /* subnormal, or nearly so */
-    case 3:
-    case 11:
-        return c->last = exponent | (51 + below(c, 25)) << 23; /* two make a subnormal product */
-    case 4:
-        return c->last = exponent | (188 + below(c, 6))
-                                        << 23; /* two make an overflow, or nearly so */
-    case 5:
-        return c->last = exponent | (251 + below(c, 4)) << 23;
-    case 6:
-        return c->last = (random & 0xff800000u) | 1u << below(c, 23);
-    case 7:
-    case 8:
-    case 9:
-    case 10:
-        return c->last ^= (random & 0x80000000u) | below(c, 8) | (below(c, 4) ? 0 : 0x00800000u);
-    default:
-        return c->last = exponent | (122 + below(c, 10)) << 23;
-    }
-}
-
-/* ---- a stream ---- */
-
-typedef struct {
-    uint32_t code[CODE_MAX];
-    uint32_t count, step, last, steps;
-    uint32_t recent[4]; /* destinations: what follows depends on them */
-} stream;
-
-static uint32_t source(chance *c, const stream *s, uint32_t registers) {
-    switch (below(c, 8)) {
-    case 0:
-    case 1:
-        return s->recent[below(c, 4)];
-    case 2:
-    case 3:
-        return below(c, registers);
-    default:
-        return FP3_BANK_SHARED_BASE + below(c, registers);
-    }
-}
-
-static uint32_t legal_word(chance *c, stream *s, const fp3_config *config) {
-    static const struct {
-        uint32_t op;
-        int is_chain;
-    } ops[] = {
-        {FP3_OP_MADD, 1}, {FP3_OP_MSUB, 1}, {FP3_OP_ADD, 0}, {FP3_OP_SUB, 0}, {FP3_OP_MUL, 0}};
-    const uint32_t first = config->chain ? 0 : 2;
-    const uint32_t pick = first + below(c, 5 - first);
-    fp3_instruction in = {.op = ops[pick].op};
-    in.d = below(c, 5) ? below(c, config->registers) : s->recent[below(c, 4)];
-    in.a = source(c, s, config->registers);
-    in.b = source(c, s, config->registers);
-    in.c = ops[pick].is_chain ? source(c, s, config->registers) : 0;
-    s->recent[below(c, 4)] = in.d;
-    return fp3_word_encode(&in);
-}
-
-static uint32_t illegal_word(chance *c, stream *s, const fp3_config *config) {
-    const uint32_t word = legal_word(c, s, config);
-    const uint32_t random = (uint32_t)next64(c);
-    const uint32_t beyond = config->registers < 64 ? config->registers : 0;
-    for (;;)
-        switch (below(c, 4)) {
-        case 0:
-            return random & 0x07ffffffu; /* code 0 */
-        case 1:
-            return (random & 0x07ffffffu) | (6 + below(c, 26)) << 27; /* no such code */
-        case 2:
-            return (word & 0x07ffff80u) | FP3_OP_ADD << 27 | (1 + below(c, 127)); /* c of an add */
-        default:
-            if (!config->chain)
-                return (word & 0x07ffffffu) | FP3_OP_MADD << 27;
-            if (beyond) {
-                static const int fields[] = {FP3_FIELD_D_LO, FP3_FIELD_A_LO, FP3_FIELD_B_LO,
-                                             FP3_FIELD_C_LO};
-                return (word & 0x07ffffffu) | (uint32_t)FP3_OP_MSUB << 27 |
-                       beyond << fields[below(c, 4)];
-            }
-        }
-}
-
-static void make(chance *c, stream *s, const fp3_config *config) {
-    const uint32_t room = config->program_words < CODE_MAX ? config->program_words : CODE_MAX;
-    /* Mostly short: after some dozens of operations there are too many infinities and NaNs. */
-    s->count = 1 + below(c, below(c, 4) && room > CODE_SHORT ? CODE_SHORT : below(c, 2) ? room : 6);
-    s->step = below(c, below(c, 2) ? s->count : 1 + s->count / 4);
-    s->last = s->step + 1 + below(c, s->count - s->step);
-    s->steps = below(c, 40) ? 1 + below(c, STEPS_MAX) : 0;
-    for (int i = 0; i < 4; i++)
-        s->recent[i] = below(c, config->registers);
-    for (uint32_t i = 0; i < s->count; i++)
-        s->code[i] = legal_word(c, s, config);
-    if (below(c, 12) == 0)
-        s->code[below(c, s->count)] = illegal_word(c, s, config);
-}
+/* Many objects execute many instructions in few streams: so many make a session in any case. */
+#define SESSION_INSTRUCTIONS 15000
 
 /* ---- what is compared ---- */
 
 typedef struct {
-    const stream *s;
-    const fp3_config *config;
     fp3_retirement *expected; /* the model's, in program order */
     size_t *next;             /* of the same register, or 0 */
-    size_t count;             /* entry 0 stays empty */
-    size_t head[OBJECTS_MAX][REGISTERS_MAX], tail[OBJECTS_MAX][REGISTERS_MAX];
-    fp3_error *error;
-    int is_wrong;
+    size_t count, room;       /* entry 0 stays empty */
+    size_t *head, *tail;      /* of each register of each object */
 } queues;
 
-static void fill(void *user, const fp3_retirement *r) {
-    queues *q = user;
-    const size_t i = ++q->count;
-    q->expected[i] = *r;
-    q->next[i] = 0;
-    if (q->head[r->object][r->reg])
-        q->next[q->tail[r->object][r->reg]] = i;
-    else
-        q->head[r->object][r->reg] = i;
-    q->tail[r->object][r->reg] = i;
-}
-
-/* Which word the model's n-th instruction was. */
-static uint32_t word_index(const queues *q, uint64_t n) {
-    const stream *s = q->s;
-    const uint64_t k = n / q->config->contexts, length = s->last - s->step,
-                   end = s->step + length * s->steps;
-    return (uint32_t)(k < s->step ? k
-                      : k < end   ? s->step + (k - s->step) % length
-                                  : s->last + k - end);
-}
-
-static void take(void *user, const fp3_retirement *r) {
-    queues *q = user;
-    if (q->is_wrong)
-        return;
-    const size_t i = r->object < q->config->contexts && r->reg < q->config->registers
-                         ? q->head[r->object][r->reg]
-                         : 0;
-    if (!i) {
-        q->is_wrong = 1;
-        fp3_fail(q->error, FP3_E_MISMATCH,
-                 "cycle %" PRIu64 ": object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
-                 ", expected no more writes",
-                 r->cycle, r->object, r->reg, r->bits);
-        return;
-    }
-    const fp3_retirement *e = &q->expected[i];
-    q->head[r->object][r->reg] = q->next[i];
-    if (e->bits == r->bits && e->flags == r->flags)
-        return;
-    const uint32_t index = word_index(q, e->cycle);
-    char text[FP3_WORD_TEXT_SIZE] = "";
-    fp3_word_text(q->s->code[index], NULL, text, NULL);
-    q->is_wrong = 1;
-    fp3_fail(q->error, FP3_E_MISMATCH,
-             "instruction %" PRIu64 ", word %" PRIu32 " (%s), object %" PRIu32 ": got 0x%08" PRIx32
-             " flags 0x%02" PRIx32 ", expected 0x%08" PRIx32 " flags 0x%02" PRIx32,
-             e->cycle, index, text, r->object, r->bits, r->flags, e->bits, e->flags);
-}
-
-static const char *compare_end(fp3_engine *const engine[2], const fp3_stats stats[2],
-                               fp3_error *error) {
-    static const int counters[] = {FP3_COUNTER_ISSUED_ADD, FP3_COUNTER_ISSUED_MUL,
-                                   FP3_COUNTER_ISSUED_CHAIN, FP3_COUNTER_RETIRED};
-    const fp3_config *config = engine[0]->config;
-    for (uint32_t object = 0; object <= config->contexts; object++)
-        for (uint32_t reg = 0; reg < config->registers; reg++) {
-            uint32_t bits[2] = {0, 0};
-            for (int k = 0; k < 2; k++)
-                if (object < config->contexts
-                        ? engine[k]->kind->read(engine[k], object, reg, &bits[k])
-                        : engine[k]->kind->read_shared(engine[k], reg, &bits[k]))
-                    return error->text;
-            if (bits[0] != bits[1]) {
-                fp3_fail(error, FP3_E_MISMATCH,
-                         "at the end: object %" PRIu32 " %c%" PRIu32 " got 0x%08" PRIx32
-                         ", expected 0x%08" PRIx32,
-                         object, object < config->contexts ? 'r' : 'k', reg, bits[1], bits[0]);
-                return error->text;
-            }
-        }
-    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++)
-        if (stats[0].counter[counters[i]] != stats[1].counter[counters[i]]) {
-            fp3_fail(error, FP3_E_MISMATCH, "%s: got %" PRIu64 ", expected %" PRIu64,
-                     fp3_counter_name((fp3_counter)counters[i]), stats[1].counter[counters[i]],
-                     stats[0].counter[counters[i]]);
-            return error->text;
-        }
-    if (stats[0].flags != stats[1].flags || stats[0].object_steps != stats[1].object_steps) {
-        fp3_fail(error, FP3_E_MISMATCH,
-                 "flags 0x%02" PRIx32 ", expected 0x%02" PRIx32 "; object-steps %" PRIu64
-                 ", expected %" PRIu64,
-                 stats[1].flags, stats[0].flags, stats[1].object_steps, stats[0].object_steps);
-        return error->text;
-    }
-    return NULL;
-}
-
-/* Past the checks of fp3_engine_load: what it refuses, the hardware must trap. */
-static fp3_status load_unchecked(fp3_engine *engine, const stream *s) {
-    const fp3_image draft = {
-        .code = s->code, .code_count = s->count, .step = s->step, .last = s->last};
-    fp3_image_free(&engine->image);
-    fp3_status status = fp3_image_make(&draft, &engine->image, engine->def.error);
-    return status ? status : engine->kind->load(engine, engine->image);
-}
+/* What a run of the model leaves after each round of visits: one of these is what an object has
+ * when the hardware was stopped. */
+typedef struct {
+    uint32_t *records; /* rounds + 1, each of all registers of all objects */
+    uint32_t rounds;
+} history;
 
 typedef struct {
     fp3_engine *engine[2]; /* model, rtl */
     fp3_error error[2];
+    const fp3_config *config;
+    uint32_t objects, words; /* of a record that is kept */
     queues q;
-    uint64_t instructions, cycles, faults, nans, subnormals;
+    history past;
+    stream s;
+    uint64_t issued; /* as watched, in a run */
+    int is_apart;    /* the engines' objects are not alike: all are written before the next run */
+    int is_trace;
+    const char *wrong; /* NULL, or the first thing that is */
+    fp3_error why;
+    uint64_t instructions, cycles, faults, stops, slept, nans, subnormals;
 } bench;
 
-/* NULL, or what went wrong. */
-static const char *run_stream(bench *b, uint64_t seed) {
-    chance c = {.state = seed};
-    stream s;
+#define WRONG(...)                                                                                 \
+    do {                                                                                           \
+        fp3_fail(&b->why, FP3_E_MISMATCH, __VA_ARGS__);                                            \
+        b->wrong = b->why.text;                                                                    \
+        return;                                                                                    \
+    } while (0)
+
+static size_t cell_of(const bench *b, uint32_t object, uint32_t reg) {
+    return (size_t)object * b->config->registers + reg;
+}
+
+static void print(const bench *b, const char *who, const fp3_retirement *r) {
+    if (b->is_trace)
+        printf("  %s %8" PRIu64 ": object %" PRIu32 " r%" PRIu32 " = 0x%08" PRIx32
+               " flags 0x%02" PRIx32 " (unit %" PRIu32 " lane %" PRIu32 " context %" PRIu32 ")\n",
+               who, r->cycle, r->object, r->reg, r->bits, r->flags, r->unit, r->lane, r->context);
+}
+
+static void fill(void *user, const fp3_retirement *r) {
+    bench *b = user;
+    queues *q = &b->q;
+    const size_t cell = cell_of(b, r->object, r->reg), i = ++q->count;
+    if (i >= q->room) {
+        q->room *= 2;
+        q->expected = realloc(q->expected, q->room * sizeof *q->expected);
+        q->next = realloc(q->next, q->room * sizeof *q->next);
+        if (!q->expected || !q->next)
+            abort();
+    }
+    print(b, "model", r);
+    q->expected[i] = *r;
+    q->next[i] = 0;
+    if (q->head[cell])
+        q->next[q->tail[cell]] = i;
+    else
+        q->head[cell] = i;
+    q->tail[cell] = i;
+    b->nans += (r->bits & 0x7fffffffu) > 0x7f800000u;
+    b->subnormals += (r->bits & 0x7fffffffu) - 1 < 0x7fffffu;
+}
+
+static void take(void *user, const fp3_retirement *r) {
+    bench *b = user;
+    if (b->wrong)
+        return;
+    print(b, "rtl  ", r);
+    if (r->object >= b->objects || r->reg >= b->config->registers ||
+        r->object % b->engine[1]->columns != r->unit * b->config->lanes + r->lane ||
+        r->context >= b->config->contexts)
+        WRONG("cycle %" PRIu64 ": a retirement of object %" PRIu32 " r%" PRIu32 ", unit %" PRIu32
+              ", lane %" PRIu32 ", context %" PRIu32,
+              r->cycle, r->object, r->reg, r->unit, r->lane, r->context);
+    const size_t cell = cell_of(b, r->object, r->reg), i = b->q.head[cell];
+    if (!i)
+        WRONG("cycle %" PRIu64 ": object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
+              ", expected no more writes",
+              r->cycle, r->object, r->reg, r->bits);
+    const fp3_retirement *e = &b->q.expected[i];
+    b->q.head[cell] = b->q.next[i];
+    if (e->bits != r->bits || e->flags != r->flags)
+        WRONG("cycle %" PRIu64 ": object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
+              " flags 0x%02" PRIx32 ", expected 0x%08" PRIx32 " flags 0x%02" PRIx32
+              " (instruction %" PRIu64 " of the model)",
+              r->cycle, r->object, r->reg, r->bits, r->flags, e->bits, e->flags, e->cycle);
+}
+
+static void count_issue(void *user, const fp3_issue *issue) {
+    bench *b = user;
+    b->issued++;
+    if (b->wrong)
+        return;
+    const fp3_program *program = &b->engine[1]->program;
+    if (issue->pc >= program->count || issue->word != program->code[issue->pc] ||
+        issue->context >= b->config->contexts)
+        WRONG("cycle %" PRIu64 ": unit %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
+              " at word %" PRIu32,
+              issue->cycle, issue->unit, issue->context, issue->word, issue->pc);
+}
+
+/* ---- what both engines get ---- */
+
+static void set(bench *b, uint32_t object, uint32_t reg, uint32_t bits) {
+    float number;
+    memcpy(&number, &bits, sizeof number);
+    if (b->is_trace)
+        printf("  host: object %" PRIu32 " r%" PRIu32 " = 0x%08" PRIx32 "\n", object, reg, bits);
+    for (int k = 0; k < 2; k++)
+        if (fp3_engine_write(b->engine[k], object, 1, reg, &number))
+            b->wrong = b->error[k].text;
+}
+
+static void set_constants(bench *b, chance *c) {
+    for (uint32_t reg = 0; reg < b->config->registers; reg++) {
+        const uint32_t bits = value(c);
+        if (b->is_trace)
+            printf("  host: k%" PRIu32 " = 0x%08" PRIx32 "\n", reg, bits);
+        for (int k = 0; k < 2; k++)
+            if (b->engine[k]->kind->write_shared(b->engine[k], reg, bits))
+                b->wrong = b->error[k].text;
+    }
+}
+
+/* Who sleeps at first: mostly nobody. */
+static void set_objects(bench *b, chance *c, uint32_t words) {
+    const int is_mixed = below(c, 4) == 0;
+    for (uint32_t object = 0; object < b->objects && !b->wrong; object++)
+        for (uint32_t reg = 0; reg < words && !b->wrong; reg++) {
+            const int is_slept = (int)reg == b->s.slept;
+            set(b, object, reg, !is_slept ? value(c) : is_mixed && below(c, 2) ? value(c) : 0);
+        }
+}
+
+static void clear_status(bench *b) {
+    for (int k = 0; k < 2 && b->config->status; k++)
+        if (fp3_engine_clear_status(b->engine[k], 0, b->objects))
+            b->wrong = b->error[k].text;
+}
+
+/* The host's work between two runs of a stream. */
+static void disturb(bench *b, chance *c) {
+    const uint32_t first = below(c, b->objects), count = 1 + below(c, b->objects - first);
+    const uint32_t what = below(c, 4);
+    if (b->engine[0]->program.slept >= 0 && what < 3) {
+        if (b->is_trace)
+            printf("  host: %s %" PRIu32 " + %" PRIu32 "\n", what ? "wake" : "remove", first,
+                   count);
+        for (int k = 0; k < 2; k++)
+            if ((what ? fp3_engine_wake : fp3_engine_remove)(b->engine[k], first, count))
+                b->wrong = b->error[k].text;
+    }
+    for (uint32_t i = below(c, 8); i > 0; i--) {
+        const uint32_t reg = below(c, b->s.pool);
+        if ((int)reg != b->s.slept)
+            set(b, below(c, b->objects), reg, value(c));
+    }
+    if (below(c, 8) == 0)
+        clear_status(b);
+}
+
+static void load(bench *b) {
+    const fp3_image image = stream_image(&b->s);
+    for (int k = 0; k < 2 && !b->wrong; k++)
+        if (fp3_engine_load_unchecked(b->engine[k], &image))
+            b->wrong = b->error[k].text;
+    const fp3_program *program = &b->engine[0]->program;
+    for (uint32_t i = 0; b->is_trace && !b->wrong && i < program->count; i++) {
+        char text[FP3_WORD_TEXT_SIZE] = "illegal";
+        fp3_word_text(program->code[i], NULL, text, NULL);
+        printf("  %3" PRIu32 "%s 0x%08" PRIx32 " %s\n", i,
+               i == program->step   ? " step:"
+               : i == program->last ? " last:"
+                                    : "      ",
+               program->code[i], text);
+    }
+}
+
+/* ---- what is left in the end ---- */
+
+static uint32_t kept(bench *b, int k, uint32_t object, uint32_t reg) {
+    uint32_t bits = 0;
+    if (b->engine[k]->kind->read(b->engine[k], object, reg, &bits))
+        b->wrong = b->error[k].text;
+    return bits;
+}
+
+static void compare_objects(bench *b, uint32_t words) {
+    for (uint32_t object = 0; object < b->objects; object++)
+        for (uint32_t reg = 0; reg < words; reg++) {
+            const uint32_t expected = kept(b, 0, object, reg), got = kept(b, 1, object, reg);
+            if (b->wrong)
+                return;
+            if (got != expected)
+                WRONG("at the end: object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
+                      ", expected 0x%08" PRIx32,
+                      object, reg, got, expected);
+        }
+}
+
+static void compare_constants(bench *b) {
+    for (uint32_t reg = 0; reg < b->config->registers; reg++) {
+        uint32_t bits[2] = {0, 0};
+        for (int k = 0; k < 2; k++)
+            if (b->engine[k]->kind->read_shared(b->engine[k], reg, &bits[k]))
+                b->wrong = b->error[k].text;
+        if (bits[0] != bits[1])
+            WRONG("at the end: k%" PRIu32 " got 0x%08" PRIx32 ", expected 0x%08" PRIx32, reg,
+                  bits[1], bits[0]);
+    }
+}
+
+/* is_part: an end before its time, when only some of what the model did was done. */
+static void compare_status(bench *b, int is_part) {
+    for (uint32_t object = 0; object < b->objects && !b->wrong; object++) {
+        fp3_object_status s[2];
+        for (int k = 0; k < 2; k++)
+            if (fp3_engine_status(b->engine[k], object, 1, &s[k]))
+                b->wrong = b->error[k].text;
+        if (is_part ? s[1].flags & ~s[0].flags : memcmp(&s[0], &s[1], sizeof s[0]) != 0)
+            WRONG("status of object %" PRIu32 ": got flags 0x%02" PRIx32 " failed %" PRIu32
+                  " slept %" PRIu32 ", expected 0x%02" PRIx32 " %" PRIu32 " %" PRIu32,
+                  object, s[1].flags, s[1].failed, s[1].slept, s[0].flags, s[0].failed, s[0].slept);
+    }
+}
+
+/* Of objects that all execute all, the hardware issues what the model does; with several lanes only
+ * once, and lane 0 has objects wherever another lane has. */
+static void compare_counters(bench *b, const fp3_stats stats[2]) {
+    const uint32_t columns = b->engine[0]->columns, lanes = b->config->lanes;
+    uint64_t issued = 0, in_lane_0 = 0;
+    for (uint32_t i = 0; i < b->objects; i++)
+        in_lane_0 += i % columns % lanes == 0;
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
+        const char *name = fp3_counter_name((fp3_counter)i);
+        const uint64_t got = stats[1].counter[i];
+        const uint64_t expected = stats[0].counter[i] / b->objects * in_lane_0;
+        if (strncmp(name, "issued_", 7) != 0)
+            continue;
+        issued += got;
+        if (b->engine[0]->program.slept < 0 && got != expected)
+            WRONG("%s: got %" PRIu64 ", expected %" PRIu64, name, got, expected);
+    }
+    if (issued != b->issued || issued != stats[1].counter[FP3_COUNTER_RETIRED])
+        WRONG("%" PRIu64 " issued and %" PRIu64 " retired are counted, %" PRIu64 " were seen",
+              issued, stats[1].counter[FP3_COUNTER_RETIRED], b->issued);
+}
+
+static void compare_end(bench *b, const fp3_stats stats[2]) {
+    for (uint32_t object = 0; object < b->objects; object++)
+        for (uint32_t reg = 0; reg < b->config->registers; reg++)
+            if (b->q.head[cell_of(b, object, reg)])
+                WRONG("object %" PRIu32 " r%" PRIu32 " got too few writes: 0x%08" PRIx32
+                      " is missing (instruction %" PRIu64 " of the model)",
+                      object, reg, b->q.expected[b->q.head[cell_of(b, object, reg)]].bits,
+                      b->q.expected[b->q.head[cell_of(b, object, reg)]].cycle);
+    if (stats[0].flags != stats[1].flags || stats[0].object_steps != stats[1].object_steps)
+        WRONG("flags 0x%02" PRIx32 ", expected 0x%02" PRIx32 "; object-steps %" PRIu64
+              ", expected %" PRIu64,
+              stats[1].flags, stats[0].flags, stats[1].object_steps, stats[0].object_steps);
+    compare_counters(b, stats);
+    if (!b->wrong)
+        compare_objects(b, b->s.pool);
+    if (!b->wrong)
+        compare_status(b, 0);
+}
+
+/* ---- runs that end before their time ---- */
+
+static void compare_part(bench *b, const fp3_stats stats[2]) {
+    b->is_apart = 1;
+    if (stats[1].flags & ~stats[0].flags)
+        WRONG("flags 0x%02" PRIx32 " of a part, 0x%02" PRIx32 " of all", stats[1].flags,
+              stats[0].flags);
+    if (stats[1].object_steps)
+        WRONG("%" PRIu64 " object-steps of a run that did not end", stats[1].object_steps);
+    compare_status(b, 1);
+}
+
+/* What the hardware retired before an illegal word, the model did as well, and nothing was stored. */
+static void end_at_illegal(bench *b, const fp3_stats stats[2]) {
+    b->faults++;
+    if (strcmp(b->error[0].text, b->error[1].text) != 0)
+        WRONG("the end: got '%.200s', expected '%.200s'", b->error[1].text, b->error[0].text);
+    if (b->config->interleave)
+        compare_part(b, stats);
+    else
+        compare_end(b, stats);
+    if (!b->wrong)
+        compare_objects(b, b->s.pool);
+}
+
+static void keep_round(bench *b) {
+    const size_t size = (size_t)b->objects * b->config->registers;
+    uint32_t *to = b->past.records + size * b->past.rounds++;
+    for (uint32_t object = 0; object < b->objects; object++)
+        for (uint32_t reg = 0; reg < b->s.pool; reg++)
+            to[cell_of(b, object, reg)] = kept(b, 0, object, reg);
+}
+
+/* The model makes the same rounds one by one. */
+static fp3_status run_rounds(bench *b, uint32_t steps, fp3_stats *stats) {
+    fp3_engine *model = b->engine[0];
+    const uint32_t visit = model->def.visit ? model->def.visit : steps;
+    fp3_status status = FP3_OK;
+    *stats = (fp3_stats){0};
+    b->past.rounds = 0;
+    keep_round(b);
+    for (uint32_t left = steps, now; left && !status; left -= now) {
+        fp3_stats round;
+        now = left < visit ? left : visit;
+        status = fp3_engine_run(model, now, &round);
+        stats->flags |= round.flags;
+        keep_round(b);
+    }
+    return status;
+}
+
+static int is_as_in(bench *b, uint32_t round, uint32_t object) {
+    const uint32_t *record = b->past.records + (size_t)b->objects * b->config->registers * round;
+    for (uint32_t reg = 0; reg < b->s.pool; reg++)
+        if (record[cell_of(b, object, reg)] != kept(b, 1, object, reg))
+            return 0;
+    return 1;
+}
+
+static void end_at_stop(bench *b, const fp3_stats stats[2]) {
+    b->stops++;
+    compare_part(b, stats);
+    for (uint32_t object = 0; object < b->objects && !b->wrong; object++) {
+        int found = 0;
+        for (uint32_t round = 0; round < b->past.rounds && !found; round++)
+            found = is_as_in(b, round, object);
+        if (!found)
+            WRONG("stopped: object %" PRIu32 " is as none of its visits left it", object);
+    }
+}
+
+/* Stops the hardware somewhere. What it has in the end only part of the objects have: all are
+ * written anew before they are looked at again. */
+static void run_and_stop(bench *b, chance *c, uint32_t steps) {
+    fp3_stats stats[2];
+    fp3_engine *rtl = b->engine[1];
+    const uint64_t limit = rtl->def.cycle_limit;
+    if (run_rounds(b, steps, &stats[0])) {
+        b->wrong = b->error[0].text;
+        return;
+    }
+    rtl->def.cycle_limit = 1 + below(c, below(c, 2) ? 100 : 3000);
+    const fp3_status status = fp3_engine_run(rtl, steps, &stats[1]);
+    rtl->def.cycle_limit = limit;
+    if (b->wrong)
+        return;
+    if (status == FP3_E_LIMIT)
+        end_at_stop(b, stats);
+    else if (status)
+        b->wrong = b->error[1].text;
+    else
+        compare_objects(b, b->s.pool);
+}
+
+/* ---- a run ---- */
+
+static void forget(bench *b) {
+    memset(b->q.head, 0, (size_t)b->objects * b->config->registers * sizeof *b->q.head);
+    b->q.count = 0;
+    b->issued = 0;
+}
+
+/* Steps, steps per visit, the number of the first step. */
+static uint32_t set_run(bench *b, chance *c) {
+    const uint32_t steps = below(c, 40) ? 1 + below(c, STEPS_MAX) : 0;
+    const uint32_t visit = below(c, 2) ? 0 : 1 + below(c, 3);
+    const uint32_t kind = below(c, 8), clock = (uint32_t)next64(c);
+    for (int k = 0; k < 2; k++) {
+        b->engine[k]->def.visit = visit;
+        if (kind == 0)
+            b->engine[k]->clock = clock;
+        if (kind == 1) /* it wraps */
+            b->engine[k]->clock = 0u - 1 - steps / 2;
+    }
+    forget(b);
+    if (b->is_trace)
+        printf("  run: %" PRIu32 " steps, visits of %" PRIu32 ", clock 0x%" PRIx32 "\n", steps,
+               visit, b->engine[0]->clock);
+    return steps;
+}
+
+static void run(bench *b, chance *c) {
+    const uint32_t steps = set_run(b, c);
     fp3_stats stats[2];
     fp3_status status[2];
-    const fp3_config *config = b->engine[0]->config;
-    make(&c, &s, config);
-    memset(b->q.head, 0, sizeof b->q.head);
-    b->q.s = &s;
-    b->q.count = 0;
-    b->q.is_wrong = 0;
-    for (int k = 0; k < 2; k++)
-        if (load_unchecked(b->engine[k], &s))
-            return b->error[k].text;
-    for (uint32_t object = 0; object <= config->contexts; object++)
-        for (uint32_t reg = 0; reg < config->registers; reg++) {
-            const uint32_t bits = value(&c);
-            for (int k = 0; k < 2; k++)
-                if (object < config->contexts
-                        ? b->engine[k]->kind->write(b->engine[k], object, reg, bits)
-                        : b->engine[k]->kind->write_shared(b->engine[k], reg, bits))
-                    return b->error[k].text;
-        }
     for (int k = 0; k < 2; k++) {
         b->error[k].text[0] = '\0';
-        status[k] = fp3_engine_run(b->engine[k], s.steps, &stats[k]);
-        if (b->q.is_wrong)
-            return b->error[1].text;
+        status[k] = fp3_engine_run(b->engine[k], steps, &stats[k]);
+        if (b->is_trace)
+            printf("  %s ends: status %d '%s'\n", k ? "rtl" : "model", (int)status[k],
+                   b->error[k].text);
+        if (b->wrong)
+            return;
     }
-    if (status[0] != status[1] || strcmp(b->error[0].text, b->error[1].text) != 0) {
-        char model[256];
-        snprintf(model, sizeof model, "%.255s", b->error[0].text);
-        fp3_error rtl = b->error[1];
-        fp3_fail(&b->error[1], FP3_E_MISMATCH, "the end: got %d '%.200s', expected %d '%s'",
-                 (int)status[1], rtl.text, (int)status[0], model);
-        return b->error[1].text;
-    }
-    for (uint32_t object = 0; object < config->contexts; object++)
-        for (uint32_t reg = 0; reg < config->registers; reg++)
-            if (b->q.head[object][reg]) {
-                fp3_fail(&b->error[1], FP3_E_MISMATCH,
-                         "object %" PRIu32 " r%" PRIu32 " got too few writes", object, reg);
-                return b->error[1].text;
-            }
-    for (size_t i = 1; i <= b->q.count; i++) {
-        b->nans += (b->q.expected[i].bits & 0x7fffffffu) > 0x7f800000u;
-        b->subnormals += (b->q.expected[i].bits & 0x7fffffffu) - 1 < 0x7fffffu;
-    }
-    b->instructions += stats[1].counter[FP3_COUNTER_RETIRED];
+    b->instructions += b->q.count;
     b->cycles += stats[1].counter[FP3_COUNTER_CYCLES];
-    b->faults += status[1] != FP3_OK;
-    return compare_end(b->engine, stats, &b->error[1]);
+    b->slept += !status[0] && stats[0].object_steps < (uint64_t)steps * b->objects;
+    if (status[0] != status[1])
+        WRONG("the end: got %d '%.200s', expected %d '%.200s'", (int)status[1], b->error[1].text,
+              (int)status[0], b->error[0].text);
+    if (status[0] == FP3_E_PROGRAM)
+        end_at_illegal(b, stats);
+    else if (status[0])
+        b->wrong = b->error[0].text;
+    else
+        compare_end(b, stats);
+}
+
+static void run_stream(bench *b, chance *c) {
+    make_stream(c, &b->s, b->config, b->words);
+    load(b);
+    set_constants(b, c);
+    set_objects(b, c, b->is_apart ? b->words : b->s.pool);
+    if (b->is_apart || below(c, 4) == 0)
+        clear_status(b);
+    b->is_apart = 0;
+    /* Where a program stores before its end, an object may be left with half of what it stores. */
+    const int is_stopped = b->config->interleave && b->s.illegal == NOWHERE &&
+                           b->s.make != COMPOSED && below(c, 12) == 0;
+    for (uint32_t i = 0, runs = 1 + below(c, RUNS_MAX); i < runs && !b->is_apart && !b->wrong;
+         i++) {
+        if (i)
+            disturb(b, c);
+        if (!b->wrong)
+            run(b, c);
+    }
+    if (is_stopped && !b->wrong)
+        run_and_stop(b, c, set_run(b, c));
+}
+
+/* ---- sessions ---- */
+
+/* Few, as many as there are contexts, or more. */
+static uint32_t how_many(chance *c, const fp3_config *config) {
+    const uint32_t columns = fp3_config_units(config) * config->lanes;
+    const uint32_t records = config->store_words / 8;
+    const uint32_t most = columns * (records < 65536 ? records : 65536);
+    const uint32_t enough = 2 * columns > OBJECTS_MAX ? 2 * columns : OBJECTS_MAX;
+    const uint32_t full = columns * config->contexts;
+    const uint32_t picks[] = {1 + below(c, 2 * columns), full, 1 + below(c, 3 * full),
+                              full + below(c, columns)};
+    const uint32_t pick = picks[below(c, 4)];
+    if (!config->interleave)
+        return 1;
+    return pick > most ? most : pick > enough ? enough : pick;
+}
+
+static void open_session(bench *b, chance *c) {
+    b->objects = how_many(c, b->config);
+    for (int k = 0; k < 2 && !b->wrong; k++) {
+        fp3_engine_def def = fp3_engine_default();
+        def.kind = k ? "rtl" : "model";
+        def.config = b->config->name;
+        def.objects = b->objects;
+        def.cycle_limit = 10000000;
+        def.retire = k ? take : fill;
+        def.issue = count_issue;
+        def.retire_user = def.issue_user = b;
+        def.error = &b->error[k];
+        if (fp3_engine_open(&def, &b->engine[k]))
+            b->wrong = b->error[k].text;
+    }
+    const size_t cells = (size_t)b->objects * b->config->registers;
+    b->q.room = 1024;
+    b->q.expected = malloc(b->q.room * sizeof *b->q.expected);
+    b->q.next = malloc(b->q.room * sizeof *b->q.next);
+    b->q.head = calloc(cells, sizeof *b->q.head);
+    b->q.tail = calloc(cells, sizeof *b->q.tail);
+    b->past.records = malloc((STEPS_MAX + 1) * cells * sizeof *b->past.records);
+    if (!b->q.expected || !b->q.next || !b->q.head || !b->q.tail || !b->past.records)
+        b->wrong = "out of memory";
+    b->is_apart = 1;
+    if (!b->wrong)
+        b->words = b->config->registers >> b->engine[0]->log2 ? 1u << b->engine[0]->log2
+                                                              : b->config->registers;
+    if (b->is_trace)
+        printf("%" PRIu32 " objects\n", b->objects);
+}
+
+static void close_session(bench *b) {
+    for (int k = 0; k < 2; k++)
+        fp3_engine_close(&b->engine[k]);
+    free(b->q.expected);
+    free(b->q.next);
+    free(b->q.head);
+    free(b->q.tail);
+    free(b->past.records);
+}
+
+static void run_session(bench *b, uint64_t seed) {
+    chance c = {.state = seed};
+    open_session(b, &c);
+    for (int i = 0; i < STREAMS && !b->wrong; i++)
+        run_stream(b, &c);
+    if (!b->wrong && !b->is_apart) {
+        compare_objects(b, b->words);
+        compare_constants(b);
+    }
+    close_session(b);
 }
 
 static uint64_t number(const char *text) {
@@ -335,92 +552,74 @@ static uint64_t number(const char *text) {
     exit(2);
 }
 
+typedef struct {
+    const char *program;
+    uint64_t seed, instructions, sessions;
+    int is_trace;
+} options;
+
 /* Exit code. */
-static int run_config(const char *program, const char *name, uint64_t seed, uint64_t instructions,
-                      uint64_t streams) {
-    bench *b = calloc(1, sizeof *b);
-    const char *wrong = b ? NULL : "out of memory";
+static int run_config(const options *o, const fp3_config *config) {
+    static bench b;
+    b = (bench){.config = config, .is_trace = o->is_trace};
+    const uint64_t least = o->instructions / SESSION_INSTRUCTIONS;
     uint64_t n = 0;
-    for (int k = 0; k < 2 && !wrong; k++) {
-        fp3_engine_def def = fp3_engine_default();
-        def.kind = k ? "rtl" : "model";
-        def.config = name;
-        def.cycle_limit = 1000000;
-        def.retire = k ? take : fill;
-        def.retire_user = &b->q;
-        def.error = &b->error[k];
-        if (fp3_engine_open(&def, &b->engine[k]))
-            wrong = b->error[k].text;
+    for (; n < o->sessions && (n < least || b.instructions < o->instructions); n++) {
+        run_session(&b, o->seed + n);
+        if (!b.wrong)
+            continue;
+        printf("FAIL %s, session %" PRIu64 ": %s\n  replay: %s --config %s --seed %" PRIu64
+               " --streams 1 --trace\n",
+               config->name, n, b.wrong, o->program, config->name, o->seed + n);
+        return 1;
     }
-    if (!wrong) {
-        const size_t room = (size_t)CODE_MAX * STEPS_MAX * b->engine[0]->config->contexts + 1;
-        b->q.config = b->engine[0]->config;
-        b->q.error = &b->error[1];
-        b->q.expected = malloc(room * sizeof *b->q.expected);
-        b->q.next = malloc(room * sizeof *b->q.next);
-        if (!b->q.expected || !b->q.next)
-            wrong = "out of memory";
-    }
-    for (; !wrong && n < streams && b->instructions < instructions; n++)
-        if ((wrong = run_stream(b, seed + n)))
-            break;
-    if (wrong)
-        printf("FAIL %s, stream %" PRIu64 ": %s\n  replay: %s --config %s --seed %" PRIu64
-               " --streams 1\n",
-               name, n, wrong, program, name, seed + n);
-    else
-        printf("%s: %" PRIu64 " instructions in %" PRIu64 " streams and %" PRIu64
-               " cycles agree; %" PRIu64
-               " streams ended at an illegal word; %.0f%% NaN, %.0f%% subnormal\n",
-               name, b->instructions, n, b->cycles, b->faults,
-               100.0 * (double)b->nans / (double)b->instructions,
-               100.0 * (double)b->subnormals / (double)b->instructions);
-    if (b) {
-        fp3_engine_close(&b->engine[0]);
-        fp3_engine_close(&b->engine[1]);
-        free(b->q.expected);
-        free(b->q.next);
-    }
-    free(b);
-    return wrong ? 1 : 0;
+    const double part = b.instructions ? 100.0 / (double)b.instructions : 0;
+    printf("%s: %" PRIu64 " instructions in %" PRIu64 " streams and %" PRIu64
+           " cycles agree; %" PRIu64 " runs ended at an illegal word, %" PRIu64
+           " were stopped, in %" PRIu64 " objects fell asleep; %.0f%% NaN, %.0f%% subnormal\n",
+           config->name, b.instructions, n * STREAMS, b.cycles, b.faults, b.stops, b.slept,
+           part * (double)b.nans, part * (double)b.subnormals);
+    return 0;
 }
 
 int main(int argc, char **argv) {
-    static const struct option options[] = {{"instructions", required_argument, NULL, 'i'},
-                                            {"config", required_argument, NULL, 'c'},
-                                            {"seed", required_argument, NULL, 's'},
-                                            {"streams", required_argument, NULL, 'n'},
-                                            {0}};
-    static const char *const configs[] = {
-#define X(name, ...) #name,
-        FP3_CONFIGS(X)
-#undef X
-    };
-    uint64_t seed = 1, instructions = 1200000, streams = UINT64_MAX;
-    const char *only = NULL;
-    for (int key; (key = getopt_long(argc, argv, "", options, NULL)) != -1;)
+    static const struct option table[] = {{"instructions", required_argument, NULL, 'i'},
+                                          {"config", required_argument, NULL, 'c'},
+                                          {"seed", required_argument, NULL, 's'},
+                                          {"streams", required_argument, NULL, 'n'},
+                                          {"trace", no_argument, NULL, 't'},
+                                          {0}};
+    options o = {.program = argv[0], .seed = 1, .instructions = 1200000, .sessions = UINT64_MAX};
+    const fp3_config *only = NULL;
+    for (int key; (key = getopt_long(argc, argv, "", table, NULL)) != -1;)
         switch (key) {
         case 'i':
-            instructions = number(optarg);
+            o.instructions = number(optarg);
             break;
         case 'c':
-            only = optarg;
+            if (!(only = fp3_config_find(optarg))) {
+                fprintf(stderr, "random_stream: no configuration '%s'\n", optarg);
+                return 2;
+            }
             break;
         case 's':
-            seed = number(optarg);
+            o.seed = number(optarg);
             break;
-        case 'n':
-            streams = number(optarg);
+        case 'n': /* a session is what a seed repeats */
+            o.sessions = (number(optarg) + STREAMS - 1) / STREAMS;
+            break;
+        case 't':
+            o.is_trace = 1;
             break;
         default:
             return 2;
         }
-    const size_t count = sizeof configs / sizeof *configs;
-    printf("seed %" PRIu64 "\n", seed);
-    if (only) /* run_config says so if there is none of this name */
-        return run_config(argv[0], only, seed, instructions, streams);
+    printf("seed %" PRIu64 "\n", o.seed);
+    if (only)
+        return run_config(&o, only);
     int code = 0;
-    for (size_t i = 0; i < count; i++)
-        code |= run_config(argv[0], configs[i], seed, (instructions + count - 1) / count, streams);
+    o.instructions = (o.instructions + fp3_config_count - 1) / fp3_config_count;
+    for (uint32_t i = 0; i < fp3_config_count; i++)
+        code |= run_config(&o, &fp3_configs[i]);
     return code;
 }

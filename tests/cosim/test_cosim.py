@@ -22,6 +22,11 @@ def test_the_host_port_answers_everything(build, tmp_path):
 
 
 @pytest.mark.smoke
+def test_schedulers_run_programs_of_their_own(build, tmp_path):
+    assert ", 0 failed" in start(build / "tests/different_programs", cwd=tmp_path)
+
+
+@pytest.mark.smoke
 def test_random_streams_retire_alike_in_short(build, tmp_path):
     start(build / "tests/random_stream", "--instructions", "50000", "--seed", "1000000", cwd=tmp_path)
 

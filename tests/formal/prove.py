@@ -22,10 +22,11 @@ from pathlib import Path
 import control
 import equal
 import mutants
+import scale
 from netlist import Format, Yosys, sources
 
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("add", "mul", "cuts", "mutants", "control")
+PARTS = ("add", "mul", "cuts", "mutants", "control", "scale")
 
 
 def arguments():
@@ -95,6 +96,8 @@ def cases(args):
                  for bug in mutants.BUGS]
     if "control" in args.only:
         rest += [("control", name, partial(action, yosys, files)) for name, action in control.cases()]
+    if "scale" in args.only:
+        rest += [("scale", name, partial(action, yosys, files)) for name, action in scale.cases()]
     yield from ((core, name, action) for core, name, action in rest if wanted(args.case, name))
 
 

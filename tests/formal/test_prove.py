@@ -6,7 +6,7 @@ import sys
 import pytest
 
 
-@pytest.mark.parametrize("part", ["add", "mutants", "mul", "cuts", "control"])
+@pytest.mark.parametrize("part", ["add", "mutants", "mul", "cuts", "control", "scale"])
 def test_everything_is_proved(root, build, part):
     done = subprocess.run([sys.executable, str(root / "tests/formal/prove.py"), "--jobs", "1", "--only", part,
                            "--results", str(build / f"results/prove-{part}.json")],

@@ -112,17 +112,27 @@ static void round_trip(const fp3_image *draft) {
     fp3_assembly_free(&assembly);
 }
 
+/* A program sleeps in one register only: a block for each. */
+static int names_slept(uint32_t word) {
+    return word >> FP3_FIELD_OP_LO == FP3_OP_SLEEP || word >> FP3_FIELD_OP_LO == FP3_OP_LDS;
+}
+
+static uint32_t slept_of(uint32_t word) {
+    return names_slept(word) ? (word >> FP3_FIELD_D_LO) % FP3_BANK_OBJECT_COUNT : 0;
+}
+
 enum { BLOCK = 8192 };
-static uint32_t block[BLOCK];
-static uint32_t block_count;
+static uint32_t block[FP3_BANK_OBJECT_COUNT][BLOCK];
+static uint32_t block_count[FP3_BANK_OBJECT_COUNT];
 static unsigned long long legal_count, illegal_count, image_count;
 
-static void flush_block(void) {
-    if (block_count == 0)
+static void flush_block(uint32_t slept) {
+    const uint32_t count = block_count[slept];
+    if (count == 0)
         return;
-    fp3_image draft = {.code_count = block_count, .last = block_count, .code = block};
+    fp3_image draft = {.code_count = count, .last = count, .code = block[slept]};
     round_trip(&draft);
-    block_count = 0;
+    block_count[slept] = 0;
 }
 
 static void check_word(uint32_t word) {
@@ -140,9 +150,10 @@ static void check_word(uint32_t word) {
         fail("a legal word is decoded", "an instruction", error.text);
     if (fp3_word_encode(&decoded) != word)
         fail_words("decode, encode", word, fp3_word_encode(&decoded));
-    block[block_count++] = word;
-    if (block_count == BLOCK)
-        flush_block();
+    const uint32_t slept = slept_of(word);
+    block[slept][block_count[slept]++] = word;
+    if (block_count[slept] == BLOCK)
+        flush_block(slept);
 }
 
 /* All pairs of registers in all pairs of places, and every bit of every unused field. */
@@ -171,11 +182,18 @@ static void check_random_image(void) {
     fp3_image draft = {.code_count = 1 + random32() % 64};
     draft.step = random32() % draft.code_count;
     draft.last = draft.step + 1 + random32() % (draft.code_count - draft.step);
+    const uint32_t slept = random32() & bank_mask;
+    int sleeps = 0;
     for (uint32_t i = 0; i < draft.code_count; i++) {
         uint32_t word = random_legal();
         uint32_t keep = (bank_mask << FP3_FIELD_D_LO) | ((bank_mask | 64) << FP3_FIELD_A_LO) |
                         ((bank_mask | 64) << FP3_FIELD_B_LO) | (bank_mask | 64);
         code[i] = word & (keep | bits(FP3_FIELD_OP_HI, FP3_FIELD_OP_LO));
+        if (!names_slept(word))
+            continue;
+        sleeps = 1;
+        code[i] &= ~bits(FP3_FIELD_D_HI, FP3_FIELD_D_LO);
+        code[i] |= slept << FP3_FIELD_D_LO;
     }
     for (uint32_t k = 0; k < FP3_BANK_SHARED_COUNT && k <= bank_mask; k++) {
         if (random32() % 3 == 0)
@@ -195,6 +213,8 @@ static void check_random_image(void) {
             s->index = r;
             if (bank == 0) {
                 s->kind = (fp3_symbol_kind)(random32() % 3);
+                if (sleeps && r == slept)
+                    s->kind = FP3_SYMBOL_STATE;
             } else {
                 s->kind = FP3_SYMBOL_SHARED;
                 for (uint32_t i = 0; i < valued; i++)
@@ -244,7 +264,8 @@ int main(int argc, char **argv) {
         check_word(random_legal());
     for (unsigned long long i = 0; i < words; i++)
         check_word(random32());
-    flush_block();
+    for (uint32_t slept = 0; slept < FP3_BANK_OBJECT_COUNT; slept++)
+        flush_block(slept);
     for (unsigned long long i = 0; i < words / 500; i++)
         check_random_image();
     printf("%llu legal words, %llu illegal words, %llu images\n", legal_count, illegal_count,

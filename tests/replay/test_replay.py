@@ -1,11 +1,13 @@
 """A recorded host session under Icarus: same answers, same cycles, same hash of every retirement."""
 
 import re
+import struct
 import subprocess
 
 import pytest
 
-SESSIONS = [("ship", "single"), ("ship_madd", "single"), ("ship_paper", "paper"), ("ship", "paper")]
+SESSIONS = [("ship", "single", 30), ("ship_madd", "single", 30), ("ship_paper", "paper", 30), ("ship", "paper", 30),
+            ("ship_madd", "many", 4), ("ship", "shared", 4), ("ship", "lanes", 2), ("ship_madd", "array", 4)]
 
 
 def start(*command, cwd):
@@ -31,9 +33,9 @@ def replay(root, vvp, session, *more):
     return start("vvp", "-n", vvp, f"+session={session}", *more, cwd=root)
 
 
-@pytest.mark.parametrize("program, config", SESSIONS)
-def test_icarus_agrees_with_verilator(root, fp3, icarus, tmp_path, program, config):
-    session = record(root, fp3, tmp_path, program, config, 30)
+@pytest.mark.parametrize("program, config, steps", SESSIONS)
+def test_icarus_agrees_with_verilator(root, fp3, icarus, tmp_path, program, config, steps):
+    session = record(root, fp3, tmp_path, program, config, steps)
     done = replay(root, icarus(config), session)
     assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
 
@@ -72,10 +74,69 @@ def test_a_hang_ends_at_the_limit(root, fp3, icarus, tmp_path):
     assert done.returncode != 0 and "the cycle limit was reached" in done.stdout and "PASS" not in done.stdout
 
 
-def test_the_bench_compiles_without_a_warning(root):
-    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", "replay", "-t", "null", "-c", "rtl/fp3.f",
-                 "sim/replay.v", "rtl/gen/fp3_single.v", cwd=root)
+def shape(root, config):
+    """What the bench must be told of a configuration."""
+    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
+    tiles, schedulers, lanes = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
+                                for name in ("TILES", "SCHEDULERS", "LANES"))
+    return [f"-DTOP=fp3_{config}", f"-DUNITS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
+
+
+@pytest.mark.parametrize("config", ["single", "lanes", "array"])
+def test_the_bench_compiles_without_a_warning(root, config):
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", *shape(root, config), "-s", "replay", "-t", "null",
+                 "-c", "rtl/fp3.f", "sim/replay.v", f"rtl/gen/fp3_{config}.v", cwd=root)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+
+def hash_of_trace(cycles, order=lambda lanes: lanes):
+    """What tests/replay/trace.v retires in so many cycles, lane by lane, as FNV-1a over bytes, low byte first."""
+    value = 0xcbf29ce484222325
+    for time in range(cycles):
+        for n in order(range(6)):
+            mix = 2654435761 * (64 * time + n + 1) % 2**32
+            if mix >> 31:
+                for byte in struct.pack("<5I", n, 1000 * time + n, mix & 63, mix, mix >> 26 & 31):
+                    value = (value ^ byte) * 0x100000001b3 % 2**64
+    return value
+
+
+@pytest.fixture(scope="module")
+def trace(root, tmp_path_factory):
+    """The bench around tests/replay/trace.v: a function that replays a text."""
+    where = tmp_path_factory.mktemp("trace")
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DTOP=trace", "-DUNITS=2", "-DLANES=6",
+                 "-s", "replay", "-o", where / "x.vvp", "sim/replay.v", "tests/replay/trace.v", cwd=root)
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+    def run(text, *more):
+        (where / "x.session").write_text(text)
+        return replay(root, where / "x.vvp", where / "x.session", *more)
+    return run
+
+
+@pytest.mark.smoke
+def test_the_hash_is_over_lanes_in_their_order(trace):
+    value, other = hash_of_trace(40), hash_of_trace(40, reversed)
+    assert value != other
+    for number, good in [(value, True), (other, False)]:
+        done = trace(f"w ffffff00 00000028\nr 00000000 ffffffff\nh {number >> 32:08x} {number % 2**32:08x}\n")
+        assert (done.returncode == 0) == good and ("PASS" in done.stdout) == good, done.stdout
+    assert f"got {value:016x}" in done.stdout
+
+
+@pytest.mark.smoke
+def test_addresses_have_32_bits(trace):
+    assert trace("r 12345678 edcba987\nr ff800000 007fffff\n").returncode == 0
+    done = trace("r 12345678 0000a987\n")
+    assert done.returncode != 0 and "address 12345678: expected 0000a987, got edcba987" in done.stdout
+
+
+@pytest.mark.smoke
+def test_each_unit_has_its_text(trace, tmp_path):
+    assert trace("w ffffff00 00000008\nr 00000000 ffffffff\n", f"+waves={tmp_path / 'x.vcd'}").returncode == 0
+    text = texts_in_waves((tmp_path / "x.vcd").read_text())
+    assert "madd  r00 r00 r33 r03" in text and "msub  r00 r00 r33 r03" in text and re.search(r"r\d+=[0-9a-f]{8}", text)
 
 
 def test_committed_sessions_are_what_the_host_sends(root, fp3, tmp_path):
@@ -87,11 +148,10 @@ def test_committed_sessions_are_what_the_host_sends(root, fp3, tmp_path):
         assert record(root, fp3, tmp_path, program, config, 100).read_text() == path.read_text(), path.name
 
 
-def test_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path):
-    session, dump = record(root, fp3, tmp_path, "ship_madd", "single", 2), tmp_path / "x.vcd"
-    assert replay(root, icarus("single"), session, f"+waves={dump}").returncode == 0
+def names_in_waves(dump):
+    """Of a VCD: every signal as a wave viewer calls it."""
     scope, known = [], set()
-    for line in dump.read_text().splitlines():
+    for line in dump.splitlines():
         words = line.split()
         if line.startswith("$scope"):
             scope.append(words[2])
@@ -101,31 +161,72 @@ def test_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path):
             known.add(".".join([*scope, "".join(words[4:-1])]))
         elif line.startswith("$enddefinitions"):
             break
-    shown = {line for line in (root / "sim/fp3.gtkw").read_text().splitlines() if line.startswith("replay.")}
-    assert len(shown) > 30 and shown <= known, sorted(shown - known)
-    assert "madd" in bytes.fromhex("".join(f"{int(bits, 2):064x}" for bits in re.findall(
-        r"^b([01]{100,256}) ", dump.read_text(), re.M))).decode("latin-1"), "no mnemonic to be read"
+    return known
 
 
-def test_the_last_of_64_contexts_is_addressed(root, tmp_path):
-    """The largest build: the objects' window is full, and the constants are a context beyond it."""
-    wrapper, session, bench = tmp_path / "fp3_crowd.v", tmp_path / "x.session", tmp_path / "x.vvp"
-    text = (root / "rtl/gen/fp3_many.v").read_text()
-    assert re.search(r"\.CONTEXTS +\(16\)", text)
-    wrapper.write_text(re.sub(r"(\.CONTEXTS +)\(16\)", r"\1(64)", text).replace("fp3_many", "fp3_crowd"))
-    words = {0x2000: 0x11111111, 0x4000: 0x22222222, 0x4100: 0x33333333, 0x7f00: 0x44444444}
-    session.write_text("".join(f"{kind} {at:04x} {word:08x}\n" for kind in "wr" for at, word in words.items()))
-    start("iverilog", "-g2012", "-DTOP=fp3_crowd", "-s", "replay", "-c", "rtl/fp3.f", "-o", bench, "sim/replay.v",
-          wrapper, cwd=root)
+def texts_in_waves(dump):
+    """All texts that a VCD shows, in one."""
+    return bytes.fromhex("".join(f"{int(bits, 2):064x}" for bits in re.findall(
+        r"^b([01]{60,256}) ", dump, re.M))).decode("latin-1")
+
+
+@pytest.mark.parametrize("preset, config", [("fp3", "single"), ("many", "many"), ("many", "shared"), ("many", "lanes"),
+                                            ("many", "array")])
+def test_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config):
+    session, path = record(root, fp3, tmp_path, "ship_madd", config, 1), tmp_path / "x.vcd"
+    assert replay(root, icarus(config), session, f"+waves={path}").returncode == 0
+    dump = path.read_text()
+    shown = {line for line in (root / f"sim/{preset}.gtkw").read_text().splitlines() if line.startswith("replay.")}
+    missing = shown - names_in_waves(dump)
+    assert len(shown) > 30 and not missing, sorted(missing)
+    assert "madd  r" in texts_in_waves(dump), "no mnemonic to be read"
+
+
+def test_64_contexts_take_turns(root, tmp_path):
+    """The largest build: each of 64 objects is loaded, doubled three times and stored, all in one sweep each."""
+    wrapper, session, bench = tmp_path / "fp3_largest.v", tmp_path / "x.session", tmp_path / "x.vvp"
+    text = (root / "rtl/gen/fp3_array.v").read_text().replace("fp3_array", "fp3_largest")
+    text, found = re.subn(r"(\.CONTEXTS +)\(24\)", r"\1(64)", text)
+    assert found == 1
+    wrapper.write_text(text)
+    ld, add, st = 0x38000000, 0x08000000, 0x48000000                       # of r0
+    lines = [*(f"w ff{at:06x} {word:08x}" for at, word in [
+        (0x1000, ld), (0x1004, add), (0x1008, st), (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 3), (0x18, 3)]),
+        "w ff003000 00000000", "r 00000004 00402020"]
+    for u in range(4):                                                     # object n of a unit at 8 * n
+        lines += [f"w {u:02x}{0x800000 + 32 * n:06x} {0x3f800000 + 256 * u + n:08x}" for n in range(64)]
+        lines += [f"w {u:02x}003100 {n:08x}" for n in range(64)]
+    lines += ["w ff000010 00000001", "p ff000014 00000001"]
+    for u in range(4):
+        lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + 256 * u + n:08x}" for n in range(64)]
+        lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
+    session.write_text("\n".join(lines) + "\n")
+    done = start("iverilog", "-g2012", *shape(root, "array"), "-DTOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
+                 bench, "sim/replay.v", wrapper, cwd=root)
+    assert done.returncode == 0, done.stderr
     done = replay(root, bench, session)
     assert done.returncode == 0 and "PASS" in done.stdout, done.stdout
 
 
-@pytest.mark.parametrize("parameter, value, rule", [
-    ("REGISTERS", 24, "REGISTERS_must_be"), ("PROGRAM_WORDS", 2048, "PROGRAM_WORDS_must_be"),
-    ("CONTEXTS", 65, "CONTEXTS_must_be"), ("ADD_LATENCY", 0, "ADD_LATENCY_must_be"),
-    ("MUL_LATENCY", 0, "MUL_LATENCY_must_be")])
-def test_a_parameter_that_cannot_be_built_stops_elaboration(root, parameter, value, rule):
-    done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", f"-Pfp3.{parameter}={value}",
-                 "rtl/fp3.v", cwd=root)
+MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY=2"]
+
+
+@pytest.mark.parametrize("parameters, rule", [
+    (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=2048"], "PROGRAM_WORDS_must_be"),
+    ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
+    (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
+    ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "need_INTERLEAVE"),
+    (["LANES=2"], "need_INTERLEAVE"), (["SLEEP=1"], "need_INTERLEAVE"), ([*MANY, "BYPASS=1"], "neither_BYPASS"),
+    ([*MANY, "STORE_WORDS=48"], "STORE_WORDS_must_be"), ([*MANY, "STORE_WORDS=16"], "STORE_WORDS_must_be"),
+    ([*MANY, "SCHEDULERS=2", "LANES=2"], "SCHEDULERS_must_be"), ([*MANY, "LANES=65"], "LANES_1_to_64"),
+    ([*MANY, "STATUS=1", "FLAGS=0"], "STATUS_needs_FLAGS"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])
+def test_parameters_that_cannot_be_built_stop_elaboration(root, parameters, rule):
+    done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3",
+                 *[f"-Pfp3.{parameter}" for parameter in parameters], "rtl/fp3.v", cwd=root)
     assert done.returncode != 0 and rule in done.stderr + done.stdout, done.stderr
+
+
+def test_the_parameters_beside_these_can_be_built(root):
+    done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3",
+                 *[f"-Pfp3.{parameter}" for parameter in MANY], "rtl/fp3.v", cwd=root)
+    assert done.returncode == 0, done.stderr

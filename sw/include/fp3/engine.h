@@ -16,6 +16,11 @@
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_engine_close(&engine);
  *
+ * A configuration that interleaves keeps its objects in a store, as many as def.objects says, and
+ * visits them in turn: what a program keeps of an object is loaded, the object advanced by so many
+ * steps as def.visit says, and stored. Registers that the program neither loads nor stores hold
+ * what the host wrote.
+ *
  * After make all: compile with -Isw/include -Isw/gen, and link with
  *     g++ ... -Wl,--start-group build/libfp3*.a $(find build/verilated -name model.a) \
  *         -Wl,--end-group -lgsl -lgslcblas -lz -lpthread -lm
@@ -37,22 +42,41 @@ typedef struct {
     uint64_t cycle;  /* rtl: clock cycles since open; model: instructions of this run */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */
     uint32_t reg;    /* object register */
-    uint32_t bits;   /* FP32 */
+    uint32_t bits;   /* FP32; of a sleep the number of the step */
     uint32_t flags;  /* NV DZ OF UF NX in bits 4 to 0 */
+    uint32_t context, unit, lane; /* where; model: 0 */
 } fp3_retirement;
 typedef void fp3_retire_fn(void *user, const fp3_retirement *retirement);
 
-/* What to open. Always start from fp3_engine_default(). The strings and what error and retire_user
- * point to stay the caller's and must outlive the engine. */
+/* An instruction that issues, of kind "rtl": once for all lanes of a unit. What is not executed,
+ * because the object sleeps, issues as well and has no retirement; nor has a store. */
 typedef struct {
-    const char *kind;      /* "rtl" (default) or "model" */
-    const char *config;    /* a name from docs/configurations.md; the default is "single" */
-    uint64_t cycle_limit;  /* clock cycles (model: instructions) per run; 0 (default): none */
+    uint64_t cycle;         /* as in fp3_retirement */
+    uint32_t unit, context; /* which scheduler, tile by tile, for which of its contexts */
+    uint32_t pc;            /* of the program with the loads in front */
+    uint32_t word;
+} fp3_issue;
+typedef void fp3_issue_fn(void *user, const fp3_issue *issue);
+
+/* What to open. Always start from fp3_engine_default(). The strings and what error, retire_user and
+ * issue_user point to stay the caller's and must outlive the engine. */
+typedef struct {
+    const char *kind;     /* "rtl" (default) or "model" */
+    const char *config;   /* a name from docs/configurations.md; the default is "single" */
+    uint64_t cycle_limit; /* clock cycles (model: instructions) per run; 0 (default): none */
+    /* How many objects; 0 (default): as many as the configuration has contexts in all lanes. One
+     * that does not interleave has one object. */
+    uint32_t objects;
+    /* Steps per visit; 0 (default): all steps of a run. Of no effect where nothing interleaves. */
+    uint32_t visit;
     fp3_retire_fn *retire; /* called for every retirement, or NULL; must not call the engine */
     void *retire_user;
+    fp3_issue_fn *issue; /* called for every issued instruction, or NULL; likewise */
+    void *issue_user;
     /* rtl: file for every transfer on the host port, as sim/replay.v reads it, or NULL:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
-     * h HIGH LOW, after a run the FNV-1a hash of all retirements so far. */
+     * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all units),
+     * row within the lane, register, bits, flags. */
     const char *bus_log;
     fp3_error *error; /* where this engine's calls say why they failed; NULL: nowhere */
     uint32_t cookie;  /* set by fp3_engine_default(); catches a forgotten default */
@@ -66,12 +90,16 @@ typedef enum {
         FP3_COUNTER_COUNT
 } fp3_counter;
 
-/* What a run cost. cycles = issued_* + stall_*; "model" issues in every cycle and never stalls. */
+/* What a run cost. Of each unit cycles = issued_* + stall_*; "model" issues in every cycle and never
+ * stalls. With several lanes an instruction counts once. */
 typedef struct {
-    uint64_t counter[FP3_COUNTER_COUNT];
-    uint64_t object_steps; /* 0 unless the run came to its end */
-    uint32_t flags;        /* exceptions raised by any instruction, as in fp3_retirement */
-    double seconds;        /* wall clock of the run */
+    uint64_t counter[FP3_COUNTER_COUNT]; /* of all units; cycles are those of the longest */
+    uint32_t units;                      /* each with counters of its own; model: 1 */
+    /* Steps that objects made: those of an object that fell asleep count up to then. 0 unless the
+     * run came to its end. */
+    uint64_t object_steps;
+    uint32_t flags; /* exceptions raised by any instruction, as in fp3_retirement */
+    double seconds; /* wall clock of the run */
 } fp3_stats;
 
 /* "cycles", "issued_add" and so on; counter < FP3_COUNTER_COUNT. */
@@ -79,10 +107,11 @@ const char *fp3_counter_name(fp3_counter counter);
 /* Whether its name begins with "stall_". */
 int fp3_counter_is_stall(fp3_counter counter);
 
-/* "rtl", "single", no limit, nothing observed. */
+/* "rtl", "single", no limit, all contexts full, one visit, nothing observed. */
 fp3_engine_def fp3_engine_default(void);
 
-/* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first. */
+/* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first.
+ * FP3_E_ARGUMENT: no such kind or configuration, or not so many objects. */
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
 /* Sets *engine to NULL; that it was NULL before does no harm. */
 void fp3_engine_close(fp3_engine **engine);
@@ -91,13 +120,15 @@ void fp3_engine_close(fp3_engine **engine);
 size_t fp3_engine_objects(const fp3_engine *engine);
 
 /* Loads the code and the constants that have values; all else keeps its contents. The image is
- * copied. FP3_E_PROGRAM, with the engine unchanged: the configuration has too few registers,
- * constants or words, or lacks an operation. A word that is no instruction is let through: the run
- * ends there. */
+ * copied. The next run's first step has the number 1. FP3_E_PROGRAM, with the engine unchanged: the
+ * configuration has too few registers, constants or words, lacks an operation, or has no room in
+ * its store for that many objects of this program. A word that is no instruction is let through:
+ * the run ends there. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* Register reg of objects first .. first+count-1; values has count floats, whose bits are kept,
- * those of a NaN too. FP3_E_ARGUMENT: no such object or register; nothing is read or written. */
+ * those of a NaN too. FP3_E_ARGUMENT: no such object or register, or it is beyond what the store
+ * has room for with so many objects; nothing is read or written. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
@@ -114,10 +145,37 @@ fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t cou
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value);
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value);
 
-/* The first part once, the step part steps times (2^32 - 1 at most), the last part once; with 0
- * steps nothing at all. FP3_E_PROGRAM at an illegal instruction (what is before it was executed),
- * FP3_E_LIMIT at the cycle limit (somewhere within a step, a few cycles late): after both,
- * registers can be read and stats (may be NULL) is filled. */
+/* Every object that is awake makes so many steps (2^32 - 1 at most): in each visit the first part
+ * once, the step part for each step, the last part once; with 0 steps nothing at all. An object
+ * that falls asleep executes the last part of that visit and nothing after it.
+ * FP3_E_PROGRAM at an illegal instruction, FP3_E_LIMIT at the cycle limit (somewhere within a step,
+ * a few cycles late): after both, registers can be read and stats (may be NULL) is filled, and steps
+ * are counted on from where this run began. Where nothing interleaves, what is before that place was
+ * executed; else objects hold what the last visit that they completed has stored. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
+
+/* The counters of one unit in the last run. FP3_E_ARGUMENT: it had no such unit. */
+fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
+                                    uint64_t counter[FP3_COUNTER_COUNT]);
+
+#define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
+
+typedef struct {
+    uint32_t flags;  /* raised since open or the last clear, as in fp3_retirement */
+    uint32_t failed; /* the step of the first invalid or overflow, its low 27 bits; 0: none */
+    uint32_t slept;  /* the step in which it fell asleep; 0: awake; FP3_REMOVED */
+} fp3_object_status;
+
+/* Of objects first .. first+count-1. Without `status` in the configuration flags and failed are 0,
+ * without a sleep in the program slept is. */
+fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
+                             fp3_object_status *status);
+/* Sets flags and failed to 0. FP3_E_ARGUMENT: also without `status` in the configuration. */
+fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
+
+/* From the next run on the objects make steps again, or none and cost no cycles. FP3_E_PROGRAM: no
+ * sleep in the program. */
+fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
+fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
 
 #endif

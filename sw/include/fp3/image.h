@@ -90,7 +90,8 @@ uint32_t fp3_word_encode(const fp3_instruction *instruction);
  * and shared are counted (the draft's are ignored), constants and symbols sorted.
  * Refused: step < last <= code_count <= FP3_IMAGE_CODE_LIMIT not held, an index out of its bank, a
  * malformed or a double name, two names or two values for one register, a .const without a value or
- * a .shared with one. Illegal code words are let through: they are an engine's to refuse. */
+ * a .shared with one, sleep and lds with different destinations or with a .param or .temp. Illegal
+ * code words are let through: they are an engine's to refuse. */
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
 /* Sets *image to NULL; that it was NULL before does no harm. */
 void fp3_image_free(fp3_image **image);
@@ -116,6 +117,8 @@ const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsig
 const char *fp3_image_name(const fp3_image *image, uint32_t operand);
 /* The FP32 bits that the image gives shared constant index, or NULL. */
 const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
+/* The object register that sleep writes and lds reads, or -1 in a program without them. */
+int fp3_image_slept(const fp3_image *image);
 /* "state" and so on; "?" for what is no kind. */
 const char *fp3_kind_name(fp3_symbol_kind kind);
 /* Whether the kind names object registers. */

@@ -1,0 +1,71 @@
+// arith_chain: d = z + x * y or z - x * y, multiplied, rounded, added, rounded.
+//
+// Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go
+//           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1.
+// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle.
+// Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
+// Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
+//
+//     arith_chain #(.ADD_LATENCY(8), .MUL_LATENCY(8)) u (.clk_i(clk_i), .subtract_i(1'b1),
+//         .x_i(x), .y_i(y), .z_i(z), .value_o(d), .flags_o(flags));
+//     // sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000, no flag
+`default_nettype none
+module arith_chain #(
+    parameter        SUBNORMAL   = 1,      // see fp_add, fp_mul
+    parameter        NEAREST     = 1,
+    parameter        ADD_LATENCY = 8,      // at least the cuts + 1; more are plain registers
+    parameter        MUL_LATENCY = 8,
+    parameter [6:0]  ADD_CUTS    = 7'h7f,
+    parameter [6:0]  MUL_CUTS    = 7'h7f
+) (
+    input  wire        clk_i,
+    input  wire        subtract_i,         // 1: z - x * y
+    input  wire [31:0] x_i,
+    input  wire [31:0] y_i,
+    input  wire [31:0] z_i,
+    output wire [31:0] value_o,
+    output wire [4:0]  flags_o
+);
+    function integer ones(input [6:0] mask);
+        integer i;
+        begin
+            ones = 0;
+            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
+        end
+    endfunction
+
+    // A latency that cannot be built names a module that does not exist: elaboration ends there.
+    generate
+        if (ADD_LATENCY <= ones(ADD_CUTS)) begin : g_add_latency
+            ADD_LATENCY_must_be_more_than_the_cuts u_error ();
+        end
+        if (MUL_LATENCY <= ones(MUL_CUTS)) begin : g_mul_latency
+            MUL_LATENCY_must_be_more_than_the_cuts u_error ();
+        end
+    endgenerate
+
+    wire [31:0] product, product_q;
+    wire [4:0]  product_flags, product_flags_q;
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (
+        .clk_i(clk_i), .a_i(x_i), .b_i(y_i), .z_o(product), .flags_o(product_flags));
+    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags, product}), .q_o({product_flags_q, product_q}));
+
+    // What the adder needs besides waits for the product.
+    wire        subtract;
+    wire [31:0] z;
+    delay #(.W(33), .N(MUL_LATENCY)) u_z (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({subtract_i, z_i}), .q_o({subtract, z}));
+
+    wire [31:0] sum;
+    wire [4:0]  sum_flags, sum_flags_q, earlier_flags;
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
+        .clk_i(clk_i), .sub_i(subtract), .a_i(z), .b_i(product_q), .z_o(sum), .flags_o(sum_flags));
+    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_flags, sum}), .q_o({sum_flags_q, value_o}));
+
+    delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i(product_flags_q), .q_o(earlier_flags));
+    assign flags_o = sum_flags_q | earlier_flags;
+endmodule
+`default_nettype wire

@@ -1,0 +1,8 @@
+// What an access of the host to a lane is about. Included inside modules, which use what they need.
+// verilator lint_off UNUSEDPARAM
+localparam [2:0] HOST_OBJECT   = 3'd0;   // a word of the store
+localparam [2:0] HOST_STATUS   = 3'd1;   // a word of the objects' status
+localparam [2:0] HOST_AWAKE    = 3'd2;   // the count of the list
+localparam [2:0] HOST_WAKE     = 3'd3;   // one more on the list
+localparam [2:0] HOST_CONSTANT = 3'd4;   // a shared constant: of all lanes
+// verilator lint_on UNUSEDPARAM

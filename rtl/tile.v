@@ -1,0 +1,115 @@
+// tile: schedulers and lanes with the arithmetic that they work on.
+//
+// Purpose   Two ways to share. Several schedulers, each with a program of its own, share one adder
+//           and one multiplier (the paper's Figure 3). Or one scheduler drives several lanes, each
+//           with an adder and a multiplier: control is shared.
+//
+//           scheduler ──┐ arbiter                         ┌─► lane ◄─► multiplier ─► adder
+//           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder
+//
+// Latency   See lane: MUL_LATENCY + ADD_LATENCY, one more where schedulers share.
+// Hazard    Lanes under several schedulers are not built.
+`default_nettype none
+module tile #(
+    parameter SCHEDULERS    = 1,
+    parameter LANES         = 1,
+    parameter REGISTERS     = 32,
+    parameter CONTEXTS      = 24,
+    parameter PROGRAM_WORDS = 512,
+    parameter STORE_WORDS   = 1024,
+    parameter CHAIN         = 1,
+    parameter SCALE         = 0,
+    parameter SLEEP         = 1,
+    parameter FLAGS         = 1,
+    parameter STATUS        = 1,
+    parameter SUBNORMAL     = 1,
+    parameter NEAREST       = 1,
+    parameter ADD_LATENCY   = 8,
+    parameter MUL_LATENCY   = 4,
+    parameter [6:0]  ADD_CUTS = 0,
+    parameter [6:0]  MUL_CUTS = 0,
+    parameter [31:0] FEATURES = 0,
+    parameter [31:0] ARRAY    = 0
+) (
+    input  wire                     clk_i,
+    input  wire                     rst_i,
+    // A host port for each scheduler
+    input  wire [SCHEDULERS-1:0]    req_valid_i,
+    output wire [SCHEDULERS-1:0]    req_ready_o,
+    input  wire                     req_write_i,
+    input  wire [23:0]              req_addr_i,
+    input  wire [31:0]              req_wdata_i,
+    output wire [SCHEDULERS-1:0]    rsp_valid_o,
+    input  wire                     rsp_ready_i,
+    output wire [32*SCHEDULERS-1:0] rsp_rdata_o,
+    output wire [SCHEDULERS-1:0]    rsp_error_o,
+    // Trace: a part for each scheduler, and for each lane of each
+    output wire [SCHEDULERS-1:0]          issue_valid_o,
+    output wire [16*SCHEDULERS-1:0]       issue_pc_o,
+    output wire [16*SCHEDULERS-1:0]       issue_context_o,
+    output wire [32*SCHEDULERS-1:0]       issue_word_o,
+    output wire [SCHEDULERS*LANES-1:0]    retire_valid_o,
+    output wire [16*SCHEDULERS*LANES-1:0] retire_context_o,
+    output wire [32*SCHEDULERS*LANES-1:0] retire_object_o,
+    output wire [6*SCHEDULERS*LANES-1:0]  retire_register_o,
+    output wire [32*SCHEDULERS*LANES-1:0] retire_value_o,
+    output wire [5*SCHEDULERS*LANES-1:0]  retire_flags_o
+);
+    localparam N       = SCHEDULERS * LANES;
+    localparam LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? 1 : 0);
+
+    wire [SCHEDULERS-1:0] adds, muls, lasts, grant;
+    wire [N-1:0]          subtract, twice, half;
+    wire [32*N-1:0]       xs, ys, zs, value;
+    wire [5*N-1:0]        flags;
+
+    genvar s, l;
+    generate
+        for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
+            workload #(.REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS), .PROGRAM_WORDS(PROGRAM_WORDS),
+                       .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SLEEP(SLEEP), .FLAGS(FLAGS),
+                       .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_workload (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
+                .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
+                .rsp_valid_o(rsp_valid_o[s]), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o[32*s +: 32]),
+                .rsp_error_o(rsp_error_o[s]),
+                .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
+                .subtract_o(subtract[LANES*s +: LANES]),
+                .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .x_o(xs[32*LANES*s +: 32*LANES]),
+                .y_o(ys[32*LANES*s +: 32*LANES]), .z_o(zs[32*LANES*s +: 32*LANES]),
+                .value_i(value[32*LANES*s +: 32*LANES]), .value_flags_i(flags[5*LANES*s +: 5*LANES]),
+                .issue_valid_o(issue_valid_o[s]), .issue_pc_o(issue_pc_o[16*s +: 16]),
+                .issue_context_o(issue_context_o[16*s +: 16]), .issue_word_o(issue_word_o[32*s +: 32]),
+                .retire_valid_o(retire_valid_o[LANES*s +: LANES]),
+                .retire_context_o(retire_context_o[16*LANES*s +: 16*LANES]),
+                .retire_object_o(retire_object_o[32*LANES*s +: 32*LANES]),
+                .retire_register_o(retire_register_o[6*LANES*s +: 6*LANES]),
+                .retire_value_o(retire_value_o[32*LANES*s +: 32*LANES]),
+                .retire_flags_o(retire_flags_o[5*LANES*s +: 5*LANES]));
+        end
+
+        if (SCHEDULERS == 1) begin : g_own
+            assign grant = 1'b1;
+            wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
+            for (l = 0; l < LANES; l = l + 1) begin : g_lane
+                arith_chain #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+                              .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
+                    .clk_i(clk_i), .subtract_i(subtract[l]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
+                    .z_i(zs[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
+            end
+        end else begin : g_shared
+            wire [SCHEDULERS-1:0] adds_late, muls_late;
+            arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i),
+                .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
+            delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
+            arith_shared #(.N(SCHEDULERS), .SCALE(SCALE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+                           .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
+                .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),
+                .twice_i(twice), .half_i(half),
+                .x_i(xs), .y_i(ys), .z_i(zs), .value_o(value), .flags_o(flags));
+        end
+    endgenerate
+endmodule
+`default_nettype wire

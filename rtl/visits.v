@@ -1,0 +1,166 @@
+// visits: whose turn it is. The list of a lane's objects, the object in each context, and who sleeps.
+//
+// Purpose   A visit takes an object from the list's head and, if it is still awake at its end, puts
+//           it back at the tail: objects that sleep cost nothing from then on. Decides for every
+//           instruction whether it is executed for the object in its context.
+//
+//           cycle  V-6      V-4        V-3    V-1         V           V+1        V+2
+//           list:  taken    head read  row_o  state read  executed_o  nonzero_i  state written, put back
+//
+// Latency   As shown; of a store's row, two cycles after st_context_i.
+// Hazard    The same context must not come again within 8 cycles. Without SLEEP the list is not
+//           kept but counted: objects 0, 1 ..
+`default_nettype none
+module visits #(
+    parameter CONTEXT_W = 5,
+    parameter ROW_W     = 7,           // 2^ROW_W objects
+    parameter SLEEP     = 1
+) (
+    input  wire                 clk_i,
+    input  wire                 rst_i,
+    // V-6: a round begins: it takes as many as there are now; an object is taken
+    input  wire                 round_i,
+    input  wire                 take_i,
+    // V-4
+    input  wire                 take_4_i,
+    input  wire [CONTEXT_W-1:0] context_4_i,
+    output wire [ROW_W-1:0]     row_o,          // V-3
+    output wire [ROW_W-1:0]     row_late_o,     // V+1
+    // V-1
+    input  wire [CONTEXT_W-1:0] context_1_i,
+    // V: an instruction, and what it found
+    input  wire                 valid_i,
+    input  wire                 begins_i,       // the first of a visit
+    input  wire                 ends_i,         // the last
+    input  wire                 lasts_i,        // in the last part, which objects execute that fell asleep in this visit
+    input  wire                 lds_i,
+    input  wire                 sleep_i,
+    input  wire [CONTEXT_W-1:0] context_i,
+    input  wire                 less_i,         // sleep found a small change
+    output wire                 executed_o,
+    output wire                 sleeps_o,       // the object falls asleep
+    // V+1, V+2
+    input  wire                 nonzero_i,      // lds found an object that sleeps
+    output wire                 asleep_o,       // not awake after this instruction
+    // The object in a context, for stores
+    input  wire [CONTEXT_W-1:0] st_context_i,
+    output wire [ROW_W-1:0]     st_row_o,       // two cycles later
+    output wire                 st_absent_o,    // likewise: no object
+    // The host
+    input  wire                 host_count_i,   // set the count; with SLEEP: to 0
+    input  wire                 host_wake_i,    // one more
+    input  wire [ROW_W:0]       host_data_i,
+    output wire [ROW_W:0]       count_o
+);
+    // The list -----------------------------------------------------------------------------------
+    reg  [ROW_W:0]   count_q, left_q;  // on it; of these not yet taken in this round
+    reg  [ROW_W-1:0] head_q;
+    wire             present = left_q != {ROW_W+1{1'b0}};
+    wire             take    = take_i && present;
+    wire [ROW_W-1:0] next_row;         // V-4
+    reg              put_q;            // V+2
+    reg  [ROW_W-1:0] put_row_q;
+
+    always @(posedge clk_i)
+        if (round_i)   left_q <= count_q;
+        else if (take) left_q <= left_q - 1'b1;
+
+    generate
+        if (SLEEP != 0) begin : g_list
+            reg [ROW_W-1:0] tail_q;
+            always @(posedge clk_i)
+                if (rst_i || host_count_i) begin
+                    count_q <= {ROW_W+1{1'b0}};
+                    head_q  <= {ROW_W{1'b0}};
+                    tail_q  <= {ROW_W{1'b0}};
+                end else begin
+                    count_q <= count_q + {{ROW_W{1'b0}}, put_q || host_wake_i} - {{ROW_W{1'b0}}, take};
+                    head_q  <= head_q + {{ROW_W-1{1'b0}}, take};
+                    tail_q  <= tail_q + {{ROW_W-1{1'b0}}, put_q || host_wake_i};
+                end
+            ram_registered #(.ADDR_W(ROW_W), .W(ROW_W)) u_list (.clk_i(clk_i),
+                .write_i(put_q || host_wake_i), .write_addr_i(tail_q),
+                .write_value_i(put_q ? put_row_q : host_data_i[ROW_W-1:0]),
+                .read_i(1'b1), .read_addr_i(head_q), .read_value_o(next_row));
+            wire unused = host_data_i[ROW_W];
+        end else begin : g_count
+            always @(posedge clk_i) begin
+                if (rst_i)             count_q <= {ROW_W+1{1'b0}};
+                else if (host_count_i) count_q <= host_data_i;
+                if (round_i)           head_q  <= {ROW_W{1'b0}};
+                else if (take)         head_q  <= head_q + 1'b1;
+            end
+            delay #(.W(ROW_W), .N(2)) u_next (.clk_i(clk_i), .rst_i(1'b0), .d_i(head_q), .q_o(next_row));
+            wire unused = put_q | host_wake_i | (|put_row_q);
+        end
+    endgenerate
+    assign count_o = count_q;
+
+    // The object in each context -----------------------------------------------------------------
+    wire [ROW_W-1:0] row_4, st_row;
+    reg  [ROW_W-1:0] row_q, st_row_q;
+    reg  [CONTEXT_W-1:0] st_context_q;
+    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_row (.clk_i(clk_i),
+        .write_i(take_4_i), .write_addr_i(context_4_i), .write_value_i(next_row),
+        .read_addr_i(context_4_i), .read_value_o(row_4));
+    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_st_row (.clk_i(clk_i),
+        .write_i(take_4_i), .write_addr_i(context_4_i), .write_value_i(next_row),
+        .read_addr_i(st_context_q), .read_value_o(st_row));
+    always @(posedge clk_i) begin
+        row_q        <= take_4_i ? next_row : row_4;
+        st_context_q <= st_context_i;
+        st_row_q     <= st_row;
+    end
+    assign row_o    = row_q;
+    assign st_row_o = st_row_q;
+    delay #(.W(ROW_W), .N(4)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
+
+    // Whether there is one, and whether it sleeps -----------------------------------------------
+    reg                  state_write_q, state_absent_q, state_asleep_q;   // V+2
+    reg  [CONTEXT_W-1:0] state_context_q;
+    wire                 absent_1, asleep_1, st_absent;
+    reg                  absent_q, asleep_q, st_absent_q;
+    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(2)) u_state (.clk_i(clk_i),
+        .write_i(state_write_q), .write_addr_i(state_context_q),
+        .write_value_i({state_absent_q, state_asleep_q}),
+        .read_addr_i(context_1_i), .read_value_o({absent_1, asleep_1}));
+    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(1)) u_st_state (.clk_i(clk_i),
+        .write_i(state_write_q), .write_addr_i(state_context_q), .write_value_i(state_absent_q),
+        .read_addr_i(st_context_q), .read_value_o(st_absent));
+
+    wire present_0;
+    delay #(.W(1), .N(6)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_0));
+    wire absent   = begins_i ? !present_0 : absent_q;
+    wire asleep   = !begins_i && asleep_q;
+    wire executed = valid_i && !absent && !(asleep && !lasts_i);
+    wire sleeps   = SLEEP != 0 && executed && sleep_i && less_i && !asleep;
+
+    // Of a word that was just read only one bit is known in time, a cycle later.
+    reg                  changes_q, ends_q, finds_q, absent_1q, asleep_1q;   // V+1
+    reg  [CONTEXT_W-1:0] context_q;
+    wire                 absent_d = absent_1q || (finds_q && nonzero_i);
+    always @(posedge clk_i) begin
+        changes_q <= !rst_i && valid_i && (begins_i || (SLEEP != 0 && (lds_i || sleep_i)));
+        ends_q    <= !rst_i && SLEEP != 0 && valid_i && ends_i;
+        finds_q   <= SLEEP != 0 && lds_i && executed;
+        absent_1q <= absent;
+        asleep_1q <= asleep || sleeps;
+        context_q <= context_i;
+    end
+
+    always @(posedge clk_i) begin
+        {absent_q, asleep_q} <= {absent_1, asleep_1};
+        st_absent_q          <= st_absent;
+        state_write_q        <= !rst_i && changes_q;
+        state_context_q      <= context_q;
+        state_absent_q       <= absent_d;
+        state_asleep_q       <= asleep_1q;
+        put_q                <= !rst_i && ends_q && !absent_d && !asleep_1q;
+        put_row_q            <= row_late_o;
+    end
+    assign executed_o  = executed;
+    assign sleeps_o    = sleeps;
+    assign asleep_o    = state_absent_q || state_asleep_q;
+    assign st_absent_o = st_absent_q;
+endmodule
+`default_nettype wire

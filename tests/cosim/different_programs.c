@@ -1,0 +1,250 @@
+/* different_programs.c - each scheduler of an array its own program, all at the same time.
+ *
+ *     different_programs [SEED [ROUNDS]]
+ *
+ * Over the raw host port: every unit of every configuration that has more than one gets a random
+ * program, constants and objects of its own, another number of steps, another visit. They start
+ * together or one after the other. Records, status words, flags and counters of each are then those
+ * of the C model, which ran that program alone. Also listed are objects that sleep: their visit must
+ * do nothing.
+ */
+#include "engines/kind.h"
+#include "stream.h"
+
+#include <configs.h>
+#include <fp3_rtl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+
+#define X(name, ...) extern const fp3_rtl_ops fp3_rtl_##name;
+FP3_CONFIGS(X)
+#undef X
+
+enum { UNITS_MAX = 64 };
+
+/* What a unit gets, and its model. */
+typedef struct {
+    stream s;
+    fp3_engine *model;
+    uint32_t objects, steps;
+    fp3_stats stats;
+} unit;
+
+typedef struct {
+    const fp3_rtl_ops *ops;
+    const fp3_config *config;
+    fp3_rtl *rtl;
+    chance c;
+    uint32_t log2, words;
+    unit units[UNITS_MAX];
+    fp3_error error;
+    unsigned failed;
+} bench;
+
+static void fail(bench *b, const char *what, uint32_t at, uint32_t got, uint32_t expected) {
+    if (b->failed++ < 10)
+        printf("FAIL %s: %s 0x%08" PRIx32 ": got 0x%08" PRIx32 ", expected 0x%08" PRIx32 "\n",
+               b->config->name, what, at, got, expected);
+}
+
+static void put(bench *b, uint32_t address, uint32_t data) {
+    const int answer = b->ops->transfer(b->rtl, 1, address, &data);
+    if (answer)
+        fail(b, "a write at", address, (uint32_t)answer, 0);
+}
+
+static uint32_t get(bench *b, uint32_t address) {
+    uint32_t data = 0;
+    const int answer = b->ops->transfer(b->rtl, 0, address, &data);
+    if (answer)
+        fail(b, "a read at", address, (uint32_t)answer, 0);
+    return data;
+}
+
+static void want(bench *b, const char *what, uint32_t address, uint32_t expected) {
+    const uint32_t got = get(b, address);
+    if (got != expected)
+        fail(b, what, address, got, expected);
+}
+
+static uint32_t of_unit(uint32_t u, uint32_t address) {
+    return u << FP3_ADDRESS_SCHEDULER_LO | address;
+}
+
+/* A unit's objects go round its own lanes. */
+static uint32_t row_of(const bench *b, uint32_t object) { return object / b->config->lanes; }
+static uint32_t lane_of(const bench *b, uint32_t object) { return object % b->config->lanes; }
+
+static uint32_t in_space(uint32_t u, uint32_t space, uint32_t word) {
+    return of_unit(u, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+}
+
+static uint32_t cell(const bench *b, uint32_t u, uint32_t object, uint32_t reg) {
+    return in_space(u, FP3_SPACE_OBJECTS,
+                    lane_of(b, object) * b->config->store_words + (row_of(b, object) << b->log2) +
+                        reg);
+}
+
+static uint32_t status_of(const bench *b, uint32_t u, uint32_t object) {
+    return in_space(u, FP3_SPACE_STATUS,
+                    lane_of(b, object) * b->config->store_words + row_of(b, object));
+}
+
+/* ---- what a unit gets ---- */
+
+static void open_model(bench *b, unit *one) {
+    fp3_engine_def def = fp3_engine_default();
+    def.kind = "model";
+    def.config = b->config->name;
+    def.objects = one->objects;
+    def.visit = below(&b->c, 4);
+    def.error = &b->error;
+    const fp3_image image = stream_image(&one->s);
+    if (fp3_engine_open(&def, &one->model) || fp3_engine_load_unchecked(one->model, &image)) {
+        printf("%s\n", b->error.text);
+        exit(1);
+    }
+    one->model->clock = below(&b->c, 2) ? (uint32_t)next64(&b->c) : 0;
+}
+
+static void write_program(bench *b, uint32_t u) {
+    const fp3_engine *model = b->units[u].model;
+    const fp3_program *p = &model->program;
+    for (uint32_t i = 0; i < p->count; i++)
+        put(b, of_unit(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
+    put(b, of_unit(u, FP3_ADDR_STEP), p->step);
+    put(b, of_unit(u, FP3_ADDR_LAST), p->last);
+    put(b, of_unit(u, FP3_ADDR_SIZE), p->count);
+    put(b, of_unit(u, FP3_ADDR_RECORD), b->log2);
+    put(b, of_unit(u, FP3_ADDR_STEPS), b->units[u].steps);
+    put(b, of_unit(u, FP3_ADDR_VISIT), model->def.visit);
+    put(b, of_unit(u, FP3_ADDR_CLOCK), model->clock);
+}
+
+static void write_values(bench *b, uint32_t u) {
+    unit *one = &b->units[u];
+    fp3_engine *model = one->model;
+    for (uint32_t i = 0; i < b->config->registers; i++) {
+        const uint32_t bits = value(&b->c);
+        model->kind->write_shared(model, i, bits);
+        put(b, of_unit(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
+    }
+    for (uint32_t object = 0; object < one->objects; object++) {
+        for (uint32_t reg = 0; reg < one->s.pool; reg++) {
+            const int is_slept = (int)reg == one->s.slept;
+            const uint32_t bits = is_slept && below(&b->c, 4) ? 0 : value(&b->c);
+            model->kind->write(model, object, reg, bits);
+            put(b, cell(b, u, object, reg), bits);
+        }
+        if (b->config->status)
+            put(b, status_of(b, u, object), 0);
+    }
+}
+
+/* All objects, from the last to the first. */
+static void write_lists(bench *b, uint32_t u) {
+    const unit *one = &b->units[u];
+    const uint32_t lanes = b->config->lanes;
+    for (uint32_t lane = 0; lane < lanes; lane++)
+        put(b, of_unit(u, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+            b->config->sleep ? 0 : (one->objects + lanes - 1 - lane) / lanes);
+    for (uint32_t i = one->objects; b->config->sleep && i-- > 0;)
+        put(b, of_unit(u, FP3_ADDR_WINDOW_WAKE + 4 * lane_of(b, i)), row_of(b, i));
+}
+
+static void prepare(bench *b, uint32_t u) {
+    unit *one = &b->units[u];
+    const uint32_t room = (b->config->store_words >> b->log2) * b->config->lanes;
+    const uint32_t most = 2 * b->config->contexts * b->config->lanes;
+    do
+        make_stream(&b->c, &one->s, b->config, b->words);
+    while (one->s.illegal != NOWHERE);
+    one->objects = 1 + below(&b->c, room < most ? room : most);
+    one->steps = 1 + below(&b->c, 5);
+    open_model(b, one);
+    write_program(b, u);
+    write_values(b, u);
+    write_lists(b, u);
+}
+
+/* ---- what comes of it ---- */
+
+static void run(bench *b, uint32_t units) {
+    const uint32_t all = of_unit(FP3_ADDRESS_BROADCAST, 0), start = 1u << FP3_CONTROL_START_LO;
+    if (below(&b->c, 2))
+        put(b, all | FP3_ADDR_CONTROL, start);
+    else
+        for (uint32_t u = 0; u < units; u++) {
+            put(b, of_unit(u, FP3_ADDR_CONTROL), start);
+            b->ops->clock(b->rtl, below(&b->c, 100), 100);
+        }
+    for (int i = 0; i < 1000 && get(b, all | FP3_ADDR_STATUS) & 1u << FP3_STATUS_RUNNING_LO; i++)
+        b->ops->clock(b->rtl, 100000, 64);
+}
+
+static void compare(bench *b, uint32_t u) {
+    unit *one = &b->units[u];
+    fp3_engine *model = one->model;
+    if (fp3_engine_run(model, one->steps, &one->stats))
+        fail(b, "the model's end of unit", u, 1, 0);
+    want(b, "status", of_unit(u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
+    want(b, "flags", of_unit(u, FP3_ADDR_FLAGS), one->stats.flags);
+    for (uint32_t object = 0; object < one->objects; object++) {
+        uint32_t bits = 0;
+        for (uint32_t reg = 0; reg < one->s.pool; reg++) {
+            model->kind->read(model, object, reg, &bits);
+            want(b, "a word of an object", cell(b, u, object, reg), bits);
+        }
+        model->kind->read_status(model, object, &bits);
+        if (b->config->status)
+            want(b, "an object's status", status_of(b, u, object), bits);
+    }
+    /* Without sleep, lane 0 says what is issued. */
+    const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
+    if (model->program.slept < 0)
+        want(b, "counter retired", of_unit(u, FP3_ADDR_COUNTER_RETIRED),
+             (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows));
+    fp3_engine_close(&one->model);
+}
+
+/* So many as work the whole store of some, and leave it half empty in others. */
+static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
+    static bench b;
+    b = (bench){.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = seed}};
+    const uint32_t units = fp3_config_units(b.config);
+    b.log2 = 3 + below(&b.c, 4);
+    while (b.config->store_words >> b.log2 == 0)
+        b.log2--;
+    b.words = 1u << b.log2;
+    b.rtl = ops->open(&(fp3_rtl_watch){0});
+    if (!b.rtl)
+        return 1;
+    for (uint32_t u = 0; u < units; u++)
+        prepare(&b, u);
+    run(&b, units);
+    for (uint32_t u = 0; u < units; u++)
+        compare(&b, u);
+    ops->close(b.rtl);
+    if (b.failed)
+        printf("  seed %" PRIu64 "\n", seed);
+    return b.failed;
+}
+
+int main(int argc, char **argv) {
+    static const fp3_rtl_ops *const builds[] = {
+#define X(name, ...) &fp3_rtl_##name,
+        FP3_CONFIGS(X)
+#undef X
+    };
+    const uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 0) : 1;
+    const uint64_t rounds = argc > 2 ? strtoull(argv[2], NULL, 0) : 25;
+    unsigned failed = 0, checked = 0;
+    for (size_t i = 0; i < sizeof builds / sizeof *builds; i++)
+        for (uint64_t n = 0; n < rounds && !failed; n++)
+            if (fp3_config_units(fp3_config_find(builds[i]->config)) > 1) {
+                failed += check(builds[i], seed + n);
+                checked++;
+            }
+    printf("%u rounds, %u failed\n", checked, failed);
+    return failed != 0;
+}

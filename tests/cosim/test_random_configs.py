@@ -1,0 +1,35 @@
+"""Configurations that nobody named: built and tested as the named ones are."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+
+def start(root, *arguments):
+    return subprocess.run([sys.executable, root / "tools/random_configs.py", *arguments], capture_output=True, text=True,
+                          timeout=600)
+
+
+def test_a_handful_of_random_configurations(root):
+    """`tools/random_configs.py --count 200` for more."""
+    done = start(root, "--count", "4", "--seed", "7", "--jobs", "1", "--instructions", "20000")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert len(re.findall(r"^\d+: .*\d+ instructions agree", done.stdout, re.M)) == 4
+    assert done.stdout.endswith("\n4 configurations, 0 failed\n")
+
+
+@pytest.mark.smoke
+def test_draws_are_repeated_by_their_seed(root, monkeypatch):
+    monkeypatch.syspath_prepend(root / "tools")
+    import random_configs
+
+    rows = [random_configs.random_config(1, number) for number in range(200)]
+    assert rows == [random_configs.random_config(1, number) for number in range(200)]
+    assert rows[0] != random_configs.random_config(2, 0) | {"doc": rows[0]["doc"]}
+    for key, values in {"interleave": {0, 1}, "chain": {0, 1}, "sleep": {0, 1}, "flags": {0, 1}, "status": {0, 1},
+                        "subnormal": {0, 1}, "nearest": {0, 1}, "bypass": {0, 1}, "scale": {0, 1}}.items():
+        assert {row[key] for row in rows if key in row} == values, key
+    assert {1, 64} <= {row.get("contexts", 1) for row in rows}
+    assert max(row.get("lanes", 1) for row in rows) > 4 and max(row.get("schedulers", 1) for row in rows) > 3

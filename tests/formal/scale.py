@@ -1,0 +1,45 @@
+"""fp_scale gives the bits and flags of fp_mul with 2 and 1/2, for every number: by SAT."""
+
+from pathlib import Path
+
+from mutants import Bug
+
+MODES = [(1, 1), (1, 0), (0, 1), (0, 0)]  # subnormal, nearest
+CASES = Path(__file__).with_name("scale_cases.v")
+
+BUGS = [
+    Bug("scale", "a tie goes up", "fp_scale.v", "f[0] && f[1];", "f[0];"),
+    Bug("scale", "an exact half underflows", "fp_scale.v", "SUBNORMAL != 0 ? f[0] : !low", "1'b1"),
+    Bug("scale", "overflow is not inexact", "fp_scale.v", "of, uf, of || uf", "of, uf, uf"),
+]
+
+
+def prove(yosys, files, mode):
+    subnormal, nearest = mode
+    names = " ".join(sorted(name for name in files if name.startswith(("fp_mul", "fp_scale", "cut.v", "lzc.v"))))
+    # A proof that fails makes yosys fail.
+    yosys.run(f"read_verilog {names} scale_cases.v; "
+              f"chparam -set SUBNORMAL {subnormal} -set NEAREST {nearest} scale_cases; "
+              "prep -top scale_cases -flatten; opt -full; "
+              "sat -verify -prove wrong_o 0 scale_cases; write_json done.json",
+              {**files, "scale_cases.v": CASES.read_text()}, "done.json")
+    return "proved"
+
+
+def find(yosys, files, bug):
+    try:
+        prove(yosys, bug.patch(files), MODES[0])
+    except RuntimeError as failed:
+        if "proof did fail" not in str(failed):
+            raise
+        return "found: the proof fails"
+    raise RuntimeError("the bug was not found")
+
+
+def cases():
+    """(name, action of yosys and files) for every proof and every seeded bug."""
+    for mode in MODES:
+        name = f"scale{'' if mode[0] else ', flushed'}{'' if mode[1] else ', truncated'}"
+        yield name, lambda yosys, files, mode=mode: prove(yosys, files, mode)
+    for bug in BUGS:
+        yield f"seeded: {bug.name}", lambda yosys, files, bug=bug: find(yosys, files, bug)

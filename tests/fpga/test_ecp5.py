@@ -1,0 +1,50 @@
+"""The ECP5 versions in rtl/fpga/ecp5 equal the generic modules whose places they take, cycle by cycle."""
+
+import re
+import subprocess
+
+import pytest
+
+MODULES = ("fp_mul_product", "ram_registered")
+
+
+def bench(root, tmp_path, broken=None):
+    """Build and run ecp5_bench.v, perhaps with a bug: (module, right, wrong)."""
+    files = []
+    for module in MODULES:
+        text = (root / f"rtl/fpga/ecp5/{module}.v").read_text()
+        if broken and broken[0] == module:
+            assert text.count(broken[1]) == 1
+            text = text.replace(broken[1], broken[2])
+        files.append(tmp_path / f"ecp5_{module}.v")
+        files[-1].write_text(re.sub(rf"^module {module}\b", f"module ecp5_{module}", text, flags=re.M))
+    built = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", "ecp5_bench", "-c", "rtl/fp3.f",
+                            "-o", tmp_path / "bench.vvp", "tests/fpga/ecp5_bench.v", "tests/fpga/ecp5_primitives.v",
+                            *files], cwd=root, capture_output=True, text=True)
+    assert built.returncode == 0 and not built.stderr, built.stderr
+    return subprocess.run(["vvp", "-n", tmp_path / "bench.vvp"], capture_output=True, text=True).stdout
+
+
+def test_equal(root, tmp_path):
+    said = bench(root, tmp_path)
+    assert said == "PASS: 5000 cycles, 0 errors\n"
+
+
+BUGS = {
+    "row twice": ("fp_mul_product", "rows_c[23:16], 4'b0000}", "rows_c[15:8], 4'b0000}"),
+    "carry where there is none": ("fp_mul_product", "16'h7888", "16'h788e"),
+    "middle sum loses its carry": ("fp_mul_product", "{1'b0, lh[FRAC:0]} + {1'b0, hl[FRAC:0]}",
+                                   "{1'b0, lh[FRAC:0] + hl[FRAC:0]}"),
+    "no register at the inputs": ("fp_mul_product", 'IN = CUTS[0] ? "CLK0"', 'IN = 1\'b0 ? "CLK0"'),
+    "no register at the output": ("fp_mul_product", 'OUT = CUTS[1] ? "CLK0"', 'OUT = 1\'b0 ? "CLK0"'),
+    "halves of a word exchanged": ("ram_registered", "{out_b, out_a}", "{out_a, out_b}"),
+    "a byte is not written": ("ram_registered", "ADDR_W == 10 ? 3", "ADDR_W == 10 ? 1"),
+    "no register behind the memory": ("ram_registered", '.REGMODE_A("OUTREG"), .REGMODE_B("OUTREG")',
+                                      '.REGMODE_A("NOREG"), .REGMODE_B("NOREG")'),
+}
+
+
+@pytest.mark.parametrize("bug", BUGS)
+def test_finds(root, tmp_path, bug):
+    said = bench(root, tmp_path, BUGS[bug])
+    assert "FAIL" in said, said

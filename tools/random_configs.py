@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+"""Builds random configurations and tests each as the named ones are: random programs against the C model at every
+retirement, every address of the host port, schedulers with programs of their own.
+
+    tools/random_configs.py --count 200 --seed 1 --jobs 2
+    tools/random_configs.py --seed 1 --only 17 --keep DIR     that one again; what was built stays in DIR
+
+Needs what `make setup` installs, and nothing that make has built. Ends with 1 if one configuration failed.
+"""
+
+import argparse
+import concurrent.futures
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+
+import generate
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+DEFAULT = re.search(r"^\[default\].*?(?=^\[\[)", (ROOT / "isa/configs.toml").read_text(), re.M | re.S)[0]
+_, REGISTERS, _ = generate.load(ROOT)
+POSITIONS = {unit: generate.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
+CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
+LIBS = "-lz -lpthread -lm".split()
+TESTS = ("random_stream", "host_port", "different_programs")
+# Compiled once: all that does not know which configurations there are.
+COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/engine.c", "sw/engines/model.c", "tests/cosim/random_stream.c")
+OWN = ("sw/engines/config.c", "sw/engines/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c")
+
+
+class Failed(Exception):
+    """A configuration that does not do what it should, or cannot be built."""
+
+
+# ---- chance -------------------------------------------------------------------------------------
+
+def organisation(rng):
+    """Tiles, schedulers, lanes: lanes and schedulers exclude each other."""
+    tiles, schedulers, lanes = rng.choice(
+        [(1, 1, 1)] * 3 + [(rng.randint(2, 4), 1, 1), (1, rng.randint(2, 5), 1), (1, 1, rng.randint(2, 8)),
+                           (2, rng.randint(2, 3), 1), (2, 1, rng.randint(2, 3))])
+    return {"tiles": tiles, "schedulers": schedulers, "lanes": lanes}
+
+
+def latencies(rng):
+    row = {}
+    for unit, cuts in (("add", 7), ("mul", 7)):
+        row[f"{unit}_cuts"] = mask = rng.choice([0, rng.getrandbits(cuts), rng.getrandbits(cuts) & rng.getrandbits(cuts)])
+        row[f"{unit}_latency"] = mask.bit_count() + 1 + rng.choice([0, 0, 0, 1, rng.randint(0, 12)])
+    return row
+
+
+def interleaved(rng):
+    row = organisation(rng)
+    row["registers"] = rng.choice([2, 4, 8, 16, 32, 64])
+    row["contexts"] = rng.choice([1, 2, 3, rng.randint(1, 16), rng.randint(1, 64), rng.randint(1, 64), 64])
+    # Objects for all contexts, of the smallest records at least; sometimes exactly.
+    least = max(8 << max(row["contexts"] - 1, 1).bit_length(), row["registers"])
+    row["store_words"] = least << rng.choice([0, 0, 1, 2, 3, rng.randint(0, 6)])
+    row["sleep"] = rng.choice([0, 1, 1])
+    row["flags"] = rng.choice([0, 1, 1, 1])
+    row["status"] = row["flags"] and rng.choice([0, 1, 1])
+    row["bypass"] = 0
+    row["scale"] = rng.randint(0, 1)
+    return row
+
+
+def one_object(rng):
+    return {"registers": rng.choice([2, 4, 8, 16, 32, 64]), "bypass": rng.randint(0, 1), "flags": 1,
+            "writeback_stall": rng.randint(0, 1)}
+
+
+def draw(rng):
+    row = {"interleave": int(rng.random() < 0.85)}
+    row |= interleaved(rng) if row["interleave"] else one_object(rng)
+    row |= latencies(rng)
+    row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
+    row["program_words"] = rng.choice([64, 128, 256, 512, 1024])
+    return row
+
+
+def is_possible(row):
+    """What goes with what, the generator knows."""
+    try:
+        generate.check_configs(tomllib.loads(toml(row)), REGISTERS, POSITIONS)
+    except generate.Bad:
+        return False
+    return True
+
+
+def random_config(seed, number):
+    """As a table of configs.toml has it."""
+    rng = random.Random(f"{seed}/{number}")
+    name = {"name": f"random_{number}", "doc": f"Seed {seed}, number {number}."}
+    return next(row for row in (name | draw(rng) for _ in range(100)) if is_possible(row))
+
+
+def toml(row):
+    def text(value):
+        return f'"{value}"' if isinstance(value, str) else str(value)
+
+    return DEFAULT + "[[config]]\n" + "".join(f"{key} = {text(value)}\n" for key, value in row.items())
+
+
+# ---- a build ------------------------------------------------------------------------------------
+
+def run(*command, timeout=600):
+    done = subprocess.run([str(x) for x in command], capture_output=True, text=True, timeout=timeout)
+    if done.returncode:
+        raise Failed(" ".join(str(x) for x in command) + f"\nended with {done.returncode}\n" + done.stdout + done.stderr)
+    return done.stdout
+
+
+def sources(patterns):
+    return [path for pattern in patterns for path in sorted(ROOT.glob(pattern))]
+
+
+def includes(tree):
+    return [f"-I{path}" for path in (tree / "sw/gen", ROOT / "sw/include", ROOT / "sw", ROOT / "sim")]
+
+
+def compile_c(path, tree, to):
+    target = to / (path.stem + ".o")
+    run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", target, path)
+    return target
+
+
+def make_tree(row, tree):
+    """The project's rtl/ and isa/ by links, configs.toml and the generated files anew."""
+    (tree / "isa").mkdir(parents=True)
+    (tree / "rtl").mkdir()
+    for path in ROOT.glob("rtl/*"):
+        if path.name not in ("gen", "fp3.core"):
+            (tree / "rtl" / path.name).symlink_to(path)
+    for name in ("isa.toml", "registers.toml"):
+        (tree / "isa" / name).symlink_to(ROOT / "isa" / name)
+    (tree / "isa/configs.toml").write_text(toml(row))
+    for name, text in generate.outputs(tree).items():
+        path = tree / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+def verilator_root():
+    return pathlib.Path(run("verilator", "--getenv", "VERILATOR_ROOT").strip()) / "include"
+
+
+def make_model(name, tree):
+    top, rtl = f"fp3_{name}", tree / "rtl"
+    run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, "-y", rtl / "lib", "+libext+.v", "-DFP3_CHECK",
+        "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
+        "--top-module", top, "--Mdir", tree / "model", rtl / f"gen/{top}.v")
+    run("make", "-s", "-C", tree / "model", "-f", f"V{top}.mk", "OPT_FAST=-O1", "OPT_SLOW=-O0", f"V{top}__ALL.a")
+    include = verilator_root()
+    run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-isystem", tree / "model", "-isystem", include,
+        "-isystem", include / "vltstd", "-c", "-o", tree / "shim.o", ROOT / "sim/fp3_shim.cpp")
+    return [tree / "shim.o", tree / f"model/V{top}__ALL.a"]
+
+
+def make_common(tree):
+    """What all configurations share; registers.h and isa.h do not depend on them."""
+    make_tree(random_config(0, 0), tree)
+    objects = {path.stem: compile_c(path, tree, tree) for path in sources(COMMON)}
+    include = verilator_root()
+    for name in ("verilated", "verilated_threads"):
+        objects[name] = tree / f"{name}.o"
+        run("g++", "-std=c++17", "-O1", "-w", "-isystem", include, "-isystem", include / "vltstd", "-c", "-o", objects[name],
+            include / f"{name}.cpp")
+    return objects
+
+
+def build(row, tree, common):
+    make_tree(row, tree)
+    own = {path.stem: compile_c(path, tree, tree) for path in sources(OWN)}
+    model = make_model(row["name"], tree)
+    objects = {**common, **own}
+    library = [path for name, path in objects.items() if name not in TESTS]
+    for name in TESTS:
+        run("g++", "-o", tree / name, objects[name], *library, *model, *LIBS)
+
+
+def test(row, tree, seed, instructions):
+    """What the last line of the random programs says."""
+    out = run(tree / "random_stream", "--instructions", instructions, "--seed", 1 + 1000000 * seed)
+    run(tree / "host_port")
+    run(tree / "different_programs", seed + 1, 10)
+    return re.search(r": (\d+ instructions)", out)[1]
+
+
+# ---- many of them -------------------------------------------------------------------------------
+
+def one(args, number, scratch, common):
+    """None, or what went wrong."""
+    row = random_config(args.seed, number)
+    tree, begin = scratch / row["name"], time.monotonic()
+    what = " ".join(f"{key}={value}" for key, value in row.items() if key not in ("name", "doc"))
+    try:
+        build(row, tree, common)
+        told = test(row, tree, args.seed + number, args.instructions)
+    except (Failed, generate.Bad, subprocess.TimeoutExpired) as error:
+        return f"FAIL number {number}: {what}\n{error}\n  again: tools/random_configs.py --seed {args.seed} --only {number} --keep DIR"
+    if not args.keep:
+        shutil.rmtree(tree)
+    print(f"{number}: {what}: {told} agree, {time.monotonic() - begin:.0f} s", flush=True)
+    return None
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=200, help="how many (200)")
+    parser.add_argument("--seed", type=int, default=1, help="of all of them (1)")
+    parser.add_argument("--jobs", type=int, default=2, help="at a time (2)")
+    parser.add_argument("--instructions", type=int, default=30000, help="of random programs, at least, in each (30000)")
+    parser.add_argument("--only", type=int, help="the number of one configuration")
+    parser.add_argument("--keep", type=pathlib.Path, help="an empty directory for all that is built")
+    return parser.parse_args()
+
+
+def main():
+    args = parse()
+    scratch = args.keep or pathlib.Path(tempfile.mkdtemp(prefix="fp3-random-"))
+    numbers = range(args.count) if args.only is None else [args.only]
+    failed = 0
+    try:
+        common = make_common(scratch / "common")
+        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+            for wrong in pool.map(lambda number: one(args, number, scratch, common), numbers):
+                if wrong:
+                    failed += 1
+                    print(wrong, flush=True)
+    except Failed as error:
+        sys.exit(f"random_configs.py: {error}")
+    finally:
+        if not args.keep:
+            shutil.rmtree(scratch)
+    print(f"{len(numbers)} configurations, {failed} failed")
+    sys.exit(failed != 0)
+
+
+if __name__ == "__main__":
+    main()
