@@ -99,6 +99,9 @@ module fp3 #(
         if (INTERLEAVE != 0 && (STORE_WORDS != 1 << $clog2(STORE_WORDS) || STORE_WORDS < 16 || STORE_WORDS < REGISTERS)) begin : g_store
             STORE_WORDS_must_be_a_power_of_two_at_least_16_and_REGISTERS u_error ();
         end
+        if (INTERLEAVE != 0 && STORE_WORDS < 8 * CONTEXTS) begin : g_records
+            STORE_WORDS_must_be_at_least_8_times_CONTEXTS u_error ();
+        end
         if (SCHEDULERS < 1 || SCHEDULERS > 8 || LANES < 1 || LANES > 64 || N > 64 || (SCHEDULERS > 1 && LANES > 1)) begin : g_array
             SCHEDULERS_must_be_1_to_8_or_LANES_1_to_64 u_error ();
         end

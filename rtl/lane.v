@@ -88,11 +88,11 @@ module lane #(
     end
     assign {issue_o, retire_o, host_o, data_o} = {issue_q, retire_q, host_q, data_q};
 
-    wire                  subtract, twice, half, one, zero, st;
+    wire                  subtract, twice, half, one, zero, st, st_lasts;
     wire [CONTEXT_W-1:0]  st_context;
     wire [REGISTER_W-1:0] st_register;
     wire [REG_W-1:0]      x_register, y_register, z_register;
-    assign {subtract, twice, half, one, zero, st, st_context, st_register, x_register, y_register, z_register} = issue_q;
+    assign {subtract, twice, half, one, zero, st, st_lasts, st_context, st_register, x_register, y_register, z_register} = issue_q;
 
     wire               host, host_write;
     wire [2:0]         host_kind;
@@ -174,7 +174,7 @@ module lane #(
 
     // Whose turn it is -----------------------------------------------------------------------------
     wire [ROW_W-1:0] row_3, row_late, st_row;
-    wire             executed, sleeps, st_absent, asleep;
+    wire             executed, sleeps, st_absent, st_asleep, asleep;
     wire [31:0]      stored_0;                 // the store's word
     reg              nonzero_q;                // V+1
     always @(posedge clk_i) nonzero_q <= |stored_0;
@@ -185,24 +185,24 @@ module lane #(
         .context_1_i(context_1), .valid_i(valid_0), .begins_i(begins_0), .ends_i(ends_0),
         .lasts_i(lasts_0), .lds_i(lds_0), .sleep_i(sleep_0), .context_i(context_0),
         .less_i(less_0), .executed_o(executed), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
-        .st_context_i(st_context), .st_row_o(st_row), .st_absent_o(st_absent),
+        .st_context_i(st_context), .st_row_o(st_row), .st_absent_o(st_absent), .st_asleep_o(st_asleep),
         .host_count_i(mine_write && host_kind == HOST_AWAKE),
         .host_wake_i(mine_write && host_kind == HOST_WAKE),
         .host_data_i(data_q[ROW_W:0]), .count_o(count));
 
     // The store: written in cycle 4 ------------------------------------------------------------------
-    wire                  st_2;
+    wire                  st_2, st_lasts_2;
     wire [REGISTER_W-1:0] st_register_2;
     reg                   st_q, store_write_q;
     reg  [STORE_W-1:0]    st_address_q, store_write_address_q, store_read_address_q;
     reg  [31:0]           store_write_value_q;
     wire [STORE_W-1:0]    st_base = {st_row, 3'd0} << record;
     wire [STORE_W-1:0]    base    = {row_3, 3'd0} << record;
-    delay #(.W(1+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({st, st_register}),
-        .q_o({st_2, st_register_2}));
+    delay #(.W(2+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({st, st_lasts, st_register}),
+        .q_o({st_2, st_lasts_2, st_register_2}));
     wire host_store = mine_write && host_kind == HOST_OBJECT;
     always @(posedge clk_i) begin
-        st_q         <= !rst_i && st_2 && !st_absent;
+        st_q         <= !rst_i && st_2 && !st_absent && !(st_asleep && !st_lasts_2);
         st_address_q <= st_base | {{STORE_W-REGISTER_W{1'b0}}, st_register_2};
         store_write_q         <= !rst_i && (st_q || host_store);
         store_write_address_q <= host ? host_address : st_address_q;

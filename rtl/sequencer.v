@@ -103,9 +103,14 @@ module sequencer #(
     wire                issuing;       // something is left to issue
     wire                over  = aborted_q || left_q == 32'd0 || count_i == {ROW_W+1{1'b0}};
     wire                open  = state_q == OPEN;
-    reg                 stop_q, illegal_q;
+    // A stop waits for the end of a last part that has begun: no object is stored by halves.
+    reg                 stopping_q, stop_q, illegal_q;
+    wire                storing;
     wire                abort = stop_q || illegal_q;
-    always @(posedge clk_i) stop_q <= stop_i && !rst_i;
+    always @(posedge clk_i) begin
+        stopping_q <= !rst_i && running_o && !stop_q && (stop_i || stopping_q);
+        stop_q     <= !rst_i && running_o && !stop_q && (stop_i || stopping_q) && !storing;
+    end
 
     always @(posedge clk_i)
         if (rst_i) begin
@@ -269,6 +274,7 @@ module sequencer #(
         end else if (s_issue) s_first_q <= 1'b0;
     end
     assign issuing = !fetch_empty || d_valid_q || s_busy;
+    assign storing = (d_valid_q && d_marks_q[0]) || (s_busy && s_marks_q[0]);
 
     wire legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half;
     wire [REGISTER_W-1:0] d;
@@ -319,7 +325,7 @@ module sequencer #(
     wire o_lds, o_sleep, o_load, o_arithmetic, o_st, o_subtract, o_begins, o_ends, o_newstep, o_lasts;
     assign {o_lds, o_sleep, o_load, o_arithmetic, o_st, o_subtract} = o_kind_q;
     assign {o_begins, o_ends, o_newstep, o_lasts} = o_marks_q;
-    assign issue_o = {o_subtract, o_twice_q, o_half_q, o_one_q, o_zero_q, o_st, o_context, o_d_q,
+    assign issue_o = {o_subtract, o_twice_q, o_half_q, o_one_q, o_zero_q, o_st, o_lasts, o_context, o_d_q,
                       o_x_q[REGISTER_W] ? SHARED : o_context, o_x_q[REGISTER_W-1:0],
                       o_y_q[REGISTER_W] ? SHARED : o_context, o_y_q[REGISTER_W-1:0],
                       o_z_q[REGISTER_W] ? SHARED : o_context, o_z_q[REGISTER_W-1:0]};

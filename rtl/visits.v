@@ -46,6 +46,7 @@ module visits #(
     input  wire [CONTEXT_W-1:0] st_context_i,
     output wire [ROW_W-1:0]     st_row_o,       // two cycles later
     output wire                 st_absent_o,    // likewise: no object
+    output wire                 st_asleep_o,    // it fell asleep in this visit
     // The host
     input  wire                 host_count_i,   // set the count; with SLEEP: to 0
     input  wire                 host_wake_i,    // one more
@@ -118,15 +119,16 @@ module visits #(
     // Whether there is one, and whether it sleeps -----------------------------------------------
     reg                  state_write_q, state_absent_q, state_asleep_q;   // V+2
     reg  [CONTEXT_W-1:0] state_context_q;
-    wire                 absent_1, asleep_1, st_absent;
-    reg                  absent_q, asleep_q, st_absent_q;
+    wire                 absent_1, asleep_1, st_absent, st_asleep;
+    reg                  absent_q, asleep_q, st_absent_q, st_asleep_q;
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(2)) u_state (.clk_i(clk_i),
         .write_i(state_write_q), .write_addr_i(state_context_q),
         .write_value_i({state_absent_q, state_asleep_q}),
         .read_addr_i(context_1_i), .read_value_o({absent_1, asleep_1}));
-    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(1)) u_st_state (.clk_i(clk_i),
-        .write_i(state_write_q), .write_addr_i(state_context_q), .write_value_i(state_absent_q),
-        .read_addr_i(st_context_q), .read_value_o(st_absent));
+    lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(2)) u_st_state (.clk_i(clk_i),
+        .write_i(state_write_q), .write_addr_i(state_context_q),
+        .write_value_i({state_absent_q, state_asleep_q}),
+        .read_addr_i(st_context_q), .read_value_o({st_absent, st_asleep}));
 
     wire present_0;
     delay #(.W(1), .N(6)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_0));
@@ -150,7 +152,7 @@ module visits #(
 
     always @(posedge clk_i) begin
         {absent_q, asleep_q} <= {absent_1, asleep_1};
-        st_absent_q          <= st_absent;
+        {st_absent_q, st_asleep_q} <= {st_absent, st_asleep};
         state_write_q        <= !rst_i && changes_q;
         state_context_q      <= context_q;
         state_absent_q       <= absent_d;
@@ -161,6 +163,6 @@ module visits #(
     assign executed_o  = executed;
     assign sleeps_o    = sleeps;
     assign asleep_o    = state_absent_q || state_asleep_q;
-    assign st_absent_o = st_absent_q;
+    assign {st_absent_o, st_asleep_o} = {st_absent_q, st_asleep_q};
 endmodule
 `default_nettype wire

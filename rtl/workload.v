@@ -72,7 +72,7 @@ module workload #(
     localparam ROW_W      = STORE_W - 3;
     localparam LANE_W     = LANES > 1 ? $clog2(LANES) : 1;
     localparam REG_W      = CONTEXT_W + REGISTER_W;
-    localparam ISSUE_W    = 6 + REG_W + 3*REG_W;
+    localparam ISSUE_W    = 7 + REG_W + 3*REG_W;
     localparam RETIRE_W   = 12 + REG_W;
     localparam HOST_W     = 5 + LANE_W + STORE_W;
 

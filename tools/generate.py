@@ -244,6 +244,8 @@ def check_organisation(row, file, where, words):
              f"{where}: store_words = {row['store_words']} holds no object of {row['registers']} registers, or less than two")
         need(row["add_latency"] + row["mul_latency"] >= 3, file,
              f"{where}: add_latency + mul_latency must be at least 3 where contexts are interleaved")
+        need(row["store_words"] >= 8 * row["contexts"], file,
+             f"{where}: store_words = {row['store_words']} has no room for an object in each of {row['contexts']} contexts")
         need(row["store_words"] * row["lanes"] <= words, file,
              f"{where}: store_words * lanes = {row['store_words'] * row['lanes']} is more than the {words} that have an address")
         need(not row["bypass"] and not row["writeback_stall"], file,

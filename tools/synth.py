@@ -104,7 +104,7 @@ def lane(row):
     """One lane and its arithmetic; widths as in rtl/workload.v."""
     register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
     reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
-    issue_w, retire_w, host_w = 6 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
+    issue_w, retire_w, host_w = 7 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
     arith = ", ".join(f".{key.upper()}({row[key]})" for key in
                       ("subnormal", "nearest", "add_latency", "mul_latency", "add_cuts", "mul_cuts"))
     ports = [("issue", issue_w), ("retire", retire_w), ("host", host_w), ("data", 32), ("count", store_w - 2),
