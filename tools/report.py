@@ -119,14 +119,15 @@ def organisations(synth, runs):
     """Processors for many objects: what a configuration costs and gives, and what of it a thousand LUTs give."""
     rows = []
     for row in synth:
-        if row["top"] != "fp3" or row["grade"] != 6 or not any(
-                run["config"] == row["config"] and run["objects"] > 1 for run in runs):
+        cycles = min((run["cycles_per_object_step"] for run in runs
+                      if run["config"] == row["config"] and run["objects"] > 1), default=None)
+        if row["top"] != "fp3" or row["grade"] != 6 or cycles is None:
             continue
         other = find(synth, "synth.json", top="fp3", config=row["config"], grade=8)
-        speed = row["object_steps_per_second"], other["object_steps_per_second"]
+        speed = row["fmax_best"] * 1e6 / cycles, other["fmax_best"] * 1e6 / cycles
         rows.append([f"`{row['config']}`", number(row["lut4"]), number(row["comb"]), number(row["ff"]), row["dsp"], row["ebr"],
                      f"{row['fmax_best']:.1f} / {other['fmax_best']:.1f}", len(row["seeds"]),
-                     number(row["latency_ns"] * row["fmax_best"] / 1000, 2),
+                     number(cycles, 2),
                      *(number(s / 1e6, 1) for s in speed), number(speed[0] / row["lut4"] / 1e3, 2),
                      number(speed[0] / row["dsp"] / 1e6, 2)])
     return table(["configuration", "LUT4", "cells", "FF", "DSP", "EBR", "best MHz, grade 6 / 8", "of seeds", "cycles per object-step",
@@ -210,7 +211,7 @@ def main():
 # Results
 
 Cycles are exact and the same on every machine. Clock rates are post-route on {fields['device']} (CABGA381), by
-yosys and nextpnr-ecp5 in the versions that `make setup-fpga` pins, seeds {', '.join(map(str, fields['seeds']))} (large ones only the first), operand register to
+yosys and nextpnr-ecp5 in the versions that `make setup-fpga` pins, seeds {', '.join(map(str, fields['seeds']))} (some only the first), operand register to
 result register for a core, whole processor otherwise. LUT4 counts logic alone; cells what nextpnr places (TRELLIS_COMB):
 logic, two for each carry cell, distributed RAM. Nanoseconds are cycles divided by clock rate.
 
