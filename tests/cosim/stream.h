@@ -106,10 +106,8 @@ static inline uint32_t legal_word(chance *c, stream *s, uint32_t index) {
             return stream_word(FP3_OP_LDS, (uint32_t)s->slept, 0, 0, 0);
         if (is_first && below(c, 2))
             return load_word(c, s);
-        /* A store of the step part is for programs that never sleep: it asks only whether the object
-         * is absent. */
         if (!is_first && s->illegal == NOWHERE && below(c, is_last ? 2 : 20) == 0)
-            return is_last || (s->slept < 0 && below(c, 2)) ? store_word(c, s) : load_word(c, s);
+            return is_last || below(c, 2) ? store_word(c, s) : load_word(c, s);
     }
     if (s->slept >= 0 && below(c, s->count) == 0)
         return sleep_word(c, s, is_last);
