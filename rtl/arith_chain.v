@@ -1,7 +1,8 @@
 // arith_chain: d = z + x * y or z - x * y, multiplied, rounded, added, rounded.
 //
 // Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go
-//           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1.
+//           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1. What fp_value makes
+//           of z, x and y is added to -0.
 // Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle.
 // Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
 // Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
@@ -11,6 +12,8 @@
 //     // sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000, no flag
 `default_nettype none
 module arith_chain #(
+    parameter        SELECT      = 0,      // see fp_value
+    parameter        ESTIMATE    = 0,
     parameter        SUBNORMAL   = 1,      // see fp_add, fp_mul
     parameter        NEAREST     = 1,
     parameter        ADD_LATENCY = 8,      // at least the cuts + 1; more are plain registers
@@ -20,6 +23,7 @@ module arith_chain #(
 ) (
     input  wire        clk_i,
     input  wire        subtract_i,         // 1: z - x * y
+    input  wire [3:0]  kind_i,             // value.vh: of z, x, and of whether y is 0
     input  wire [31:0] x_i,
     input  wire [31:0] y_i,
     input  wire [31:0] z_i,
@@ -44,18 +48,25 @@ module arith_chain #(
         end
     endgenerate
 
-    wire [31:0] product, product_q;
-    wire [4:0]  product_flags, product_flags_q;
+    wire        alone;                     // no product in the next cycle
+    wire [31:0] product, product_late;
+    wire [4:0]  product_flags, product_flags_late;
+    reg  [31:0] product_q;
+    reg  [4:0]  product_flags_q;
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (
         .clk_i(clk_i), .a_i(x_i), .b_i(y_i), .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({product_flags, product}), .q_o({product_flags_q, product_q}));
+    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS) - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
+    always @(posedge clk_i)
+        if (alone) {product_flags_q, product_q} <= {5'd0, 32'h80000000};
+        else       {product_flags_q, product_q} <= {product_flags_late, product_late};
 
     // What the adder needs besides waits for the product.
     wire        subtract;
     wire [31:0] z;
-    delay #(.W(33), .N(MUL_LATENCY)) u_z (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({subtract_i, z_i}), .q_o({subtract, z}));
+    delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(subtract_i), .q_o(subtract));
+    fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_z (.clk_i(clk_i),
+        .kind_i(kind_i), .a_i(z_i), .b_i(x_i), .true_i(|y_i[30:0]), .z_o(z), .alone_o(alone));
 
     wire [31:0] sum;
     wire [4:0]  sum_flags, sum_flags_q, earlier_flags;

@@ -15,6 +15,8 @@
 module arith_shared #(
     parameter        N           = 2,  // schedulers
     parameter        SCALE       = 0,  // a sum may take 2 * x, or x / 2
+    parameter        SELECT      = 0,  // see fp_value
+    parameter        ESTIMATE    = 0,
     parameter        SUBNORMAL   = 1,
     parameter        NEAREST     = 1,
     parameter        ADD_LATENCY = 1,  // at least the cuts + 1
@@ -29,12 +31,14 @@ module arith_shared #(
     input  wire [N-1:0]    subtract_i,
     input  wire [N-1:0]    twice_i,    // z +/- 2 * x, z +/- x / 2: rounded as a product would be
     input  wire [N-1:0]    half_i,
+    input  wire [4*N-1:0]  kind_i,     // value.vh: of z, x, and of whether y is 0; then z takes -0
     input  wire [32*N-1:0] x_i,
     input  wire [32*N-1:0] y_i,
     input  wire [32*N-1:0] z_i,
     output wire [32*N-1:0] value_o,
     output wire [5*N-1:0]  flags_o
 );
+`include "value.vh"
     function integer ones(input [6:0] mask);
         integer i;
         begin
@@ -45,10 +49,11 @@ module arith_shared #(
 
     // The operands of those who were granted a unit
     reg  [31:0] mul_x, mul_y, add_x, add_z;
-    reg         subtract, twice, half;
+    reg         subtract, twice, half, true;
+    reg  [3:0]  kind;
     integer     k;
     always @* begin
-        {mul_x, mul_y, add_x, add_z, subtract, twice, half} = 131'd0;
+        {mul_x, mul_y, add_x, add_z, subtract, twice, half, true, kind} = 136'd0;
         for (k = 0; k < N; k = k + 1) begin
             mul_x    = mul_x | (x_i[32*k +: 32] & {32{muls_i[k]}});
             mul_y    = mul_y | (y_i[32*k +: 32] & {32{muls_i[k]}});
@@ -57,17 +62,23 @@ module arith_shared #(
             subtract = subtract | (subtract_i[k] & adds_i[k]);
             twice    = twice | (twice_i[k] & adds_i[k]);
             half     = half | (half_i[k] & adds_i[k]);
+            true     = true | (|y_i[32*k +: 31] & adds_i[k]);
+            kind     = kind | (kind_i[4*k +: 4] & {4{adds_i[k]}});
         end
     end
     reg  [31:0] mul_x_q, mul_y_q, add_x_q, add_z_q;
-    reg         subtract_q, chain_q, twice_q, half_q;
+    reg         subtract_q, chain_q, twice_q, half_q, true_q;
+    reg  [3:0]  kind_q;
     always @(posedge clk_i) begin
         {mul_x_q, mul_y_q, add_x_q, add_z_q} <= {mul_x, mul_y, add_x, add_z};
         {subtract_q, chain_q, twice_q, half_q} <= {subtract, |(adds_i & muls_i), twice, half};
+        {true_q, kind_q} <= {true, kind};
     end
 
     // Beside the multiplier
     wire [31:0] scaled, x_late, z_late;
+    wire [31:0] x_beside = kind_q != VALUE_PLAIN ? 32'h80000000 : scaled;
+    wire        unused_alone;
     wire [4:0]  scale_flags, scale_flags_late;
     wire        subtract_late, chain_late;
     generate
@@ -79,9 +90,10 @@ module arith_shared #(
             assign {scaled, scale_flags} = {add_x_q, 5'd0};
         end
     endgenerate
-    delay #(.W(66), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({scaled, add_z_q, subtract_q, chain_q}),
-        .q_o({x_late, z_late, subtract_late, chain_late}));
+    delay #(.W(34), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({x_beside, subtract_q, chain_q}), .q_o({x_late, subtract_late, chain_late}));
+    fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_z (.clk_i(clk_i),
+        .kind_i(kind_q), .a_i(add_z_q), .b_i(add_x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
     delay #(.W(5), .N(MUL_LATENCY + ADD_LATENCY)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0),
         .d_i(scale_flags), .q_o(scale_flags_late));
 

@@ -14,6 +14,8 @@
 `default_nettype none
 module arith_unit #(
     parameter        CHAIN       = 1,  // multiply-add by chaining: two roundings
+    parameter        SELECT      = 0,  // see fp_value; they go the way of a chain
+    parameter        ESTIMATE    = 0,
     parameter        SUBNORMAL   = 1,  // see fp_add, fp_mul
     parameter        NEAREST     = 1,
     parameter        ADD_LATENCY = 1,  // at least the cuts + 1; more are plain registers
@@ -26,6 +28,7 @@ module arith_unit #(
     // Operands
     input  wire        chain_i,        // the product goes on to the adder: c +/- a * b
     input  wire        subtract_i,
+    input  wire [3:0]  kind_i,         // value.vh: of c, b, and of whether a is 0; chain_i is 1 then
     input  wire [31:0] add_a_i,
     input  wire [31:0] add_b_i,
     input  wire [31:0] mul_a_i,
@@ -61,26 +64,30 @@ module arith_unit #(
     wire        chain_subtract;
     wire [31:0] chain_c;
     wire [4:0]  chain_flags;
+    wire        alone;                 // no product in the next cycle
     generate
-        if (CHAIN != 0) begin : g_chain
+        if (CHAIN != 0 || ESTIMATE != 0) begin : g_chain
             wire soon;
             delay #(.W(1), .N(MUL_LATENCY-1)) u_soon (.clk_i(clk_i), .rst_i(rst_i),
                 .d_i(chain_i), .q_o(soon));
             delay #(.W(1), .N(1)) u_chained (.clk_i(clk_i), .rst_i(rst_i),
                 .d_i(soon), .q_o(chained));
-            delay #(.W(33), .N(MUL_LATENCY)) u_c (.clk_i(clk_i), .rst_i(1'b0),
-                .d_i({subtract_i, mul_c_i}), .q_o({chain_subtract, chain_c}));
+            delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i(subtract_i), .q_o(chain_subtract));
+            fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_c (.clk_i(clk_i),
+                .kind_i(kind_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
+                .z_o(chain_c), .alone_o(alone));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
-            wire unused = |{chain_i, mul_c_i, rst_i};
-            assign {chain_soon_o, chained, chain_subtract, chain_c, chain_flags} = 40'd0;
+            wire unused = |{chain_i, kind_i, mul_c_i, rst_i};
+            assign {chain_soon_o, chained, chain_subtract, chain_c, chain_flags, alone} = 41'd0;
         end
     endgenerate
 
-    wire [31:0] sum, product;
-    wire [4:0]  sum_flags, product_flags, add_flags;
+    wire [31:0] sum, product, product_late;
+    wire [4:0]  sum_flags, product_flags, product_flags_late, add_flags;
 
     fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
         .clk_i(clk_i),
@@ -97,7 +104,13 @@ module arith_unit #(
         .a_i(mul_a_i),
         .b_i(mul_b_i),
         .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({product_flags, product}), .q_o({mul_flags_o, mul_value_o}));
+    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS) - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
+    reg [31:0] product_q;
+    reg [4:0]  product_flags_q;
+    always @(posedge clk_i)
+        if (alone) {product_flags_q, product_q} <= {5'd0, 32'h80000000};
+        else       {product_flags_q, product_q} <= {product_flags_late, product_late};
+    assign {mul_flags_o, mul_value_o} = {product_flags_q, product_q};
 endmodule
 `default_nettype wire

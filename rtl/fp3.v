@@ -18,12 +18,14 @@ module fp3 #(
     parameter LANES           = 1,     // INTERLEAVE: of a scheduler, if that has the tile for itself: 1 .. 64
     parameter REGISTERS       = 32,    // object registers per context, and as many constants: 2, 4 .. 64
     parameter CONTEXTS        = 1,     // INTERLEAVE: objects in flight in each lane: 1 .. 64
-    parameter PROGRAM_WORDS   = 512,   // instruction memory: 2, 4 .. 1024
+    parameter PROGRAM_WORDS   = 512,   // instruction memory: 2, 4 .. 8192
     parameter STORE_WORDS     = 0,     // INTERLEAVE: object store of a lane, a power of two, at least 16
     parameter BYPASS          = 1,     // not INTERLEAVE: results go straight to a waiting operand
     parameter WRITEBACK_STALL = 0,     // not INTERLEAVE: no issue in a cycle in which a result is written
     parameter CHAIN           = 1,     // madd and msub
     parameter SCALE           = 0,     // INTERLEAVE: addh, subh, addt, subt
+    parameter SELECT          = 0,     // min, max, abs, lt, le, sel
+    parameter ESTIMATE        = 0,     // rcp, rsqrt
     parameter SLEEP           = 0,     // INTERLEAVE: sleep and lds
     parameter FLAGS           = 1,     // exceptions are flagged
     parameter STATUS          = 0,     // INTERLEAVE: for each object, too
@@ -72,6 +74,8 @@ module fp3 #(
         | (SLEEP           != 0 ? 32'd1 << FEATURES_SLEEP_LO           : 32'd0)
         | (FLAGS           != 0 ? 32'd1 << FEATURES_FLAGS_LO           : 32'd0)
         | (SCALE           != 0 ? 32'd1 << FEATURES_SCALE_LO           : 32'd0)
+        | (SELECT          != 0 ? 32'd1 << FEATURES_SELECT_LO          : 32'd0)
+        | (ESTIMATE        != 0 ? 32'd1 << FEATURES_ESTIMATE_LO        : 32'd0)
         | (STATUS          != 0 ? 32'd1 << FEATURES_STATUS_LO          : 32'd0)
         | {24'd0, ADD_LATENCY_8} << FEATURES_ADD_LATENCY_LO
         | {24'd0, MUL_LATENCY_8} << FEATURES_MUL_LATENCY_LO;
@@ -84,8 +88,11 @@ module fp3 #(
         if (REGISTERS != 1 << $clog2(REGISTERS) || REGISTERS < 2 || REGISTERS > 64) begin : g_registers
             REGISTERS_must_be_a_power_of_two_from_2_to_64 u_error ();
         end
-        if (PROGRAM_WORDS != 1 << $clog2(PROGRAM_WORDS) || PROGRAM_WORDS < 2 || PROGRAM_WORDS > 1024) begin : g_program
-            PROGRAM_WORDS_must_be_a_power_of_two_from_2_to_1024 u_error ();
+        if (PROGRAM_WORDS != 1 << $clog2(PROGRAM_WORDS) || PROGRAM_WORDS < 2 || PROGRAM_WORDS > 8192) begin : g_program
+            PROGRAM_WORDS_must_be_a_power_of_two_from_2_to_8192 u_error ();
+        end
+        if (SELECT != 0 && CHAIN == 0) begin : g_select
+            SELECT_needs_CHAIN u_error ();
         end
         if (CONTEXTS < 1 || CONTEXTS > 64) begin : g_contexts
             CONTEXTS_must_be_1_to_64 u_error ();
@@ -132,8 +139,8 @@ module fp3 #(
         if (INTERLEAVE == 0) begin : g_one
             assign {issue_context_o, retire_context_o, retire_object_o} = 64'd0;
             solo #(.REGISTERS(REGISTERS), .PROGRAM_WORDS(PROGRAM_WORDS), .BYPASS(BYPASS),
-                   .WRITEBACK_STALL(WRITEBACK_STALL), .CHAIN(CHAIN), .FLAGS(FLAGS), .SUBNORMAL(SUBNORMAL),
-                   .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
+                   .WRITEBACK_STALL(WRITEBACK_STALL), .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .FLAGS(FLAGS),
+                   .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
                    .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_solo (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid[0]), .req_ready_o(req_ready[0]), .req_write_i(req_write), .req_addr_i(req_addr),
@@ -146,8 +153,8 @@ module fp3 #(
             localparam S = SCHEDULERS, L = SCHEDULERS * LANES;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.SCHEDULERS(SCHEDULERS), .LANES(LANES), .REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS),
-                       .PROGRAM_WORDS(PROGRAM_WORDS), .STORE_WORDS(STORE_WORDS), .CHAIN(CHAIN), .SCALE(SCALE), .SLEEP(SLEEP),
-                       .FLAGS(FLAGS), .STATUS(STATUS), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
+                       .PROGRAM_WORDS(PROGRAM_WORDS), .STORE_WORDS(STORE_WORDS), .CHAIN(CHAIN), .SCALE(SCALE),
+                       .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
                        .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS),
                        .FEATURES(FEATURES), .ARRAY(ARRAY)) u_tile (
                     .clk_i(clk_i), .rst_i(rst_i),

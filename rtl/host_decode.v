@@ -39,7 +39,7 @@ module host_decode #(
     wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
-    wire program_d   = low && addr_i[15:12] == ADDR_WINDOW_PROGRAM[15:12] && {22'd0, addr_i[11:2]} < PROGRAM_WORDS;
+    wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_WORDS;
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
     wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && index + 32'd1 <= LANES_32

@@ -58,6 +58,7 @@ module lane #(
     output wire                 subtract_o,
     output wire                 twice_o,        // what x is multiplied with, where y is not in the way
     output wire                 half_o,
+    output wire [3:0]           kind_o,         // value.vh: z is what it makes of z, x and y
     output wire [31:0]          x_o,
     output wire [31:0]          y_o,
     output wire [31:0]          z_o,
@@ -88,11 +89,12 @@ module lane #(
     end
     assign {issue_o, retire_o, host_o, data_o} = {issue_q, retire_q, host_q, data_q};
 
+    wire [3:0]            kind;
     wire                  subtract, twice, half, one, zero, st, st_lasts;
     wire [CONTEXT_W-1:0]  st_context;
     wire [REGISTER_W-1:0] st_register;
     wire [REG_W-1:0]      x_register, y_register, z_register;
-    assign {subtract, twice, half, one, zero, st, st_lasts, st_context, st_register, x_register, y_register, z_register} = issue_q;
+    assign {kind, subtract, twice, half, one, zero, st, st_lasts, st_context, st_register, x_register, y_register, z_register} = issue_q;
 
     wire               host, host_write;
     wire [2:0]         host_kind;
@@ -149,7 +151,7 @@ module lane #(
     delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({twice, half, one, zero}), .q_o({twice_2, half_2, one_2, zero_2}));
     delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_2, half_2}), .q_o({twice_o, half_o}));
-    delay #(.W(1), .N(3)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(subtract), .q_o(subtract_o));
+    delay #(.W(5), .N(3)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i({kind, subtract}), .q_o({kind_o, subtract_o}));
     always @(posedge clk_i) begin
         x_q <= x;
         if (one_2)  y_q <= {1'b0, twice_2, {6{!twice_2}}, !twice_2 && !half_2, 23'd0};

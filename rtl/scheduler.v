@@ -21,6 +21,8 @@ module scheduler #(
     parameter BYPASS          = 1,
     parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written (paper)
     parameter CHAIN           = 1,
+    parameter SELECT          = 0,
+    parameter ESTIMATE        = 0,
     parameter ADD_LATENCY     = 1,
     parameter MUL_LATENCY     = 1
 ) (
@@ -45,6 +47,7 @@ module scheduler #(
     // The arithmetic unit
     output wire                            chain_o,
     output wire                            subtract_o,
+    output wire [3:0]                      kind_o,          // value.vh
     output wire [31:0]                     a_o,
     output wire [31:0]                     b_o,
     output wire [31:0]                     c_o,
@@ -70,6 +73,7 @@ module scheduler #(
     output wire [31:0]                     retire_value_o,
     output wire [4:0]                      retire_flags_o
 );
+`include "value.vh"
     localparam REG_W = 1 + REGISTER_W;
 
     // Fetch and decode ------------------------------------------------------------------------
@@ -89,7 +93,7 @@ module scheduler #(
         .begins_o(unused_fetch[3]), .ends_o(unused_fetch[2]), .steps_o(unused_fetch[1]), .lasts_o(unused_fetch[0]),
         .empty_o(fetch_empty));
 
-    localparam DECODED_W = 5 + REGISTER_W + 3*(REGISTER_W+1);
+    localparam DECODED_W = 9 + REGISTER_W + 3*(REGISTER_W+1);
     wire [DECODED_W-1:0] decoded;
     wire [5:0]           unused_decode;
     reg  [DECODED_W-1:0] decoded_q;
@@ -97,12 +101,13 @@ module scheduler #(
     reg  [PROGRAM_W-1:0] pc_q;
     reg  [31:0]          word_q;
 
-    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN)) u_decode (
+    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE)) u_decode (
         .word_i(fetch_word),
         .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
         .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
         .to_sleep_o(unused_decode[3]), .to_memory_o(unused_decode[2]), .st_o(unused_decode[1]),
-        .lds_o(unused_decode[0]), .twice_o(unused_decode[4]), .half_o(unused_decode[5]), .subtract_o(decoded[DECODED_W-5]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
+        .lds_o(unused_decode[0]), .twice_o(unused_decode[4]), .half_o(unused_decode[5]), .subtract_o(decoded[DECODED_W-5]),
+        .kind_o(decoded[DECODED_W-6 -: 4]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
         .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
         .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
 
@@ -119,23 +124,29 @@ module scheduler #(
     wire legal, to_add, to_mul, to_chain, subtract;
     wire [REGISTER_W-1:0] d;
     wire [REGISTER_W:0]   a, b, c;
-    assign {legal, to_add, to_mul, to_chain, subtract, d, a, b, c} = decoded_q;
+    wire [3:0]            kind;
+    assign {legal, to_add, to_mul, to_chain, subtract, kind, d, a, b, c} = decoded_q;
+
+    // What fp_value makes reaches the adder where a product would.
+    wire value  = kind != VALUE_PLAIN;
+    wire sums   = to_add && !value;
+    wire chains = to_chain || value;
 
     // Issue -----------------------------------------------------------------------------------
     wire             blocked, taken, in_flight_none, write, write_mul;
     wire [REG_W-1:0] write_d;
     wire [1:0]       a_bypass, b_bypass, c_bypass;
 
-    wire unit_busy = to_add && chain_soon_i;
+    wire unit_busy = sums && chain_soon_i;
     wire port_busy = taken || (WRITEBACK_STALL != 0 && write);
     wire issue     = valid_q && legal && !blocked && !unit_busy && !port_busy && !stop_i;
     assign advance   = !valid_q || issue;
     assign illegal_o = valid_q && !legal;
 
-    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN != 0 || ESTIMATE != 0),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i),
-        .issue_i(issue), .to_add_i(to_add), .to_mul_i(to_mul), .to_chain_i(to_chain),
+        .issue_i(issue), .to_add_i(sums), .to_mul_i(to_mul), .to_chain_i(chains),
         .d_i({1'b0, d}), .a_i(a), .b_i(b), .c_i(c),
         .blocked_o(blocked), .taken_o(taken),
         .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
@@ -146,6 +157,7 @@ module scheduler #(
     wire [31:0] result = write_mul ? mul_value_i : add_value_i;
     reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
     reg         chain_q, subtract_q;
+    reg  [3:0]  kind_q;
 
     regfile #(.ADDR_W(REG_W)) u_regfile (
         .clk_i(clk_i),
@@ -161,11 +173,13 @@ module scheduler #(
         b_bypass_q <= b_bypass;
         c_bypass_q <= c_bypass;
         subtract_q <= subtract;
-        chain_q    <= !rst_i && issue && to_chain;
+        chain_q    <= !rst_i && issue && chains;
+        kind_q     <= kind;
     end
 
     assign chain_o    = chain_q;
     assign subtract_o = subtract_q;
+    assign kind_o     = kind_q;
     assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
     assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
     assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;

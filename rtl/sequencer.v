@@ -25,6 +25,8 @@ module sequencer #(
     parameter LANES      = 1,
     parameter CHAIN      = 1,
     parameter SCALE      = 0,
+    parameter SELECT     = 0,
+    parameter ESTIMATE   = 0,
     parameter SLEEP      = 1,
     parameter LATENCY    = 12,         // see lane
     parameter ISSUE_W    = 1,
@@ -80,6 +82,7 @@ module sequencer #(
     output wire [CONTEXT_W-1:0] trace_context_o,
     output wire [31:0]          trace_word_o
 );
+`include "value.vh"
     localparam ROW_W  = STORE_W - 3;
     localparam GAP    = LATENCY + 5;
     localparam GAP_W  = $clog2(GAP + CONTEXTS + 1);
@@ -163,14 +166,15 @@ module sequencer #(
         end
 
     // Decode, and which contexts the instruction is for ---------------------------------------------
-    localparam DECODED_W = 11 + REGISTER_W + 3*(REGISTER_W+1);
+    localparam DECODED_W = 15 + REGISTER_W + 3*(REGISTER_W+1);
     wire [DECODED_W-1:0] decoded;
-    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SCALE(SCALE), .SLEEP(SLEEP), .STORE(1)) u_decode (
+    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
+             .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .STORE(1)) u_decode (
         .word_i(fetch_word), .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
         .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
         .to_sleep_o(decoded[DECODED_W-5]), .to_memory_o(decoded[DECODED_W-6]),
         .subtract_o(decoded[DECODED_W-7]), .st_o(decoded[DECODED_W-8]), .lds_o(decoded[DECODED_W-9]),
-        .twice_o(decoded[DECODED_W-10]), .half_o(decoded[DECODED_W-11]),
+        .twice_o(decoded[DECODED_W-10]), .half_o(decoded[DECODED_W-11]), .kind_o(decoded[DECODED_W-12 -: 4]),
         .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]), .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
         .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
 
@@ -277,14 +281,17 @@ module sequencer #(
     assign storing = (d_valid_q && d_marks_q[0]) || (s_busy && s_marks_q[0]);
 
     wire legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half;
+    wire [3:0]            kind;
     wire [REGISTER_W-1:0] d;
     wire [REGISTER_W:0]   a, b, c;
-    assign {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half, d, a, b, c} = s_decoded_q;
+    assign {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half, kind, d, a, b, c} = s_decoded_q;
+    wire value = kind != VALUE_PLAIN;
     assign adds_o = s_busy && (to_add || to_chain);
     assign muls_o = s_busy && (to_mul || to_chain);
     assign lasts_o = s_last;
 
     // To the lanes: x is b, y is a or what is stored, z is c or a ------------------------------------
+    reg  [3:0]           o_value_q;
     reg                  o_valid_q, o_first_q, o_batch_q;
     reg  [CONTEXTS-1:0]  o_current_q;
     reg  [3:0]           o_marks_q;
@@ -302,14 +309,15 @@ module sequencer #(
         o_marks_q   <= s_marks_q;
         o_kind_q    <= {lds, to_sleep, to_memory && !st, to_add || to_mul || to_chain, st, subtract}
                      & {6{s_issue && legal && !rst_i}};
-        o_one_q     <= to_add;
+        o_one_q     <= to_add && !value;
+        o_value_q   <= kind;
         o_zero_q    <= to_mul;
         o_twice_q   <= twice;
         o_half_q    <= half;
         o_d_q       <= d;
         o_x_q       <= b;
         o_y_q       <= st ? {1'b0, d} : a;
-        o_z_q       <= to_chain ? c : a;
+        o_z_q       <= to_chain || value ? c : a;
         o_pc_q      <= s_pc_q;
         o_word_q    <= s_word_q;
     end
@@ -325,7 +333,7 @@ module sequencer #(
     wire o_lds, o_sleep, o_load, o_arithmetic, o_st, o_subtract, o_begins, o_ends, o_newstep, o_lasts;
     assign {o_lds, o_sleep, o_load, o_arithmetic, o_st, o_subtract} = o_kind_q;
     assign {o_begins, o_ends, o_newstep, o_lasts} = o_marks_q;
-    assign issue_o = {o_subtract, o_twice_q, o_half_q, o_one_q, o_zero_q, o_st, o_lasts, o_context, o_d_q,
+    assign issue_o = {o_value_q, o_subtract, o_twice_q, o_half_q, o_one_q, o_zero_q, o_st, o_lasts, o_context, o_d_q,
                       o_x_q[REGISTER_W] ? SHARED : o_context, o_x_q[REGISTER_W-1:0],
                       o_y_q[REGISTER_W] ? SHARED : o_context, o_y_q[REGISTER_W-1:0],
                       o_z_q[REGISTER_W] ? SHARED : o_context, o_z_q[REGISTER_W-1:0]};

@@ -16,6 +16,8 @@ module solo #(
     parameter BYPASS          = 1,     // results go straight to a waiting operand
     parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written
     parameter CHAIN           = 1,     // madd and msub
+    parameter SELECT          = 0,     // min, max, abs, lt, le, sel
+    parameter ESTIMATE        = 0,     // rcp, rsqrt
     parameter FLAGS           = 1,
     parameter SUBNORMAL       = 1,
     parameter NEAREST         = 1,
@@ -68,6 +70,7 @@ module solo #(
     wire [3:0]                      counters_index;
     wire [63:0]                     counters_value;
     wire                            chain, chain_soon, subtract;
+    wire [3:0]                      value_kind;
     wire [31:0]                     a, b, c, add_value, mul_value;
     wire [4:0]                      add_flags, mul_flags, retire_flags;
 
@@ -88,7 +91,7 @@ module solo #(
         .counters_value_i(counters_value));
 
     scheduler #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .BYPASS(BYPASS), .WRITEBACK_STALL(WRITEBACK_STALL),
-                .CHAIN(CHAIN), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
+                .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .step_i(step), .step_end_i(step_end),
         .end_i(last_end), .running_o(running), .illegal_o(illegal),
@@ -96,7 +99,7 @@ module solo #(
         .host_program_addr_i(program_addr),
         .host_addr_i({kind == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
         .host_rdata_o(host_rdata),
-        .chain_o(chain), .subtract_o(subtract), .a_o(a), .b_o(b), .c_o(c),
+        .chain_o(chain), .subtract_o(subtract), .kind_o(value_kind), .a_o(a), .b_o(b), .c_o(c),
         .chain_soon_i(chain_soon), .add_value_i(add_value), .add_flags_i(add_flags),
         .mul_value_i(mul_value), .mul_flags_i(mul_flags),
         .issue_o(issue_valid_o), .issue_add_o(issue_add), .issue_mul_o(issue_mul),
@@ -107,11 +110,11 @@ module solo #(
         .retire_flags_o(retire_flags));
     assign retire_flags_o = FLAGS != 0 ? retire_flags : 5'd0;
 
-    arith_unit #(.CHAIN(CHAIN), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
+    arith_unit #(.CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
                  .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith_unit (
         .clk_i(clk_i), .rst_i(rst_i),
-        .chain_i(chain), .subtract_i(subtract), .add_a_i(a), .add_b_i(b),
+        .chain_i(chain), .subtract_i(subtract), .kind_i(value_kind), .add_a_i(a), .add_b_i(b),
         .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon),
         .add_value_o(add_value), .add_flags_o(add_flags),
         .mul_value_o(mul_value), .mul_flags_o(mul_flags));

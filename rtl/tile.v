@@ -19,6 +19,8 @@ module tile #(
     parameter STORE_WORDS   = 1024,
     parameter CHAIN         = 1,
     parameter SCALE         = 0,
+    parameter SELECT        = 0,
+    parameter ESTIMATE      = 0,
     parameter SLEEP         = 1,
     parameter FLAGS         = 1,
     parameter STATUS        = 1,
@@ -60,6 +62,7 @@ module tile #(
 
     wire [SCHEDULERS-1:0] adds, muls, lasts, grant;
     wire [N-1:0]          subtract, twice, half;
+    wire [4*N-1:0]        kind;
     wire [32*N-1:0]       xs, ys, zs, value;
     wire [5*N-1:0]        flags;
 
@@ -67,8 +70,8 @@ module tile #(
     generate
         for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
             workload #(.REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS), .PROGRAM_WORDS(PROGRAM_WORDS),
-                       .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SLEEP(SLEEP), .FLAGS(FLAGS),
-                       .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_workload (
+                       .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
+                       .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_workload (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -76,7 +79,8 @@ module tile #(
                 .rsp_error_o(rsp_error_o[s]),
                 .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
                 .subtract_o(subtract[LANES*s +: LANES]),
-                .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .x_o(xs[32*LANES*s +: 32*LANES]),
+                .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .kind_o(kind[4*LANES*s +: 4*LANES]),
+                .x_o(xs[32*LANES*s +: 32*LANES]),
                 .y_o(ys[32*LANES*s +: 32*LANES]), .z_o(zs[32*LANES*s +: 32*LANES]),
                 .value_i(value[32*LANES*s +: 32*LANES]), .value_flags_i(flags[5*LANES*s +: 5*LANES]),
                 .issue_valid_o(issue_valid_o[s]), .issue_pc_o(issue_pc_o[16*s +: 16]),
@@ -93,9 +97,9 @@ module tile #(
             assign grant = 1'b1;
             wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
-                arith_chain #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+                arith_chain #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
                               .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
-                    .clk_i(clk_i), .subtract_i(subtract[l]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
+                    .clk_i(clk_i), .subtract_i(subtract[l]), .kind_i(kind[4*l +: 4]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
                     .z_i(zs[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
             end
         end else begin : g_shared
@@ -104,10 +108,10 @@ module tile #(
                 .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
             delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
-            arith_shared #(.N(SCHEDULERS), .SCALE(SCALE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+            arith_shared #(.N(SCHEDULERS), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
                            .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
                 .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),
-                .twice_i(twice), .half_i(half),
+                .twice_i(twice), .half_i(half), .kind_i(kind),
                 .x_i(xs), .y_i(ys), .z_i(zs), .value_o(value), .flags_o(flags));
         end
     endgenerate

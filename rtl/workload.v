@@ -19,6 +19,8 @@ module workload #(
     parameter LANES         = 1,
     parameter CHAIN         = 1,
     parameter SCALE         = 0,
+    parameter SELECT        = 0,
+    parameter ESTIMATE      = 0,
     parameter SLEEP         = 1,
     parameter FLAGS         = 1,
     parameter STATUS        = 1,
@@ -46,6 +48,7 @@ module workload #(
     output wire [LANES-1:0]    subtract_o,
     output wire [LANES-1:0]    twice_o,
     output wire [LANES-1:0]    half_o,
+    output wire [4*LANES-1:0]  kind_o,
     output wire [32*LANES-1:0] x_o,
     output wire [32*LANES-1:0] y_o,
     output wire [32*LANES-1:0] z_o,
@@ -72,7 +75,7 @@ module workload #(
     localparam ROW_W      = STORE_W - 3;
     localparam LANE_W     = LANES > 1 ? $clog2(LANES) : 1;
     localparam REG_W      = CONTEXT_W + REGISTER_W;
-    localparam ISSUE_W    = 7 + REG_W + 3*REG_W;
+    localparam ISSUE_W    = 11 + REG_W + 3*REG_W;
     localparam RETIRE_W   = 12 + REG_W;
     localparam HOST_W     = 5 + LANE_W + STORE_W;
 
@@ -136,7 +139,7 @@ module workload #(
     wire [PROGRAM_W-1:0]          trace_pc;
     wire [CONTEXT_W-1:0]          trace_context;
     sequencer #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .PROGRAM_W(PROGRAM_W),
-                .STORE_W(STORE_W), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SLEEP(SLEEP),
+                .STORE_W(STORE_W), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SLEEP(SLEEP),
                 .LATENCY(LATENCY), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
@@ -180,7 +183,8 @@ module workload #(
                 .answer_i(answers[32*l +: 32]), .answer_o(answers[32*(l+1) +: 32]),
                 .report_o(report[l]), .report_batch_o(report_batch[l]),
                 .report_context_o(report_context[CONTEXT_W*l +: CONTEXT_W]),
-                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
+                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(kind_o[4*l +: 4]),
+                .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
                 .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
                 .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
                 .written_register_o(written_register), .written_value_o(retire_value_o[32*l +: 32]),

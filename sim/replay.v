@@ -74,7 +74,7 @@ module replay;
                 if (valid)
                     text = {mnemonic(code), " ", operand({1'b0, word[D_HI:D_LO]}),
                             has_a(code) ? operand(word[A_HI:A_LO]) : "    ",
-                            has_a(code) ? operand(word[B_HI:B_LO]) : "    ",
+                            has_b(code) ? operand(word[B_HI:B_LO]) : "    ",
                             has_c(code) ? operand(word[C_HI:C_LO]) : "    "};
             end
         end

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages and rtl/fp3.core.
+"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages and rtl/fp3.core, and
+programs/integrators/*.cfg into a C header.
 
     tools/generate.py           writes what has changed
     tools/generate.py --check   writes nothing; fails and names each file that is stale
@@ -9,6 +10,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 """
 
 import argparse
+import math
 import pathlib
 import re
 import sys
@@ -25,10 +27,11 @@ NAME = re.compile(r"[a-z][a-z0-9_]*")
 CONFIG_KEYS = {
     "interleave": (0, 1), "tiles": (1, 64), "schedulers": (1, 8), "lanes": (1, 64),
     "registers": (2, 64), "contexts": (1, 64), "program_words": (2, None), "store_words": (0, None),
-    "bypass": (0, 1), "writeback_stall": (0, 1), "chain": (0, 1), "scale": (0, 1), "sleep": (0, 1), "flags": (0, 1),
-    "status": (0, 1), "subnormal": (0, 1), "nearest": (0, 1), "add_latency": (1, 255),
+    "bypass": (0, 1), "writeback_stall": (0, 1), "chain": (0, 1), "scale": (0, 1), "select": (0, 1), "estimate": (0, 1),
+    "sleep": (0, 1), "flags": (0, 1), "status": (0, 1), "subnormal": (0, 1), "nearest": (0, 1), "add_latency": (1, 255),
     "mul_latency": (1, 255), "add_cuts": (0, None), "mul_cuts": (0, None),
 }
+STRING_LIMIT = 4095  # bytes of a string literal that every C11 compiler takes
 POWERS_OF_TWO = ("registers", "program_words")
 CONFIG_MEANING = {
     "interleave": "0: one object, busy flags, results as early as can be; 1: contexts take turns, all results equally late",
@@ -43,6 +46,8 @@ CONFIG_MEANING = {
     "writeback_stall": "1: nothing is issued in a cycle in which a result is written",
     "chain": "1: `madd` and `msub` exist",
     "scale": "1: `addh`, `subh`, `addt`, `subt` exist",
+    "select": "1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist",
+    "estimate": "1: `rcp` and `rsqrt` exist",
     "sleep": "1: `sleep` and `lds` exist",
     "flags": "1: exceptions are flagged",
     "status": "1: for each object, too, with the step of the first invalid or overflow",
@@ -130,16 +135,18 @@ def check_isa(isa):
     for op in isa["op"]:
         where = f"op '{op.get('name', '?')}'"
         keys(op, file, where, {"name": str, "code": int, "operands": list, "unit": str, "meaning": str},
-             {"note": str})
+             {"needs": str, "note": str})
         code = op["code"]
         need(code not in taken, file, f"{where}: code {code} is already taken by '{taken.get(code)}'")
         taken[code] = op["name"]
         need(1 <= code < 1 << width["op"], file,
              f"{where}: code {code} is not in 1 .. {(1 << width['op']) - 1}")
         need(op["unit"] in UNITS, file, f"{where}: unknown unit '{op['unit']}' (known: {', '.join(UNITS)})")
+        need(CONFIG_KEYS.get(op.get("needs", "chain")) == (0, 1), file,
+             f"{where}: needs '{op.get('needs')}', which is no key of configs.toml that is 0 or 1")
         operands = op["operands"]
-        need(operands in (list("d"), list("dab"), list("dabc")), file,
-             f"{where}: operands must be d, or d, a, b, or d, a, b, c, not {operands!r}")
+        need(operands in (list("d"), list("da"), list("dab"), list("dabc")), file,
+             f"{where}: operands must be d, or d, a, or d, a, b, or d, a, b, c, not {operands!r}")
     named(isa["op"], file, "op")
 
 
@@ -236,6 +243,7 @@ def check_configs(data, regs, positions):
 
 def check_organisation(row, file, where, words):
     """What goes with what; rtl/fp3.v checks the same."""
+    need(row["chain"] or not row["select"], file, f"{where}: select needs chain: `sel` has three operands")
     if row["interleave"]:
         need(row["lanes"] == 1 or row["schedulers"] == 1, file,
              f"{where}: lanes share one scheduler, or schedulers share one arithmetic unit, not both")
@@ -352,7 +360,7 @@ def isa_verilog(isa):
 
 
 def mnemonic_verilog(isa):
-    """For benches: an opcode as text, padded with blanks, and whether it has a third source."""
+    """For benches: an opcode as text, padded with blanks, and which sources it has."""
     hi, lo = isa["field"]["op"]
     bits, width = hi - lo + 1, max(len(op["name"]) for op in isa["op"])
     rows = [(f"        {bits}'d{op['code']}: ", f'mnemonic = "{op["name"]:<{width}}";') for op in isa["op"]]
@@ -360,7 +368,7 @@ def mnemonic_verilog(isa):
     return [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module.",
             f"function [8*{width}-1:0] mnemonic(input [{bits - 1}:0] code);",
             "    case (code)", *columns(rows), "    endcase", "endfunction",
-            *[line for letter in "ac" for line in (
+            *[line for letter in "abc" for line in (
                 f"function has_{letter}(input [{bits - 1}:0] code);", f"    has_{letter} = "
                 + " || ".join(f"code == {bits}'d{op['code']}" for op in isa["op"] if letter in op["operands"])
                 + ";", "endfunction")]]
@@ -383,8 +391,44 @@ def isa_c(isa):
         "};", "",
         "/* X(NAME, code, mnemonic, operands in assembly order, unit) */",
         *x_macro("FP3_OPS", [(op["name"].upper(), str(op["code"]), quote(op["name"]),
-                              quote("".join(op["operands"])), op["unit"].upper()) for op in ops]),
+                              quote("".join(op["operands"])), op["unit"].upper()) for op in ops]), "",
+        "/* X(NAME, key): what a configuration must have for an operation. */",
+        *x_macro("FP3_OP_NEEDS", [(op["name"].upper(), op["needs"]) for op in ops if "needs" in op]),
     ])
+
+
+def estimates():
+    """The estimates of 1 / a and 1 / sqrt(a) as fractions of 9 bits: the largest that is not too large
+    for any number with this index, so that a * d and a * d * d never exceed 1.
+
+    rcp: the upper 10 bits f of a's fraction; d = (512 + g) / 1024 <= 1 / m for m < 1 + (f + 1) / 1024.
+    rsqrt, from 1024 on: the lowest bit of a's exponent, then 9 bits f. With it 1, d = (512 + g) / 1024
+    <= 1 / sqrt(m) for m < 1 + (f + 1) / 512. With it 0, one place more of d: the root is of twice that
+    and d = (1024 + g) / 2048, below 0.708.
+    """
+    rcp = [(1 << 20) // (1025 + f) - 512 for f in range(1024)]
+    even = [math.isqrt((1 << 30) // (513 + f)) - 1024 for f in range(512)]
+    odd = [math.isqrt((1 << 29) // (513 + f)) - 512 for f in range(512)]
+    return rcp + even + odd
+
+
+def estimates_verilog():
+    def line(values):
+        return "    " + ", ".join(f"9'h{value:03x}" for value in values)
+
+    table = estimates()[::-1]
+    return [f"// {MARK.format(source='estimates() there')}",
+            "// Included inside a module. Word i is ESTIMATES[9*i +: 9].",
+            "localparam [9*2048-1:0] ESTIMATES = {",
+            ",\n".join(line(table[i:i + 12]) for i in range(0, 2048, 12)), "};"]
+
+
+def estimates_c():
+    table = estimates()
+    lines = [", ".join(f"{value:3}" for value in table[i:i + 16]) + "," for i in range(0, 2048, 16)]
+    return c_header("estimates", "estimates() there", [
+        "/* Fractions of 9 bits: see estimate.c. */",
+        "static const unsigned short fp3_estimates[2048] = {", *[f"    {line}" for line in lines], "};"])
 
 
 def counter_rows(regs):
@@ -455,6 +499,25 @@ def configs_c(configs):
     ])
 
 
+def integrators_c(root):
+    """The tables of integrators as string literals, so that the library needs no file to know them."""
+    rows = []
+    for path in sorted((root / "programs/integrators").glob("*.cfg")):
+        text = path.read_text(encoding="utf-8")
+        if not NAME.fullmatch(path.stem):
+            raise Bad(f"{path.relative_to(root)}: a name is lower-case letters, digits and _")
+        if len(text.encode()) > STRING_LIMIT:
+            raise Bad(f"{path.relative_to(root)}: {len(text.encode())} bytes, more than a string of C has ({STRING_LIMIT})")
+        rows.append([f"    X({path.stem},", *[f"      {quote(line)[:-1]}\\n\"" for line in text.splitlines()]])
+        rows[-1][-1] += ")"
+    lines = ["#define FP3_INTEGRATORS(X)", *[line for row in rows for line in row]]
+    width = max(map(len, lines))
+    return c_header("integrators", "programs/integrators/", [
+        "/* X(name, text of the table) */",
+        *[line.ljust(width) + " \\" for line in lines[:-1]], lines[-1],
+    ])
+
+
 def ports(row):
     """The host port and the trace of a configuration: direction, width, name; None is a blank line.
 
@@ -519,7 +582,7 @@ def core_file(root, configs):
            "filesets:", "  rtl:", "    file_type: verilogSource", "    files:"]
     # The sources say `include "gen/isa.vh"`, from here.
     out += [f"      - gen/{name}: {{is_include_file: true, include_path: .}}"
-            for name in ("isa.vh", "registers.vh")]
+            for name in ("isa.vh", "registers.vh", "estimates.vh")]
     out += [f"      - {path.name}: {{is_include_file: true}}" for path in sorted((root / "rtl").glob("*.vh"))]
     out += [f"      - {name}" for name in sources]
     for name in names:
@@ -573,7 +636,7 @@ def isa_page(isa):
                     {"object": "the object's own registers; the only possible destinations",
                      "shared": "constants that all objects of a scheduler share; written by the host"}[name]]
                    for name, b in banks.items()]), "",
-        "A configuration may hold fewer registers (see [configurations.md](configurations.md)).", "",
+        "A configuration may hold fewer registers, and lack instructions: [configurations.md](configurations.md).", "",
         "## Instructions", "",
         *markdown(["mnemonic", "code", "operands", "meaning", "unit"],
                   [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`",
@@ -586,6 +649,7 @@ def isa_page(isa):
         used = {name: name if name in op["operands"] else "0" for name in fields}
         used["op"] = f"op = {op['code']}"
         body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {unit[op['unit']]}."]
+        body += [f"Where `{op['needs']}` is 1."] if "needs" in op else []
         body += [op["note"]] if "note" in op else []
         body += ["", *layout(fields, used), "", f"`{op['name']} {text}` is the word `0x{code:08x}`."]
     return page("Instruction set", "isa/isa.toml", body)
@@ -645,8 +709,11 @@ def outputs(root):
         "rtl/gen/configs.vh": configs_verilog(configs),
         "rtl/fp3.core": core_file(root, configs),
         "sw/gen/isa.h": isa_c(isa),
+        "rtl/gen/estimates.vh": estimates_verilog(),
+        "sw/gen/estimates.h": estimates_c(),
         "sw/gen/registers.h": registers_c(regs),
         "sw/gen/configs.h": configs_c(configs),
+        "sw/gen/integrators.h": integrators_c(root),
         "docs/isa.md": isa_page(isa),
         "docs/registers.md": registers_page(regs),
         "docs/configurations.md": configs_page(configs),

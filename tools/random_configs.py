@@ -28,10 +28,11 @@ _, REGISTERS, _ = generate.load(ROOT)
 POSITIONS = {unit: generate.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lz -lpthread -lm".split()
-TESTS = ("random_stream", "host_port", "different_programs")
+TESTS = ("random_stream", "host_port", "different_programs", "chosen_values")
 # Compiled once: all that does not know which configurations there are.
-COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/engine.c", "sw/engines/model.c", "tests/cosim/random_stream.c")
-OWN = ("sw/engines/config.c", "sw/engines/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c")
+COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/*.c", "tests/cosim/random_stream.c")
+OWN = ("sw/engines/config.c", "sw/engines/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c",
+       "tests/cosim/chosen_values.c")
 
 
 class Failed(Exception):
@@ -81,7 +82,8 @@ def draw(rng):
     row |= interleaved(rng) if row["interleave"] else one_object(rng)
     row |= latencies(rng)
     row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
-    row["program_words"] = rng.choice([64, 128, 256, 512, 1024])
+    row |= {"select": row["chain"] and rng.choice([0, 1, 1]), "estimate": rng.choice([0, 1, 1])}
+    row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
     return row
 
 
@@ -166,7 +168,7 @@ def make_model(name, tree):
 def make_common(tree):
     """What all configurations share; registers.h and isa.h do not depend on them."""
     make_tree(random_config(0, 0), tree)
-    objects = {path.stem: compile_c(path, tree, tree) for path in sources(COMMON)}
+    objects = {path.stem: compile_c(path, tree, tree) for path in sources(COMMON) if path not in sources(OWN)}
     include = verilator_root()
     for name in ("verilated", "verilated_threads"):
         objects[name] = tree / f"{name}.o"
@@ -190,6 +192,7 @@ def test(row, tree, seed, instructions):
     out = run(tree / "random_stream", "--instructions", instructions, "--seed", 1 + 1000000 * seed)
     run(tree / "host_port")
     run(tree / "different_programs", seed + 1, 10)
+    run(tree / "chosen_values", 17)
     return re.search(r": (\d+ instructions)", out)[1]
 
 

@@ -44,23 +44,32 @@ CORES = ("fp_add", "fp_mul")
 TOPS = (*CORES, "lane", "fp3", "trim")
 BLOCK_RAMS = 208
 
-# What is left out, one at a time, and what is put in; of `many`, with a store of 1,024 words.
+# Of a configuration, with a store of 1,024 words: the base, and against it what is left out, one at a time, and what is
+# put in.
 TRIMS = {
-    "base": {},
-    "no chained multiply-add": {"chain": 0},
-    "no sleep": {"sleep": 0},
-    "no status of objects": {"status": 0},
-    "no flags at all": {"flags": 0, "status": 0},
-    "no gradual underflow": {"subnormal": 0},
-    "truncation": {"nearest": 0},
-    "all of these": {"chain": 0, "sleep": 0, "status": 0, "flags": 0, "subnormal": 0, "nearest": 0},
-    "16 registers": {"registers": 16},
-    "16 contexts": {"contexts": 16},
-    "64 contexts": {"contexts": 64},
-    "8,192 words of store": {"store_words": 8192},
-    "two schedulers share": {"schedulers": 2},
-    "two lanes": {"lanes": 2},
-    "two tiles": {"tiles": 2},
+    "many": {
+        "base": {},
+        "no chained multiply-add": {"chain": 0},
+        "no sleep": {"sleep": 0},
+        "no status of objects": {"status": 0},
+        "no flags at all": {"flags": 0, "status": 0},
+        "no gradual underflow": {"subnormal": 0},
+        "truncation": {"nearest": 0},
+        "all of these": {"chain": 0, "sleep": 0, "status": 0, "flags": 0, "subnormal": 0, "nearest": 0},
+        "16 registers": {"registers": 16},
+        "16 contexts": {"contexts": 16},
+        "64 contexts": {"contexts": 64},
+        "8,192 words of store": {"store_words": 8192},
+        "two schedulers share": {"schedulers": 2},
+        "two lanes": {"lanes": 2},
+        "two tiles": {"tiles": 2},
+    },
+    "many_full": {
+        "every instruction, 64 registers, 2,048 words of program": {},
+        "no selection": {"select": 0},
+        "no estimates": {"estimate": 0},
+        "neither": {"select": 0, "estimate": 0},
+    },
 }
 
 # Where to cut a core for each number of cuts: the best of the places tried, post-route.
@@ -104,9 +113,9 @@ def lane(row):
     """One lane and its arithmetic; widths as in rtl/workload.v."""
     register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
     reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
-    issue_w, retire_w, host_w = 7 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
+    issue_w, retire_w, host_w = 11 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
     arith = ", ".join(f".{key.upper()}({row[key]})" for key in
-                      ("subnormal", "nearest", "add_latency", "mul_latency", "add_cuts", "mul_cuts"))
+                      ("select", "estimate", "subnormal", "nearest", "add_latency", "mul_latency", "add_cuts", "mul_cuts"))
     ports = [("issue", issue_w), ("retire", retire_w), ("host", host_w), ("data", 32), ("count", store_w - 2),
              ("flags", 5), ("asleep", 1), ("answer", 32)]
     heard = [("report", 1), ("report_batch", 1), ("report_context", context_w)]
@@ -114,15 +123,15 @@ def lane(row):
         f"module lane_alone (input wire clk_i, input wire rst_i, "
         + ", ".join(f"input wire [{w - 1}:0] {n}_i, output wire [{w - 1}:0] {n}_o" for n, w in ports) + ", "
         + ", ".join(f"output wire [{w - 1}:0] {n}_o" for n, w in heard) + ");",
-        "    wire subtract; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
+        "    wire subtract; wire [3:0] kind; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
         f"    lane #(.REGISTER_W({register_w}), .CONTEXTS({row['contexts']}), .CONTEXT_W({context_w}), .STORE_W({store_w}),",
         f"           .LANE_W({lane_w}), .CHAIN({row['chain']}), .SLEEP({row['sleep']}), .FLAGS({row['flags']}),",
         f"           .STATUS({row['status']}), .LATENCY({row['add_latency'] + row['mul_latency']}), .ISSUE_W({issue_w}),",
         f"           .RETIRE_W({retire_w}), .HOST_W({host_w})) u_lane (.clk_i(clk_i), .rst_i(rst_i),",
         "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
         "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
-        "        .subtract_o(subtract), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
-        f"    arith_chain #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .x_i(x), .y_i(y), .z_i(z),",
+        "        .subtract_o(subtract), .kind_o(kind), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
+        f"    arith_chain #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
         "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
     top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
                      [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")
@@ -242,11 +251,12 @@ def plan(args, configs):
     designs, wanted, trims = {}, [], {}
     for top in args.top or TOPS:
         if top == "trim":
-            base = next(row for row in configs if row["name"] == "many")
-            for i, change in enumerate(TRIMS.values()):
-                row = {**base, "store_words": 1024, **change, "name": f"trim{i}"}
-                source = "\n".join(generate.config_verilog(row)) + "\n" + processor(row)[1]
-                trims[source, True] = (f"trim-{i}", [])
+            for config, changes in TRIMS.items():
+                base = next(row for row in configs if row["name"] == config)
+                for what, change in changes.items():
+                    row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
+                    source = "\n".join(generate.config_verilog(row)) + "\n" + processor(row)[1]
+                    trims[source, True] = (f"trim-{len(trims)}", [])
             continue
         for row in configs + (depths(top) if top in CORES else []):
             if top == "lane" and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1):
@@ -264,11 +274,11 @@ def plan(args, configs):
     return designs, wanted, trims
 
 
-def trim(name, what):
-    """Cells of a netlist that is not placed."""
+def trim(name, what, base):
+    """Cells of a netlist that is not placed, and what it is to be compared with."""
     used = {cell: count(ROOT / WORK / f"{name}.json", cell)
             for cell in ("LUT4", "CCU2C", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
-    return {"what": what, "lut4": used["LUT4"], "carry": used["CCU2C"], "ff": used["TRELLIS_FF"],
+    return {"what": what, "base": base, "lut4": used["LUT4"], "carry": used["CCU2C"], "ff": used["TRELLIS_FF"],
             "dsp": used["MULT18X18D"], "ebr": used["DP16KD"]}
 
 
@@ -313,7 +323,9 @@ def main():
 
     rows = [result(top, config, grade, args.seeds, cuts, [places[name, grade, seed] for seed in args.seeds])
             for top, config, cuts, name in wanted for grade in args.grades]
-    merge(ROOT / "build/results/synth.json", rows, [trim(name, what) for what, (name, _) in zip(TRIMS, trims.values())])
+    names = [(what, next(iter(changes))) for changes in TRIMS.values() for what in changes]
+    merge(ROOT / "build/results/synth.json", rows,
+          [trim(name, what, base) for (what, base), (name, _) in zip(names, trims.values())])
     heads = ["top", "config", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
     print("\n".join(generate.markdown(heads, table)))

@@ -42,6 +42,8 @@ module fp3_paper (
         .WRITEBACK_STALL (1),
         .CHAIN           (0),
         .SCALE           (0),
+        .SELECT          (0),
+        .ESTIMATE        (0),
         .SLEEP           (0),
         .FLAGS           (1),
         .STATUS          (0),

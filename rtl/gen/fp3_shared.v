@@ -42,6 +42,8 @@ module fp3_shared (
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
         .SCALE           (1),
+        .SELECT          (0),
+        .ESTIMATE        (0),
         .SLEEP           (1),
         .FLAGS           (1),
         .STATUS          (1),

@@ -42,6 +42,8 @@ module fp3_single (
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
         .SCALE           (0),
+        .SELECT          (0),
+        .ESTIMATE        (0),
         .SLEEP           (0),
         .FLAGS           (1),
         .STATUS          (0),

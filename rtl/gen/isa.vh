@@ -3,7 +3,7 @@
 // verilator lint_off UNUSEDPARAM
 
 // The revision that register `id` shows.
-localparam [7:0] ISA_REVISION = 8'd2;
+localparam [7:0] ISA_REVISION = 8'd3;
 
 // Fields of the 32-bit word.
 localparam OP_HI = 31;
@@ -37,5 +37,13 @@ localparam [4:0] OP_ADDH  = 5'd10;
 localparam [4:0] OP_SUBH  = 5'd11;
 localparam [4:0] OP_ADDT  = 5'd12;
 localparam [4:0] OP_SUBT  = 5'd13;
+localparam [4:0] OP_MIN   = 5'd14;
+localparam [4:0] OP_MAX   = 5'd15;
+localparam [4:0] OP_ABS   = 5'd16;
+localparam [4:0] OP_LT    = 5'd17;
+localparam [4:0] OP_LE    = 5'd18;
+localparam [4:0] OP_SEL   = 5'd19;
+localparam [4:0] OP_RCP   = 5'd20;
+localparam [4:0] OP_RSQRT = 5'd21;
 
 // verilator lint_on UNUSEDPARAM

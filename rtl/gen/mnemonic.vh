@@ -15,12 +15,23 @@ function [8*5-1:0] mnemonic(input [4:0] code);
         5'd11:   mnemonic = "subh ";
         5'd12:   mnemonic = "addt ";
         5'd13:   mnemonic = "subt ";
+        5'd14:   mnemonic = "min  ";
+        5'd15:   mnemonic = "max  ";
+        5'd16:   mnemonic = "abs  ";
+        5'd17:   mnemonic = "lt   ";
+        5'd18:   mnemonic = "le   ";
+        5'd19:   mnemonic = "sel  ";
+        5'd20:   mnemonic = "rcp  ";
+        5'd21:   mnemonic = "rsqrt";
         default: mnemonic = "?    ";
     endcase
 endfunction
 function has_a(input [4:0] code);
-    has_a = code == 5'd1 || code == 5'd2 || code == 5'd3 || code == 5'd4 || code == 5'd5 || code == 5'd6 || code == 5'd10 || code == 5'd11 || code == 5'd12 || code == 5'd13;
+    has_a = code == 5'd1 || code == 5'd2 || code == 5'd3 || code == 5'd4 || code == 5'd5 || code == 5'd6 || code == 5'd10 || code == 5'd11 || code == 5'd12 || code == 5'd13 || code == 5'd14 || code == 5'd15 || code == 5'd16 || code == 5'd17 || code == 5'd18 || code == 5'd19 || code == 5'd20 || code == 5'd21;
+endfunction
+function has_b(input [4:0] code);
+    has_b = code == 5'd1 || code == 5'd2 || code == 5'd3 || code == 5'd4 || code == 5'd5 || code == 5'd6 || code == 5'd10 || code == 5'd11 || code == 5'd12 || code == 5'd13 || code == 5'd14 || code == 5'd15 || code == 5'd17 || code == 5'd18 || code == 5'd19;
 endfunction
 function has_c(input [4:0] code);
-    has_c = code == 5'd4 || code == 5'd5;
+    has_c = code == 5'd4 || code == 5'd5 || code == 5'd19;
 endfunction

@@ -52,6 +52,10 @@ localparam FEATURES_STATUS_HI          = 27;
 localparam FEATURES_STATUS_LO          = 27;
 localparam FEATURES_SCALE_HI           = 28;
 localparam FEATURES_SCALE_LO           = 28;
+localparam FEATURES_SELECT_HI          = 29;
+localparam FEATURES_SELECT_LO          = 29;
+localparam FEATURES_ESTIMATE_HI        = 30;
+localparam FEATURES_ESTIMATE_LO        = 30;
 localparam CONTROL_START_HI            = 0;
 localparam CONTROL_START_LO            = 0;
 localparam CONTROL_STOP_HI             = 1;
@@ -105,10 +109,10 @@ localparam [15:0] ADDR_COUNTER_STALL_ASLEEP     = 16'h00d8;
 localparam [15:0] ADDR_COUNTER_STALL_DRAIN      = 16'h00e0;
 
 // Windows onto the memories.
-localparam [15:0] ADDR_WINDOW_PROGRAM   = 16'h1000;
 localparam [15:0] ADDR_WINDOW_CONSTANTS = 16'h2000;
 localparam [15:0] ADDR_WINDOW_AWAKE     = 16'h3000;
 localparam [15:0] ADDR_WINDOW_WAKE      = 16'h3100;
+localparam [15:0] ADDR_WINDOW_PROGRAM   = 16'h8000;
 
 // The parts of an address, and what they say.
 localparam ADDRESS_SCHEDULER_HI = 31;

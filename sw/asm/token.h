@@ -1,4 +1,4 @@
-/* token.h - the words of the assembly language, with their places. */
+/* token.h - the words of a source, with their places, and the lexer of the assembly language. */
 #ifndef FP3_TOKEN_H
 #define FP3_TOKEN_H
 
@@ -16,7 +16,9 @@ typedef enum {
     TOKEN_COMMA,
     TOKEN_COLON,
     TOKEN_EQUALS,
-    TOKEN_BAD /* bytes that begin nothing */
+    TOKEN_SYMBOL, /* of the model language: an operator, a bracket */
+    TOKEN_TEXT,   /* likewise: "a text", with its quotes */
+    TOKEN_BAD     /* bytes that begin nothing */
 } token_kind;
 
 typedef struct {

@@ -36,6 +36,37 @@ static void print_part(const fp3_image *image, const char *name, uint32_t begin,
     printf("\n");
 }
 
+static int uses(const fp3_image *image, uint32_t op) {
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (operation_at(image, i) == fp3_operation_find(op))
+            return 1;
+    return 0;
+}
+
+/* "needs       chain scale": keys of a configuration. */
+static void print_needs(const fp3_image *image) {
+    static const struct {
+        uint32_t op;
+        const char *key;
+    } rows[] = {
+#define X(NAME, key) {FP3_OP_##NAME, #key},
+        FP3_OP_NEEDS(X)
+#undef X
+    };
+    const char *said = NULL;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        int is_new = uses(image, rows[i].op);
+        for (size_t j = 0; j < i; j++)
+            is_new &= strcmp(rows[j].key, rows[i].key) != 0 || !uses(image, rows[j].op);
+        if (!is_new)
+            continue;
+        printf(said ? " %s" : "%-11s %s", said ? rows[i].key : "needs", rows[i].key);
+        said = rows[i].key;
+    }
+    if (said)
+        printf("\n");
+}
+
 static void print_names(const fp3_image *image, fp3_symbol_kind kind, const char *title) {
     int found = 0;
     for (uint32_t i = 0; i < image->symbol_count; i++)
@@ -73,6 +104,7 @@ static int print_image(const char *path) {
     print_part(image, "last part", image->last, image->code_count);
     printf("%-11s %u object registers, %u shared constants\n", "registers", image->registers,
            image->shared);
+    print_needs(image);
     print_names(image, FP3_SYMBOL_STATE, "state");
     print_names(image, FP3_SYMBOL_PARAM, "param");
     print_names(image, FP3_SYMBOL_SHARED, "shared");
@@ -100,6 +132,10 @@ static void print_config(const fp3_config *c) {
            c->bypass ? "bypass" : "no bypass",
            c->writeback_stall ? "writeback stall" : "no writeback stall",
            c->chain ? "madd and msub" : "no madd and msub");
+    printf("  %s, %s, %s\n",
+           c->scale ? "additions of half and twice" : "no additions of half and twice",
+           c->select ? "comparison and selection" : "no comparison and selection",
+           c->estimate ? "estimates" : "no estimates");
     printf("  %s, %s; %s, %s, %s\n",
            c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
            c->nearest ? "rounds to nearest" : "truncates", c->sleep ? "sleep" : "no sleep",

@@ -284,16 +284,37 @@ static void add_stage(flight *f, const char *name, uint64_t from, uint64_t end) 
         f->stages[f->count++] = (stage){name, from};
 }
 
+/* What works beside the multiplier, and how an operand comes to the adder. */
+static const char *beside_of(uint32_t op, int is_shared) {
+    switch (op) {
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+    case FP3_OP_ABS:
+    case FP3_OP_LT:
+    case FP3_OP_LE:
+    case FP3_OP_SEL:
+    case FP3_OP_RCP:
+    case FP3_OP_RSQRT:
+        return "Va";
+    case FP3_OP_MUL:
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return "Mu";
+    default:
+        return is_shared ? "Wa" : "Mu";
+    }
+}
+
 /* One object: issue, its unit from the next cycle on, and the write. */
 static void stages_of_one(const fp3_kanata *k, const row *r, flight *f, uint64_t write) {
     const uint32_t op = op_of(r->word);
-    const int multiplies = op == FP3_OP_MUL || op == FP3_OP_MADD || op == FP3_OP_MSUB;
+    const int adds_at_once = op == FP3_OP_ADD || op == FP3_OP_SUB;
     const uint64_t from = r->issued + 1;
     add_stage(f, "Is", r->issued, write);
-    if (multiplies)
-        add_stage(f, "Mu", from, write);
+    if (!adds_at_once)
+        add_stage(f, beside_of(op, 0), from, write);
     if (op != FP3_OP_MUL)
-        add_stage(f, "Ad", multiplies ? from + k->config->mul_latency : from, write);
+        add_stage(f, "Ad", adds_at_once ? from : from + k->config->mul_latency, write);
     add_stage(f, "Wb", write, f->end);
 }
 
@@ -311,8 +332,7 @@ static void stages_of_many(const fp3_kanata *k, const row *r, flight *f, uint64_
     } else if (op == FP3_OP_SLEEP) {
         add_stage(f, "Cm", from, write - 1);
     } else {
-        const int adds = op == FP3_OP_ADD || op == FP3_OP_SUB;
-        add_stage(f, k->shared && adds ? "Wa" : "Mu", from, write - 1);
+        add_stage(f, beside_of(op, k->shared), from, write - 1);
         add_stage(f, k->shared && op == FP3_OP_MUL ? "Wa" : "Ad", from + k->config->mul_latency,
                   write - 1);
     }

@@ -9,7 +9,8 @@ typedef struct {
     const char *name, *doc;
     uint32_t interleave, tiles, schedulers, lanes;
     uint32_t registers, contexts, program_words, store_words;
-    uint32_t bypass, writeback_stall, chain, scale, sleep, flags, status, subnormal, nearest;
+    uint32_t bypass, writeback_stall, chain, scale, select, estimate, sleep, flags, status;
+    uint32_t subnormal, nearest;
     uint32_t add_latency, mul_latency, add_cuts, mul_cuts;
 } fp3_config;
 

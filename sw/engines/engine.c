@@ -3,13 +3,12 @@
 
 #include <inttypes.h>
 #include <isa.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #define COOKIE 0x46503346u
-#define ROWS_MAX 65536u /* of a lane's list: the number of an object has 16 bits */
-#define RECORD_LOG2 3u  /* of the words of the smallest record */
 
 static const fp3_engine_kind *const kinds[] = {&fp3_kind_rtl, &fp3_kind_model};
 
@@ -44,40 +43,35 @@ static fp3_status no_config(const fp3_engine_def *def) {
                     def->config ? def->config : "", names);
 }
 
-/* The smallest n with 1 << n >= count. */
-static uint32_t log2_of(uint32_t count) {
-    uint32_t n = 0;
-    while (1u << n < count)
-        n++;
-    return n;
-}
-
-/* How many objects, and how many words of the store each gets: all that there is room for, up to
- * its registers, so that they stay where they are whatever is loaded. */
-static fp3_status place_objects(fp3_engine *engine) {
+static fp3_status count_objects(fp3_engine *engine) {
     const fp3_config *config = engine->config;
-    engine->columns = fp3_config_units(config) * config->lanes;
-    const uint32_t records = config->store_words >> RECORD_LOG2;
-    const uint32_t most =
-        config->interleave ? (records < ROWS_MAX ? records : ROWS_MAX) * engine->columns : 1;
-    const uint32_t full = config->contexts * engine->columns;
+    const uint32_t columns = fp3_config_units(config) * config->lanes;
+    const uint32_t most = config->interleave ? fp3_place_rows(config, 0) * columns : 1;
+    const uint32_t full = config->contexts * columns;
     engine->objects = engine->def.objects ? engine->def.objects : full < most ? full : most;
     if (engine->objects > most || !most)
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                         "%" PRIu32 " objects: configuration '%s' has room for %" PRIu32 " %s",
                         engine->objects, config->name, most,
                         config->interleave ? "at most" : "object");
-    const uint32_t rows = (engine->objects + engine->columns - 1) / engine->columns;
-    engine->log2 = log2_of(config->registers);
-    if (engine->log2 < RECORD_LOG2)
-        engine->log2 = RECORD_LOG2;
-    while (config->interleave && rows << engine->log2 > config->store_words)
-        engine->log2--;
     return FP3_OK;
 }
 
+/* All objects in all units, without a program. */
+static fp3_status place_objects(fp3_engine *engine) {
+    fp3_layout *layout = &engine->layout;
+    fp3_status status = fp3_layout_make(engine->config, 1, layout, engine->def.error);
+    if (status)
+        return status;
+    layout->groups[0].objects = engine->objects;
+    layout->groups[0].program.slept = -1;
+    return fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
+}
+
 static fp3_status make_room(fp3_engine *engine) {
-    fp3_status status = place_objects(engine);
+    fp3_status status = count_objects(engine);
+    if (!status)
+        status = place_objects(engine);
     if (status)
         return status;
     engine->slept = calloc(engine->objects, sizeof *engine->slept);
@@ -106,7 +100,7 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
-    *made = (fp3_engine){.kind = kind, .config = config, .def = *def, .program = {.slept = -1}};
+    *made = (fp3_engine){.kind = kind, .config = config, .def = *def};
     fp3_status status = make_room(made);
     if (!status)
         status = kind->open(made);
@@ -121,8 +115,7 @@ void fp3_engine_close(fp3_engine **engine) {
     if (!closing)
         return;
     closing->kind->close(closing);
-    fp3_image_free(&closing->image);
-    fp3_visit_free(&closing->visit);
+    fp3_layout_free(&closing->layout);
     free(closing->slept);
     free(closing->counters);
     free(closing);
@@ -131,15 +124,37 @@ void fp3_engine_close(fp3_engine **engine) {
 
 size_t fp3_engine_objects(const fp3_engine *engine) { return engine->objects; }
 
-int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
-    return engine->program.slept < 0 || engine->slept[object] == 0;
+static const fp3_members *group_of(const fp3_engine *engine, size_t object) {
+    return fp3_layout_group_of(&engine->layout, object);
 }
 
-fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t index) {
-    const fp3_program *program = &engine->program;
+/* The register of an object that tells whether it sleeps; -1: it never does. */
+static int slept_of(const fp3_engine *engine, size_t object) {
+    return group_of(engine, object)->program.slept;
+}
+
+int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
+    return slept_of(engine, object) < 0 || engine->slept[object] == 0;
+}
+
+/* "", or where there are several groups "group N: ". */
+typedef struct {
+    char text[32];
+} prefix;
+
+static prefix prefix_of(size_t group, size_t count) {
+    prefix p = {""};
+    if (count > 1)
+        snprintf(p.text, sizeof p.text, "group %zu: ", group);
+    return p;
+}
+
+fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index) {
+    const fp3_program *program = &engine->layout.groups[group].program;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                    "word %" PRIu32 " is 0x%08" PRIx32 ", no instruction of configuration '%s'",
-                    index - program->in_front, program->code[index], engine->config->name);
+                    "%sword %" PRIu32 " is 0x%08" PRIx32 ", no instruction of configuration '%s'",
+                    prefix_of(group, engine->layout.count).text, index - program->in_front,
+                    program->code[index], engine->config->name);
 }
 
 fp3_status fp3_engine_limit(fp3_engine *engine) {
@@ -149,23 +164,22 @@ fp3_status fp3_engine_limit(fp3_engine *engine) {
 
 /* ---- load ---- */
 
+/* What a program asks for that a configuration may not have, by its key. */
+#define KEY_chain "a chained multiply-add"
+#define KEY_scale "an addition of half or twice"
+#define KEY_select "a comparison or selection"
+#define KEY_estimate "an estimate"
+#define KEY_sleep "an instruction for objects that sleep"
+#define KEY_interleave "an access to an object store"
+
 /* What the configuration lacks for an operation, or NULL. */
 static const char *lacks(const fp3_config *config, uint32_t op) {
     switch (op) {
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-        return config->chain ? NULL : "a chained multiply-add";
-    case FP3_OP_ADDH:
-    case FP3_OP_SUBH:
-    case FP3_OP_ADDT:
-    case FP3_OP_SUBT:
-        return config->scale ? NULL : "an addition of half or twice";
-    case FP3_OP_SLEEP:
-    case FP3_OP_LDS:
-        return config->sleep ? NULL : "an instruction for objects that sleep";
-    case FP3_OP_LD:
-    case FP3_OP_ST:
-        return config->interleave ? NULL : "an access to an object store";
+#define X(NAME, key)                                                                               \
+    case FP3_OP_##NAME:                                                                            \
+        return config->key ? NULL : KEY_##key;
+        FP3_OP_NEEDS(X)
+#undef X
     default:
         return NULL;
     }
@@ -201,21 +215,22 @@ static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
     return check_operations(engine, image);
 }
 
-/* What is there besides the image's words, and what the objects need of the store. */
-static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit) {
+/* What is there besides the image's words, and what an object needs of the store. */
+static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit, size_t objects) {
     const fp3_config *config = engine->config;
+    const uint32_t lanes = fp3_config_units(config) * config->lanes;
+    const uint64_t room = (uint64_t)fp3_place_rows(config, visit->log2) * lanes;
     if (visit->code_count > config->program_words)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "the program needs %" PRIu32
                         " words of instruction memory with its loads and stores, configuration "
                         "'%s' has %" PRIu32,
                         visit->code_count, config->name, config->program_words);
-    if (visit->log2 > engine->log2)
+    if (objects > room)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "the program needs %u words of the object store for each object: "
-                        "configuration '%s' has room for %" PRIu32 " objects, not for %" PRIu32,
-                        1u << visit->log2, config->name,
-                        (config->store_words >> visit->log2) * engine->columns, engine->objects);
+                        "configuration '%s' has room for %" PRIu64 " objects, not for %zu",
+                        1u << visit->log2, config->name, room, objects);
     return FP3_OK;
 }
 
@@ -227,48 +242,178 @@ static fp3_program program_of(const fp3_image *image, const fp3_visit *visit) {
 }
 
 /* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */
-static fp3_status prepare(fp3_engine *engine, const fp3_image *image, int check, fp3_image **copy,
-                          fp3_visit **visit) {
-    fp3_status status = check ? check_image(engine, image) : FP3_OK;
+static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, fp3_members *to) {
+    fp3_error *error = engine->def.error;
+    fp3_status status = check ? check_image(engine, from->image) : FP3_OK;
     if (!status)
-        status = fp3_image_make(image, copy, engine->def.error);
+        status = fp3_image_make(from->image, &to->image, error);
     if (!status && engine->config->interleave)
-        status = fp3_visit_make(*copy, visit, engine->def.error);
-    if (!status && *visit && check)
-        status = check_visit(engine, *visit);
+        status = fp3_visit_make(to->image, &to->visit, error);
+    if (!status && to->visit && check)
+        status = check_visit(engine, to->visit, from->objects);
+    if (status)
+        return status;
+    to->objects = (uint32_t)from->objects;
+    to->program = program_of(to->image, to->visit);
+    to->needs = to->visit && check ? to->visit->log2 : 0;
+    return FP3_OK;
+}
+
+static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
+    fp3_error *error = engine->def.error;
+    size_t objects = 0;
+    if (count == 0)
+        return fp3_fail(error, FP3_E_ARGUMENT, "no group of objects");
+    for (size_t i = 0; i < count; i++) {
+        if (groups[i].objects == 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "group %zu has no objects", i);
+        if (groups[i].objects > engine->objects - objects)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "groups of more objects than the %" PRIu32 " of the engine",
+                            engine->objects);
+        objects += groups[i].objects;
+    }
+    if (objects < engine->objects)
+        return fp3_fail(error, FP3_E_ARGUMENT, "groups of %zu objects: the engine has %" PRIu32,
+                        objects, engine->objects);
+    const uint32_t units = fp3_config_units(engine->config);
+    if (count > units)
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
+            " scheduler%s",
+            count, engine->config->name, units, units == 1 ? "" : "s");
+    return FP3_OK;
+}
+
+/* Messages about a group begin with its number, where there are several. */
+static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
+                              fp3_layout *layout) {
+    fp3_status status = fp3_layout_make(engine->config, (uint32_t)count, layout, engine->def.error);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = prepare(engine, &groups[i], check, &layout->groups[i]);
+        if (status && engine->def.error && count > 1) {
+            const fp3_error why = *engine->def.error;
+            fp3_fail(engine->def.error, status, "%s%s", prefix_of(i, count).text, why.text);
+        }
+    }
+    if (!status)
+        status = fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
     return status;
 }
 
-static fp3_status load(fp3_engine *engine, const fp3_image *image, int check) {
-    fp3_image *copy = NULL;
-    fp3_visit *visit = NULL;
-    fp3_status status = prepare(engine, image, check, &copy, &visit);
-    if (status) {
-        fp3_image_free(&copy);
-        fp3_visit_free(&visit);
-        return status;
+/* What objects and groups hold, while they move: registers and status of each object, constants of
+ * each group. */
+typedef struct {
+    uint32_t *objects, *constants;
+} luggage;
+
+/* Words of an object: its registers, then its status. */
+static size_t packed(const fp3_engine *engine) { return engine->config->registers + 1; }
+
+static uint32_t visible(const fp3_engine *engine, const fp3_members *group) {
+    const uint32_t words = 1u << group->log2;
+    return words < engine->config->registers ? words : engine->config->registers;
+}
+
+/* Between the luggage and where things are now. */
+static fp3_status move_objects(fp3_engine *engine, luggage *l, int is_write) {
+    const fp3_engine_kind *kind = engine->kind;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < engine->objects; i++) {
+        uint32_t *words = &l->objects[i * packed(engine)], *word = &words[packed(engine) - 1];
+        const uint32_t registers = visible(engine, group_of(engine, i));
+        for (uint32_t reg = 0; !status && reg < registers; reg++)
+            status = is_write ? kind->write(engine, i, reg, words[reg])
+                              : kind->read(engine, i, reg, &words[reg]);
+        if (!status && engine->config->status)
+            status = is_write ? kind->write_status(engine, i, *word)
+                              : kind->read_status(engine, i, word);
     }
-    fp3_image_free(&engine->image);
-    fp3_visit_free(&engine->visit);
-    engine->image = copy;
-    engine->visit = visit;
-    engine->program = program_of(copy, visit);
+    return status;
+}
+
+static fp3_status move_constants(fp3_engine *engine, luggage *l, int is_write) {
+    const fp3_engine_kind *kind = engine->kind;
+    const uint32_t count = engine->config->registers;
+    fp3_status status = FP3_OK;
+    for (uint32_t group = 0; !status && group < engine->layout.count; group++)
+        for (uint32_t i = 0; !status && i < count; i++) {
+            uint32_t *word = &l->constants[group * count + i];
+            status = is_write ? kind->write_shared(engine, group, i, *word)
+                              : kind->read_shared(engine, group, i, word);
+        }
+    return status;
+}
+
+static fp3_status move(fp3_engine *engine, luggage *l, int is_write) {
+    fp3_status status = move_objects(engine, l, is_write);
+    return status ? status : move_constants(engine, l, is_write);
+}
+
+static fp3_status pack(fp3_engine *engine, luggage *l) {
+    const size_t constants = (size_t)fp3_config_units(engine->config) * engine->config->registers;
+    l->objects = calloc(engine->objects * packed(engine), sizeof *l->objects);
+    l->constants = calloc(constants, sizeof *l->constants);
+    if (!l->objects || !l->constants)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return move(engine, l, 0);
+}
+
+static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
+    const fp3_image *image = engine->layout.groups[group].image;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < image->constant_count; i++)
+        status = engine->kind->write_shared(engine, group, image->constants[i].index,
+                                            image->constants[i].bits);
+    return status;
+}
+
+/* From here on there is no way back. */
+static fp3_status settle(fp3_engine *engine, fp3_layout *layout, luggage *l) {
+    const fp3_layout old = engine->layout;
+    engine->layout = *layout;
+    *layout = old;
     engine->clock = 0;
     engine->is_slept_known = engine->is_listed = 0;
-    status = engine->kind->load(engine);
-    for (uint32_t i = 0; !status && i < copy->constant_count; i++)
-        status =
-            engine->kind->write_shared(engine, copy->constants[i].index, copy->constants[i].bits);
+    engine->is_touched = 1;
+    fp3_status status = engine->kind->load(engine);
+    if (!status && l->objects)
+        status = move(engine, l, 1);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = write_constants(engine, i);
     return status;
+}
+
+static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check) {
+    fp3_layout layout = {0};
+    luggage l = {0};
+    fp3_status status = check_groups(engine, groups, count);
+    if (!status)
+        status = prepare_all(engine, groups, count, check, &layout);
+    if (!status && engine->is_touched && !fp3_layout_is_same(&engine->layout, &layout))
+        status = pack(engine, &l);
+    if (!status)
+        status = settle(engine, &layout, &l);
+    fp3_layout_free(&layout);
+    free(l.objects);
+    free(l.constants);
+    return status;
+}
+
+fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
+    return load(engine, groups, count, 1);
 }
 
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, image, 1);
+    return load(engine, &(fp3_group){image, engine->objects}, 1, 1);
 }
 
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, image, 0);
+    return load(engine, &(fp3_group){image, engine->objects}, 1, 0);
 }
+
+size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count; }
 
 /* ---- registers ---- */
 
@@ -293,20 +438,28 @@ static fp3_status check_cell(fp3_engine *engine, size_t first, size_t count, uin
     fp3_status status = check_objects(engine, first, count);
     if (!status)
         status = check_range(engine, "register", reg, 1, engine->config->registers);
-    if (!status && reg >> engine->log2)
-        status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                          "register %" PRIu32 ": the store of configuration '%s' has room for %u "
-                          "registers of each of %" PRIu32 " objects",
-                          reg, engine->config->name, 1u << engine->log2, engine->objects);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const int is_asked =
+            first < (size_t)group->first + group->objects && first + count > group->first;
+        if (is_asked && reg >> group->log2)
+            status =
+                fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                         "register %" PRIu32 ": the store of configuration '%s' has room for %u "
+                         "registers of each of %" PRIu32 " objects",
+                         reg, engine->config->name, 1u << group->log2, group->objects);
+    }
     return status;
 }
 
 /* The sleep register may be written: the host's copy and what a run begins with follow. */
 static fp3_status write_cell(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    if (engine->program.slept >= 0 && reg == (uint32_t)engine->program.slept) {
+    const int slept = slept_of(engine, object);
+    if (slept >= 0 && reg == (uint32_t)slept) {
         engine->slept[object] = bits;
         engine->is_listed = 0;
     }
+    engine->is_touched = 1;
     return engine->kind->write(engine, object, reg, bits);
 }
 
@@ -332,64 +485,94 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
     return status;
 }
 
-fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
-                                   const float *values) {
-    fp3_status status =
-        check_range(engine, "shared constant", first, count, engine->config->registers);
+static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first, size_t count) {
+    if (group >= engine->layout.count)
+        return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "group %zu: there are %" PRIu32, group,
+                        engine->layout.count);
+    return check_range(engine, "shared constant", first, count, engine->config->registers);
+}
+
+fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t first,
+                                      size_t count, const float *values) {
+    fp3_status status = check_shared(engine, group, first, count);
     for (uint32_t i = 0; !status && i < count; i++) {
         uint32_t bits;
         memcpy(&bits, &values[i], sizeof bits);
-        status = engine->kind->write_shared(engine, first + i, bits);
+        engine->is_touched = 1;
+        status = engine->kind->write_shared(engine, (uint32_t)group, first + i, bits);
     }
     return status;
 }
 
-fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t count, float *values) {
-    fp3_status status =
-        check_range(engine, "shared constant", first, count, engine->config->registers);
+fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
+                                     float *values) {
+    fp3_status status = check_shared(engine, group, first, count);
     for (uint32_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
-        if (!(status = engine->kind->read_shared(engine, first + i, &bits)))
+        if (!(status = engine->kind->read_shared(engine, (uint32_t)group, first + i, &bits)))
             memcpy(&values[i], &bits, sizeof bits);
     }
     return status;
 }
 
-static fp3_status check_loaded(fp3_engine *engine) {
-    return engine->image ? FP3_OK
-                         : fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
-}
-
-static fp3_status find(fp3_engine *engine, const char *name, unsigned kinds_wanted,
-                       const fp3_symbol **symbol) {
-    fp3_status status = check_loaded(engine);
-    if (status)
-        return status;
-    *symbol = fp3_image_find(engine->image, name, kinds_wanted);
-    return *symbol ? FP3_OK
-                   : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                              "the program has no parameter '%s'", name);
-}
-
-fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {
-    const fp3_symbol *symbol;
-    fp3_status status = find(engine, name, FP3_KINDS_HOST, &symbol);
-    if (status)
-        return status;
-    if (symbol->kind == FP3_SYMBOL_SHARED)
-        return fp3_engine_write_shared(engine, symbol->index, 1, &value);
-    for (size_t i = 0; !status && i < engine->objects; i++)
-        status = fp3_engine_write(engine, i, 1, symbol->index, &value);
+fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
+                                   const float *values) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < engine->layout.count; i++)
+        status = fp3_engine_write_shared_of(engine, i, first, count, values);
     return status;
 }
 
+fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t count, float *values) {
+    return fp3_engine_read_shared_of(engine, 0, first, count, values);
+}
+
+static fp3_status check_loaded(fp3_engine *engine) {
+    return engine->layout.groups[0].image
+               ? FP3_OK
+               : fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
+}
+
+static fp3_status no_name(fp3_engine *engine, const char *name) {
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "the program has no parameter '%s'", name);
+}
+
+static fp3_status set_symbol(fp3_engine *engine, uint32_t number, const fp3_symbol *symbol,
+                             float value) {
+    const fp3_members *group = &engine->layout.groups[number];
+    fp3_status status = FP3_OK;
+    if (symbol->kind == FP3_SYMBOL_SHARED)
+        return fp3_engine_write_shared_of(engine, number, symbol->index, 1, &value);
+    for (size_t i = 0; !status && i < group->objects; i++)
+        status = fp3_engine_write(engine, group->first + i, 1, symbol->index, &value);
+    return status;
+}
+
+fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {
+    int is_found = 0;
+    fp3_status status = check_loaded(engine);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_symbol *symbol =
+            fp3_image_find(engine->layout.groups[i].image, name, FP3_KINDS_HOST);
+        if (symbol)
+            status = set_symbol(engine, i, symbol, value);
+        is_found |= symbol != NULL;
+    }
+    return status || is_found ? status : no_name(engine, name);
+}
+
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value) {
-    const fp3_symbol *symbol;
-    fp3_status status = find(engine, name, FP3_KINDS_OBJECT | FP3_KINDS_SHARED, &symbol);
+    fp3_status status = check_loaded(engine);
     if (status)
         return status;
+    const fp3_members *group = group_of(engine, object);
+    const fp3_symbol *symbol =
+        fp3_image_find(group->image, name, FP3_KINDS_OBJECT | FP3_KINDS_SHARED);
+    if (!symbol)
+        return no_name(engine, name);
     if (FP3_KIND(symbol->kind) & FP3_KINDS_SHARED)
-        return fp3_engine_read_shared(engine, symbol->index, 1, value);
+        return fp3_engine_read_shared_of(engine, (size_t)(group - engine->layout.groups),
+                                         symbol->index, 1, value);
     return fp3_engine_read(engine, object, 1, symbol->index, value);
 }
 
@@ -398,10 +581,13 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
 /* Brings the host's copy of all sleep registers up to date. */
 static fp3_status look_who_sleeps(fp3_engine *engine) {
     fp3_status status = FP3_OK;
-    if (engine->program.slept < 0 || engine->is_slept_known)
+    if (engine->is_slept_known)
         return FP3_OK;
-    for (uint32_t i = 0; !status && i < engine->objects; i++)
-        status = engine->kind->read(engine, i, (uint32_t)engine->program.slept, &engine->slept[i]);
+    for (uint32_t i = 0; !status && i < engine->objects; i++) {
+        const int slept = slept_of(engine, i);
+        if (slept >= 0)
+            status = engine->kind->read(engine, i, (uint32_t)slept, &engine->slept[i]);
+    }
     engine->is_slept_known = !status;
     return status;
 }
@@ -427,19 +613,26 @@ static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
         }
 }
 
-/* Steps that objects made; before has what their sleep registers held, and is the host's copy. */
-static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    if (engine->program.slept < 0) {
-        stats->object_steps = (uint64_t)steps * engine->objects;
+/* Steps that an object made; its copy of the sleep register has what it held before. */
+static fp3_status count_steps_of(fp3_engine *engine, uint32_t object, uint32_t steps,
+                                 uint64_t *made) {
+    const int slept = slept_of(engine, object);
+    uint32_t *now = &engine->slept[object];
+    if (slept >= 0 && *now)
         return FP3_OK;
-    }
+    fp3_status status =
+        slept < 0 ? FP3_OK : engine->kind->read(engine, object, (uint32_t)slept, now);
+    *made += slept >= 0 && *now ? *now - engine->clock : steps;
+    return status;
+}
+
+static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < engine->objects; i++) {
-        uint32_t *slept = &engine->slept[i];
-        if (*slept)
-            continue;
-        status = engine->kind->read(engine, i, (uint32_t)engine->program.slept, slept);
-        stats->object_steps += *slept ? *slept - engine->clock : steps;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        fp3_members *group = &engine->layout.groups[i];
+        for (uint32_t n = 0; !status && n < group->objects; n++)
+            status = count_steps_of(engine, group->first + n, steps, &group->steps);
+        stats->object_steps += group->steps;
     }
     return status;
 }
@@ -447,10 +640,13 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
 /* After an end before its time nobody knows who slept, and the lists are in pieces. */
 static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     memset(engine->counters, 0, fp3_config_units(engine->config) * sizeof *engine->counters);
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        engine->layout.groups[i].steps = 0;
     fp3_status status = list_who_is_awake(engine);
     if (status)
         return status;
     engine->is_slept_known = engine->is_listed = 0;
+    engine->is_touched = 1;
     status = engine->kind->run(engine, steps, stats);
     sum_counters(engine, stats);
     if (!status)
@@ -491,6 +687,18 @@ fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
     return status;
 }
 
+uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group) {
+    return group < engine->layout.count ? engine->layout.groups[group].steps : 0;
+}
+
+fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_place *place) {
+    fp3_status status = check_range(engine, "unit", unit, 1, fp3_config_units(engine->config));
+    if (!status)
+        *place = (fp3_unit_place){engine->layout.duty[unit].group,
+                                  fp3_layout_objects(&engine->layout, engine->config, unit)};
+    return status;
+}
+
 /* ---- the status of objects ---- */
 
 static fp3_status read_status(fp3_engine *engine, size_t object, fp3_object_status *status) {
@@ -499,9 +707,9 @@ static fp3_status read_status(fp3_engine *engine, size_t object, fp3_object_stat
         engine->config->status ? engine->kind->read_status(engine, object, &word) : FP3_OK;
     *status = (fp3_object_status){.flags = word & ((2u << FP3_STATUS_FLAGS_HI) - 1),
                                   .failed = word >> FP3_STATUS_STEP_LO};
-    if (!result && engine->program.slept >= 0)
-        result =
-            engine->kind->read(engine, object, (uint32_t)engine->program.slept, &status->slept);
+    const int slept = slept_of(engine, object);
+    if (!result && slept >= 0)
+        result = engine->kind->read(engine, object, (uint32_t)slept, &status->slept);
     return result;
 }
 
@@ -528,10 +736,12 @@ static fp3_status set_slept(fp3_engine *engine, size_t first, size_t count, uint
     fp3_status status = check_loaded(engine);
     if (!status)
         status = check_objects(engine, first, count);
-    if (!status && engine->program.slept < 0)
-        status = fp3_fail(engine->def.error, FP3_E_PROGRAM, "the program has no sleep");
     for (size_t i = 0; !status && i < count; i++)
-        status = write_cell(engine, first + i, (uint32_t)engine->program.slept, bits);
+        if (slept_of(engine, first + i) < 0)
+            status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                              "the program has no sleep: that of object %zu", first + i);
+    for (size_t i = 0; !status && i < count; i++)
+        status = write_cell(engine, first + i, (uint32_t)slept_of(engine, first + i), bits);
     return status;
 }
 

@@ -7,17 +7,9 @@
 #define FP3_KIND_H
 
 #include "config.h"
+#include "layout.h"
 
 #include <fp3/engine.h>
-#include <lib/visit.h>
-
-/* What the instruction memory gets: the image's words; interleaved, with loads and stores around. */
-typedef struct {
-    const uint32_t *code;
-    uint32_t count, step, last;
-    uint32_t in_front; /* words before the image's own */
-    int slept;         /* the register that `sleep` writes; -1: none does */
-} fp3_program;
 
 typedef struct {
     const char *name;
@@ -27,8 +19,8 @@ typedef struct {
     /* The registers that an object keeps from run to run, and constants. */
     fp3_status (*write)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
     fp3_status (*read)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
-    fp3_status (*write_shared)(fp3_engine *engine, uint32_t index, uint32_t bits);
-    fp3_status (*read_shared)(fp3_engine *engine, uint32_t index, uint32_t *bits);
+    fp3_status (*write_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
+    fp3_status (*read_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t *bits);
     /* The word that space `status` has for an object; only if the configuration has it. */
     fp3_status (*write_status)(fp3_engine *engine, size_t object, uint32_t word);
     fp3_status (*read_status)(fp3_engine *engine, size_t object, uint32_t *word);
@@ -45,12 +37,9 @@ struct fp3_engine {
     const fp3_config *config;
     fp3_engine_def def;
     uint32_t objects;
-    uint32_t columns; /* lanes of all units: object i is row i / columns of lane i % columns */
-    uint32_t log2;    /* interleaved: of the words of a record, as many as fit */
-    fp3_image *image; /* NULL until a load, as is visit */
-    fp3_visit *visit; /* NULL if not interleaved */
-    fp3_program program;
-    uint32_t clock; /* steps of earlier runs */
+    fp3_layout layout; /* one group without a program until a load */
+    int is_touched;    /* some register, constant or status may be other than 0 */
+    uint32_t clock;    /* steps of earlier runs */
     /* Of each object, what its sleep register held when it was last looked at. */
     uint32_t *slept;
     int is_slept_known;                      /* slept is up to date */
@@ -67,8 +56,8 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
 
 /* The two ends of a run that are not its own, in the same words from every kind; index counts in
- * the program. */
-fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t index);
+ * the program of the group. */
+fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index);
 fp3_status fp3_engine_limit(fp3_engine *engine);
 
 #endif

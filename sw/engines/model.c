@@ -12,6 +12,7 @@
 #include <fenv.h>
 #include <float.h>
 #include <isa.h>
+#include <lib/estimate.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,16 +33,19 @@ typedef struct {
     uint32_t *store;     /* interleaved: the records, as many words each as registers */
     uint32_t *before;    /* ... as they were before this round */
     uint32_t *status;
-    uint32_t *shared;
+    uint32_t *shared;          /* of all groups */
+    const uint32_t *constants; /* those of the group whose turn it is */
     presence *now;
-    char *listed; /* the next round visits the object */
+    char *listed;  /* the next round visits the object */
+    char *is_over; /* the group's run has ended before its time */
     uint64_t executed;
 } model;
 
-/* A round of a run. */
+/* A round of a run, for one group. */
 typedef struct {
     fp3_engine *engine;
     fp3_stats *stats;
+    uint32_t group;
     uint32_t steps;
     uint32_t number, end; /* of the step now; of the last one */
 } round_of;
@@ -59,10 +63,12 @@ static fp3_status model_open(fp3_engine *engine) {
         self->status = calloc(engine->objects, sizeof *self->status);
         self->now = calloc(engine->objects, sizeof *self->now);
         self->listed = calloc(engine->objects, sizeof *self->listed);
-        self->shared = calloc(engine->config->registers, sizeof *self->shared);
+        self->is_over = calloc(fp3_config_units(engine->config), sizeof *self->is_over);
+        self->shared = calloc((size_t)fp3_config_units(engine->config) * engine->config->registers,
+                              sizeof *self->shared);
     }
     if (self && self->registers && self->store && self->before && self->status && self->now &&
-        self->listed && self->shared)
+        self->listed && self->is_over && self->shared)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
@@ -76,13 +82,14 @@ static void model_close(fp3_engine *engine) {
         free(self->status);
         free(self->now);
         free(self->listed);
+        free(self->is_over);
         free(self->shared);
     }
     free(self);
 }
 
 static fp3_status model_load(fp3_engine *engine) {
-    (void)engine; /* engine->program is what runs */
+    (void)engine; /* the programs of engine->layout are what runs */
     return FP3_OK;
 }
 
@@ -103,13 +110,19 @@ static fp3_status model_read(fp3_engine *engine, size_t object, uint32_t reg, ui
     return FP3_OK;
 }
 
-static fp3_status model_write_shared(fp3_engine *engine, uint32_t index, uint32_t bits) {
-    ((model *)engine->self)->shared[index] = bits;
+static uint32_t *constant(fp3_engine *engine, uint32_t group, uint32_t index) {
+    return &((model *)engine->self)->shared[(size_t)group * engine->config->registers + index];
+}
+
+static fp3_status model_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                     uint32_t bits) {
+    *constant(engine, group, index) = bits;
     return FP3_OK;
 }
 
-static fp3_status model_read_shared(fp3_engine *engine, uint32_t index, uint32_t *bits) {
-    *bits = ((model *)engine->self)->shared[index];
+static fp3_status model_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                    uint32_t *bits) {
+    *bits = *constant(engine, group, index);
     return FP3_OK;
 }
 
@@ -138,20 +151,11 @@ static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in
         (in->c & in_bank) >= config->registers)
         return 0;
     switch (in->op) {
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-        return config->chain != 0;
-    case FP3_OP_ADDH:
-    case FP3_OP_SUBH:
-    case FP3_OP_ADDT:
-    case FP3_OP_SUBT:
-        return config->scale != 0;
-    case FP3_OP_SLEEP:
-    case FP3_OP_LDS:
-        return config->sleep != 0;
-    case FP3_OP_LD:
-    case FP3_OP_ST:
-        return config->interleave != 0;
+#define X(NAME, key)                                                                               \
+    case FP3_OP_##NAME:                                                                            \
+        return config->key != 0;
+        FP3_OP_NEEDS(X)
+#undef X
     default:
         return 1;
     }
@@ -203,8 +207,56 @@ static uint32_t raised(const fp3_config *config) {
            (raised & FE_INEXACT ? 1u << FP3_FLAGS_INEXACT_LO : 0);
 }
 
-static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, float a, float b,
-                          float c, uint32_t *flags) {
+/* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
+static int is_less(uint32_t a, uint32_t b) {
+    const uint32_t x = a & 0x7fffffffu, y = b & 0x7fffffffu, infinite = 0x7f800000u;
+    if (x > infinite || y > infinite || !(x | y))
+        return 0;
+    return a >> 31 ? !(b >> 31) || y < x : !(b >> 31) && x < y;
+}
+
+static int is_equal(uint32_t a, uint32_t b) {
+    const uint32_t infinite = 0x7f800000u;
+    return (a & 0x7fffffffu) <= infinite && (a == b || !((a | b) & 0x7fffffffu));
+}
+
+/* What a comparison, a selection or an estimate makes of its operands, bits of all. 1: it is one. */
+static int choose(const fp3_instruction *in, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
+    const uint32_t unity = 0x3f800000u;
+    switch (in->op) {
+    case FP3_OP_MIN:
+        *d = is_less(a, b) ? a : b;
+        return 1;
+    case FP3_OP_MAX:
+        *d = is_less(b, a) ? a : b;
+        return 1;
+    case FP3_OP_ABS:
+        *d = a & 0x7fffffffu;
+        return 1;
+    case FP3_OP_LT:
+        *d = is_less(a, b) ? unity : 0;
+        return 1;
+    case FP3_OP_LE:
+        *d = is_less(a, b) || is_equal(a, b) ? unity : 0;
+        return 1;
+    case FP3_OP_SEL:
+        *d = c & 0x7fffffffu ? a : b;
+        return 1;
+    case FP3_OP_RCP:
+        *d = fp3_estimate_rcp(a);
+        return 1;
+    case FP3_OP_RSQRT:
+        *d = fp3_estimate_rsqrt(a);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, uint32_t a_bits,
+                          uint32_t b_bits, uint32_t c_bits, uint32_t *flags) {
+    const float a = value_of(a_bits), b = value_of(b_bits), c = value_of(c_bits);
+    uint32_t chosen;
     float d;
     feclearexcept(FE_ALL_EXCEPT);
     switch (in->op) {
@@ -224,7 +276,9 @@ static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, f
                 one(config, FP3_OP_MUL, b, 2.0f));
         break;
     default:
-        d = one(config, in->op, a, b);
+        d = choose(in, a_bits, b_bits, c_bits, &chosen)
+                ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f)
+                : one(config, in->op, a, b);
         break;
     }
     *flags = raised(config);
@@ -234,7 +288,7 @@ static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, f
 /* ---- an instruction ---- */
 
 static uint32_t operand(const model *self, const uint32_t *object, uint32_t number) {
-    return number >= FP3_BANK_SHARED_BASE ? self->shared[number - FP3_BANK_SHARED_BASE]
+    return number >= FP3_BANK_SHARED_BASE ? self->constants[number - FP3_BANK_SHARED_BASE]
                                           : object[number];
 }
 
@@ -265,9 +319,9 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
     model *self = r->engine->self;
     const uint32_t *registers = &self->registers[(size_t)object * config->registers];
     uint32_t *record = &self->store[(size_t)object * config->registers];
-    const float a = value_of(operand(self, registers, in->a));
-    const float b = value_of(operand(self, registers, in->b));
-    const float c = value_of(operand(self, registers, in->c));
+    const uint32_t a = operand(self, registers, in->a);
+    const uint32_t b = operand(self, registers, in->b);
+    const uint32_t c = operand(self, registers, in->c);
     uint32_t flags, bits;
     switch (in->op) {
     case FP3_OP_ST:
@@ -284,7 +338,7 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
         retire(r, object, in->d, record[in->d], 0);
         break;
     case FP3_OP_SLEEP:
-        if (self->now[object] == AWAKE && isless(fabsf(a), b)) {
+        if (self->now[object] == AWAKE && isless(fabsf(value_of(a)), value_of(b))) {
             self->now[object] = ASLEEP;
             self->listed[object] = 0;
             retire(r, object, in->d, r->number, 0);
@@ -306,6 +360,14 @@ static fp3_counter counter_of(uint32_t op) {
     case FP3_OP_SUBH:
     case FP3_OP_ADDT:
     case FP3_OP_SUBT:
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+    case FP3_OP_ABS:
+    case FP3_OP_LT:
+    case FP3_OP_LE:
+    case FP3_OP_SEL:
+    case FP3_OP_RCP:
+    case FP3_OP_RSQRT:
         return FP3_COUNTER_ISSUED_ADD;
     case FP3_OP_MUL:
         return FP3_COUNTER_ISSUED_MUL;
@@ -319,11 +381,14 @@ static fp3_counter counter_of(uint32_t op) {
     }
 }
 
+static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
+
 /* One instruction for all objects that execute it. */
 static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
     model *self = r->engine->self;
     const uint64_t before = self->executed;
-    for (uint32_t i = 0; i < r->engine->objects; i++)
+    const fp3_members *group = members(r);
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
         if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
             execute(r, i, in);
     uint64_t *counter = r->engine->counters[0];
@@ -333,10 +398,11 @@ static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
 
 /* ---- a run ---- */
 
-static int is_any(const fp3_engine *engine, presence what) {
-    const model *self = engine->self;
-    for (size_t i = 0; i < engine->objects; i++)
-        if (self->now[i] == what)
+static int is_anybody_awake(const round_of *r) {
+    const model *self = r->engine->self;
+    const fp3_members *group = members(r);
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+        if (self->now[i] == AWAKE)
             return 1;
     return 0;
 }
@@ -344,7 +410,7 @@ static int is_any(const fp3_engine *engine, presence what) {
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
-    const fp3_program *program = &engine->program;
+    const fp3_program *program = &members(r)->program;
     const model *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
     uint32_t left = r->steps;
@@ -353,14 +419,14 @@ static fp3_status make_round(round_of *r) {
         if (pc == program->step)
             r->number++;
         if (!is_legal(engine->config, program->code[pc], &in))
-            return fp3_engine_illegal(r->engine, pc);
+            return fp3_engine_illegal(r->engine, r->group, pc);
         if (limit && self->executed >= limit)
             return fp3_engine_limit(r->engine);
         sweep(r, &in, pc >= program->last);
         pc++;
         if (pc == program->last && --left)
             pc = program->step;
-        if (pc < program->last && !is_any(engine, AWAKE)) {
+        if (pc < program->last && !is_anybody_awake(r)) {
             r->number = r->end;
             pc = program->last;
         }
@@ -369,28 +435,66 @@ static fp3_status make_round(round_of *r) {
 }
 
 /* Who is visited in a round; 0: nobody. */
-static int begin_round(fp3_engine *engine) {
+static int begin_round(const round_of *r) {
+    const fp3_engine *engine = r->engine;
+    const fp3_members *group = members(r);
     model *self = engine->self;
-    for (size_t i = 0; i < engine->objects; i++)
+    const size_t words_each = engine->config->registers, first = group->first * words_each;
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
         self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
-    memcpy(self->before, self->store, words(engine) * sizeof *self->before);
-    return is_any(engine, AWAKE);
+    memcpy(&self->before[first], &self->store[first],
+           group->objects * words_each * sizeof *self->before);
+    self->constants = &self->shared[r->group * words_each];
+    return is_anybody_awake(r);
+}
+
+/* Of visits that did not come to their end nothing is stored. */
+static void undo_round(const round_of *r) {
+    const fp3_members *group = members(r);
+    model *self = r->engine->self;
+    const size_t words_each = r->engine->config->registers, first = group->first * words_each;
+    memcpy(&self->store[first], &self->before[first],
+           group->objects * words_each * sizeof *self->store);
+}
+
+/* A round of every group that goes on; *is_any: one did. One whose program ends at an illegal word,
+ * or that finds the limit, goes on no more; *status and *why tell the first such end. */
+static void make_rounds(round_of r, fp3_status *status, fp3_error *why, int *is_any) {
+    fp3_engine *engine = r.engine;
+    model *self = engine->self;
+    for (r.group = 0; r.group < engine->layout.count; r.group++) {
+        round_of of_group = r;
+        if (self->is_over[r.group] || !begin_round(&of_group))
+            continue;
+        const fp3_status end = make_round(&of_group);
+        *is_any |= !end;
+        if (!end)
+            continue;
+        undo_round(&of_group);
+        self->is_over[r.group] = 1;
+        if (!*status && engine->def.error)
+            *why = *engine->def.error;
+        *status = *status ? *status : end;
+    }
 }
 
 static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    model *self = engine->self;
     const uint32_t visit =
         engine->config->interleave && engine->def.visit ? engine->def.visit : UINT32_MAX;
     fp3_status status = FP3_OK;
-    for (uint32_t made = 0; !status && made < steps && begin_round(engine);) {
+    fp3_error why = {""};
+    int is_any = 1;
+    memset(((model *)engine->self)->is_over, 0, engine->layout.count);
+    for (uint32_t made = 0; made < steps && is_any;) {
         round_of r = {.engine = engine, .stats = stats, .number = engine->clock + made};
         r.steps = steps - made < visit ? steps - made : visit;
         r.end = r.number + r.steps;
         made += r.steps;
-        status = make_round(&r);
+        is_any = 0;
+        make_rounds(r, &status, &why, &is_any);
     }
-    if (status) /* of visits that did not come to their end nothing is stored */
-        memcpy(self->store, self->before, words(engine) * sizeof *self->store);
+    if (status && engine->def.error)
+        *engine->def.error = why;
     return status;
 }
 

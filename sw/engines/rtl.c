@@ -103,7 +103,7 @@ static void pass_on(void *user, const fp3_retirement *retirement) {
     rtl_engine *self = engine->self;
     fp3_retirement r = *retirement;
     const uint32_t row = r.object, column = r.unit * engine->config->lanes + r.lane;
-    r.object = row * engine->columns + column;
+    r.object = fp3_layout_who(&engine->layout, engine->config, &(fp3_where){r.unit, r.lane, row});
     if (self->log) {
         const uint32_t words[] = {column, row, r.reg, r.bits, r.flags};
         for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -133,11 +133,13 @@ static fp3_status check_build(fp3_engine *engine) {
         {FP3_ADDR_FEATURES,
          BIT(FEATURES_CHAIN) | BIT(FEATURES_SUBNORMAL) | BIT(FEATURES_NEAREST) |
              BIT(FEATURES_INTERLEAVE) | BIT(FEATURES_SLEEP) | BIT(FEATURES_FLAGS) |
-             BIT(FEATURES_STATUS) | BIT(FEATURES_SCALE),
+             BIT(FEATURES_STATUS) | BIT(FEATURES_SCALE) | BIT(FEATURES_SELECT) |
+             BIT(FEATURES_ESTIMATE),
          VALUE(FEATURES_CHAIN, c->chain) | VALUE(FEATURES_SUBNORMAL, c->subnormal) |
              VALUE(FEATURES_NEAREST, c->nearest) | VALUE(FEATURES_INTERLEAVE, c->interleave) |
              VALUE(FEATURES_SLEEP, c->sleep) | VALUE(FEATURES_FLAGS, c->flags) |
-             VALUE(FEATURES_STATUS, c->status) | VALUE(FEATURES_SCALE, c->scale)},
+             VALUE(FEATURES_STATUS, c->status) | VALUE(FEATURES_SCALE, c->scale) |
+             VALUE(FEATURES_SELECT, c->select) | VALUE(FEATURES_ESTIMATE, c->estimate)},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         uint32_t got = 0;
@@ -186,42 +188,53 @@ static void rtl_close(fp3_engine *engine) {
 
 /* ---- memories ---- */
 
-static fp3_status rtl_load(fp3_engine *engine) {
-    const fp3_program *p = &engine->program;
+/* To all units of a group: to all that there are in one transfer. */
+static fp3_status put_group(fp3_engine *engine, uint32_t number, uint32_t address, uint32_t data) {
+    const fp3_members *group = &engine->layout.groups[number];
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < p->count; i++)
-        status = put(engine, of_all(engine, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
-    const request shape[] = {{FP3_ADDR_STEP, p->step},
-                             {FP3_ADDR_LAST, p->last},
-                             {FP3_ADDR_SIZE, p->count},
-                             {FP3_ADDR_RECORD, engine->log2}};
-    if (!status)
-        status = put_all(engine, shape, engine->config->interleave ? 4 : 3);
+    if (engine->layout.count == 1)
+        return put(engine, of_all(engine, address), data);
+    for (uint32_t i = 0; !status && i < group->unit_count; i++)
+        status = put(engine, of_unit(group->units[i], address), data);
     return status;
 }
 
-/* Where an object is. */
-static uint32_t unit_of(const fp3_engine *engine, size_t object) {
-    return (uint32_t)(object % engine->columns) / engine->config->lanes;
+static fp3_status load_group(fp3_engine *engine, uint32_t number) {
+    const fp3_members *group = &engine->layout.groups[number];
+    const fp3_program *p = &group->program;
+    const request shape[] = {{FP3_ADDR_STEP, p->step},
+                             {FP3_ADDR_LAST, p->last},
+                             {FP3_ADDR_SIZE, p->count},
+                             {FP3_ADDR_RECORD, group->log2}};
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < p->count; i++)
+        status = put_group(engine, number, FP3_ADDR_WINDOW_PROGRAM + 4 * i, p->code[i]);
+    for (size_t i = 0; !status && i < (engine->config->interleave ? 4 : 3); i++)
+        status = put_group(engine, number, shape[i].address, shape[i].data);
+    return status;
 }
 
-static uint32_t lane_of(const fp3_engine *engine, size_t object) {
-    return (uint32_t)(object % engine->columns) % engine->config->lanes;
+static fp3_status rtl_load(fp3_engine *engine) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = load_group(engine, i);
+    return status;
 }
 
-static uint32_t row_of(const fp3_engine *engine, size_t object) {
-    return (uint32_t)(object / engine->columns);
+static fp3_where where(const fp3_engine *engine, size_t object) {
+    return fp3_layout_where(&engine->layout, engine->config, object);
 }
 
 static uint32_t cell_address(const fp3_engine *engine, size_t object, uint32_t reg) {
-    const uint32_t record = row_of(engine, object) << engine->log2;
-    return in_space(unit_of(engine, object), FP3_SPACE_OBJECTS,
-                    lane_of(engine, object) * engine->config->store_words + record + reg);
+    const fp3_where at = where(engine, object);
+    const uint32_t record = at.row << fp3_layout_group_of(&engine->layout, object)->log2;
+    return in_space(at.unit, FP3_SPACE_OBJECTS,
+                    at.lane * engine->config->store_words + record + reg);
 }
 
 static uint32_t status_address(const fp3_engine *engine, size_t object) {
-    return in_space(unit_of(engine, object), FP3_SPACE_STATUS,
-                    lane_of(engine, object) * engine->config->store_words + row_of(engine, object));
+    const fp3_where at = where(engine, object);
+    return in_space(at.unit, FP3_SPACE_STATUS, at.lane * engine->config->store_words + at.row);
 }
 
 static fp3_status rtl_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
@@ -232,12 +245,15 @@ static fp3_status rtl_read(fp3_engine *engine, size_t object, uint32_t reg, uint
     return get(engine, cell_address(engine, object, reg), bits);
 }
 
-static fp3_status rtl_write_shared(fp3_engine *engine, uint32_t index, uint32_t bits) {
-    return put(engine, of_all(engine, FP3_ADDR_WINDOW_CONSTANTS + 4 * index), bits);
+static fp3_status rtl_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                   uint32_t bits) {
+    return put_group(engine, group, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, bits);
 }
 
-static fp3_status rtl_read_shared(fp3_engine *engine, uint32_t index, uint32_t *bits) {
-    return get(engine, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, bits);
+static fp3_status rtl_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                  uint32_t *bits) {
+    const uint32_t unit = engine->layout.groups[group].units[0];
+    return get(engine, of_unit(unit, FP3_ADDR_WINDOW_CONSTANTS + 4 * index), bits);
 }
 
 static fp3_status rtl_write_status(fp3_engine *engine, size_t object, uint32_t word) {
@@ -251,19 +267,17 @@ static fp3_status rtl_read_status(fp3_engine *engine, size_t object, uint32_t *w
 /* With sleep the numbers of a lane's objects, in the order of their rows; without, how many. */
 static fp3_status rtl_list(fp3_engine *engine) {
     const fp3_config *config = engine->config;
-    const uint32_t rows = engine->objects / engine->columns,
-                   rest = engine->objects % engine->columns;
+    const fp3_layout *layout = &engine->layout;
     fp3_status status = FP3_OK;
-    for (uint32_t column = 0; !status && column < engine->columns; column++)
-        status = put(
-            engine,
-            of_unit(column / config->lanes, FP3_ADDR_WINDOW_AWAKE + 4 * (column % config->lanes)),
-            config->sleep ? 0 : rows + (column < rest));
-    for (uint32_t i = 0; !status && config->sleep && i < engine->objects; i++)
+    for (uint32_t unit = 0; unit < units(engine); unit++)
+        for (uint32_t lane = 0; !status && lane < config->lanes; lane++)
+            status = put(engine, of_unit(unit, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+                         config->sleep ? 0 : fp3_layout_rows(layout, config, unit, lane));
+    for (uint32_t i = 0; !status && config->sleep && i < engine->objects; i++) {
+        const fp3_where at = where(engine, i);
         if (fp3_engine_is_awake(engine, i))
-            status = put(engine,
-                         of_unit(unit_of(engine, i), FP3_ADDR_WINDOW_WAKE + 4 * lane_of(engine, i)),
-                         row_of(engine, i));
+            status = put(engine, of_unit(at.unit, FP3_ADDR_WINDOW_WAKE + 4 * at.lane), at.row);
+    }
     return status;
 }
 
@@ -374,31 +388,44 @@ static fp3_status close_log_of_run(fp3_engine *engine) {
                     strerror(errno));
 }
 
-static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    fp3_status status = start(engine, steps);
-    if (!status)
-        status = wait_or_stop(engine);
-    uint32_t all = 0, illegal = 0;
+/* Asks every unit; *illegal: the first that met an illegal word, and which. */
+static fp3_status ask_units(fp3_engine *engine, fp3_stats *stats, uint32_t *all, uint32_t *illegal,
+                            uint32_t *word) {
+    fp3_status status = FP3_OK;
+    *illegal = units(engine);
     for (uint32_t unit = 0; !status && unit < units(engine); unit++) {
         uint32_t outcome = 0, fault = 0;
         status = ask_unit(engine, unit, &outcome, &fault);
-        all |= outcome;
-        illegal = FIELD(outcome, STATUS_ILLEGAL) ? fault : illegal;
+        *all |= outcome;
         stats->units = unit + 1;
+        if (*illegal == units(engine) && FIELD(outcome, STATUS_ILLEGAL)) {
+            *illegal = unit;
+            *word = fault;
+        }
     }
+    return status;
+}
+
+static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    uint32_t all = 0, illegal = 0, word = 0;
+    fp3_status status = start(engine, steps);
+    if (!status)
+        status = wait_or_stop(engine);
+    if (!status)
+        status = ask_units(engine, stats, &all, &illegal, &word);
     if (!status)
         status = get(engine, of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
     if (!status)
         status = close_log_of_run(engine);
     if (status)
         return status;
-    if (FIELD(all, STATUS_ILLEGAL) && illegal < engine->program.count)
-        return fp3_engine_illegal(engine, illegal);
-    if (FIELD(all, STATUS_ILLEGAL))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                        "the hardware says that word %" PRIu32 " is illegal: there is none",
-                        illegal);
-    return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
+    if (illegal == units(engine))
+        return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
+    const uint32_t group = engine->layout.duty[illegal].group;
+    if (word < engine->layout.groups[group].program.count)
+        return fp3_engine_illegal(engine, group, word);
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                    "the hardware says that word %" PRIu32 " is illegal: there is none", word);
 }
 
 const fp3_engine_kind fp3_kind_rtl = {

@@ -3,18 +3,22 @@
 #define FP3_GEN_CONFIGS_H
 /* clang-format off */
 
-/* X(name, doc, interleave, tiles, schedulers, lanes, registers, contexts, program_words, store_words, bypass, writeback_stall, chain, scale, sleep, flags, status, subnormal, nearest, add_latency, mul_latency, add_cuts, mul_cuts) */
-#define FP3_CONFIGS(X)                                                                                                                                                                                         \
-    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                     0, 1, 1, 1, 32, 1,  512, 0,      0, 1, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",            0, 1, 1, 1, 32, 1,  512, 0,      0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_bypass, "The same with bypass.",                                                                                0, 1, 1, 1, 32, 1,  512, 0,      1, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.",  0, 1, 1, 1, 32, 1,  512, 0,      1, 0, 1, 0, 0, 1, 0, 1, 1, 1,  1,  0x0000, 0x0000) \
-    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",            0, 1, 1, 1, 32, 1,  512, 0,      1, 0, 1, 0, 0, 1, 0, 1, 1, 2,  2,  0x0004, 0x0004) \
-    X(many,        "Objects in a store, 24 of them in flight: each instruction issues for all of them in turn.",           1, 1, 1, 1, 32, 24, 512, 8192,   0, 0, 1, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(crowd,       "The same with a store for 16,384 objects of 8 words: more block RAM than an LFE5U-85F has.",           1, 1, 1, 1, 32, 24, 512, 131072, 0, 0, 1, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(shared,      "The paper's Figure 3: two schedulers, each with its own program, share one adder and one multiplier.", 1, 1, 2, 1, 32, 24, 512, 1024,   0, 0, 1, 1, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(lanes,       "Eight lanes under one scheduler: control is paid once.",                                               1, 1, 1, 8, 16, 24, 512, 512,    0, 0, 1, 0, 0, 1, 0, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(array,       "Four tiles behind one host port, each with its own program, sleep and flags.",                         1, 4, 1, 1, 32, 24, 512, 1024,   0, 0, 1, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f)
+/* X(name, doc, interleave, tiles, schedulers, lanes, registers, contexts, program_words, store_words, bypass, writeback_stall, chain, scale, select, estimate, sleep, flags, status, subnormal, nearest, add_latency, mul_latency, add_cuts, mul_cuts) */
+#define FP3_CONFIGS(X)                                                                                                                                                                                                           \
+    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                                0, 1, 1, 1, 32, 1,  512,  0,      0, 1, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",                       0, 1, 1, 1, 32, 1,  512,  0,      0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(walk_bypass, "The same with bypass.",                                                                                           0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
+    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.",             0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 1,  1,  0x0000, 0x0000) \
+    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",                       0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 2,  2,  0x0004, 0x0004) \
+    X(single_full, "The same with everything that one object can have: comparison, selection, estimates, 64 registers, 2,048 words.", 0, 1, 1, 1, 64, 1,  2048, 0,      1, 0, 1, 0, 1, 1, 0, 1, 0, 1, 1, 2,  2,  0x0004, 0x0004) \
+    X(many,        "Objects in a store, 24 of them in flight: each instruction issues for all of them in turn.",                      1, 1, 1, 1, 32, 24, 512,  8192,   0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(many_full,   "The same with every instruction, 64 registers, 2,048 words of program and a store for 512 objects of 32 words.",  1, 1, 1, 1, 64, 24, 2048, 16384,  0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(sixteen,     "The same with 16 contexts, and cores cut only as deep as these hide: 16 objects in flight never pause.",          1, 1, 1, 1, 64, 16, 2048, 16384,  0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 6,  5,  0x006e, 0x002b) \
+    X(crowd,       "`many` with a store for 16,384 objects of 8 words: more block RAM than an LFE5U-85F has.",                        1, 1, 1, 1, 32, 24, 512,  131072, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(shared,      "The paper's Figure 3: two schedulers, each with its own program, share one adder and one multiplier.",            1, 1, 2, 1, 32, 24, 512,  1024,   0, 0, 1, 1, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(shared_full, "The same with every instruction, 64 registers, 2,048 words of program and a store for 32 objects of 64 words.",   1, 1, 2, 1, 64, 24, 2048, 2048,   0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(lanes,       "Eight lanes under one scheduler: control is paid once.",                                                          1, 1, 1, 8, 16, 24, 512,  512,    0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 8,  8,  0x007f, 0x007f) \
+    X(array,       "Four tiles behind one host port, each with its own program, sleep and flags.",                                    1, 4, 1, 1, 32, 24, 512,  1024,   0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f)
 
 /* clang-format on */
 #endif

@@ -3,7 +3,7 @@
 #define FP3_GEN_ISA_H
 /* clang-format off */
 
-#define FP3_ISA_REVISION 2
+#define FP3_ISA_REVISION 3
 
 /* Fields of the 32-bit word. */
 #define FP3_FIELD_OP_HI 31
@@ -39,6 +39,14 @@ enum fp3_opcode {
     FP3_OP_SUBH  = 11,
     FP3_OP_ADDT  = 12,
     FP3_OP_SUBT  = 13,
+    FP3_OP_MIN   = 14,
+    FP3_OP_MAX   = 15,
+    FP3_OP_ABS   = 16,
+    FP3_OP_LT    = 17,
+    FP3_OP_LE    = 18,
+    FP3_OP_SEL   = 19,
+    FP3_OP_RCP   = 20,
+    FP3_OP_RSQRT = 21,
 };
 
 /* X(NAME, code, mnemonic, operands in assembly order, unit) */
@@ -55,7 +63,36 @@ enum fp3_opcode {
     X(ADDH,  10, "addh",  "dab",  ADD)    \
     X(SUBH,  11, "subh",  "dab",  ADD)    \
     X(ADDT,  12, "addt",  "dab",  ADD)    \
-    X(SUBT,  13, "subt",  "dab",  ADD)
+    X(SUBT,  13, "subt",  "dab",  ADD)    \
+    X(MIN,   14, "min",   "dab",  ADD)    \
+    X(MAX,   15, "max",   "dab",  ADD)    \
+    X(ABS,   16, "abs",   "da",   ADD)    \
+    X(LT,    17, "lt",    "dab",  ADD)    \
+    X(LE,    18, "le",    "dab",  ADD)    \
+    X(SEL,   19, "sel",   "dabc", ADD)    \
+    X(RCP,   20, "rcp",   "da",   ADD)    \
+    X(RSQRT, 21, "rsqrt", "da",   ADD)
+
+/* X(NAME, key): what a configuration must have for an operation. */
+#define FP3_OP_NEEDS(X)  \
+    X(MADD,  chain)      \
+    X(MSUB,  chain)      \
+    X(SLEEP, sleep)      \
+    X(LD,    interleave) \
+    X(LDS,   sleep)      \
+    X(ST,    interleave) \
+    X(ADDH,  scale)      \
+    X(SUBH,  scale)      \
+    X(ADDT,  scale)      \
+    X(SUBT,  scale)      \
+    X(MIN,   select)     \
+    X(MAX,   select)     \
+    X(ABS,   select)     \
+    X(LT,    select)     \
+    X(LE,    select)     \
+    X(SEL,   select)     \
+    X(RCP,   estimate)   \
+    X(RSQRT, estimate)
 
 /* clang-format on */
 #endif

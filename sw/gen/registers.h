@@ -53,6 +53,10 @@
 #define FP3_FEATURES_STATUS_LO          27
 #define FP3_FEATURES_SCALE_HI           28
 #define FP3_FEATURES_SCALE_LO           28
+#define FP3_FEATURES_SELECT_HI          29
+#define FP3_FEATURES_SELECT_LO          29
+#define FP3_FEATURES_ESTIMATE_HI        30
+#define FP3_FEATURES_ESTIMATE_LO        30
 #define FP3_CONTROL_START_HI            0
 #define FP3_CONTROL_START_LO            0
 #define FP3_CONTROL_STOP_HI             1
@@ -120,10 +124,10 @@
     X(STALL_DRAIN,      "stall_drain",      0x00e0u)
 
 /* Windows onto the memories. */
-#define FP3_ADDR_WINDOW_PROGRAM   0x1000u
 #define FP3_ADDR_WINDOW_CONSTANTS 0x2000u
 #define FP3_ADDR_WINDOW_AWAKE     0x3000u
 #define FP3_ADDR_WINDOW_WAKE      0x3100u
+#define FP3_ADDR_WINDOW_PROGRAM   0x8000u
 
 /* The parts of an address, and what they say. */
 #define FP3_ADDRESS_SCHEDULER_HI 31

@@ -109,7 +109,7 @@ static void open_model(bench *b, unit *one) {
 
 static void write_program(bench *b, uint32_t u) {
     const fp3_engine *model = b->units[u].model;
-    const fp3_program *p = &model->program;
+    const fp3_program *p = &model->layout.groups[0].program;
     for (uint32_t i = 0; i < p->count; i++)
         put(b, of_unit(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
     put(b, of_unit(u, FP3_ADDR_STEP), p->step);
@@ -126,7 +126,7 @@ static void write_values(bench *b, uint32_t u) {
     fp3_engine *model = one->model;
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
-        model->kind->write_shared(model, i, bits);
+        model->kind->write_shared(model, 0, i, bits);
         put(b, of_unit(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
     }
     for (uint32_t object = 0; object < one->objects; object++) {
@@ -201,7 +201,7 @@ static void compare(bench *b, uint32_t u) {
     }
     /* Without sleep, lane 0 says what is issued. */
     const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
-    if (model->program.slept < 0)
+    if (model->layout.groups[0].program.slept < 0)
         want(b, "counter retired", of_unit(u, FP3_ADDR_COUNTER_RETIRED),
              (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows));
     fp3_engine_close(&one->model);

@@ -173,6 +173,11 @@ static void sweep(bench *b, int is_running) {
     const uint32_t ends[] = {object_words(b->config), status_words(b->config), 1u << 20};
     for (uint32_t address = 0; address < 0x4000; address += address < 0x100 ? 1 : 4)
         probe(b, address, is_running);
+    const uint32_t programs[] = {FP3_ADDR_WINDOW_PROGRAM,
+                                 FP3_ADDR_WINDOW_PROGRAM + 4 * b->config->program_words, 0x10000};
+    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
+        for (uint32_t address = programs[i] - 32; address < programs[i] + 32; address++)
+            probe(b, address, is_running);
     for (uint32_t space = 0; space < 4; space++)
         for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
             for (uint32_t word = ends[i] - 2; word != ends[i] + 2; word++)
@@ -233,8 +238,9 @@ static void lists_count_their_objects(bench *b) {
         must(b, "an empty list", awake, 0);
         want(b, "an empty list", awake, 0);
         if (!c->sleep) {
-            must(b, "a list", awake, lane + 1);
-            want(b, "a list", awake, lane + 1);
+            const uint32_t count = 1 + lane % (c->store_words / 8);
+            must(b, "a list", awake, count);
+            want(b, "a list", awake, count);
         }
         for (uint32_t n = 0; c->sleep && n < 3; n++) {
             must(b, "one more object", FP3_ADDR_WINDOW_WAKE + 4 * lane, n);
@@ -354,9 +360,12 @@ static void what_is_left_out_is_illegal(bench *b) {
     const fp3_config *c = b->config;
     const struct {
         uint32_t op, has;
-    } rows[] = {{FP3_OP_MADD, c->chain}, {FP3_OP_MSUB, c->chain},    {FP3_OP_SLEEP, c->sleep},
-                {FP3_OP_LDS, c->sleep},  {FP3_OP_LD, c->interleave}, {FP3_OP_ST, c->interleave},
-                {FP3_OP_ADDH, c->scale}, {FP3_OP_SUBT, c->scale}};
+    } rows[] = {{FP3_OP_MADD, c->chain},    {FP3_OP_MSUB, c->chain},    {FP3_OP_SLEEP, c->sleep},
+                {FP3_OP_LDS, c->sleep},     {FP3_OP_LD, c->interleave}, {FP3_OP_ST, c->interleave},
+                {FP3_OP_ADDH, c->scale},    {FP3_OP_SUBT, c->scale},    {FP3_OP_MIN, c->select},
+                {FP3_OP_MAX, c->select},    {FP3_OP_ABS, c->select},    {FP3_OP_LT, c->select},
+                {FP3_OP_LE, c->select},     {FP3_OP_SEL, c->select},    {FP3_OP_RCP, c->estimate},
+                {FP3_OP_RSQRT, c->estimate}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         load(b, 1);
         const uint32_t step = get(b, FP3_ADDR_STEP), word = rows[i].op << FP3_FIELD_OP_LO;

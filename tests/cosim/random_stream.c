@@ -104,7 +104,8 @@ static void take(void *user, const fp3_retirement *r) {
         return;
     print(b, "rtl  ", r);
     if (r->object >= b->objects || r->reg >= b->config->registers ||
-        r->object % b->engine[1]->columns != r->unit * b->config->lanes + r->lane ||
+        r->object % b->engine[1]->layout.groups[0].columns !=
+            r->unit * b->config->lanes + r->lane ||
         r->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": a retirement of object %" PRIu32 " r%" PRIu32 ", unit %" PRIu32
               ", lane %" PRIu32 ", context %" PRIu32,
@@ -128,7 +129,7 @@ static void count_issue(void *user, const fp3_issue *issue) {
     b->issued++;
     if (b->wrong)
         return;
-    const fp3_program *program = &b->engine[1]->program;
+    const fp3_program *program = &b->engine[1]->layout.groups[0].program;
     if (issue->pc >= program->count || issue->word != program->code[issue->pc] ||
         issue->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": unit %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
@@ -154,7 +155,7 @@ static void set_constants(bench *b, chance *c) {
         if (b->is_trace)
             printf("  host: k%" PRIu32 " = 0x%08" PRIx32 "\n", reg, bits);
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->kind->write_shared(b->engine[k], reg, bits))
+            if (b->engine[k]->kind->write_shared(b->engine[k], 0, reg, bits))
                 b->wrong = b->error[k].text;
     }
 }
@@ -179,7 +180,7 @@ static void clear_status(bench *b) {
 static void disturb(bench *b, chance *c) {
     const uint32_t first = below(c, b->objects), count = 1 + below(c, b->objects - first);
     const uint32_t what = below(c, 4);
-    if (b->engine[0]->program.slept >= 0 && what < 3) {
+    if (b->engine[0]->layout.groups[0].program.slept >= 0 && what < 3) {
         if (b->is_trace)
             printf("  host: %s %" PRIu32 " + %" PRIu32 "\n", what ? "wake" : "remove", first,
                    count);
@@ -201,7 +202,7 @@ static void load(bench *b) {
     for (int k = 0; k < 2 && !b->wrong; k++)
         if (fp3_engine_load_unchecked(b->engine[k], &image))
             b->wrong = b->error[k].text;
-    const fp3_program *program = &b->engine[0]->program;
+    const fp3_program *program = &b->engine[0]->layout.groups[0].program;
     for (uint32_t i = 0; b->is_trace && !b->wrong && i < program->count; i++) {
         char text[FP3_WORD_TEXT_SIZE] = "illegal";
         fp3_word_text(program->code[i], NULL, text, NULL);
@@ -239,7 +240,7 @@ static void compare_constants(bench *b) {
     for (uint32_t reg = 0; reg < b->config->registers; reg++) {
         uint32_t bits[2] = {0, 0};
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->kind->read_shared(b->engine[k], reg, &bits[k]))
+            if (b->engine[k]->kind->read_shared(b->engine[k], 0, reg, &bits[k]))
                 b->wrong = b->error[k].text;
         if (bits[0] != bits[1])
             WRONG("at the end: k%" PRIu32 " got 0x%08" PRIx32 ", expected 0x%08" PRIx32, reg,
@@ -264,7 +265,7 @@ static void compare_status(bench *b, int is_part) {
 /* Of objects that all execute all, the hardware issues what the model does; with several lanes only
  * once, and lane 0 has objects wherever another lane has. */
 static void compare_counters(bench *b, const fp3_stats stats[2]) {
-    const uint32_t columns = b->engine[0]->columns, lanes = b->config->lanes;
+    const uint32_t columns = b->engine[0]->layout.groups[0].columns, lanes = b->config->lanes;
     uint64_t issued = 0, in_lane_0 = 0;
     for (uint32_t i = 0; i < b->objects; i++)
         in_lane_0 += i % columns % lanes == 0;
@@ -275,7 +276,7 @@ static void compare_counters(bench *b, const fp3_stats stats[2]) {
         if (strncmp(name, "issued_", 7) != 0)
             continue;
         issued += got;
-        if (b->engine[0]->program.slept < 0 && got != expected)
+        if (b->engine[0]->layout.groups[0].program.slept < 0 && got != expected)
             WRONG("%s: got %" PRIu64 ", expected %" PRIu64, name, got, expected);
     }
     if (issued != b->issued || issued != stats[1].counter[FP3_COUNTER_RETIRED])
@@ -515,8 +516,9 @@ static void open_session(bench *b, chance *c) {
         b->wrong = "out of memory";
     b->is_apart = 1;
     if (!b->wrong)
-        b->words = b->config->registers >> b->engine[0]->log2 ? 1u << b->engine[0]->log2
-                                                              : b->config->registers;
+        b->words = b->config->registers >> b->engine[0]->layout.groups[0].log2
+                       ? 1u << b->engine[0]->layout.groups[0].log2
+                       : b->config->registers;
     if (b->is_trace)
         printf("%" PRIu32 " objects\n", b->objects);
 }

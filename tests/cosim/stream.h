@@ -64,14 +64,47 @@ static inline uint32_t stream_word(uint32_t op, uint32_t d, uint32_t a, uint32_t
     return fp3_word_encode(&(fp3_instruction){op, d, a, b, c});
 }
 
+static inline int stream_has(const fp3_config *config, uint32_t op) {
+    switch (op) {
+#define X(NAME, key)                                                                               \
+    case FP3_OP_##NAME:                                                                            \
+        return config->key != 0;
+        FP3_OP_NEEDS(X)
+#undef X
+    default:
+        return 1;
+    }
+}
+
+/* How many operands an arithmetic operation reads. */
+static inline int stream_sources(uint32_t op) {
+    switch (op) {
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+    case FP3_OP_SEL:
+        return 3;
+    case FP3_OP_ABS:
+    case FP3_OP_RCP:
+    case FP3_OP_RSQRT:
+        return 1;
+    default:
+        return 2;
+    }
+}
+
 static inline uint32_t arithmetic_word(chance *c, stream *s) {
-    static const uint32_t ops[] = {FP3_OP_MADD, FP3_OP_MSUB, FP3_OP_ADD,  FP3_OP_SUB, FP3_OP_MUL,
-                                   FP3_OP_ADDH, FP3_OP_SUBH, FP3_OP_ADDT, FP3_OP_SUBT};
-    const uint32_t first = s->config->chain ? 0 : 2, end = s->config->scale ? 9 : 5;
-    const uint32_t pick = first + below(c, end - first);
-    const uint32_t x = stream_source(c, s), y = stream_source(c, s);
-    const uint32_t z = pick < 2 ? stream_source(c, s) : 0;
-    return stream_word(ops[pick], stream_destination(c, s), x, y, z);
+    static const uint32_t ops[] = {FP3_OP_MADD, FP3_OP_MSUB, FP3_OP_ADD,  FP3_OP_SUB,  FP3_OP_MUL,
+                                   FP3_OP_ADDH, FP3_OP_SUBH, FP3_OP_ADDT, FP3_OP_SUBT, FP3_OP_MIN,
+                                   FP3_OP_MAX,  FP3_OP_ABS,  FP3_OP_LT,   FP3_OP_LE,   FP3_OP_SEL,
+                                   FP3_OP_RCP,  FP3_OP_RSQRT};
+    uint32_t op;
+    do
+        op = ops[below(c, sizeof ops / sizeof *ops)];
+    while (!stream_has(s->config, op));
+    const int sources = stream_sources(op);
+    const uint32_t x = stream_source(c, s), y = sources > 1 ? stream_source(c, s) : 0;
+    const uint32_t z = sources > 2 ? stream_source(c, s) : 0;
+    return stream_word(op, stream_destination(c, s), x, y, z);
 }
 
 static inline uint32_t sleep_word(chance *c, stream *s, int is_last) {
@@ -114,6 +147,12 @@ static inline uint32_t legal_word(chance *c, stream *s, uint32_t index) {
     return arithmetic_word(c, s);
 }
 
+/* With the fields of word that the operation has. */
+static inline uint32_t stream_turned(uint32_t word, uint32_t op) {
+    const uint32_t fields[] = {0x07ffc000u, 0x07ffff80u, 0x07ffffffu};
+    return op << FP3_FIELD_OP_LO | (word & fields[stream_sources(op) - 1]);
+}
+
 /* Begins another field than word's, so that nothing else is wrong with it. */
 static inline uint32_t illegal_word(chance *c, stream *s) {
     const fp3_config *config = s->config;
@@ -124,15 +163,26 @@ static inline uint32_t illegal_word(chance *c, stream *s) {
         case 0:
             return low; /* code 0 */
         case 1:
-            if (!config->scale && below(c, 2))
-                return (word & 0x07ffff80u) | (FP3_OP_ADDH + below(c, 4)) << FP3_FIELD_OP_LO;
-            return low | (FP3_OP_SUBT + 1 + below(c, 31 - FP3_OP_SUBT)) << FP3_FIELD_OP_LO;
-        case 2:
-            return (word & 0x07ffff80u) | FP3_OP_ADD << FP3_FIELD_OP_LO | (1 + below(c, 127));
-        case 3:
-            if (!config->chain)
-                return (word & 0x07ffffffu) | (uint32_t)FP3_OP_MADD << FP3_FIELD_OP_LO;
+            return low | (FP3_OP_RSQRT + 1 + below(c, 31 - FP3_OP_RSQRT)) << FP3_FIELD_OP_LO;
+        case 2: { /* an operand too many */
+            static const uint32_t ops[] = {FP3_OP_ADD, FP3_OP_LE, FP3_OP_ABS, FP3_OP_RCP,
+                                           FP3_OP_RSQRT};
+            const uint32_t op = ops[below(c, sizeof ops / sizeof *ops)];
+            const uint32_t field = stream_sources(op) > 1 || below(c, 2) ? 0 : FP3_FIELD_B_LO;
+            if (stream_has(config, op))
+                return stream_turned(word, op) | (1 + below(c, 127)) << field;
             break;
+        }
+        case 3: { /* what may be left out, and is */
+            static const uint32_t ops[] = {FP3_OP_MADD, FP3_OP_MSUB, FP3_OP_ADDH, FP3_OP_SUBH,
+                                           FP3_OP_ADDT, FP3_OP_SUBT, FP3_OP_MIN,  FP3_OP_MAX,
+                                           FP3_OP_ABS,  FP3_OP_LT,   FP3_OP_LE,   FP3_OP_SEL,
+                                           FP3_OP_RCP,  FP3_OP_RSQRT};
+            const uint32_t op = ops[below(c, sizeof ops / sizeof *ops)];
+            if (!stream_has(config, op))
+                return stream_turned(word, op);
+            break;
+        }
         case 4:
             /* The composer takes these for the program's own loads and stores. */
             if (!config->interleave)

@@ -26,6 +26,11 @@ def test_schedulers_run_programs_of_their_own(build, tmp_path):
     assert ", 0 failed" in start(build / "tests/different_programs", cwd=tmp_path)
 
 
+def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path):
+    out = start(build / "tests/chosen_values", cwd=tmp_path)
+    assert " 0 wrong" in out and int(out.split(" operands, ")[1].split()[0]) > 1_000_000, out
+
+
 @pytest.mark.smoke
 def test_random_streams_retire_alike_in_short(build, tmp_path):
     start(build / "tests/random_stream", "--instructions", "50000", "--seed", "1000000", cwd=tmp_path)

@@ -46,6 +46,13 @@ def test_binary16(build, op):
     passes(start(build / "tests/fp_small", "--op", op, "--row", BINARY16))
 
 
+@pytest.mark.smoke
+def test_estimates(build):
+    """All fractions: bounds, bias, and that no table of this size is better."""
+    done = start(build / "tests/fp_estimates")
+    assert done.returncode == 0 and re.search(r"^7\d{7} estimates, .* 0 wrong$", done.stdout), done.stdout
+
+
 # ---- vectors of TestFloat -----------------------------------------------------------------------
 
 VECTOR, TIE = "3F800000 34000000 3F800001 00\n", "3F800000 33800000 3F800000 01\n"

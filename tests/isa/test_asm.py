@@ -107,7 +107,7 @@ def test_image_layout(assemble):
         """
     )
     assert words[:9] == [
-        int.from_bytes(b"FP3I", "little"), 2, len(words), 4, 1, 3, 2, 7, 10 | 6 << 16,
+        int.from_bytes(b"FP3I", "little"), 3, len(words), 4, 1, 3, 2, 7, 10 | 6 << 16,
     ]
     assert constants_of(words) == {5: f32(0.33333334), 1: f32(2.5)}
     assert symbols_of(words) == [
@@ -251,6 +251,9 @@ REFUSED = [
     ("every wrong sleep", ".temp a\n.state s t\nstep: sleep a, r5, 0.5\nsleep s, r5, 0.5\nsleep t, r5, 0.5", ["3:13: error: found 'a', expected a .state", "5:7: error: found 't', expected 's', the program's sleep register (line 4)"]),
     ("too few operands", "step: add r0, r1", ["1:17: error: found end of line, expected ',' and operand b: add d, a, b"]),
     ("too few operands of madd", "step: madd r0, r1, r2", ["1:22: error: found end of line, expected ',' and operand c: madd d, a, b, c"]),
+    ("too few operands of rcp", "step: rcp r0", ["1:13: error: found end of line, expected ',' and operand a: rcp d, a"]),
+    ("too many operands of abs", "step: abs r0, r1, r2", ["1:17: error: found ',', expected end of line: abs d, a"]),
+    ("too few operands of sel", "step: sel r0, r1, r2", ["1:21: error: found end of line, expected ',' and operand c: sel d, a, b, c"]),
     ("no operands", "step: add", ["1:10: error: found end of line, expected operand d: add d, a, b"]),
     ("empty operand", "step: add r0, , r1", ["1:15: error: found ',', expected operand a: add d, a, b"]),
     ("comma forgotten", "step: add r0 r1, r2", ["1:14: error: found 'r1', expected ',' and operand a: add d, a, b"]),

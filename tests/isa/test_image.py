@@ -1,5 +1,6 @@
 """Images: back to text, what is refused in them, and what `fp3 info` says of them."""
 
+import re
 import struct
 import subprocess
 import zlib
@@ -91,7 +92,7 @@ def test_single_words(run, word, text):
         ("0x38404000", "ld has no operand a, but the field holds 1 instead of 0"),
         ("0x40400080", "lds has no operand b, but the field holds 1 instead of 0"),
         ("0x4840007f", "st has no operand c, but the field holds 127 instead of 0"),
-        ("0x70000000", "0x70000000 is no instruction: opcode 14 is unknown"),
+        ("0xb0000000", "0xb0000000 is no instruction: opcode 22 is unknown"),
         ("08000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x108000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x", "expected a word"),
@@ -121,7 +122,7 @@ def swap_symbols(image):
 
 DAMAGE = [
     ("another magic", put(0, 0x464C457F), "not an FP3 image"),
-    ("another revision", put(1, 99), "made for revision 99 of the instruction set; this is revision 2"),
+    ("another revision", put(1, 99), "made for revision 99 of the instruction set; this is revision 3"),
     ("total too large", put(2, 5000), "truncated: "),
     ("total too small", put(2, 20), " words after the end of the image"),
     ("code count", put(3, 5), "damaged: its parts have"),
@@ -258,11 +259,29 @@ def test_info_of_the_programs(run, root):
     assert "step part 23: 3 add, 1 sub, 8 mul, 6 madd, 4 msub, 1 sleep" in said["ship_sleep"]
     assert "state v s" in said["ship"] and "param T C rm" in said["ship"] and "shared h" in said["ship"]
     assert "for paper" in said["ship"]
+    assert not [line for line in said["ship"] if line.startswith("needs")] and "needs chain sleep" in said["ship_sleep"]
     assert "not for paper: word 0 is a chained multiply-add, which configuration 'paper' does not have" in said["ship_madd"]
+
+
+def test_info_says_what_a_program_needs(run, tmp_path):
+    """Keys of a configuration, each once."""
+    (tmp_path / "x.s").write_text("step: madd r0, r1, r1, r0\nmsub r0, r1, r1, r0\naddh r0, r0, r1\nrcp r2, r0\n"
+                                  "rsqrt r2, r2\nabs r2, r2\nsel r0, r1, r2, r2\nlt r1, r0, r2\n")
+    assert run("asm", "x.s", "-o", "x.fp3").returncode == 0
+    said = run("info", "x.fp3").stdout
+    assert re.search(r"^needs +chain scale select estimate$", said, re.M), said
+    assert re.findall(r"^for +(\w+)$", said, re.M) == ["many_full", "sixteen", "shared_full"]
+    assert "not for single_full: word 2 is an addition of half or twice" in " ".join(said.split())
+    (tmp_path / "x.s").write_text("step: abs r0, r1\nrcp r2, r0\n")
+    assert run("asm", "x.s", "-o", "x.fp3").returncode == 0
+    said = " ".join(run("info", "x.fp3").stdout.split())
+    assert "not for many: word 0 is a comparison or selection, which configuration 'many' does not have" in said
+    assert "for single_full" in said and "step part 2: 1 abs, 1 rcp" in said
 
 
 def test_info_of_the_build(run, root):
     said = run("info").stdout
-    assert "instruction set revision 2: add sub mul madd msub sleep ld lds st addh subh addt subt\n" in said
+    assert ("instruction set revision 3: add sub mul madd msub sleep ld lds st addh subh addt subt min max abs lt le sel "
+            "rcp rsqrt\n") in said
     for name in (root / "rtl" / "gen").glob("fp3_*.v"):
         assert f"\n{name.stem.removeprefix('fp3_')}: " in said

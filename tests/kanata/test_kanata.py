@@ -130,6 +130,20 @@ def test_stages_where_schedulers_share_the_arithmetic(write):
         [("Is", 1), ("Rd", 4), ("Wa", 8), ("Ad", 8), ("Wb", 2)], [("Is", 1), ("Rd", 4), ("Mu", 8), ("Wa", 8), ("Wb", 2)]]
 
 
+@pytest.mark.parametrize("config, latency", [("many_full", 21), ("shared_full", 22), ("single_full", 5)])
+def test_a_value_is_made_beside_the_multiplier(write, config, latency):
+    """Sums of half or twice wait there, where schedulers share."""
+    source = "step:\n    max r0, r1, r2\n    rsqrt r3, r1\n" + ("    addh r4, r1, r2\n" if latency > 5 else "")
+    loads = 2 * (latency > 5)
+    events = [issue(0, loads), issue(30, loads + 1), retire(latency, 0, 1), retire(30 + latency, 3, 1)]
+    events += [issue(60, loads + 2), retire(60 + latency, 4, 1)] * (latency > 5)
+    done, log = write(source, config, in_order(events))
+    found = [[name for _, name, _, _ in one.stages] for one in check.read(log.read_text(), None, None)]
+    read = ["Rd"] * (latency > 5)
+    assert found[:2] == [["Is", *read, "Va", "Ad", "Wb"]] * 2
+    assert found[2:] == [["Is", *read, "Wa" if config == "shared_full" else "Mu", "Ad", "Wb"]] * (latency > 5)
+
+
 def test_what_slept_says_nothing_of_the_next_visit(write):
     """Each kind of object comes once after each other kind."""
     orders = [VISITS[n:] + VISITS[:n] for n in (0, 1, 2, 3, 0, 3, 1, 0)]

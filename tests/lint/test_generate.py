@@ -15,7 +15,7 @@ def generate(root, *arguments):
 @pytest.fixture
 def copy(root, tmp_path):
     """A tree to spoil: what the generator reads and writes."""
-    for name in ("isa", "tools", "rtl", "sw/gen", "docs"):
+    for name in ("isa", "tools", "rtl", "sw/gen", "docs", "programs/integrators"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path
 
@@ -84,13 +84,13 @@ MISTAKES = [
     ("isa.toml", "c  = [6, 0]\n", "", "[field] must define op, d, a, b, c"),
     ("isa.toml", "base = 64", "base = 63", "overlap in code 63"),
     ("isa.toml", "base = 64", "base = 65", "bank 'shared' does not fit"),
-    ("isa.toml", "revision = 2", "revision = 0", "revision"),
-    ("isa.toml", "revision = 2", "revision = ", "isa/isa.toml: Invalid value (at line 3"),
+    ("isa.toml", "revision = 3", "revision = 0", "revision"),
+    ("isa.toml", "revision = 3", "revision = ", "isa/isa.toml: Invalid value (at line 3"),
     ("registers.toml", "at = 0x0024", "at = 0x0020", "'steps' and 'step' overlap at 0x0020"),
     ("registers.toml", "at = 0x0024", "at = 0x0022", "'step': 0x0022 is not the address of a word"),
     ("registers.toml", "at = 0x0024", "at = 0x0084", "'step' and 'counter cycles' overlap at 0x0084"),
-    ("registers.toml", "at = 0x0024", "at = 0x1800", "'step' at 0x1800 lies in the windows"),
-    ("registers.toml", "at = 0x2000", "at = 0x1000", "window 'program' has no room"),
+    ("registers.toml", "at = 0x0024", "at = 0x2800", "'step' at 0x2800 lies in the windows"),
+    ("registers.toml", "at = 0x2000", "at = 0x2f04", "window 'constants' has no room"),
     ("registers.toml", "constants = [15, 8]", "constants = [15, 7]", "fields 'registers' and 'constants' overlap in bit 7"),
     ("registers.toml", 'access = "wo"', 'access = "w"', "'control': access 'w' is not one of"),
     ("registers.toml", 'name = "fault"', 'name = "flags"', "register 'flags' is defined twice"),
@@ -98,13 +98,16 @@ MISTAKES = [
     ("configs.toml", "mul_cuts = 0x04", "mul_cuts = 0x8000", "config 'single': mul_cuts = 0x8000 is not in 0x0000 .. 0x"),
     ("configs.toml", "chain           = 1", "chain           = 2", "chain = 2 is not in 0 .. 1"),
     ("configs.toml", "chain           = 1", "chain           = true", "[default]: 'chain' must be of type int"),
-    ("configs.toml", "program_words   = 512", "program_words   = 1025", "program_words = 1025 is not in 2 .. 1024"),
+    ("configs.toml", "program_words   = 512", "program_words   = 8193", "program_words = 8193 is not in 2 .. 8192"),
     ("configs.toml", "registers       = 32", "registers       = 24", "registers = 24 is not a power of two"),
     ("configs.toml", "contexts        = 1 ", "contexts        = 65 ", "contexts = 65 is not in 1 .. 64"),
     ("configs.toml", "tiles = 4", "tiles = 65", "config 'array': tiles = 65 is not in 1 .. 64"),
     ("configs.toml", "lanes = 8", "lanes = 8\nschedulers = 2", "config 'lanes': lanes share one scheduler"),
     ("configs.toml", "store_words = 512\n", "store_words = 8\n", "config 'lanes': store_words = 8 holds no object"),
     ("configs.toml", "store_words = 512\n", "store_words = 520\n", "config 'lanes': store_words = 520 is not a power of two"),
+    ("configs.toml", 'name = "uncut"', 'name = "uncut"\nselect = 1\nchain = 0', "config 'uncut': select needs chain"),
+    ("isa.toml", 'needs    = "sleep"', 'needs    = "slept"', "op 'sleep': needs 'slept', which is no key"),
+    ("isa.toml", 'needs    = "sleep"', 'needs    = "contexts"', "op 'sleep': needs 'contexts', which is no key"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\ncontexts = 2', "config 'uncut': contexts = 2 needs interleave = 1"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\nsleep = 1', "config 'uncut': sleep = 1 needs interleave = 1"),
     ("configs.toml", "registers       = 32", "registres       = 32", "[default]: unknown key 'registres'"),

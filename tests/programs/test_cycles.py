@@ -30,6 +30,14 @@ CAUSES = [
     ("single", "madd r0, r1, r2, r3\nmul r4, r0, r0\nmul r5, r6, r6\n", {"dependency": 3}),
     # a sum or a product two
     ("single", "add r0, r1, r1\nmul r2, r0, r0\nadd r3, r2, r2\n", {"dependency": 2}),
+    # what is made beside the multiplier is as late as a chain
+    ("single_full", "rcp r0, r1\nmul r4, r0, r0\nmul r5, r6, r6\n", {"dependency": 3}),
+    # ... and takes the adder from a sum
+    ("single_full", "max r0, r1, r2\nmul r4, r5, r5\nadd r6, r7, r7\n", {"unit": 1}),
+    # nobody waits for an operand that an instruction does not have: r0
+    ("single_full", "mul r0, r4, r4\nabs r1, r5\nmul r0, r4, r4\nmul r2, r4, r4\nmul r3, r4, r4\n", {"writeback": 1}),
+    # sixteen contexts hide what their cores take
+    ("sixteen", "rsqrt r0, r1\nsel r1, r0, r1, r0\nmadd r1, r0, r0, r1\n", {}),
     # no bypass: an addition issues when the one before has been written to the register file
     ("paper", "add r0, r0, r1\n", {"dependency": 15}),
     # two schedulers, 24 contexts each, want one multiplier: one's sweep is the other's stall (of the second one here)

@@ -191,7 +191,7 @@ def test_64_contexts_take_turns(root, tmp_path):
     wrapper.write_text(text)
     ld, add, st = 0x38000000, 0x08000000, 0x48000000                       # of r0
     lines = [*(f"w ff{at:06x} {word:08x}" for at, word in [
-        (0x1000, ld), (0x1004, add), (0x1008, st), (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 3), (0x18, 3)]),
+        (0x8000, ld), (0x8004, add), (0x8008, st), (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 3), (0x18, 3)]),
         "w ff003000 00000000", "r 00000004 00402020"]
     for u in range(4):                                                     # object n of a unit at 8 * n
         lines += [f"w {u:02x}{0x800000 + 32 * n:06x} {0x3f800000 + 256 * u + n:08x}" for n in range(64)]
@@ -212,7 +212,8 @@ MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY
 
 
 @pytest.mark.parametrize("parameters, rule", [
-    (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=2048"], "PROGRAM_WORDS_must_be"),
+    (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=16384"], "PROGRAM_WORDS_must_be"),
+    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
     ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "need_INTERLEAVE"),

@@ -21,6 +21,9 @@
  * steps as def.visit says, and stored. Registers that the program neither loads nor stores hold
  * what the host wrote.
  *
+ * Objects of several kinds are groups, each with a program of its own (fp3_engine_load_groups), in a
+ * configuration of several schedulers.
+ *
  * After make all: compile with -Isw/include -Isw/gen, and link with
  *     g++ ... -Wl,--start-group build/libfp3*.a $(find build/verilated -name model.a) \
  *         -Wl,--end-group -lgsl -lgslcblas -lz -lpthread -lm
@@ -126,6 +129,23 @@ size_t fp3_engine_objects(const fp3_engine *engine);
  * the run ends there. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
+/* Objects that share a program. */
+typedef struct {
+    const fp3_image *image;
+    size_t objects; /* at least 1 */
+} fp3_group;
+
+/* Likewise with several programs: objects are numbered group by group, and there are as many as the
+ * engine has. A scheduler runs one program. Each group has at least one, and is given more so that
+ * all end as early as possible if nobody sleeps; its objects go round the lanes of its schedulers.
+ * An object keeps its registers and its status, wherever it is placed: those beyond its new record
+ * are lost, those beyond its old one are 0. Constants are kept by group, a new group's begin with 0.
+ * FP3_E_ARGUMENT: the objects are not those of the engine, or a group has none. FP3_E_PROGRAM: also
+ * more groups than schedulers, or no room for them in the schedulers' stores. */
+fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
+/* How many groups there are: 1 before the first load. */
+size_t fp3_engine_groups(const fp3_engine *engine);
+
 /* Register reg of objects first .. first+count-1; values has count floats, whose bits are kept,
  * those of a NaN too. FP3_E_ARGUMENT: no such object or register, or it is beyond what the store
  * has room for with so many objects; nothing is read or written. */
@@ -134,13 +154,19 @@ fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values);
 
-/* Shared constants first .. first+count-1, likewise. */
+/* Shared constants first .. first+count-1, likewise: written in all groups, read from group 0. */
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
                                    const float *values);
 fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t count, float *values);
+/* Of one group. FP3_E_ARGUMENT: also no such group. */
+fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t first,
+                                      size_t count, const float *values);
+fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
+                                     float *values);
 
-/* By a name of the loaded image. set: a state or param of every object, or a .shared. get: any
- * register or constant; object does not matter for a shared one. FP3_E_ARGUMENT: no such name, no
+/* By a name of the loaded image. set: a state or param of every object, or a .shared, in every group
+ * that has the name. get: any register or constant of the object's group; where there is one group,
+ * object does not matter for a constant. FP3_E_ARGUMENT: no such name, no
  * such object, or nothing is loaded; *value is unchanged. */
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value);
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value);
@@ -158,6 +184,15 @@ fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
                                     uint64_t counter[FP3_COUNTER_COUNT]);
 
+/* Of the object-steps of the last run those of one group; 0: there is no such group. */
+uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
+
+typedef struct {
+    size_t group, objects; /* whose program it runs; how many of the group's objects it has */
+} fp3_unit_place;
+/* What a unit of the configuration is for, since the last load. Of "model", what it would be for. */
+fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_place *place);
+
 #define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
 
 typedef struct {
@@ -174,7 +209,7 @@ fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
 /* From the next run on the objects make steps again, or none and cost no cycles. FP3_E_PROGRAM: no
- * sleep in the program. */
+ * sleep in the program of one of them, and nothing is done. */
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
 

@@ -1,0 +1,139 @@
+/* layout.c - groups of objects: placed, found again. */
+#include "layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout *layout,
+                           fp3_error *error) {
+    const uint32_t units = fp3_config_units(config);
+    *layout = (fp3_layout){.groups = calloc(count, sizeof *layout->groups),
+                           .count = count,
+                           .units = calloc(units, sizeof *layout->units),
+                           .duty = calloc(units, sizeof *layout->duty)};
+    if (layout->groups && layout->units && layout->duty)
+        return FP3_OK;
+    if (!layout->groups)
+        layout->count = 0;
+    fp3_layout_free(layout);
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void fp3_layout_free(fp3_layout *layout) {
+    for (uint32_t i = 0; i < layout->count; i++) {
+        fp3_image_free(&layout->groups[i].image);
+        fp3_visit_free(&layout->groups[i].visit);
+    }
+    free(layout->groups);
+    free(layout->units);
+    free(layout->duty);
+    *layout = (fp3_layout){0};
+}
+
+/* ---- placing ---- */
+
+/* The smallest n with 1 << n >= count. */
+static uint32_t log2_of(uint32_t count) {
+    uint32_t n = 0;
+    while (1u << n < count)
+        n++;
+    return n;
+}
+
+/* All the words of the store that there is room for, up to its registers. */
+static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
+    const uint32_t rows = fp3_place_fullest(config, group->objects, group->unit_count);
+    uint32_t log2 = log2_of(config->registers);
+    if (log2 < FP3_RECORD_LOG2)
+        log2 = FP3_RECORD_LOG2;
+    while (config->interleave && rows << log2 > config->store_words)
+        log2--;
+    return log2;
+}
+
+static void settle(fp3_layout *layout, const fp3_config *config, const uint32_t *group_of) {
+    const uint32_t units = fp3_config_units(config);
+    uint32_t *next = layout->units, first = 0;
+    for (uint32_t i = 0; i < layout->count; i++) {
+        fp3_members *group = &layout->groups[i];
+        group->first = first;
+        first += group->objects;
+        group->units = next;
+        group->unit_count = 0;
+        for (uint32_t unit = 0; unit < units; unit++)
+            if (group_of[unit] == i) {
+                layout->duty[unit] = (fp3_duty){i, group->unit_count++};
+                *next++ = unit;
+            }
+        group->columns = group->unit_count * config->lanes;
+        group->log2 = record_of(group, config);
+    }
+}
+
+fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32_t visit,
+                            fp3_error *error) {
+    fp3_to_place *list = calloc(layout->count, sizeof *list);
+    uint32_t *group_of = calloc(fp3_config_units(config), sizeof *group_of);
+    fp3_status status = list && group_of ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < layout->count; i++) {
+        const fp3_members *group = &layout->groups[i];
+        list[i] = (fp3_to_place){&group->program, group->objects, group->needs};
+    }
+    if (!status)
+        status = fp3_place(config, visit, list, layout->count, group_of, error);
+    if (!status)
+        settle(layout, config, group_of);
+    free(list);
+    free(group_of);
+    return status;
+}
+
+/* ---- finding ---- */
+
+int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b) {
+    if (a->count != b->count)
+        return 0;
+    for (uint32_t i = 0; i < a->count; i++) {
+        const fp3_members *x = &a->groups[i], *y = &b->groups[i];
+        if (x->objects != y->objects || x->log2 != y->log2 || x->unit_count != y->unit_count ||
+            memcmp(x->units, y->units, x->unit_count * sizeof *x->units) != 0)
+            return 0;
+    }
+    return 1;
+}
+
+const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) {
+    uint32_t i = layout->count - 1;
+    while (layout->groups[i].first > object)
+        i--;
+    return &layout->groups[i];
+}
+
+fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
+    const fp3_members *group = fp3_layout_group_of(layout, object);
+    const uint32_t i = (uint32_t)object - group->first, column = i % group->columns;
+    return (fp3_where){group->units[column / config->lanes], column % config->lanes,
+                       i / group->columns};
+}
+
+uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config,
+                        const fp3_where *where) {
+    const fp3_duty *duty = &layout->duty[where->unit];
+    const fp3_members *group = &layout->groups[duty->group];
+    return group->first + where->row * group->columns + duty->rank * config->lanes + where->lane;
+}
+
+uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t unit,
+                         uint32_t lane) {
+    const fp3_duty *duty = &layout->duty[unit];
+    const fp3_members *group = &layout->groups[duty->group];
+    const uint32_t column = duty->rank * config->lanes + lane;
+    return group->objects / group->columns + (column < group->objects % group->columns);
+}
+
+uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t unit) {
+    uint32_t objects = 0;
+    for (uint32_t lane = 0; lane < config->lanes; lane++)
+        objects += fp3_layout_rows(layout, config, unit, lane);
+    return objects;
+}

@@ -1,0 +1,47 @@
+/* place.h - which units run which group of objects, so that all end as early as possible.
+ *
+ * A unit, a scheduler with its lanes, runs one program; a group may have several units, and its
+ * objects then go round all their lanes.
+ */
+#ifndef FP3_PLACE_H
+#define FP3_PLACE_H
+
+#include "config.h"
+
+#include <fp3/status.h>
+#include <stddef.h>
+
+/* What the instruction memory gets: the image's words; interleaved, with loads and stores around. */
+typedef struct {
+    const uint32_t *code;
+    uint32_t count, step, last;
+    uint32_t in_front; /* words before the image's own */
+    int slept;         /* the register that `sleep` writes; -1: none does */
+} fp3_program;
+
+/* A group to be placed. */
+typedef struct {
+    const fp3_program *program;
+    uint32_t objects; /* at least 1 */
+    uint32_t log2;    /* interleaved: of the words that the program needs of each in the store */
+} fp3_to_place;
+
+/* Objects of a lane, at most: their numbers have 16 bits, and the smallest record has 8 words. */
+#define FP3_RECORD_LOG2 3u
+uint32_t fp3_place_rows(const fp3_config *config, uint32_t log2);
+
+/* Of its objects the fullest lane of a group with so many units has. */
+uint32_t fp3_place_fullest(const fp3_config *config, uint32_t objects, uint32_t units);
+
+/* Cycles that a unit needs for one round of visits to so many objects in its fullest lane, if
+ * nobody sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of a
+ * run, taken to be many. Never falls with rows. */
+uint64_t fp3_place_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+                          uint32_t rows);
+
+/* group_of[unit] for each unit of the configuration. FP3_E_PROGRAM: there are too few units, or
+ * there is too little room in their stores. */
+fp3_status fp3_place(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
+                     size_t count, uint32_t *group_of, fp3_error *error);
+
+#endif

@@ -1,0 +1,19 @@
+/* estimate.h - the first approximations that rcp and rsqrt give, bit for bit.
+ *
+ * Binary32 bits in and out. A NaN comes out as it went in: the instruction then adds -0, which makes
+ * it 7FC00000 and raises invalid if it was a signalling one.
+ */
+#ifndef FP3_ESTIMATE_H
+#define FP3_ESTIMATE_H
+
+#include <stdint.h>
+
+/* y ~ 1/a: 0 <= 1 - a*y < 2^-9 + 2^-11 while a and y are normal. A y that would be subnormal is 0 with
+ * the sign of a, that of 0 or a subnormal a an infinity, that of an infinity 0. */
+uint32_t fp3_estimate_rcp(uint32_t a);
+
+/* y ~ 1/sqrt(a): 0 <= 1 - a*y*y < 2^-8 for normal a > 0. For 0 and subnormal a, of either sign, 2^63;
+ * for every other a < 0 the NaN 7FC00000; for infinity 0. */
+uint32_t fp3_estimate_rsqrt(uint32_t a);
+
+#endif

@@ -1,0 +1,236 @@
+/* chosen_values.c - comparisons, selections and estimates: the hardware, the model, and what isless
+ * and the table say, bit for bit.
+ *
+ *     chosen_values [N]      every Nth of all operands (1)
+ *
+ * Every configuration that has one of them. Operands are all pairs of special values with each kind
+ * of condition, and every entry of the table with the exponents at which something changes. Each
+ * object of a run gets three operands; retirements show value and flags. Where there is one object,
+ * every 41st is tried.
+ */
+#include <engines/config.h>
+#include <fp3/engine.h>
+#include <inttypes.h>
+#include <isa.h>
+#include <lib/estimate.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    REGISTERS = 8,
+    INPUTS_MAX = 70000,
+    OBJECTS_MAX = 2048,
+    WORDS_MAX = 3,
+    REPORTS = 10,
+    APART = 41
+};
+
+#define INVALID (1u << FP3_FLAGS_INVALID_LO)
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+typedef struct {
+    uint32_t operand[3]; /* in r0, r1, r2 */
+} input;
+
+/* Three of them at a time: six registers, so that an object's record has eight words. */
+static const uint32_t programs[][WORDS_MAX] = {{FP3_OP_MIN, FP3_OP_MAX, FP3_OP_ABS},
+                                               {FP3_OP_LT, FP3_OP_LE, FP3_OP_SEL},
+                                               {FP3_OP_RCP, FP3_OP_RSQRT, FP3_OP_ABS}};
+
+typedef struct {
+    const fp3_config *config;
+    const char *kind;
+    const uint32_t *ops;
+    const input *inputs; /* of the objects of this run */
+    uint64_t checked;
+    unsigned failed;
+} bench;
+
+static float value_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t choose(uint32_t op, const uint32_t *in) {
+    const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
+    switch (op) {
+    case FP3_OP_MIN:
+        return isless(a, b) ? in[0] : in[1];
+    case FP3_OP_MAX:
+        return isless(b, a) ? in[0] : in[1];
+    case FP3_OP_ABS:
+        return in[0] & 0x7fffffffu;
+    case FP3_OP_LT:
+        return isless(a, b) ? 0x3f800000u : 0;
+    case FP3_OP_LE:
+        return islessequal(a, b) ? 0x3f800000u : 0;
+    case FP3_OP_SEL:
+        return fpclassify(c) != FP_ZERO ? in[0] : in[1];
+    case FP3_OP_RCP:
+        return fp3_estimate_rcp(in[0]);
+    default:
+        return fp3_estimate_rsqrt(in[0]);
+    }
+}
+
+/* The sum with -0. */
+static uint32_t finished(const fp3_config *config, uint32_t bits, uint32_t *flags) {
+    const uint32_t magnitude = bits & 0x7fffffffu;
+    const int is_nan = magnitude > 0x7f800000u, is_signalling = is_nan && !(bits & 0x00400000u);
+    *flags = config->flags && is_signalling ? INVALID : 0;
+    if (is_nan)
+        return 0x7fc00000u;
+    return !config->subnormal && magnitude < 0x00800000u ? bits & 0x80000000u : bits;
+}
+
+static void compare(void *user, const fp3_retirement *r) {
+    bench *b = user;
+    if (r->reg < 3) /* a load */
+        return;
+    const uint32_t *in = b->inputs[r->object].operand, op = b->ops[r->reg - 3];
+    uint32_t flags;
+    const uint32_t bits = finished(b->config, choose(op, in), &flags);
+    b->checked++;
+    if ((r->bits != bits || r->flags != flags) && b->failed++ < REPORTS)
+        printf("FAIL %s %s: operation %" PRIu32 " of 0x%08" PRIx32 " 0x%08" PRIx32 " 0x%08" PRIx32
+               ": got 0x%08" PRIx32 " flags 0x%02" PRIx32 ", expected 0x%08" PRIx32
+               " flags 0x%02" PRIx32 "\n",
+               b->config->name, b->kind, op, in[0], in[1], in[2], r->bits, r->flags, bits, flags);
+}
+
+/* ---- operands ---- */
+
+static size_t special_values(uint32_t *to) {
+    static const uint32_t values[] = {0x00000000, 0x00000001, 0x00000002, 0x007fffff, 0x00800000,
+                                      0x00800001, 0x01000000, 0x34ffffff, 0x3effffff, 0x3f000000,
+                                      0x3f7fffff, 0x3f800000, 0x3f800001, 0x40000000, 0x7effffff,
+                                      0x7f000000, 0x7f7fffff, 0x7f800000, 0x7f800001, 0x7fbfffff,
+                                      0x7fc00000, 0x7fc12345};
+    for (size_t i = 0; i < COUNT(values); i++) {
+        to[2 * i] = values[i];
+        to[2 * i + 1] = values[i] | 0x80000000u;
+    }
+    return 2 * COUNT(values);
+}
+
+static size_t pairs(input *to) {
+    static const uint32_t conditions[] = {
+        0, 0x80000000, 1, 0x80000001, 0x00400000, 0x40000000, 0x3f800000, 0x7f800001, 0xffc00000};
+    uint32_t values[64];
+    const size_t n = special_values(values);
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (size_t k = 0; k < COUNT(conditions); k++)
+                to[count++] = (input){{values[i], values[j], conditions[k]}};
+    return count;
+}
+
+/* Both ends of what one entry of the table is for: of rsqrt the upper 9, of rcp the upper 10 bits. */
+static size_t entries(input *to) {
+    static const uint32_t exponents[] = {0, 1, 2, 126, 127, 128, 129, 251, 252, 253, 254, 255};
+    size_t count = 0;
+    for (size_t e = 0; e < COUNT(exponents); e++)
+        for (uint32_t index = 0; index < 1024; index++)
+            for (uint32_t end = 0; end < 4; end++)
+                to[count++] = (input){
+                    {(end & 1) << 31 | exponents[e] << 23 | index << 13 | (end & 2 ? 0x1fffu : 0),
+                     0x3f800000u, 0}};
+    return count;
+}
+
+/* ---- runs ---- */
+
+static int has(const fp3_config *config, uint32_t op) {
+    return op >= FP3_OP_RCP ? config->estimate != 0 : config->select != 0;
+}
+
+static int failed(bench *b, const fp3_error *error) {
+    printf("FAIL %s %s: %s\n", b->config->name, b->kind, error->text);
+    b->failed++;
+    return 1;
+}
+
+static int load(bench *b, fp3_engine *engine) {
+    uint32_t code[WORDS_MAX], count = 0;
+    for (uint32_t i = 0; i < WORDS_MAX; i++) {
+        fp3_instruction in = {.op = b->ops[i], .d = 3 + i};
+        in.b =
+            in.op < FP3_OP_ABS || in.op == FP3_OP_LT || in.op == FP3_OP_LE || in.op == FP3_OP_SEL;
+        in.c = in.op == FP3_OP_SEL ? 2 : 0;
+        if (has(b->config, in.op))
+            code[count++] = fp3_word_encode(&in);
+    }
+    return fp3_engine_load(engine, &(fp3_image){.code = code, .code_count = count, .last = count});
+}
+
+static int run(bench *b, fp3_engine *engine, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t reg = 0; reg < 3; reg++) {
+            const float value = value_of(b->inputs[i].operand[reg]);
+            if (fp3_engine_write(engine, i, 1, reg, &value))
+                return 1;
+        }
+    return fp3_engine_run(engine, 1, NULL) != FP3_OK;
+}
+
+static void check(bench *b, const input *inputs, size_t count) {
+    fp3_error error;
+    fp3_engine_def def = fp3_engine_default();
+    const uint32_t columns = fp3_config_units(b->config) * b->config->lanes;
+    const uint32_t room = b->config->store_words / 8 * columns;
+    def.kind = b->kind;
+    def.config = b->config->name;
+    def.objects = !b->config->interleave ? 1 : room < OBJECTS_MAX ? room : OBJECTS_MAX;
+    def.retire = compare;
+    def.retire_user = b;
+    def.error = &error;
+    const size_t step = b->config->interleave ? def.objects : APART;
+    fp3_engine *engine;
+    if (fp3_engine_open(&def, &engine)) {
+        failed(b, &error);
+        return;
+    }
+    for (size_t p = 0; p < COUNT(programs); p++) {
+        b->ops = programs[p];
+        if (!has(b->config, b->ops[0]))
+            continue;
+        int is_wrong = load(b, engine);
+        for (size_t at = 0; at < count && !is_wrong; at += step) {
+            b->inputs = inputs + at;
+            is_wrong = run(b, engine, def.objects);
+        }
+        if (is_wrong && failed(b, &error))
+            break;
+    }
+    fp3_engine_close(&engine);
+}
+
+static int is_for(const fp3_config *config) {
+    return (config->select || config->estimate) && config->registers >= REGISTERS;
+}
+
+int main(int argc, char **argv) {
+    static input inputs[INPUTS_MAX + OBJECTS_MAX]; /* the last run may go beyond count */
+    const size_t every = argc > 1 ? strtoul(argv[1], NULL, 10) : 1;
+    size_t count = pairs(inputs);
+    count += entries(inputs + count);
+    count = every ? count / every : 0;
+    for (size_t i = 0; i < count; i++)
+        inputs[i] = inputs[i * every];
+    unsigned wrong = 0;
+    uint64_t checked = 0;
+    for (uint32_t i = 0; i < fp3_config_count; i++)
+        for (int k = 0; k < 2; k++) {
+            bench b = {.config = &fp3_configs[i], .kind = k ? "rtl" : "model"};
+            if (is_for(b.config))
+                check(&b, inputs, count);
+            wrong += b.failed;
+            checked += b.checked;
+        }
+    printf("%zu operands, %" PRIu64 " results, %u wrong\n", count, checked, wrong);
+    return wrong != 0;
+}
