@@ -22,15 +22,18 @@ ifneq ($(filter clean synth report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-fuzz,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga
+.PHONY: setup setup-fpga setup-fuzz
 setup: ## Install what is missing: Debian packages, and yosys for the proofs in .venv/
 	@PYTHON=$(PYTHON) tools/setup.sh
 
 setup-fpga: setup ## ... and nextpnr for `make synth`
 	@PYTHON=$(PYTHON) tools/setup.sh --fpga
+
+setup-fuzz: setup ## ... and clang for `make fuzz`
+	@PYTHON=$(PYTHON) tools/setup.sh --fuzz
 
 ifneq ($(and $(SETUP),$(REST)),)
 # `make setup test`: what setup installs must be there before the rest is even planned.
@@ -46,7 +49,7 @@ else
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
 RTL     := $(wildcard rtl/*.v rtl/lib/*.v rtl/gen/*.vh)
-LIB_C   := $(wildcard sw/lib/*.c sw/asm/*.c sw/engines/*.c sw/golden/*.c)
+LIB_C   := $(wildcard sw/lib/*.c sw/asm/*.c sw/ode/*.c sw/engines/*.c sw/golden/*.c)
 CLI_C   := $(wildcard sw/cli/*.c)
 TEST_C  := $(wildcard tests/*.c tests/*/*.c)
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
@@ -90,6 +93,19 @@ link    = @g++ $(LDFLAGS) -o $@ $(1) -Wl,--start-group $(LIBS) -Wl,--end-group $
 .PHONY: all sim
 sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
 	@$(BUILD)/fp3 bench $(if $(PROGRAM)$(CONFIG),,--scenes) $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
+
+# A row per model, integrator and arithmetic.
+COMPARED := $(patsubst programs/%.ode,$(BUILD)/results/models/%.json,$(wildcard programs/*.ode))
+.PHONY: models
+models: $(BUILD)/results/models.json ## Every model by every integrator: order, floor, cycles, agreement: build/results/models.json
+
+$(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
+	@mkdir -p $(@D)
+	@echo "  RUN  fp3 compare $<"
+	@$(BUILD)/fp3 compare $< --errors --json $@ >$(@:.json=.txt)
+
+$(BUILD)/results/models.json: tools/models.py $(COMPARED)
+	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
 all: $(BUILD)/fp3 $(TESTS) $(REPLAYS) ## Build the command and everything else that the tests start
 
@@ -178,7 +194,7 @@ sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cyc
 PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS) --dist loadgroup
 
 .PHONY: test smoke quick
-test: all | need-test ## Build and run every test; ends with `N passed, N failed`
+test: all models | need-test ## Build and run every test; ends with `N passed, N failed`
 	@$(PYTEST) $(PYTEST_ARGS) tests
 
 quick: all | need-test ## Run the tests that take seconds
@@ -198,6 +214,33 @@ testfloat: $(BUILD)/tests/fp_testfloat ## Run the cores through Berkeley TestFlo
 .PHONY: prove
 prove: | need-prove ## Prove the floating-point cores equal to an IEEE 754 model
 	@$(PYTHON) tests/formal/prove.py --jobs $(JOBS) $(PROVE_ARGS)
+
+# ---- fuzzing ------------------------------------------------------------------------------------
+
+FUZZ        := $(BUILD)/fuzz
+FUZZ_O      := $(patsubst %.c,$(FUZZ)/obj/%.o,$(LIB_C) tests/fuzz/fuzz_model.c)
+FUZZ_FLAGS  := -std=c11 -D_GNU_SOURCE -O1 -g $(NUMBERS) -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
+FUZZ_RUN     = nice $(FUZZ)/fuzz_model -timeout=10 -artifact_prefix=$(FUZZ)/
+FUZZ_CORPUS := tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs
+
+$(FUZZ)/obj/%.o: %.c | need-fuzz
+	@mkdir -p $(@D)
+	@clang $(FUZZ_FLAGS) -DFP3_LIBFUZZER $(INCLUDES) -MMD -MP -c -o $@ $<
+
+# Out of an archive only what the target needs is linked, so that no simulated hardware is.
+$(FUZZ)/fuzz_model: $(FUZZ_O)
+	@echo "  LD   $@"
+	@rm -f $@.a && ar rcs $@.a $(FUZZ_O)
+	@clang -fsanitize=fuzzer,address,undefined -o $@ $(FUZZ)/obj/tests/fuzz/fuzz_model.o $@.a $(LDLIBS)
+	@mkdir -p $(FUZZ)/found $(FUZZ)/programs && cp programs/*.ode $(FUZZ)/programs
+
+.PHONY: fuzz fuzz-corpus
+fuzz: $(FUZZ)/fuzz_model ## Feed bytes to the model compiler (libFuzzer); what breaks it is left in build/fuzz/; MINUTES=30
+	@$(FUZZ_RUN) -max_total_time=$$((60 * $(or $(MINUTES),30))) -max_len=8192 -dict=tests/fuzz/model.dict -print_final_stats=1 $(FUZZ)/found $(FUZZ_CORPUS)
+
+# What is reached counts, not how often: that keeps the corpus small.
+fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/found/ reaches and the corpus does not
+	@$(FUZZ_RUN) -merge=1 -use_counters=0 tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs $(FUZZ)/found
 
 # ---- lint ---------------------------------------------------------------------------------------
 
@@ -239,7 +282,7 @@ need-%:
 	@PYTHON=$(PYTHON) tools/setup.sh --check $*
 
 # Nothing is compiled before the tools are there and the generated files are fresh.
-$(BUILD)/ready: tools/generate.py $(wildcard isa/*.toml) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
+$(BUILD)/ready: tools/generate.py $(wildcard isa/*.toml programs/integrators/*.cfg) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
 	@$(PYTHON) tools/generate.py --check
 	@mkdir -p $(@D)
 	@touch $@
@@ -253,5 +296,5 @@ help: ## This list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 	@echo "Variables: SAN=1 (sanitizers), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
--include $(shell [ -d $(BUILD)/obj ] && find $(BUILD)/obj -name '*.d')
+-include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)
 endif

@@ -147,9 +147,9 @@ def lanes(synth):
 
 
 def trims(rows):
-    base = rows[0]
+    bases = {row["what"]: row["lut4"] for row in rows}
     return table(["", "LUT4", "against the base", "carry cells", "FF", "DSP", "EBR"],
-                 [[row["what"], number(row["lut4"]), f"{row['lut4'] - base['lut4']:+,d}", number(row["carry"]), number(row["ff"]),
+                 [[row["what"], number(row["lut4"]), f"{row['lut4'] - bases[row.get('base', rows[0]['what'])]:+,d}", number(row["carry"]), number(row["ff"]),
                    row["dsp"], row["ebr"]] for row in rows])
 
 
@@ -190,6 +190,74 @@ def proofs(rows):
     return table(["what", "questions", "seconds on one core", "verdicts"],
                  [[core, g["questions"], number(g["seconds"], 1), ", ".join(sorted(g["verdicts"]))]
                   for core, g in groups.items()])
+
+
+def handwritten(runs, rows):
+    """The ship by the paper's integrator: as people wrote it, compiled, and with h/m folded."""
+    by_hand = [("by hand, `ship`", "ship"), ("by hand, `ship_madd`", "ship_madd")]
+    lines = []
+    for text, program in by_hand:
+        cycles = [find(runs, "sim", config=config, program=program) for config in ("single", "many")]
+        lines.append([text, number(cycles[0]["next"]), number(cycles[1]["cycles_per_object_step"], 2), "", "", ""])
+    for arithmetic in ("plain", "folded", "compensated"):
+        row = find(rows, "models", model="ship", integrator="rk4_paper", arithmetic=arithmetic)
+        lines.append([f"compiled, {arithmetic}", number(row["single_full"]["measured"]), number(row["many_full"]["measured"], 2),
+                      row["operations"], row["instructions"], f"{row['floor']:.1e}"])
+    return table(["program", "cycles, one object", "cycles per object-step, many", "operations", "instructions",
+                  "smallest error"], lines)
+
+
+def slope(x):
+    return "–" if x is None else f"{x:.2f}"
+
+
+def models(rows):
+    lines = []
+    for row in rows:
+        if row["integrator"] == "rk4" and row["arithmetic"] == "plain":
+            more = find(rows, "models", model=row["model"], integrator="rk4", arithmetic="compensated")
+            single = row["single_full"]
+            lines.append([f"`{row['model']}`", row["operations"], row["instructions"], number(row["many_full"]["measured"], 2),
+                          number(single["measured"], 1), number(single["bound"], 1), slope(row["measured_order"]),
+                          slope(row["method_order"]), slope(row["finest_order"]), f"{row['floor']:.1e}",
+                          f"{more['floor']:.1e}", number(more["many_full"]["measured"], 2)])
+    return table(["model", "operations", "instructions", "cycles, many", "cycles, one object", "its bound", "slope in FP32",
+                  "in double, same steps", "in double, finest", "smallest error", "compensated", "its cycles, many"], lines)
+
+
+def cheapest(row, tolerance):
+    """Cycles per object of the cheapest run over the span that is within the tolerance."""
+    runs = [steps for steps, error in zip(row["errors"]["steps"], row["errors"]["error"])
+            if error is not None and error <= tolerance]
+    return min(runs) * row["many_full"]["measured"] if runs else None
+
+
+def precision(rows, model):
+    lines = []
+    for row in rows:
+        if row["model"] == model and row["arithmetic"] != "folded":
+            costs = [cheapest(row, 10.0 ** -n) for n in range(2, 8)]
+            lines.append([f"`{row['integrator']}`" + ("" if row["arithmetic"] == "plain" else ", compensated"),
+                          *[number(cost) for cost in costs]])
+    return table(["integrator", *[f"10^-{n}" for n in range(2, 8)]], lines)
+
+
+def compared(rows):
+    words = sum(row["compared"] for row in rows)
+    lines = [f"{len(rows)} rows, each a model, an integrator and an arithmetic; {sum(row['mismatches'] for row in rows)} of "
+             f"{words:,} words differ between hardware, C model and equations."]
+    for machine in ("many_full", "single_full", "sixteen"):
+        ratios = sorted(row[machine]["predicted"] / row[machine]["bound"] for row in rows)
+        close = sum(ratio <= 1.05 for ratio in ratios)
+        exact = sum(row[machine]["predicted"] == row[machine]["measured"] for row in rows)
+        lines.append(f"- `{machine}`: {exact} predicted to the cycle; {close} within 5 % of the bound, the worst "
+                     f"{100 * (ratios[-1] - 1):.1f} % above it")
+    for text, name, other in (("slopes in FP32 within 0.2 of the order", "measured_order", "order"),
+                              ("slopes in FP32 within 0.2 of the same in double", "measured_order", "method_order"),
+                              ("slopes in double, steps as fine as they go, within 0.2 of the order", "finest_order", "order")):
+        both = [abs(row[name] - row[other]) for row in rows if row[name] is not None and row[other] is not None]
+        lines.append(f"- {text}: {sum(x <= 0.2 for x in both)} of {len(both)} rows")
+    return "\n".join(lines)
 
 
 def between(text, begin, end, new):
@@ -233,6 +301,28 @@ The bound counts, for the whole configuration, issue slots, and uses of adders a
 ## Ten thousand objects from the store, on `crowd`: `make sim`
 {scenes(sim["scenes"])}
 
+## Models and integrators: `make models`
+{compared(rows)}
+
+The ship of Equations (1):
+
+{handwritten(runs, rows)}
+
+Every model by `rk4`. Slopes are those of log(error) over log(h) where the error is five times what FP32 adds to it, over
+a factor of 2.8 in h; the smallest error that any step reaches is relative, root of the mean square over states and eight times. A
+folded program has h and known factors in one number.
+
+{models(rows)}
+
+What it takes to be within a relative error, in cycles per object on `many_full` over the whole span: Kepler's problem,
+two orbits with eccentricity 0.5.
+
+{precision(rows, "kepler")}
+
+The damped oscillator, whose acceleration depends on the velocity:
+
+{precision(rows, "oscillator")}
+
 ## What an organisation costs and gives: `make synth TOP=fp3`
 The ship at the best seed; device registers inside multipliers and block RAM are used.
 
@@ -244,7 +334,7 @@ With its arithmetic and store; `-inferred` without the registers inside the devi
 {lanes(synth)}
 
 ## What each feature costs: `make synth TOP=trim`
-`many` with a store of 1,024 words, one change at a time; cells after synthesis, not placed. The bits of the programs that remain
+`many`, below it `many_full`, with a store of 1,024 words, one change at a time; cells after synthesis, not placed. The bits of the programs that remain
 possible are the same.
 
 {trims(placed["trims"])}

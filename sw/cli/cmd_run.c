@@ -1,8 +1,12 @@
-/* cmd_run.c - fp3 run: a program image on an engine, from the host's values to the final ones. */
+/* cmd_run.c - fp3 run: a program, or a scene of several, on an engine, from the host's values to the
+ * final ones.
+ */
 #include "cli.h"
 #include "kanata.h"
 #include "occupancy.h"
 #include "params.h"
+#include "program.h"
+#include "scene.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -15,16 +19,27 @@
 #define SHOWN 8 /* objects whose states are printed without --all */
 
 typedef struct {
-    const char *image, *config, *engine, *bus_log, *kanata;
+    const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
     uint64_t steps, cycle_limit, objects, visit;
-    int all;
+    int all, has_steps, is_compensated;
     fp3_params params;
 } options;
 
-enum { KEY_SET = 256, KEY_PARAMS, KEY_LIMIT, KEY_BUS_LOG, KEY_VISIT, KEY_KANATA, KEY_ALL };
+enum {
+    KEY_SET = 256,
+    KEY_PARAMS,
+    KEY_LIMIT,
+    KEY_BUS_LOG,
+    KEY_VISIT,
+    KEY_KANATA,
+    KEY_ALL,
+    KEY_SCENE
+};
 
 static const struct argp_option table[] = {
-    {"config", 'c', "NAME", 0, "Configuration (default: single)", 0},
+    {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
+    {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
+    {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "KIND", 0,
      "rtl, the hardware under Verilator (default), or model, the instruction set in C", 0},
     {"steps", 'n', "N", 0, "How often the step part runs (default: 1)", 0},
@@ -34,6 +49,10 @@ static const struct argp_option table[] = {
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
     {"params", KEY_PARAMS, "FILE", 0, "Values of states, parameters and shared constants", 0},
     {"set", KEY_SET, "NAME=VALUE", 0, "One such value; replaces what was given before it", 0},
+    {"scene", KEY_SCENE, "FILE", 0,
+     "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
+     "--steps and --visit replace what it says",
+     0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
     {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the host port to FILE", 0},
@@ -52,6 +71,25 @@ static uint64_t number(struct argp_state *state, const char *option, const char 
     return value;
 }
 
+/* What belongs to an image, and what to a scene. */
+static void check(const options *o, struct argp_state *state) {
+    if (!o->program && !o->scene)
+        argp_error(state, "expected a program, or --scene FILE");
+    if (o->program && o->scene)
+        argp_error(state, "--scene: found '%s', but the scene names its programs itself",
+                   o->program);
+    if ((o->integrator || o->is_compensated) && !(o->program && fp3_program_is_model(o->program)))
+        argp_error(state, "--integrator, --compensated: only a model (*.ode) is compiled");
+    if (o->scene && o->objects)
+        argp_error(state, "--scene: the scene says how many objects there are, not --objects");
+    if (o->scene && o->params.count)
+        argp_error(state, "--scene: values are in the scene, not in --params or --set");
+    if (o->scene && o->kanata)
+        argp_error(state, "--kanata: a log is of one program, not of a scene");
+    if (o->kanata && o->engine && strcmp(o->engine, "rtl") != 0)
+        argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline");
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
     fp3_error error;
@@ -65,6 +103,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case 'o':
         o->objects = number(state, "--objects", text, 1, UINT32_MAX);
         break;
+    case 'i':
+        o->integrator = text;
+        break;
+    case 'k':
+        o->is_compensated = 1;
+        break;
     case KEY_VISIT:
         o->visit = number(state, "--visit", text, 1, UINT32_MAX);
         break;
@@ -76,6 +120,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case 'n':
         o->steps = number(state, "--steps", text, 0, UINT64_MAX);
+        o->has_steps = 1;
+        break;
+    case KEY_SCENE:
+        o->scene = text;
         break;
     case KEY_LIMIT:
         o->cycle_limit = number(state, "--cycle-limit", text, 0, UINT64_MAX);
@@ -92,15 +140,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
             argp_failure(state, 2, 0, "%s", error.text);
         break;
     case ARGP_KEY_ARG:
-        if (o->image)
-            argp_error(state, "found '%s', expected one image", text);
-        o->image = text;
+        if (o->program)
+            argp_error(state, "found '%s', expected one program", text);
+        o->program = text;
         break;
     case ARGP_KEY_END:
-        if (!o->image)
-            argp_error(state, "expected an image");
-        if (o->kanata && strcmp(o->engine, "rtl") != 0)
-            argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline");
+        check(o, state);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -122,25 +167,29 @@ static void print_state(fp3_engine *engine, const fp3_symbol *symbol, size_t obj
     printf(" 0x%08" PRIx32 "   object %zu\n", word.bits, object);
 }
 
-static void print_states(fp3_engine *engine, const fp3_image *image, int all) {
-    const int slept = fp3_image_slept(image);
-    const size_t objects = fp3_engine_objects(engine);
-    const size_t shown = all || objects < SHOWN ? objects : SHOWN;
-    for (size_t object = 0; object < shown; object++)
-        for (uint32_t i = 0; i < image->symbol_count; i++)
-            if (image->symbols[i].kind == FP3_SYMBOL_STATE)
-                print_state(engine, &image->symbols[i], object,
-                            (int)image->symbols[i].index == slept);
-    if (shown < objects)
-        printf("%-16s %zu objects, which --all prints\n", "more", objects - shown);
+/* The objects of one program. */
+typedef struct {
+    const fp3_image *image;
+    size_t first, objects;
+} part;
+
+static void print_states(fp3_engine *engine, const part *of, int all) {
+    const int slept = fp3_image_slept(of->image);
+    const size_t shown = all || of->objects < SHOWN ? of->objects : SHOWN;
+    for (size_t n = 0; n < shown; n++)
+        for (uint32_t i = 0; i < of->image->symbol_count; i++)
+            if (of->image->symbols[i].kind == FP3_SYMBOL_STATE)
+                print_state(engine, &of->image->symbols[i], of->first + n,
+                            (int)of->image->symbols[i].index == slept);
+    if (shown < of->objects)
+        printf("%-16s %zu objects, which --all prints\n", "more", of->objects - shown);
 }
 
 /* How many objects sleep, and since which steps; how many met an invalid or an overflow. */
-static void print_status(fp3_engine *engine, const fp3_image *image) {
-    const size_t objects = fp3_engine_objects(engine);
+static void print_status(fp3_engine *engine, const part *of) {
     size_t asleep = 0, failed = 0, first = 0;
     uint32_t begin = UINT32_MAX, end = 0, step = UINT32_MAX;
-    for (size_t i = 0; i < objects; i++) {
+    for (size_t i = of->first; i < of->first + of->objects; i++) {
         fp3_object_status status;
         if (fp3_engine_status(engine, i, 1, &status))
             return;
@@ -155,15 +204,15 @@ static void print_status(fp3_engine *engine, const fp3_image *image) {
         }
         failed += status.failed != 0;
     }
-    if (fp3_image_slept(image) >= 0)
-        printf("%-16s %zu of %zu", "asleep", asleep, objects);
+    if (fp3_image_slept(of->image) >= 0)
+        printf("%-16s %zu of %zu", "asleep", asleep, of->objects);
     if (asleep)
         printf(", since steps %" PRIu32 " to %" PRIu32, begin, end);
-    if (fp3_image_slept(image) >= 0)
+    if (fp3_image_slept(of->image) >= 0)
         putchar('\n');
     if (failed)
         printf("%-16s %zu of %zu: invalid or overflow, first in step %" PRIu32 ", object %zu\n",
-               "failed", failed, objects, step, first);
+               "failed", failed, of->objects, step, first);
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
@@ -174,13 +223,9 @@ static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
     }
 }
 
-/* A run that ended before its time has a state, too. */
-static void print(fp3_engine *engine, const fp3_image *image, const fp3_stats *stats,
-                  const options *o) {
+static void print_cost(const fp3_stats *stats) {
     static const char *const flags[] = {"inexact", "underflow", "overflow", "divide-by-zero",
                                         "invalid"};
-    print_states(engine, image, o->all);
-    print_status(engine, image);
     printf("%-16s %" PRIu64 "\n", "object_steps", stats->object_steps);
     for (int i = 0; i < FP3_COUNTER_COUNT; i++)
         printf("%-16s %" PRIu64 "\n", fp3_counter_name((fp3_counter)i), stats->counter[i]);
@@ -191,13 +236,69 @@ static void print(fp3_engine *engine, const fp3_image *image, const fp3_stats *s
     putchar('\n');
     printf("%-16s %.0f\n", "cycles/second",
            stats->seconds > 0 ? (double)stats->counter[FP3_COUNTER_CYCLES] / stats->seconds : 0.0);
-    if (strcmp(o->engine, "rtl") == 0)
-        print_occupancy(engine, stats);
 }
 
-/* Opens, runs, prints; def has the rest of what the options say. *has_run: it came as far. */
-static fp3_status run(options *o, const fp3_image *image, fp3_engine_def *def, int *has_run,
-                      fp3_error *error) {
+static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number, int all) {
+    const fp3_scene_group *group = &scene->groups[number];
+    const part of = {group->source.image, group->first, group->objects};
+    printf("group %-10zu %s, objects %zu to %zu\n", number, group->program, group->first,
+           group->first + group->objects - 1);
+    print_states(engine, &of, all);
+    print_status(engine, &of);
+    printf("%-16s %" PRIu64 "\n\n", "object_steps", fp3_engine_group_steps(engine, number));
+}
+
+/* Whose cycles each unit spent, and how long the first to end waited for the last. */
+static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
+    uint64_t least = UINT64_MAX, most = 0;
+    printf("balance of units\n");
+    for (uint32_t unit = 0; unit < stats->units; unit++) {
+        uint64_t counter[FP3_COUNTER_COUNT];
+        fp3_unit_place place;
+        if (fp3_engine_unit_counters(engine, unit, counter) ||
+            fp3_engine_unit_place(engine, unit, &place))
+            return;
+        const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
+        printf("  unit %-13" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", unit, cycles,
+               place.group, place.objects);
+        least = cycles < least ? cycles : least;
+        most = cycles > most ? cycles : most;
+    }
+    printf("  %-18s %12.1f %%\n", "imbalance",
+           most ? 100.0 * (double)(most - least) / (double)most : 0.0);
+}
+
+/* A run that ended before its time has a state, too. */
+static void print(fp3_engine *engine, const fp3_image *image, const fp3_scene *scene,
+                  const fp3_stats *stats, const options *o) {
+    const int is_rtl = strcmp(o->engine, "rtl") == 0;
+    if (image) {
+        const part all = {image, 0, fp3_engine_objects(engine)};
+        print_states(engine, &all, o->all);
+        print_status(engine, &all);
+    }
+    for (size_t i = 0; scene && i < scene->count; i++)
+        print_group(engine, scene, i, o->all);
+    print_cost(stats);
+    if (is_rtl)
+        print_occupancy(engine, stats);
+    if (is_rtl && scene)
+        print_balance(engine, stats);
+}
+
+static fp3_status prepare(options *o, const fp3_program_source *source, fp3_scene *scene,
+                          fp3_engine *engine, fp3_error *error) {
+    if (scene)
+        return fp3_scene_apply(scene, engine, error);
+    fp3_status status = fp3_engine_load(engine, source->image);
+    const fp3_params_target all = {engine, source->image, 0, 0, fp3_engine_objects(engine)};
+    return status ? status : fp3_program_apply(source, &o->params, &all, error);
+}
+
+/* Opens, runs, prints a program or a scene; def has the rest of what the options say. *has_run: it
+ * came as far. */
+static fp3_status run(options *o, const fp3_program_source *source, fp3_scene *scene,
+                      fp3_engine_def *def, int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_stats stats;
     def->kind = o->engine;
@@ -209,15 +310,13 @@ static fp3_status run(options *o, const fp3_image *image, fp3_engine_def *def, i
     def->error = error;
     fp3_status status = fp3_engine_open(def, &engine);
     if (!status)
-        status = fp3_engine_load(engine, image);
-    if (!status)
-        status = fp3_params_apply(&o->params, engine, image, error);
+        status = prepare(o, source, scene, engine, error);
     if (!status) {
         status = fp3_engine_run(engine, o->steps, &stats);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            print(engine, image, &stats, o);
+            print(engine, source ? source->image : NULL, scene, &stats, o);
         *error = why;
     }
     fp3_engine_close(&engine);
@@ -225,11 +324,11 @@ static fp3_status run(options *o, const fp3_image *image, fp3_engine_def *def, i
 }
 
 /* With the pipeline's log, if that is asked for; of a run that ended before its time, too. */
-static fp3_status run_and_log(options *o, const fp3_image *image, fp3_error *error) {
+static fp3_status run_and_log(options *o, const fp3_program_source *source, fp3_error *error) {
     fp3_engine_def def = fp3_engine_default();
     fp3_kanata *kanata = NULL;
     if (o->kanata) {
-        fp3_status status = fp3_kanata_open(o->kanata, o->config, image, &kanata, error);
+        fp3_status status = fp3_kanata_open(o->kanata, o->config, source->image, &kanata, error);
         if (status)
             return status;
         def.issue = fp3_kanata_issue;
@@ -238,7 +337,7 @@ static fp3_status run_and_log(options *o, const fp3_image *image, fp3_error *err
     }
     fp3_error other;
     int has_run = 0;
-    fp3_status status = run(o, image, &def, &has_run, error);
+    fp3_status status = run(o, source, NULL, &def, &has_run, error);
     fp3_status logged = has_run ? fp3_kanata_close(&kanata, &other) : FP3_OK;
     fp3_kanata_free(&kanata);
     if (status || !logged)
@@ -247,23 +346,59 @@ static fp3_status run_and_log(options *o, const fp3_image *image, fp3_error *err
     return logged;
 }
 
+static fp3_status run_program(options *o, fp3_error *error) {
+    fp3_program_source source;
+    if (!o->config)
+        o->config = fp3_program_is_model(o->program) ? "single_full" : "single";
+    if (!o->engine)
+        o->engine = "rtl";
+    const fp3_program_def def = {o->config, o->integrator, o->is_compensated};
+    fp3_status status = fp3_program_load(o->program, &def, &source, error);
+    if (!status)
+        status = run_and_log(o, &source, error);
+    fp3_program_close(&source);
+    return status;
+}
+
+/* Where the options say nothing, the scene does. */
+static fp3_status run_scene(options *o, fp3_error *error) {
+    fp3_engine_def def = fp3_engine_default();
+    fp3_scene *scene = NULL;
+    int has_run = 0;
+    fp3_status status = fp3_scene_load(o->scene, o->config, &scene, error);
+    if (status)
+        return status;
+    o->config = o->config ? o->config : scene->config;
+    o->engine = o->engine ? o->engine : scene->engine;
+    o->steps = o->has_steps ? o->steps : scene->steps;
+    o->visit = o->visit ? o->visit : scene->visit;
+    o->objects = scene->objects;
+    if (!o->engine)
+        o->engine = "rtl";
+    if (o->config)
+        status = run(o, NULL, scene, &def, &has_run, error);
+    else
+        status = fp3_fail(error, FP3_E_ARGUMENT, "%s: expected config = \"...\", or --config NAME",
+                          o->scene);
+    fp3_scene_free(&scene);
+    return status;
+}
+
 int fp3_cmd_run(int argc, char **argv) {
-    options o = {.steps = 1, .config = "single", .engine = "rtl"};
+    options o = {.steps = 1};
     const struct argp argp = {
         .options = table,
         .parser = parse,
-        .args_doc = "IMAGE",
+        .args_doc = "PROGRAM\n--scene FILE",
         .doc =
-            "Runs IMAGE: its first part once, its step part N times, its last part once, for every "
-            "object. Prints the final states and what the run cost."};
+            "Runs PROGRAM (an image, assembly *.s, or a model *.ode, which is compiled): its first "
+            "part once, its step part N times, its last part once, for every object. Prints the "
+            "final states and what the run cost. A scene has several programs, each for objects of "
+            "its own."};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
 
     fp3_error error = {""};
-    fp3_image *image = NULL;
-    fp3_status status = fp3_image_load(o.image, &image, &error);
-    if (!status)
-        status = run_and_log(&o, image, &error);
-    fp3_image_free(&image);
+    const fp3_status status = o.scene ? run_scene(&o, &error) : run_program(&o, &error);
     fp3_params_free(&o.params);
     return fp3_cli_done("run", status ? fp3_cli_fail("run", status, &error) : 0);
 }

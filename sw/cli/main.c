@@ -8,6 +8,8 @@
 /* X(name, what it does) */
 #define COMMANDS(X)                                                                                \
     X(asm, "Assemble a program into an image")                                                     \
+    X(compile, "Compile a model and an integrator into a program")                                 \
+    X(compare, "Compare integrators on a model")                                                   \
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
     X(bench, "Measure the ship against golden and truth")                                          \

@@ -121,10 +121,19 @@ def blocks(page):
 def test_the_examples_of_the_pages_run_as_printed(root, build, tmp_path):
     readme = blocks(root / "README.md")
     (tmp_path / "build").symlink_to(build)
+    (tmp_path / "programs").symlink_to(root / "programs")
     (tmp_path / "euler.s").write_text(next(text for text in readme if ".state" in text))
-    commands = next(text for text in readme if "build/fp3 run" in text)
-    done = subprocess.run(["sh", "-ec", commands], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
+    (tmp_path / "spring.ode").write_text(next(text for text in readme if "spring.ode" in text))
+
+    def example(command):
+        commands = next(text for text in readme if text.strip().startswith("build/fp3") and command in text)
+        done = subprocess.run(["sh", "-ec", commands], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+        assert (done.returncode, done.stderr) == (0, ""), commands
+        return done
+
+    assert "cycles per object-step" in example("fp3 compile").stdout
+    assert "imbalance" in example("--scene").stdout
+    done = example("fp3 asm")
     v = s = 0.0
     for _ in range(1000):
         v += 0.0078125 * (1.2e6 - 5e4 * v) * 4e-7
@@ -185,7 +194,7 @@ def test_unknown_names_are_refused(run, image, params):
     fails(run(image, *params, "--engine", "abacus"), 2, "no engine 'abacus'")
     fails(run(image, *params, "--steps", "-1"), 2, "--steps: '-1' is no number")
     fails(run(image, *params, "--steps", "4294967296"), 2, "4294967296 steps")
-    fails(run(), 2, "expected an image")
+    fails(run(), 2, "expected a program")
 
 
 def test_the_bus_log_tells_the_run(run, image, params, tmp_path):

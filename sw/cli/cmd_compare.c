@@ -1,0 +1,398 @@
+/* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
+#include "cli.h"
+
+#include <argp.h>
+#include <engines/config.h>
+#include <fp3/engine.h>
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "convergence.h"
+#include "lib/file.h"
+
+#define INTEGRATORS_MAX 64
+#define SHORT_RUN 3 /* steps of the runs that agreement and cycles are measured by */
+#define LONG_RUN 11
+
+/* One object, many, and sixteen contexts. */
+static const char *const machines[] = {"many_full", "single_full", "sixteen"};
+enum { MACHINES = sizeof machines / sizeof *machines };
+
+static const struct {
+    const char *name, *doc;
+    int is_compensated;
+    unsigned with;
+} arithmetics[] = {
+    {"plain", "every update rounded", 0, 0},
+    {"compensated", "what an update loses is kept (Kahan)", 1, 0},
+    {"folded", "known factors in one number: other bits", 0,
+     FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT)},
+};
+enum { ARITHMETICS = sizeof arithmetics / sizeof *arithmetics };
+
+typedef struct {
+    const char *model, *json;
+    const char *integrators[INTEGRATORS_MAX];
+    unsigned integrator_count;
+    double span;
+    uint64_t most_steps;
+    int is_quick, has_errors;
+} options;
+
+typedef struct {
+    double cycles, bound, measured; /* per object-step */
+    uint32_t instructions, operations;
+} cost;
+
+typedef struct {
+    cost on[MACHINES];
+    convergence c;
+    unsigned order;
+    uint64_t mismatches, compared;
+} row;
+
+typedef struct {
+    const options *o;
+    const fp3_model *model;
+    ladder l;
+    fp3_engine *rtl[MACHINES], *model_engine[MACHINES];
+    json_t *rows, *left_out;
+    unsigned wrong;
+} comparison;
+
+/* ---- agreement and cycles ---- */
+
+static fp3_status open_engines(comparison *k, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < MACHINES; i++) {
+        fp3_engine_def def = fp3_engine_default();
+        def.config = machines[i];
+        def.error = error;
+        status = fp3_engine_open(&def, &k->rtl[i]);
+        def.kind = "model";
+        if (!status)
+            status = fp3_engine_open(&def, &k->model_engine[i]);
+    }
+    return status;
+}
+
+static void close_engines(comparison *k) {
+    for (int i = 0; i < MACHINES; i++) {
+        fp3_engine_close(&k->rtl[i]);
+        fp3_engine_close(&k->model_engine[i]);
+    }
+}
+
+/* Objects differ a little. */
+static void object_values(const fp3_model *model, size_t object, double *params, double *initial) {
+    for (uint32_t i = 0; i < model->param_count; i++)
+        params[i] = (float)(model->params[i].value *
+                            (model->params[i].is_shared ? 1 : 1 + 1e-3 * (double)object));
+    for (uint32_t i = 0; i < model->state_count; i++)
+        initial[i] = (float)(model->states[i].value * (1 + 2e-3 * (double)object));
+}
+
+static fp3_status write_inputs(fp3_engine *engine, const fp3_compiled *c, size_t object,
+                               const float *values) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < c->input_count; i++) {
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_KINDS_HOST);
+        status = s->kind == FP3_SYMBOL_SHARED
+                     ? fp3_engine_write_shared(engine, s->index, 1, &values[i])
+                     : fp3_engine_write(engine, object, 1, s->index, &values[i]);
+    }
+    return status;
+}
+
+/* What one object ends with on one machine, on both engines, against the reference. */
+static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machine, size_t object,
+                                 uint64_t steps, row *r, fp3_error *error) {
+    const fp3_model *model = k->model;
+    double params[64 + 1], initial[64 + 1];
+    float wanted[64 + 1] = {0};
+    object_values(model, object, params, initial);
+    fp3_status status =
+        fp3_compiled_reference(c, params, initial, model->step, &steps, 1, wanted, error);
+    for (uint32_t s = 0; !status && s < model->state_count; s++) {
+        float rtl = 0, by_model = 0;
+        if (!fp3_image_find(c->image, model->states[s].name, FP3_KIND(FP3_SYMBOL_STATE)))
+            continue;
+        status = fp3_engine_get(k->rtl[machine], object, model->states[s].name, &rtl);
+        if (!status)
+            status =
+                fp3_engine_get(k->model_engine[machine], object, model->states[s].name, &by_model);
+        r->mismatches += memcmp(&rtl, &wanted[s], sizeof rtl) != 0;
+        r->mismatches += memcmp(&by_model, &wanted[s], sizeof rtl) != 0;
+        r->compared += 2;
+    }
+    return status;
+}
+
+static fp3_status start(comparison *k, const fp3_compiled *c, fp3_engine *engine,
+                        fp3_error *error) {
+    fp3_status status = fp3_engine_load(engine, c->image);
+    float *values = calloc(c->input_count + 1u, sizeof *values);
+    double params[64 + 1], initial[64 + 1];
+    for (size_t i = 0; !status && values && i < fp3_engine_objects(engine); i++) {
+        object_values(k->model, i, params, initial);
+        status = fp3_compiled_inputs(c, params, initial, k->model->step, values, error);
+        if (!status)
+            status = write_inputs(engine, c, i, values);
+    }
+    free(values);
+    return status;
+}
+
+static fp3_status run(comparison *k, const fp3_compiled *c, int machine, uint64_t steps,
+                      uint64_t *cycles, row *r, fp3_error *error) {
+    fp3_engine *engines[] = {k->rtl[machine], k->model_engine[machine]};
+    fp3_status status = FP3_OK;
+    fp3_stats stats;
+    for (int i = 0; !status && i < 2; i++) {
+        status = start(k, c, engines[i], error);
+        if (!status)
+            status = fp3_engine_run(engines[i], steps, &stats);
+        if (i == 0 && !status)
+            *cycles = stats.counter[FP3_COUNTER_CYCLES];
+    }
+    for (size_t i = 0; !status && i < fp3_engine_objects(engines[0]); i++)
+        status = compare_object(k, c, machine, i, steps, r, error);
+    return status;
+}
+
+static fp3_status measure(comparison *k, const fp3_compiled *c, int machine, row *r,
+                          fp3_error *error) {
+    uint64_t brief = 0, lasting = 0;
+    fp3_status status = run(k, c, machine, SHORT_RUN, &brief, r, error);
+    if (!status)
+        status = run(k, c, machine, LONG_RUN, &lasting, r, error);
+    if (status)
+        return status;
+    r->on[machine].measured = (double)(lasting - brief) / (LONG_RUN - SHORT_RUN) /
+                              (double)fp3_engine_objects(k->rtl[machine]);
+    return FP3_OK;
+}
+
+/* ---- rows ---- */
+
+static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int arithmetic, row *r,
+                           fp3_error *error) {
+    fp3_status status = FP3_OK;
+    *r = (row){0};
+    for (int i = 0; !status && i < MACHINES; i++) {
+        fp3_compile_def def = fp3_compile_default();
+        fp3_compiled *c = NULL;
+        def.config = machines[i];
+        def.is_compensated = arithmetics[arithmetic].is_compensated;
+        def.passes |= arithmetics[arithmetic].with;
+        status = fp3_compile(k->model, integrator, &def, &c, error);
+        if (status)
+            break;
+        r->on[i] = (cost){.cycles = c->cycles,
+                          .bound = c->bound,
+                          .instructions = c->instructions,
+                          .operations = c->operations};
+        r->order = c->order;
+        if (i == 0)
+            status = fp3_converge(&k->l, c, c->order, &r->c, error);
+        if (!status && !k->o->is_quick)
+            status = measure(k, c, i, r, error);
+        fp3_compiled_free(&c);
+    }
+    return status;
+}
+
+static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+
+/* Steps over the span, and the error of each, up to where only noise is left. */
+static json_t *errors_of(const comparison *k, const row *r) {
+    json_t *steps = json_array(), *errors = json_array();
+    for (unsigned i = 0; i < k->l.count && !isnan(r->c.noise[i]); i++) {
+        json_array_append_new(steps, json_integer((json_int_t)k->l.steps[i]));
+        json_array_append_new(errors, number(r->c.error[i]));
+    }
+    return json_pack("{s:o, s:o}", "steps", steps, "error", errors);
+}
+
+static void put_row(comparison *k, const fp3_integrator *integrator, int arithmetic, const row *r) {
+    json_t *o =
+        json_pack("{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}",
+                  "model", k->model->name, "integrator", integrator->name, "arithmetic",
+                  arithmetics[arithmetic].name, "operations", (json_int_t)r->on[0].operations,
+                  "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
+                  number(r->on[0].cycles), "bound", number(r->on[0].bound), "order",
+                  (json_int_t)r->order, "measured_order", number(r->c.order), "method_order",
+                  number(r->c.method_order), "finest_order", number(r->c.finest_order), "floor",
+                  number(r->c.floor), "floor_h", number(k->l.h[r->c.best]), "mismatches",
+                  (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
+    for (int i = 0; i < MACHINES; i++)
+        json_object_set_new(o, machines[i],
+                            json_pack("{s:I, s:o, s:o, s:o}", "instructions",
+                                      (json_int_t)r->on[i].instructions, "predicted",
+                                      number(r->on[i].cycles), "measured",
+                                      number(r->on[i].measured), "bound", number(r->on[i].bound)));
+    if (k->o->has_errors)
+        json_object_set_new(o, "errors", errors_of(k, r));
+    json_array_append_new(k->rows, o);
+    printf("%-16s %-20s %-12s %5" PRIu32 " %5" PRIu32
+           " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "\n",
+           k->model->name, integrator->name, arithmetics[arithmetic].name, r->on[0].operations,
+           r->on[0].instructions, r->on[0].cycles, r->on[1].cycles, r->on[1].bound, r->order,
+           r->c.order, r->c.method_order, r->c.finest_order, r->c.floor, r->mismatches,
+           r->compared);
+    fflush(stdout);
+}
+
+static void leave_out(comparison *k, const char *integrator, int arithmetic, const char *why) {
+    json_array_append_new(k->left_out, json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name,
+                                                 "integrator", integrator, "arithmetic",
+                                                 arithmetics[arithmetic].name, "why", why));
+    printf("%-16s %-20s %-12s left out: %s\n", k->model->name, integrator,
+           arithmetics[arithmetic].name, why);
+}
+
+static fp3_status compare_integrator(comparison *k, const char *name, fp3_error *error) {
+    fp3_integrator *integrator = NULL;
+    fp3_status status = fp3_integrator_find(name, &integrator, error);
+    for (int i = 0; !status && i < ARITHMETICS; i++) {
+        row r;
+        fp3_error why;
+        if (arithmetics[i].with && integrator->kind != FP3_RUNGE_KUTTA)
+            continue; /* there h is in the coefficients anyway */
+        const fp3_status made = make_row(k, integrator, i, &r, &why);
+        if (made == FP3_E_PROGRAM || made == FP3_E_LIMIT)
+            leave_out(k, name, i, why.text);
+        else if (made)
+            status = fp3_fail(error, made, "%s", why.text);
+        else {
+            put_row(k, integrator, i, &r);
+            k->wrong += r.mismatches != 0;
+        }
+    }
+    fp3_integrator_free(&integrator);
+    return status;
+}
+
+static fp3_status write_json(const comparison *k, fp3_error *error) {
+    json_t *all = json_pack("{s:O, s:O}", "rows", k->rows, "left_out", k->left_out);
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    fp3_status status = text ? fp3_file_write(k->o->json, text, strlen(text), error)
+                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    json_decref(all);
+    return status;
+}
+
+static fp3_status compare(comparison *k, fp3_error *error) {
+    const options *o = k->o;
+    fp3_status status = fp3_ladder_open(&k->l, k->model, o->span, o->most_steps, error);
+    if (!status && !o->is_quick)
+        status = open_engines(k, error);
+    if (!status)
+        printf("%-16s %-20s %-12s %5s %5s %8s %8s %8s %5s %8s %6s %6s %9s %s\n", "model",
+               "integrator", "arithmetic", "ops", "instr", "many", "single", "bound", "order",
+               "measured", "double", "finest", "floor", "mismatches");
+    for (unsigned i = 0; !status && o->integrator_count && i < o->integrator_count; i++)
+        status = compare_integrator(k, o->integrators[i], error);
+    for (unsigned i = 0; !status && !o->integrator_count && fp3_integrator_name(i); i++)
+        status = compare_integrator(k, fp3_integrator_name(i), error);
+    if (!status && o->json)
+        status = write_json(k, error);
+    close_engines(k);
+    fp3_ladder_close(&k->l);
+    if (!status && k->wrong)
+        status = fp3_fail(error, FP3_E_MISMATCH, "%u rows do not agree bit for bit", k->wrong);
+    return status;
+}
+
+/* ---- the command ---- */
+
+enum { KEY_JSON = 256, KEY_SPAN, KEY_STEPS, KEY_QUICK, KEY_ERRORS };
+
+static const struct argp_option table[] = {
+    {"integrator", 'i', "NAME", 0, "May be repeated (default: all that are built in)", 0},
+    {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
+    {"errors", KEY_ERRORS, NULL, 0, "... with the error at every number of steps", 0},
+    {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
+    {"most-steps", KEY_STEPS, "N", 0, "The finest time step is span/N (default 131072)", 0},
+    {"quick", KEY_QUICK, NULL, 0, "No hardware: cycles are predicted, agreement is not checked", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    char *end = NULL;
+    switch (key) {
+    case 'i':
+        if (o->integrator_count == INTEGRATORS_MAX)
+            argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
+        else
+            o->integrators[o->integrator_count++] = text;
+        break;
+    case KEY_JSON:
+        o->json = text;
+        break;
+    case KEY_ERRORS:
+        o->has_errors = 1;
+        break;
+    case KEY_SPAN:
+        o->span = strtod(text, &end);
+        if (*end || !(o->span > 0))
+            argp_error(state, "found '%s', expected a time above 0", text);
+        break;
+    case KEY_STEPS:
+        o->most_steps = strtoull(text, &end, 10);
+        if (*end || o->most_steps < 4)
+            argp_error(state, "found '%s', expected a number of steps from 4 on", text);
+        break;
+    case KEY_QUICK:
+        o->is_quick = 1;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->model)
+            argp_error(state, "found '%s', expected one model", text);
+        o->model = text;
+        break;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "expected a model (*.ode)");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+int fp3_cmd_compare(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "MODEL",
+        .doc = "Compares integrators on MODEL (*.ode), in FP32: operations, instructions, cycles "
+               "per object-step for many objects and for one, order as it is measured, smallest "
+               "error that any time step reaches (relative, at the end of the span), and words "
+               "in which hardware, C model and equations differ."};
+    options o = {.most_steps = 131072};
+    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
+        return 1;
+    fp3_error error;
+    fp3_model *model = NULL;
+    char *text = NULL;
+    fp3_status status = fp3_model_load(o.model, &model, &text, &error);
+    comparison k = {.o = &o, .model = model, .rows = json_array(), .left_out = json_array()};
+    if (!status)
+        status = compare(&k, &error);
+    int exit_code = fp3_exit_code(status);
+    if (status && text)
+        fputs(text, stderr);
+    else if (status)
+        exit_code = fp3_cli_fail("compare", status, &error);
+    json_decref(k.rows);
+    json_decref(k.left_out);
+    free(text);
+    fp3_model_free(&model);
+    return fp3_cli_done("compare", exit_code);
+}

@@ -1,0 +1,230 @@
+/* cmd_compile.c - fp3 compile: a model and an integrator to assembly. */
+#include "cli.h"
+
+#include <argp.h>
+#include <fp3/compile.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lib/file.h"
+#include "program.h"
+
+#define OBSERVED_MAX 64
+
+typedef struct {
+    const char *model, *integrator, *assembly, *image, *values;
+    fp3_compile_def def;
+    const char *observed[OBSERVED_MAX];
+    fp3_params params;
+    int wants_report;
+} options;
+
+enum { KEY_WITH = 256, KEY_WITHOUT, KEY_REPORT, KEY_IMAGE, KEY_PARAMS, KEY_LIST, KEY_OBSERVE };
+
+static const struct argp_option table[] = {
+    {"integrator", 'i', "NAME", 0, "A built-in table, or a file (default rk4)", 0},
+    {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
+    {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
+    {"observe", KEY_OBSERVE, "STATE", 0,
+     "A state that somebody reads; may be repeated (default all)", 0},
+    {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits", 0},
+    {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none", 0},
+    {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
+    {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
+    {"params", KEY_PARAMS, "FILE", 0, "Write what the host gives the program, for fp3 run --params",
+     0},
+    {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params", 0},
+    {"report", KEY_REPORT, NULL, 0,
+     "Print what a step costs and what each pass saved, instead of assembly", 0},
+    {"list", KEY_LIST, NULL, 0, "List integrators and passes", 0},
+    {0},
+};
+
+static int list(void) {
+    printf("integrators\n");
+    for (unsigned i = 0; fp3_integrator_name(i); i++) {
+        fp3_integrator *integrator = NULL;
+        fp3_error error;
+        if (fp3_integrator_find(fp3_integrator_name(i), &integrator, &error))
+            return fp3_cli_fail("compile", FP3_E_SYSTEM, &error);
+        printf("  %-20s order %u  %s\n", integrator->name, integrator->order, integrator->doc);
+        fp3_integrator_free(&integrator);
+    }
+    printf("passes\n");
+    for (int i = 0; i < FP3_PASS_COUNT; i++)
+        printf("  %-14s %s%s\n", fp3_pass_name((fp3_pass)i), fp3_pass_doc((fp3_pass)i),
+               fp3_pass_changes_bits((fp3_pass)i) ? " (changes bits; off by default)" : "");
+    return fp3_cli_done("compile", 0);
+}
+
+static void turn(struct argp_state *state, options *o, const char *name, int is_on) {
+    const fp3_pass pass = fp3_pass_find(name);
+    if (!is_on && strcmp(name, "all") == 0) {
+        o->def.passes = 0;
+        return;
+    }
+    if (pass == FP3_PASS_COUNT)
+        argp_error(state, "found '%s', expected a pass (fp3 compile --list names them)", name);
+    else if (is_on)
+        o->def.passes |= FP3_PASS(pass);
+    else
+        o->def.passes &= ~FP3_PASS(pass);
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    fp3_error error;
+    switch (key) {
+    case 'i':
+        o->integrator = text;
+        break;
+    case 'c':
+        o->def.config = text;
+        break;
+    case 'k':
+        o->def.is_compensated = 1;
+        break;
+    case KEY_OBSERVE:
+        if (o->def.observed_count == OBSERVED_MAX)
+            argp_error(state, "found more than %d states", OBSERVED_MAX);
+        o->observed[o->def.observed_count++] = text;
+        o->def.observed = o->observed;
+        break;
+    case KEY_WITH:
+    case KEY_WITHOUT:
+        turn(state, o, text, key == KEY_WITH);
+        break;
+    case 'o':
+        o->assembly = text;
+        break;
+    case KEY_IMAGE:
+        o->image = text;
+        break;
+    case KEY_PARAMS:
+        o->values = text;
+        break;
+    case 's':
+        if (fp3_params_set(&o->params, text, &error))
+            argp_failure(state, 2, 0, "%s", error.text);
+        break;
+    case KEY_REPORT:
+        o->wants_report = o->def.finds_savings = 1;
+        break;
+    case KEY_LIST:
+        exit(list());
+    case ARGP_KEY_ARG:
+        if (o->model)
+            argp_error(state, "found '%s', expected one model", text);
+        o->model = text;
+        break;
+    case ARGP_KEY_NO_ARGS:
+        argp_error(state, "expected a model (*.ode)");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static const char *saved_what(fp3_pass pass) {
+    return pass == FP3_PASS_AHEAD   ? "cycles"
+           : pass == FP3_PASS_CHAIN ? "instructions"
+           : pass == FP3_PASS_SCALE ? "products"
+                                    : "operations";
+}
+
+static void report(const fp3_compiled *c) {
+    printf("operations              %" PRIu32 "\n", c->operations);
+    printf("instructions            %" PRIu32 "\n", c->instructions);
+    if (c->cycles > 0)
+        printf("cycles per object-step  %.6g\n", c->cycles);
+    else
+        printf("cycles per object-step  not known beforehand: schedulers share units\n");
+    printf("bound                   %.6g (issue and units %.6g, longest path %.6g)\n", c->bound,
+           c->bound_issue, c->bound_path);
+    printf("object registers        %" PRIu32 "\n", c->registers);
+    printf("shared constants        %" PRIu32 "\n", c->constants);
+    printf("executed ahead, copies  %" PRIu32 ", %" PRIu32 "\n", c->ahead, c->copies);
+    printf("order                   %u\n", c->order);
+    for (int i = 0; i < FP3_PASS_COUNT; i++)
+        if (c->passes & FP3_PASS(i))
+            printf("pass %-14s     saves %" PRIu32 " %s\n", fp3_pass_name((fp3_pass)i), c->saved[i],
+                   saved_what((fp3_pass)i));
+}
+
+static fp3_status print_values(const fp3_compiled *c, const float *values, char **text,
+                               fp3_error *error) {
+    size_t size = 0;
+    FILE *out = open_memstream(text, &size);
+    for (uint32_t i = 0; out && i < c->input_count; i++)
+        fprintf(out, "%s = %.9e; # %s\n", c->inputs[i].name, (double)values[i],
+                c->inputs[i].formula);
+    return out && !fclose(out) ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+static fp3_status write_values(options *o, const fp3_program_source *source, fp3_error *error) {
+    char *text = NULL;
+    int is_spread;
+    float *values = calloc(source->compiled->input_count + 1u, sizeof *values);
+    fp3_status status = values
+                            ? fp3_program_inputs(source, &o->params, 0, values, &is_spread, error)
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = print_values(source->compiled, values, &text, error);
+    if (!status)
+        status = fp3_file_write(o->values, text, strlen(text), error);
+    free(text);
+    free(values);
+    return status;
+}
+
+static fp3_status write_outputs(options *o, const fp3_program_source *source, fp3_error *error) {
+    const fp3_compiled *c = source->compiled;
+    fp3_status status = FP3_OK;
+    if (o->values)
+        status = write_values(o, source, error);
+    if (!status && o->image)
+        status = fp3_image_save(c->image, o->image, error);
+    if (!status && o->assembly)
+        status = fp3_file_write(o->assembly, c->assembly, strlen(c->assembly), error);
+    if (!status && o->wants_report)
+        report(c);
+    else if (!status && !o->assembly && !o->image && !o->values)
+        fputs(c->assembly, stdout);
+    return status;
+}
+
+int fp3_cmd_compile(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "MODEL",
+        .doc = "Compiles the equations of MODEL (*.ode) and an integrator to a program for a "
+               "configuration. Prints its assembly, or writes what is asked for.",
+    };
+    options o = {.integrator = "rk4", .def = fp3_compile_default()};
+    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
+        return 1;
+
+    fp3_error error;
+    fp3_program_source source = {0};
+    char *text = NULL;
+    fp3_status status = fp3_model_load(o.model, &source.model, &text, &error);
+    if (!status)
+        status = fp3_integrator_find(o.integrator, &source.integrator, &error);
+    if (!status)
+        status = fp3_compile(source.model, source.integrator, &o.def, &source.compiled, &error);
+    if (!status)
+        status = write_outputs(&o, &source, &error);
+    int exit_code = fp3_exit_code(status);
+    if (status && text)
+        fputs(text, stderr);
+    else if (status)
+        exit_code = fp3_cli_fail("compile", status, &error);
+    free(text);
+    fp3_program_close(&source);
+    fp3_params_free(&o.params);
+    return fp3_cli_done("compile", exit_code);
+}

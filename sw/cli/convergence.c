@@ -1,0 +1,206 @@
+/* convergence.c - error against time step. */
+#include "convergence.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define SAMPLES 32            /* of the truth, for the scale */
+#define ABOVE_NOISE 5         /* as squares it is then 4 % of the error */
+#define METHOD_LEAST 1e-10    /* the truth is good to about a hundredth of it */
+#define ONLY_NOISE 3000       /* finer steps have nothing to tell */
+#define POLYNOMIAL_LEAST 1e-5 /* ... where sines are polynomials, and the truth has others */
+#define METHOD_SMALL 1e-4
+#define ERROR_MOST 0.2 /* of the scale: beyond it there is no order to see */
+
+/* The largest magnitude of each state along the truth. */
+static fp3_status find_scale(ladder *l, double span, fp3_error *error) {
+    const uint32_t states = l->model->state_count;
+    double *at = calloc(states + 1u, sizeof *at);
+    fp3_status status = at ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t s = 0; !status && s < states; s++)
+        l->scale[s] = fabs(l->initial[s]);
+    for (int i = 1; !status && i <= SAMPLES; i++) {
+        status = fp3_model_truth(l->model, l->params, l->initial, span * i / SAMPLES, at, error);
+        for (uint32_t s = 0; !status && s < states; s++)
+            if (fabs(at[s]) > l->scale[s])
+                l->scale[s] = fabs(at[s]);
+    }
+    free(at);
+    return status;
+}
+
+static uint64_t steps_at(const ladder *l, unsigned rung, unsigned look) {
+    return l->steps[rung] * (look + 1) / LADDER_LOOKS;
+}
+
+static fp3_status find_truth(ladder *l, unsigned rung, fp3_error *error) {
+    const uint32_t states = l->model->state_count;
+    fp3_status status = FP3_OK;
+    l->truth[rung] = calloc((size_t)LADDER_LOOKS * states + 1u, sizeof(double));
+    if (!l->truth[rung])
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (unsigned i = 0; !status && i < LADDER_LOOKS; i++)
+        status = fp3_model_truth(l->model, l->params, l->initial,
+                                 (double)l->h[rung] * (double)steps_at(l, rung, i),
+                                 l->truth[rung] + (size_t)i * states, error);
+    return status;
+}
+
+/* Each rung has about 1.4 times the steps of the one before. */
+static fp3_status climb(ladder *l, double span, uint64_t most, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (unsigned k = 0; !status && l->count < LADDER_MAX; k++) {
+        const double steps = LADDER_LOOKS * round(pow(2, k / 2.0));
+        if (steps > (double)most)
+            break;
+        if (l->count && steps == (double)l->steps[l->count - 1])
+            continue;
+        const unsigned i = l->count++;
+        l->steps[i] = (uint64_t)steps;
+        l->h[i] = (float)(span / steps);
+        status = find_truth(l, i, error);
+    }
+    return status;
+}
+
+fp3_status fp3_ladder_open(ladder *l, const fp3_model *model, double span, uint64_t most_steps,
+                           fp3_error *error) {
+    *l = (ladder){.model = model,
+                  .params = calloc(model->param_count + 1u, sizeof(double)),
+                  .initial = calloc(model->state_count + 1u, sizeof(double)),
+                  .scale = calloc(model->state_count + 1u, sizeof(double))};
+    if (!l->params || !l->initial || !l->scale)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    /* The object that is integrated begins at FP32 numbers: what they are rounded from is another. */
+    for (uint32_t i = 0; i < model->param_count; i++)
+        l->params[i] = (float)model->params[i].value;
+    for (uint32_t i = 0; i < model->state_count; i++)
+        l->initial[i] = (float)model->states[i].value;
+    if (span == 0)
+        span = model->span;
+    fp3_status status = find_scale(l, span, error);
+    return status ? status : climb(l, span, most_steps, error);
+}
+
+void fp3_ladder_close(ladder *l) {
+    free(l->params);
+    free(l->initial);
+    free(l->scale);
+    for (unsigned i = 0; i < l->count; i++)
+        free(l->truth[i]);
+    *l = (ladder){0};
+}
+
+/* The distance of two runs, in units of how large each state gets. */
+static double distance(const ladder *l, const double *one, const double *other) {
+    const uint32_t count = l->model->state_count;
+    double sum = 0;
+    unsigned terms = 0;
+    for (uint32_t i = 0; i < LADDER_LOOKS * count; i++)
+        if (l->scale[i % count] > 0) {
+            const double d = (one[i] - other[i]) / l->scale[i % count];
+            sum += d * d;
+            terms++;
+        }
+    return sqrt(sum / (terms ? terms : 1));
+}
+
+/* Slope of log(error) over log(h) from rung a to rung b, by least squares. */
+static double slope(const ladder *l, const double *error, unsigned a, unsigned b) {
+    double n = b - a + 1, x = 0, y = 0, xx = 0, xy = 0;
+    for (unsigned i = a; i <= b; i++) {
+        const double u = log(l->h[i]), v = log(error[i]);
+        x += u, y += v, xx += u * u, xy += u * v;
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+/* A factor of 4 in h for low orders, of 2 for high ones. */
+static unsigned width_for(unsigned order) { return order > 4 ? 2 : order > 2 ? 3 : 4; }
+
+/* The finest window in which each error is above its limit; 0: there is none. */
+static int find_window(const ladder *l, const double *error, const double *limit, unsigned order,
+                       unsigned *from, unsigned *to) {
+    const unsigned width = width_for(order);
+    unsigned run = 0;
+    int is_found = 0;
+    for (unsigned i = 0; i < l->count; i++) {
+        run = isfinite(error[i]) && error[i] < ERROR_MOST && error[i] > limit[i] ? run + 1 : 0;
+        if (run > width) {
+            *from = i - width;
+            *to = i;
+            is_found = 1;
+        }
+    }
+    return is_found;
+}
+
+static int has_polynomials(const fp3_model *model) {
+    for (uint32_t i = 0; i < model->expr_count; i++)
+        if (!model->exprs[i].is_known &&
+            (model->exprs[i].op == FP3_EXPR_SIN || model->exprs[i].op == FP3_EXPR_COS))
+            return 1;
+    return 0;
+}
+
+static void measure(const ladder *l, unsigned order, convergence *c) {
+    double limit[LADDER_MAX];
+    unsigned from, to;
+    c->order = c->method_order = c->finest_order = NAN;
+    for (unsigned i = 0; i < l->count; i++)
+        limit[i] = isfinite(c->noise[i]) ? ABOVE_NOISE * c->noise[i] : INFINITY;
+    if (find_window(l, c->method, limit, order, &c->from, &c->to)) {
+        c->order = slope(l, c->error, c->from, c->to);
+        c->method_order = slope(l, c->method, c->from, c->to);
+    }
+    for (unsigned i = 0; i < l->count; i++)
+        limit[i] = has_polynomials(l->model) ? POLYNOMIAL_LEAST : METHOD_LEAST;
+    if (find_window(l, c->method, limit, order, &from, &to))
+        c->finest_order = slope(l, c->method, from, to);
+}
+
+static fp3_status converge_at(const ladder *l, const fp3_compiled *compiled, unsigned i,
+                              float *rounded, double *fp32, double *exact, convergence *c,
+                              fp3_error *error) {
+    const size_t cells = (size_t)LADDER_LOOKS * l->model->state_count;
+    uint64_t steps[LADDER_LOOKS];
+    for (unsigned j = 0; j < LADDER_LOOKS; j++)
+        steps[j] = steps_at(l, i, j);
+    fp3_status status = fp3_compiled_reference(compiled, l->params, l->initial, l->h[i], steps,
+                                               LADDER_LOOKS, rounded, error);
+    if (!status)
+        status = fp3_compiled_exact(compiled, l->params, l->initial, l->h[i], steps, LADDER_LOOKS,
+                                    exact, error);
+    for (size_t j = 0; j < cells; j++)
+        fp32[j] = rounded[j];
+    c->error[i] = distance(l, fp32, l->truth[i]);
+    c->method[i] = distance(l, exact, l->truth[i]);
+    c->noise[i] = distance(l, fp32, exact);
+    if (c->error[i] < c->floor) {
+        c->floor = c->error[i];
+        c->best = i;
+    }
+    return status;
+}
+
+fp3_status fp3_converge(const ladder *l, const fp3_compiled *compiled, unsigned order,
+                        convergence *c, fp3_error *error) {
+    const size_t cells = (size_t)LADDER_LOOKS * l->model->state_count + 1u;
+    float *rounded = calloc(cells, sizeof *rounded);
+    double *fp32 = calloc(cells, sizeof *fp32), *exact = calloc(cells, sizeof *exact);
+    fp3_status status =
+        rounded && fp32 && exact ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *c = (convergence){.floor = INFINITY};
+    for (unsigned i = 0; i < l->count; i++)
+        c->error[i] = c->method[i] = c->noise[i] = NAN;
+    for (unsigned i = 0; !status && i < l->count; i++) {
+        status = converge_at(l, compiled, i, rounded, fp32, exact, c, error);
+        if (c->method[i] < METHOD_SMALL && c->noise[i] > ONLY_NOISE * c->method[i])
+            break;
+    }
+    free(rounded);
+    free(fp32);
+    free(exact);
+    measure(l, order, c);
+    return status;
+}

@@ -1,0 +1,310 @@
+/* allocate.c - which gaps a value needs, and a register that is free there. */
+#include "allocate.h"
+
+#include <inttypes.h>
+#include <isa.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Gaps begin .. end; in a circle of so many gaps end may go around, below begin + gaps. */
+typedef struct {
+    uint32_t begin, end;
+    uint32_t node;
+} arc;
+
+typedef struct {
+    const fp3_block *block;
+    uint32_t gaps;
+    uint32_t lowest;    /* the first register that is nobody's */
+    uint32_t registers; /* that busy knows */
+    char *busy;         /* [register * gaps + gap] */
+    arc *arcs;
+    uint32_t *position; /* of each node */
+    uint32_t *reads;    /* of each variable, the last gap in which its register is needed */
+} work;
+
+/* ---- lifetimes ---- */
+
+/* Instruction `reader` reads in the gap before it; in a circle that may be in the next step. */
+static uint32_t gap_of(const work *w, const fp3_node *writer, uint32_t reader) {
+    const fp3_node *node = &w->block->nodes[reader];
+    const int is_later = w->block->is_cyclic && writer && writer->is_ahead && !node->is_ahead;
+    return w->position[reader] + (is_later ? w->gaps : 0);
+}
+
+static void raise_to(uint32_t *value, uint32_t least) {
+    if (*value < least)
+        *value = least;
+}
+
+static void note_reader(const work *w, uint32_t reader, fp3_ref operand) {
+    const fp3_block *block = w->block;
+    if (operand.at == FP3_AT_OP) {
+        const fp3_node *writer = &block->nodes[operand.index];
+        raise_to(&w->arcs[operand.index].end, gap_of(w, writer, reader));
+    } else if (operand.at == FP3_AT_VARIABLE) {
+        const uint32_t writer = block->writer[operand.index];
+        if (!block->is_cyclic || writer == FP3_NONE_INDEX)
+            raise_to(&w->reads[operand.index], w->position[reader]);
+        else
+            raise_to(&w->arcs[writer].end,
+                     w->position[reader] + (block->nodes[reader].is_ahead ? 0 : w->gaps));
+    }
+}
+
+/* Instructions that write begin their arc; what is needed at the end goes to the last gap. */
+static void find_arcs(work *w) {
+    const fp3_block *block = w->block;
+    for (uint32_t i = 0; i < block->count; i++) {
+        const uint32_t begin = w->position[i] + 1;
+        const int is_kept = block->nodes[i].fixed != FP3_NONE_INDEX;
+        w->arcs[i] = (arc){begin, is_kept ? block->count : begin, i};
+    }
+    for (uint32_t i = 0; i < block->count; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            note_reader(w, i, fp3_node_operand(&block->nodes[i], k));
+}
+
+/* Whoever wrote the register of a value that nobody reads while it is on its way would have to
+ * wait. */
+static void keep_unread(work *w) {
+    const fp3_block *block = w->block;
+    for (uint32_t i = 0; i < block->count; i++) {
+        const uint32_t longer = block->nodes[i].delay - 1;
+        if (w->arcs[i].end == w->arcs[i].begin)
+            w->arcs[i].end += longer < w->gaps ? longer : w->gaps - 1;
+    }
+}
+
+/* ---- registers ---- */
+
+static int is_free(const work *w, uint32_t reg, uint32_t begin, uint32_t end) {
+    for (uint32_t gap = begin; gap <= end; gap++)
+        if (w->busy[(size_t)reg * w->gaps + gap % w->gaps])
+            return 0;
+    return 1;
+}
+
+static int take(const work *w, uint32_t reg, uint32_t begin, uint32_t end) {
+    if (end - begin >= w->gaps || !is_free(w, reg, begin, end))
+        return 0;
+    for (uint32_t gap = begin; gap <= end; gap++)
+        w->busy[(size_t)reg * w->gaps + gap % w->gaps] = 1;
+    return 1;
+}
+
+/* How long a register has been free before a gap: the one with the least to lose is taken. */
+static uint32_t idle_before(const work *w, uint32_t reg, uint32_t gap) {
+    uint32_t idle = 0;
+    while (idle < w->gaps && !w->busy[(size_t)reg * w->gaps + (gap + w->gaps - 1 - idle) % w->gaps])
+        idle++;
+    return idle;
+}
+
+static uint32_t best_fit(const work *w, const arc *a, uint32_t used, fp3_borrow borrow) {
+    uint32_t best = used, least = UINT32_MAX;
+    if (a->end - a->begin >= w->gaps)
+        return FP3_NONE_INDEX;
+    for (uint32_t reg = borrow == FP3_BORROW_VARIABLES ? 0 : w->lowest; reg < used; reg++)
+        if (is_free(w, reg, a->begin, a->end)) {
+            const uint32_t idle = idle_before(w, reg, a->begin);
+            if (idle < least) {
+                least = idle;
+                best = reg;
+            }
+        }
+    return best;
+}
+
+/* Those that cross the end come first, for they fit nowhere else; then by their beginning. */
+static int by_begin(const void *left, const void *right) {
+    const arc *a = left, *b = right;
+    return a->begin < b->begin ? -1 : a->begin > b->begin;
+}
+
+static fp3_status is_no_order(fp3_error *error) {
+    return fp3_fail(error, FP3_E_MISMATCH, "an order of issue that keeps no values");
+}
+
+/* Variables and params, and values that belong into a certain register. */
+static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *error) {
+    const fp3_block *block = w->block;
+    const fp3_step *step = block->step;
+    for (uint32_t i = 0; i < block->count; i++) {
+        const uint32_t reg = block->nodes[i].fixed;
+        if (reg == FP3_NONE_INDEX)
+            continue;
+        if (!take(w, reg, w->arcs[i].begin, w->arcs[i].end))
+            return is_no_order(error);
+        places->reg[i] = reg;
+        raise_to(&places->registers, reg + 1);
+    }
+    for (uint32_t x = 0; x < step->variable_count; x++) {
+        const int is_written = block->writer[x] != FP3_NONE_INDEX;
+        const int is_state = step->variables[x].first.at == FP3_AT_NOWHERE;
+        const int is_loaded = block->is_first ? is_state : !block->is_cyclic || !is_written;
+        uint32_t end = w->reads[x];
+        if (!is_written && (is_state || block->is_cyclic))
+            end = w->gaps - 1;
+        if (is_loaded && !take(w, x, 0, end))
+            return is_no_order(error);
+    }
+    for (uint32_t p = 0; p < step->param_count; p++)
+        take(w, step->variable_count + p, 0, w->gaps - 1);
+    return FP3_OK;
+}
+
+static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *places,
+                             fp3_error *error) {
+    const fp3_block *block = w->block;
+    uint32_t used = w->lowest > places->registers ? w->lowest : places->registers;
+    qsort(w->arcs, block->count, sizeof *w->arcs, by_begin);
+    for (int crossing = 1; crossing >= 0; crossing--)
+        for (uint32_t i = 0; i < block->count; i++) {
+            const arc *a = &w->arcs[i];
+            if (block->nodes[a->node].fixed != FP3_NONE_INDEX || (a->end >= w->gaps) != crossing)
+                continue;
+            const uint32_t reg = best_fit(w, a, used, borrow);
+            if (reg != FP3_NONE_INDEX && reg >= FP3_REGISTERS_CEILING) {
+                places->registers = FP3_REGISTERS_CEILING;
+                return FP3_OK;
+            }
+            if (reg == FP3_NONE_INDEX || !take(w, reg, a->begin, a->end))
+                return is_no_order(error);
+            places->reg[a->node] = reg;
+            raise_to(&used, reg + 1);
+        }
+    places->registers = used;
+    return FP3_OK;
+}
+
+/* ---- all of it ---- */
+
+static fp3_status open_work(work *w, const fp3_block *block, const uint32_t *order,
+                            fp3_error *error) {
+    const fp3_step *step = block->step;
+    *w = (work){.block = block, .lowest = step->variable_count + step->param_count};
+    w->gaps = block->count + !block->is_cyclic;
+    w->registers = FP3_REGISTERS_CEILING + FP3_BANK_OBJECT_COUNT;
+    if (w->registers < w->lowest + FP3_BANK_OBJECT_COUNT)
+        w->registers = w->lowest + FP3_BANK_OBJECT_COUNT;
+    w->arcs = calloc(block->count + 1, sizeof *w->arcs);
+    w->position = calloc(block->count + 1, sizeof *w->position);
+    w->reads = calloc(step->variable_count + 1, sizeof *w->reads);
+    if (!w->arcs || !w->position || !w->reads)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t p = 0; p < block->count; p++)
+        w->position[order[p]] = p;
+    return FP3_OK;
+}
+
+static void close_work(work *w) {
+    free(w->busy);
+    free(w->arcs);
+    free(w->position);
+    free(w->reads);
+}
+
+fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borrow borrow,
+                        fp3_places *places, fp3_error *error) {
+    work w;
+    *places = (fp3_places){.reg = calloc(block->count + 1, sizeof *places->reg)};
+    fp3_status status = open_work(&w, block, order, error);
+    w.busy = calloc((size_t)w.registers * w.gaps + 1, 1);
+    if (!status && (!places->reg || !w.busy))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status && w.gaps) {
+        find_arcs(&w);
+        if (block->is_cyclic && !block->config->interleave && borrow == FP3_LEAVE_VARIABLES)
+            keep_unread(&w);
+        status = place_fixed(&w, places, error);
+    }
+    if (!status && w.gaps)
+        status = place_rest(&w, borrow, places, error);
+    raise_to(&places->registers, w.lowest);
+    close_work(&w);
+    if (status)
+        fp3_places_free(places);
+    return status;
+}
+
+static void add_arc(uint32_t *live, uint32_t gaps, uint32_t begin, uint32_t end) {
+    for (uint32_t gap = begin; gap <= end && gap < begin + gaps; gap++)
+        live[gap % gaps]++;
+}
+
+fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uint32_t *registers,
+                              fp3_error *error) {
+    const fp3_step *step = block->step;
+    work w;
+    fp3_status status = open_work(&w, block, order, error);
+    uint32_t *live = calloc((size_t)w.gaps + 1, sizeof *live), most = 0;
+    if (!status && !live)
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status) {
+        find_arcs(&w);
+        for (uint32_t i = 0; i < block->count; i++)
+            add_arc(live, w.gaps, w.arcs[i].begin, w.arcs[i].end);
+        for (uint32_t gap = 0; gap < w.gaps; gap++)
+            raise_to(&most, live[gap]);
+        most += step->param_count;
+        for (uint32_t x = 0; x < step->variable_count; x++)
+            most += block->is_cyclic && block->writer[x] == FP3_NONE_INDEX;
+        *registers = most;
+    }
+    free(live);
+    close_work(&w);
+    return status;
+}
+
+fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp3_places *places,
+                               fp3_error *error) {
+    fp3_status status = fp3_allocate(block, order, FP3_LEAVE_VARIABLES, places, error);
+    if (status || places->registers <= block->config->registers)
+        return status;
+    fp3_places_free(places);
+    return fp3_allocate(block, order, FP3_BORROW_VARIABLES, places, error);
+}
+
+fp3_status fp3_allocate_refuse(const fp3_config *config, uint32_t needed, fp3_error *error) {
+    return fp3_fail(error, FP3_E_LIMIT,
+                    "%" PRIu32 " object registers are needed, configuration '%s' has %" PRIu32,
+                    needed, config->name, config->registers);
+}
+
+void fp3_places_free(fp3_places *places) {
+    free(places->reg);
+    *places = (fp3_places){0};
+}
+
+static uint32_t code_of(const fp3_block *block, const fp3_places *places, fp3_ref operand) {
+    switch (operand.at) {
+    case FP3_AT_OP:
+        return places->reg[operand.index];
+    case FP3_AT_VARIABLE:
+        return operand.index;
+    case FP3_AT_PARAM:
+        return block->step->variable_count + operand.index;
+    case FP3_AT_CONSTANT:
+        return FP3_BANK_SHARED_BASE + operand.index;
+    default:
+        return 0;
+    }
+}
+
+fp3_status fp3_places_lines(const fp3_block *block, const uint32_t *order, const fp3_places *places,
+                            fp3_line **lines, fp3_error *error) {
+    *lines = calloc(block->count + 1, sizeof **lines);
+    if (!*lines)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t p = 0; p < block->count; p++) {
+        const fp3_node *node = &block->nodes[order[p]];
+        fp3_line *line = &(*lines)[p];
+        *line = (fp3_line){.op = node->op.op, .d = places->reg[order[p]], .note = node->op.note};
+        line->from = node->from;
+        line->is_ahead = node->is_ahead;
+        for (uint32_t k = 0; k < 3; k++)
+            line->operand[k] = code_of(block, places, fp3_node_operand(node, k));
+    }
+    return FP3_OK;
+}

@@ -1,0 +1,58 @@
+/* known.h - what the host knows before a run: numbers, h, params, and what is made of them.
+ *
+ * Computed in double and rounded to FP32 once, when it is written to a register.
+ */
+#ifndef FP3_KNOWN_H
+#define FP3_KNOWN_H
+
+#include <fp3/model.h>
+
+typedef enum {
+    KNOWN_NUMBER,
+    KNOWN_MODEL, /* an expression of the model that is_known */
+    KNOWN_STEP,  /* h */
+    KNOWN_NEGATE,
+    KNOWN_ADD,
+    KNOWN_SUB,
+    KNOWN_MUL,
+    KNOWN_DIV
+} known_op;
+
+typedef struct {
+    known_op op;
+    uint32_t a, b; /* operands; of KNOWN_MODEL a is the expression */
+    double number;
+    int is_shared; /* the same for all objects */
+} known;
+
+typedef struct {
+    const fp3_model *model;
+    char *is_shared; /* of each expression of the model */
+    known *list;
+    uint32_t count, room;
+    int has_failed; /* out of memory: what was asked for since is number 0 of the list */
+} known_table;
+
+/* The table holds the number 0 at first; has_failed when there was no memory even for that. */
+void fp3_known_open(known_table *table, const fp3_model *model);
+void fp3_known_close(known_table *table);
+
+/* Each value once. */
+uint32_t fp3_known_number(known_table *table, double number);
+uint32_t fp3_known_step(known_table *table);
+uint32_t fp3_known_model(known_table *table, uint32_t expr);
+uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b);
+
+/* Whether it is this number. */
+int fp3_known_is(const known_table *table, uint32_t id, double number);
+
+/* All of them, values[i] of number i. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
+                              double *values, fp3_error *error);
+
+/* As a reader would write it, cut where it is long; malloc'ed, NULL when out of memory. */
+char *fp3_known_text(const known_table *table, uint32_t id);
+/* An expression of the model likewise, with definitions by their names but for the one whose root it is. */
+char *fp3_expr_text(const fp3_model *model, uint32_t expr);
+
+#endif

@@ -1,0 +1,300 @@
+/* lower.c - expressions to operations; division, roots, sine and cosine to what the machine has. */
+#include "lower.h"
+
+#include <isa.h>
+#include <stdlib.h>
+
+fp3_status fp3_lower_open(lowering *l, const fp3_model *model, graph *g, fp3_error *error) {
+    *l = (lowering){.model = model, .g = g};
+    l->value = calloc(model->expr_count + 1, sizeof *l->value);
+    l->is_made = calloc(model->expr_count + 1, 1);
+    l->is_wanted = calloc(model->expr_count + 1, 1);
+    if (l->value && l->is_made && l->is_wanted)
+        return FP3_OK;
+    fp3_lower_close(l);
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void fp3_lower_close(lowering *l) {
+    free(l->value);
+    free(l->is_made);
+    free(l->is_wanted);
+    l->value = NULL;
+    l->is_made = l->is_wanted = NULL;
+}
+
+/* ---- the operations ---- */
+
+static uint32_t op2(graph *g, uint32_t op, uint32_t a, uint32_t b) {
+    return fp3_graph_op(g, op, a, b, FP3_NONE);
+}
+static uint32_t add(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_ADD, a, b); }
+static uint32_t sub(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_SUB, a, b); }
+static uint32_t mul(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_MUL, a, b); }
+static uint32_t num(graph *g, double number) { return fp3_graph_number(g, number); }
+
+static uint32_t sel(graph *g, uint32_t condition, uint32_t then, uint32_t otherwise) {
+    return fp3_graph_op(g, FP3_OP_SEL, then, otherwise, condition);
+}
+
+/* An estimate y and a small t, so that x/b is x y (1 + t): with e = 1 - b y it is x y / (1 - e), and
+ * 1/(1 - e) = 1 + e + e^2 + O(e^3), e^3 below half a unit of the last place. y is never too large, so
+ * b y is in [1/2, 1], where it is rounded by 2^-25 at most and 1 - b y is exact. */
+typedef struct {
+    uint32_t estimate, correction;
+} series;
+
+static series reciprocal(graph *g, uint32_t b) {
+    const uint32_t y = op2(g, FP3_OP_RCP, b, FP3_NONE);
+    const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
+    return (series){y, add(g, e, mul(g, e, e))};
+}
+
+/* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
+static series inverse_root(graph *g, uint32_t b) {
+    const uint32_t y = op2(g, FP3_OP_RSQRT, b, FP3_NONE);
+    const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
+    return (series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
+}
+
+/* x y (1 + t) */
+static term corrected(graph *g, term x, series s) {
+    const uint32_t q = fp3_graph_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
+    return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
+}
+
+static term one(graph *g) { return fp3_term(num(g, 1)); }
+
+/* x^n, n >= 0, by squares: x^3 is (x x) x. */
+static term power(graph *g, term x, unsigned n) {
+    term result = one(g);
+    int is_one = 1;
+    for (; n; n >>= 1) {
+        if (n & 1) {
+            result = is_one ? x : fp3_term_mul(g, x, result);
+            is_one = 0;
+        }
+        if (n > 1)
+            x = fp3_term_mul(g, x, x);
+    }
+    return result;
+}
+
+/* ---- sine and cosine ---- */
+
+/* (sin(x)/x - 1)/z and (cos(x) - 1)/z for z = x^2 in [0, pi^2], interpolated at the nodes of Chebyshev:
+ * highest power first. Absolute errors in FP32 over [-pi, pi]: 6.1e-7 and 3.9e-7 (tests/ode measure
+ * them); outside nothing reduces x. */
+static const double sine[] = {1.3942344679303983e-10, -2.4822272894578905e-08,
+                              2.7545680159356923e-06, -0.0001984100208558025,
+                              0.008333331074231525,   -0.16666666635715308};
+static const double cosine[] = {1.77299531221692e-09,   -2.7216673353840383e-07,
+                                2.4784361623782387e-05, -0.0013888492914356971,
+                                0.04166663326988213,    -0.4999999954247248};
+
+static uint32_t polynomial(graph *g, uint32_t z, const double *coefficient) {
+    uint32_t p = num(g, coefficient[0]);
+    for (int i = 1; i < 6; i++)
+        p = add(g, num(g, coefficient[i]), mul(g, p, z));
+    return p;
+}
+
+static term sin_of(graph *g, term x) {
+    const uint32_t z = mul(g, x.node, x.node);
+    const uint32_t p = polynomial(g, z, sine);
+    return (term){add(g, x.node, mul(g, mul(g, x.node, z), p)), x.is_negative};
+}
+
+static term cos_of(graph *g, term x) {
+    const uint32_t z = mul(g, x.node, x.node);
+    return fp3_term(add(g, num(g, 1), mul(g, z, polynomial(g, z, cosine))));
+}
+
+/* ---- expressions ---- */
+
+static term at(const lowering *l, uint32_t expr) { return l->value[expr]; }
+
+static uint32_t value(lowering *l, uint32_t expr) { return fp3_term_value(l->g, at(l, expr)); }
+
+static const fp3_expr *expr_of(const lowering *l, uint32_t expr) { return &l->model->exprs[expr]; }
+
+static int is_unknown_root(const lowering *l, uint32_t expr) {
+    return expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
+}
+
+static unsigned exponent(const lowering *l, uint32_t expr, int *is_negative) {
+    const double n = expr_of(l, expr)->number;
+    *is_negative = n < 0;
+    return (unsigned)(n < 0 ? -n : n);
+}
+
+/* x / base^n. A root below the line is never formed: 1/sqrt(b) is what the estimate is of. */
+static term divided(lowering *l, term x, uint32_t base, unsigned n) {
+    graph *g = l->g;
+    const int is_root = is_unknown_root(l, base);
+    const uint32_t below = is_root ? expr_of(l, base)->operand[0] : base;
+    if (is_root) {
+        const series s = inverse_root(g, value(l, below));
+        return n == 1 ? corrected(g, x, s)
+                      : fp3_term_mul(g, x, power(g, corrected(g, one(g), s), n));
+    }
+    const term b = at(l, below);
+    const series s = reciprocal(g, b.node);
+    term result =
+        n == 1 ? corrected(g, x, s) : fp3_term_mul(g, x, power(g, corrected(g, one(g), s), n));
+    result.is_negative ^= b.is_negative && n % 2;
+    return result;
+}
+
+static term divide(lowering *l, const fp3_expr *e) {
+    const uint32_t below = e->operand[1];
+    const fp3_expr *b = expr_of(l, below);
+    const term x = at(l, e->operand[0]);
+    int is_negative = 0;
+    if (b->is_known) {
+        known_table *known = l->g->known;
+        const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1),
+                                             fp3_known_model(known, below));
+        return fp3_term_mul(l->g, x, fp3_term(fp3_graph_known(l->g, over)));
+    }
+    if (b->op == FP3_EXPR_POWER && exponent(l, b->operand[1], &is_negative) && !is_negative)
+        return divided(l, x, b->operand[0], exponent(l, b->operand[1], &is_negative));
+    return divided(l, x, below, 1);
+}
+
+static term raise(lowering *l, const fp3_expr *e) {
+    int is_negative;
+    const unsigned n = exponent(l, e->operand[1], &is_negative);
+    return is_negative ? divided(l, one(l->g), e->operand[0], n)
+                       : power(l->g, at(l, e->operand[0]), n);
+}
+
+/* sqrt(b) is b/sqrt(b), which is 0 for 0, as the estimate is finite there. */
+static term root(lowering *l, const fp3_expr *e) {
+    const uint32_t b = value(l, e->operand[0]);
+    return corrected(l->g, fp3_term(b), inverse_root(l->g, b));
+}
+
+/* Whether an expression is 0 or 1 and nothing else. */
+static int is_truth(const lowering *l, uint32_t expr) {
+    const fp3_expr_op op = expr_of(l, expr)->op;
+    return op == FP3_EXPR_LESS || op == FP3_EXPR_LESS_EQUAL || op == FP3_EXPR_EQUAL ||
+           op == FP3_EXPR_AND || op == FP3_EXPR_OR || op == FP3_EXPR_NOT;
+}
+
+static uint32_t truth(lowering *l, uint32_t expr) {
+    return is_truth(l, expr) ? value(l, expr)
+                             : sel(l->g, value(l, expr), num(l->g, 1), num(l->g, 0));
+}
+
+static term choose(lowering *l, const fp3_expr *e) {
+    graph *g = l->g;
+    const uint32_t *o = e->operand;
+    switch (e->op) {
+    case FP3_EXPR_MIN:
+        return fp3_term(op2(g, FP3_OP_MIN, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_MAX:
+        return fp3_term(op2(g, FP3_OP_MAX, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_ABS:
+        return fp3_term(op2(g, FP3_OP_ABS, at(l, o[0]).node, FP3_NONE));
+    case FP3_EXPR_LESS:
+        return fp3_term(op2(g, FP3_OP_LT, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_LESS_EQUAL:
+        return fp3_term(op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_EQUAL:
+        return fp3_term(mul(g, op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])),
+                            op2(g, FP3_OP_LE, value(l, o[1]), value(l, o[0]))));
+    case FP3_EXPR_AND:
+        return fp3_term(mul(g, truth(l, o[0]), truth(l, o[1])));
+    case FP3_EXPR_OR:
+        return fp3_term(sel(g, at(l, o[0]).node, num(g, 1), truth(l, o[1])));
+    case FP3_EXPR_NOT:
+        return fp3_term(sel(g, at(l, o[0]).node, num(g, 0), num(g, 1)));
+    default: /* SELECT */
+        return fp3_term(sel(g, at(l, o[0]).node, value(l, o[1]), value(l, o[2])));
+    }
+}
+
+static term lower(lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
+    graph *g = l->g;
+    if (e->is_known)
+        return fp3_term(fp3_graph_known(g, fp3_known_model(g->known, expr)));
+    switch (e->op) {
+    case FP3_EXPR_STATE:
+        return l->state(l, e->index);
+    case FP3_EXPR_NEGATE:
+        return fp3_term_negated(at(l, e->operand[0]));
+    case FP3_EXPR_ADD:
+        return fp3_term_add(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_SUB:
+        return fp3_term_sub(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_MUL:
+        return fp3_term_mul(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_DIV:
+        return divide(l, e);
+    case FP3_EXPR_POWER:
+        return raise(l, e);
+    case FP3_EXPR_SQRT:
+        return root(l, e);
+    case FP3_EXPR_SIN:
+        return sin_of(g, at(l, e->operand[0]));
+    case FP3_EXPR_COS:
+        return cos_of(g, at(l, e->operand[0]));
+    default:
+        return choose(l, e);
+    }
+}
+
+/* The base of what stands below a line, of which a root is never formed. */
+static void want_base(lowering *l, uint32_t base) {
+    l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
+}
+
+static void want_below(lowering *l, uint32_t below) {
+    const fp3_expr *e = expr_of(l, below);
+    int is_negative = 0;
+    if (e->is_known)
+        return;
+    if (e->op == FP3_EXPR_POWER && exponent(l, e->operand[1], &is_negative) && !is_negative)
+        want_base(l, e->operand[0]);
+    else
+        want_base(l, below);
+}
+
+static void want_operands(lowering *l, const fp3_expr *e) {
+    int is_negative = 0;
+    if (e->is_known)
+        return;
+    if (e->op == FP3_EXPR_POWER) {
+        exponent(l, e->operand[1], &is_negative);
+        if (is_negative)
+            want_base(l, e->operand[0]);
+        else
+            l->is_wanted[e->operand[0]] = 1;
+        return;
+    }
+    for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++)
+        if (e->op == FP3_EXPR_DIV && i == 1)
+            want_below(l, e->operand[i]);
+        else
+            l->is_wanted[e->operand[i]] = 1;
+}
+
+/* From the root down what is wanted is marked, and made from the leaves up: operands come first. */
+term fp3_lower(lowering *l, uint32_t root) {
+    const uint32_t outside = l->g->note;
+    l->is_wanted[root] = 1;
+    for (uint32_t i = root + 1; i-- > 0;)
+        if (l->is_wanted[i] && !l->is_made[i])
+            want_operands(l, expr_of(l, i));
+    for (uint32_t i = 0; i <= root; i++) {
+        if (!l->is_wanted[i] || l->is_made[i])
+            continue;
+        l->g->note = l->note ? l->note(l, i) : FP3_NONE;
+        l->value[i] = lower(l, i);
+        l->is_made[i] = 1;
+    }
+    l->g->note = outside;
+    return at(l, root);
+}

@@ -1,0 +1,98 @@
+/* accuracy.c - how far from the truth what the compiler makes of / sqrt sin cos is.
+ *
+ *     accuracy          prints, for each function, its largest error over its range
+ *
+ * y' = f(x) by Euler's method with h = 1 from y = 0 is f(x), as 1 * f + 0 rounds nothing.
+ */
+#include <fp3/compile.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAMPLES 262144
+
+typedef struct {
+    const char *name, *expression;
+    double (*truth)(double x, double a);
+    double from, to; /* of x: between them evenly, or, if logarithmic, in every binade alike */
+    int is_logarithmic, is_absolute;
+} function;
+
+static double reciprocal(double x, double a) { return (void)a, 1 / x; }
+static double quotient(double x, double a) { return a / x; }
+static double root(double x, double a) { return (void)a, sqrt(x); }
+static double inverse_root(double x, double a) { return (void)a, 1 / sqrt(x); }
+static double over_root(double x, double a) { return a / sqrt(x); }
+static double sine(double x, double a) { return (void)a, sin(x); }
+static double cosine(double x, double a) { return (void)a, cos(x); }
+
+static const function functions[] = {
+    {"1/x", "1/x", reciprocal, 0x1p-100, 0x1p100, 1, 0},
+    {"a/x", "a/x", quotient, 0x1p-60, 0x1p60, 1, 0},
+    {"sqrt(x)", "sqrt(x)", root, 0x1p-100, 0x1p100, 1, 0},
+    {"1/sqrt(x)", "1/sqrt(x)", inverse_root, 0x1p-100, 0x1p100, 1, 0},
+    {"a/sqrt(x)", "a/sqrt(x)", over_root, 0x1p-60, 0x1p60, 1, 0},
+    {"sin(x)", "sin(x)", sine, -3.1415925, 3.1415925, 0, 1},
+    {"cos(x)", "cos(x)", cosine, -3.1415925, 3.1415925, 0, 1},
+};
+
+static void fail(const char *what, const fp3_error *error) {
+    fprintf(stderr, "%s: %s\n", what, error->text);
+    exit(1);
+}
+
+static fp3_compiled *compile(const function *f, fp3_model **model) {
+    char source[512], *report = NULL;
+    fp3_error error;
+    fp3_integrator *euler = NULL;
+    fp3_compiled *compiled = NULL;
+    fp3_compile_def def = fp3_compile_default();
+    snprintf(source, sizeof source,
+             "state x = 1\nstate a = 1\nstate y = 0\nstep 1\nspan 1\nx' = 0\na' = 0\ny' = %s\n",
+             f->expression);
+    if (fp3_model_read(source, strlen(source), "accuracy", model, &report, &error) ||
+        fp3_integrator_find("euler", &euler, &error) ||
+        fp3_compile(*model, euler, &def, &compiled, &error))
+        fail(f->name, &error);
+    fp3_integrator_free(&euler);
+    return compiled;
+}
+
+static double unit(float x) { return (double)nextafterf(fabsf(x), INFINITY) - fabsf(x); }
+
+/* A number in [0, 1), evenly, of a sequence that fills it. */
+static double fraction(unsigned i) { return fmod(0.5 + i * 0.6180339887498949, 1.0); }
+
+static double worst_of(const function *f) {
+    fp3_model *model = NULL;
+    fp3_compiled *compiled = compile(f, &model);
+    fp3_error error;
+    const uint64_t one = 1;
+    double worst = 0;
+    for (unsigned i = 0; i < SAMPLES; i++) {
+        const double u = (double)i / SAMPLES;
+        /* volatile: gcc 12 -O2 was seen to leave the rounding out. */
+        const volatile float x = (float)(f->is_logarithmic ? f->from * pow(f->to / f->from, u)
+                                                           : f->from + (f->to - f->from) * u);
+        const volatile float a = (float)(1 + fraction(i));
+        float states[3] = {0};
+        if (fp3_compiled_reference(compiled, NULL, (double[]){x, a, 0}, 1, &one, 1, states, &error))
+            fail(f->name, &error);
+        const double truth = f->truth(x, a);
+        const double off = fabs(states[2] - truth) / (f->is_absolute ? 1 : unit((float)truth));
+        if (!(off <= worst))
+            worst = off;
+    }
+    fp3_compiled_free(&compiled);
+    fp3_model_free(&model);
+    return worst;
+}
+
+int main(void) {
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++)
+        printf("%-10s %.4g %s\n", functions[i].name, worst_of(&functions[i]),
+               functions[i].is_absolute ? "absolute" : "ulp");
+    return 0;
+}

@@ -1,0 +1,170 @@
+"""A reader of programs/integrators/*.cfg and steppers that are not the library's, in double."""
+
+import cmath
+import math
+import re
+
+TOKEN = re.compile(r'"[^"]*"|[][{}();,=]|[^][\s{}();,="]+')
+
+
+def number(text):
+    """A number, or a formula in a string."""
+    return float(eval(text.strip('"').replace("^", "**"), {}))
+
+
+def read(path):
+    """A table as a dictionary; lists stay lists of text, a substep is (name, text)."""
+    tokens = TOKEN.findall(re.sub(r"#.*", "", path.read_text()))
+
+    def value():
+        token = tokens.pop(0)
+        if token == "{":
+            name, _, number, _, _ = (tokens.pop(0) for _ in range(5))
+            return name, number
+        if token != "(":
+            return token
+        members = []
+        while tokens[0] != ")":
+            members.append(value())
+            if tokens[0] == ",":
+                tokens.pop(0)
+        tokens.pop(0)
+        return members
+
+    table = {}
+    while tokens:
+        key, equals = tokens.pop(0), tokens.pop(0)
+        table[key] = value()
+        assert equals == "=" and tokens.pop(0) == ";"
+    table = {key: v.strip('"') if isinstance(v, str) else v for key, v in table.items()}
+    if "A" in table:
+        table["A"] = [[number(a) for a in row] for row in table["A"]]
+        table["b"] = [number(b) for b in table["b"]]
+    if "substeps" in table:
+        table["substeps"] = [(name, number(x)) for name, x in table["substeps"]]
+    table["order"] = int(table["order"])
+    table["late_position"] = table.get("late_position") == "true"
+    return table
+
+
+def accelerations(table):
+    """Per step, where a kick at the end and one at the beginning of the next step share one."""
+    if table["kind"] == "runge-kutta":
+        return len(table["b"])
+    if table["kind"] == "stoermer":
+        return 1
+    kicks = [name == "kick" for name, _ in table["substeps"]]
+    return sum(kicks) - (kicks[0] and kicks[-1])
+
+
+def plus(u, *terms):
+    """u + sum of factor * vector."""
+    for factor, vector in terms:
+        u = [a + factor * b for a, b in zip(u, vector)]
+    return u
+
+
+def step(table, acceleration, x, v, h):
+    """One step of x' = v, v' = acceleration(x, v), by Runge-Kutta or a splitting."""
+    if table["kind"] == "splitting":
+        for name, coefficient in table["substeps"]:
+            if name == "kick":
+                v = plus(v, (coefficient * h, acceleration(x, v)))
+            else:
+                x = plus(x, (coefficient * h, v))
+        return x, v
+    kx, kv = [], []
+    for row in table["A"]:
+        at_x = x if table["late_position"] else plus(x, *((h * a, k) for a, k in zip(row, kx)))
+        at_v = plus(v, *((h * a, k) for a, k in zip(row, kv)))
+        kx.append(at_v)
+        kv.append(acceleration(at_x, at_v))
+    v = plus(v, *((h * b, k) for b, k in zip(table["b"], kv)))
+    x = plus(x, (h, v)) if table["late_position"] else plus(x, *((h * b, k) for b, k in zip(table["b"], kx)))
+    return x, v
+
+
+def run(table, acceleration, x, v, h, steps):
+    for _ in range(steps):
+        x, v = step(table, acceleration, x, v, h)
+    return x, v
+
+
+def run_stoermer(acceleration, before, x, h, steps):
+    for _ in range(steps):
+        before, x = x, [2 * a - b + h * h * c for a, b, c in zip(x, before, acceleration(x, None))]
+    return x
+
+
+# ---- Kepler's problem: gravity 1, semi-major axis 1, so that an orbit takes 2 pi -----------------
+
+def gravity(x, _):
+    r = math.hypot(*x)
+    return [-a / r**3 for a in x]
+
+
+def kepler(e, t):
+    """Position and velocity at time t after the pericentre."""
+    E = t
+    for _ in range(50):
+        E -= (E - e * math.sin(E) - t) / (1 - e * math.cos(E))
+    rate, b = 1 / (1 - e * math.cos(E)), math.sqrt(1 - e * e)
+    return [math.cos(E) - e, b * math.sin(E)], [-rate * math.sin(E), rate * b * math.cos(E)]
+
+
+def energy(x, v):
+    return sum(a * a for a in v) / 2 - 1 / math.hypot(*x)
+
+
+# ---- stability --------------------------------------------------------------------------------------
+
+def growth(table, z):
+    """|y1/y0| of y' = lambda y with z = h lambda, by Runge-Kutta."""
+    k = []
+    for row in table["A"]:
+        k.append(z * (1 + sum(a * y for a, y in zip(row, k))))
+    return abs(1 + sum(b * y for b, y in zip(table["b"], k)))
+
+
+def swing(table, z):
+    """The largest eigenvalue of a step of x'' = -x with h = z, by a splitting."""
+    (a, c), (b, d) = (sum(step(table, lambda x, _: [-x[0]], [x], [v], z), []) for x, v in ((1.0, 0.0), (0.0, 1.0)))
+    root = cmath.sqrt((a + d) ** 2 / 4 - (a * d - b * c))
+    return max(abs((a + d) / 2 + root), abs((a + d) / 2 - root))
+
+
+def stable_up_to(grows, noise=1e-12):
+    """The end of the first interval from 0 where nothing grows; 0 where something does at once."""
+    fine, at = 1e-3, 0.2
+    if grows(at) > 1 + noise:
+        return 0.0
+    while grows(at) <= 1 + noise:
+        at += fine
+    low, high = at - fine, at
+    while high - low > 1e-9:
+        middle = (low + high) / 2
+        low, high = (middle, high) if grows(middle) <= 1 + noise else (low, middle)
+    return low
+
+
+def stability(table):
+    """Limits of h*lambda where y' = -lambda y decays and x'' = -lambda^2 x swings; None: not its business."""
+    if table["kind"] == "stoermer":  # z^2 + (h^2 - 2) z + 1 has its roots on the unit circle
+        return None, 2.0
+    if table["kind"] == "splitting":
+        return None, stable_up_to(lambda z: swing(table, z), 1e-9)
+    decay = stable_up_to(lambda z: growth(table, -z))
+    if table["late_position"]:
+        return decay, stable_up_to(lambda z: swing(table, z), 1e-9)
+    return decay, stable_up_to(lambda z: growth(table, 1j * z))
+
+
+def energy_error(table, e=0.5, orbits=30, per_orbit=1200):
+    """The worst relative error of the energy at this price."""
+    n = per_orbit // accelerations(table)
+    x, v = kepler(e, 0)
+    start, worst = energy(x, v), 0.0
+    for _ in range(orbits * n):
+        x, v = step(table, gravity, x, v, 2 * math.pi / n)
+        worst = max(worst, abs(energy(x, v) / start - 1))
+    return worst

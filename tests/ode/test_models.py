@@ -1,0 +1,261 @@
+"""The models in programs/, and where they really are: closed forms, invariants, published values."""
+
+import cmath
+import math
+import re
+import subprocess
+
+import pytest
+from tables import kepler
+
+pytestmark = pytest.mark.smoke
+NAMES = ["arenstorf", "double_spring", "fitzhugh_nagumo", "kepler", "lorenz", "lotka_volterra", "oscillator", "pendulum",
+         "projectile", "rigid_body", "ship", "ship_drag", "van_der_pol"]
+CLOSED = ["double_spring", "oscillator", "ship", "ship_drag"]  # all states have closed forms
+
+
+@pytest.fixture
+def models(build):
+    def models(*arguments):
+        return subprocess.run([build / "tests" / "models", *map(str, arguments)], text=True, capture_output=True,
+                              timeout=120)
+
+    return models
+
+
+@pytest.fixture
+def show(models, root):
+    """A model as lines, {kind: [words]}."""
+    def show(name):
+        got = models("show", root / f"programs/{name}.ode")
+        assert (got.returncode, got.stderr) == (0, "")
+        lines = [line.split(" ") for line in got.stdout.splitlines()]
+        return {kind: [line[1:] for line in lines if line[0] == kind]
+                for kind in ("model", "state", "param", "invariant")}
+
+    return show
+
+
+@pytest.fixture
+def truth(models, root):
+    def truth(name, time, **values):
+        got = models("truth", root / f"programs/{name}.ode", repr(time), *(f"{k}={v!r}" for k, v in values.items()))
+        assert (got.returncode, got.stderr) == (0, "")
+        return {line.split()[0]: float(line.split()[1]) for line in got.stdout.splitlines()}
+
+    return truth
+
+
+def times(model):
+    return [float(model["model"][0][2]) * k / 8 for k in range(1, 9)]
+
+
+def test_the_list_is_complete(root):
+    assert [path.stem for path in sorted(root.glob("programs/*.ode"))] == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_says_what_it_is(name, show, root):
+    model = show(name)
+    (called, step, span, *doc), = model["model"]
+    text = (root / f"programs/{name}.ode").read_text()
+    assert called == name and doc
+    assert math.frexp(float(step))[0] == 0.5 and float(span) % float(step) == 0 and float(span) >= 50 * float(step)
+    assert text.startswith("# ") and "\n# Equations" in text and "umbers: " in text
+    assert max(map(len, text.splitlines())) <= 110
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_two_truths_agree_all_the_way(name, show, truth):
+    """The command fails where the closed form, or the second method, says otherwise."""
+    model = show(name)
+    for t in times(model):
+        truth(name, t)
+    assert all(state[2] == "exact" for state in model["state"]) == (name in CLOSED)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_step_back_and_a_step_forth_is_none(name, show, truth):
+    model = show(name)
+    step, starts = float(model["model"][0][1]), {s[0]: float(s[1]) for s in model["state"]}
+    before = {k: v for k, v in truth(name, -step).items() if k in starts}
+    assert before != starts
+    after = truth(name, step, **before)
+    for state, start in starts.items():
+        assert after[state] == pytest.approx(start, rel=1e-10, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", ["arenstorf", "double_spring", "kepler", "lotka_volterra", "pendulum", "rigid_body"])
+def test_invariants_are_constant(name, show, truth):
+    model = show(name)
+    start = truth(name, 0)
+    assert model["invariant"]
+    for t in times(model):
+        now = truth(name, t)
+        for invariant, in model["invariant"]:
+            assert now[invariant] == pytest.approx(start[invariant], abs=2e-11 * max(1, abs(start[invariant])))
+
+
+@pytest.mark.parametrize("name, old, new", [
+    ("ship", "exact s = s(0) + T/C*t", "exact s = s(0) + 1.00001*T/C*t"),
+    ("oscillator", "w  = sqrt(k/m - d^2)", "w  = sqrt(k/m - 1.001*d^2)"),
+    ("ship_drag", "v' = (T", "v' = (1.000001*T"),
+])
+def test_a_wrong_closed_form_is_found(name, old, new, models, root, tmp_path):
+    text = (root / f"programs/{name}.ode").read_text()
+    assert text.count(old) == 1
+    path = tmp_path / f"{name}.ode"
+    path.write_text(text.replace(old, new))
+    got = models("truth", path, 10)
+    assert (got.returncode, got.stdout) == (1, "")
+    assert got.stderr.startswith("two truths of ") and "the closed form says" in got.stderr
+
+
+def test_the_page_lists_the_models(show, root):
+    page = (root / "docs/models.md").read_text().split("## The models", 1)[1]
+    rows = {cells[0].strip("`"): cells[1:] for cells in
+            (re.split(r"\s*\|\s*", line.strip("| ")) for line in page.splitlines() if line.startswith("| `"))}
+    assert sorted(rows) == NAMES
+    for name, (what, states, known, step, span) in rows.items():
+        model = show(name)
+        (_, its_step, its_span, *doc), = model["model"]
+        closed = ["closed form"] if name in CLOSED else []
+        assert what == " ".join(doc) and states == ", ".join(f"`{s[0]}`" for s in model["state"])
+        assert known == ", ".join(closed + [f"`{i}`" for i, in model["invariant"]])
+        assert (float(step), float(span)) == (float(its_step), float(its_span))
+
+
+# ---- what is known otherwise --------------------------------------------------------------------
+
+def test_the_ship_is_where_the_solution_of_equations_1_says(truth):
+    v, rate = 2.9e5 / 4.1e4, 4.1e4 / 8.7e5
+    got = truth("ship", 60.0)
+    assert got["v"] == pytest.approx(v * -math.expm1(-60 * rate), rel=1e-12)
+    assert got["s"] == pytest.approx(v * (60 + math.expm1(-60 * rate) / rate), rel=1e-12)
+
+
+def test_drag_lets_nobody_pass_the_final_speed(truth):
+    final = math.sqrt(2.9e5 / 5.8e3)
+    assert truth("ship_drag", 2000.0)["v"] == pytest.approx(final, rel=1e-12)
+    assert truth("ship_drag", 60.0, v=0.0)["v"] == pytest.approx(
+        final * math.tanh(60 * math.sqrt(2.9e5 * 5.8e3) / 8.7e5), rel=1e-11)
+
+
+def test_without_drag_a_ball_flies_a_parabola(truth):
+    got = truth("projectile", 4.0, k=0.0)
+    a = math.radians(35)
+    assert got["r_x"] == pytest.approx(160 * math.cos(a), rel=1e-12)
+    assert got["r_z"] == pytest.approx(1.8 + 160 * math.sin(a) - 9.81 * 8, rel=1e-12)
+
+
+def test_a_ball_falls_as_fast_as_drag_and_gravity_are_equal(truth):
+    got = truth("projectile", 100.0)
+    assert got["v_z"] == pytest.approx(-math.sqrt(9.81 / (0.5 * 1.2 * 0.47 * math.pi * 0.0366**2 / 0.145)), rel=1e-9)
+    assert (got["v_x"], got["v_y"]) == (pytest.approx(5, rel=1e-9), pytest.approx(2, rel=1e-9))
+
+
+def agm(a, b):
+    for _ in range(40):
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    return a
+
+
+@pytest.mark.parametrize("amplitude", [0.1, 1.0, 2.0, 3.0])
+def test_a_pendulum_comes_back_after_its_period(amplitude, truth):
+    got = truth("pendulum", 2 * math.pi / math.sqrt(9.81) / agm(1, math.cos(amplitude / 2)), theta=amplitude)
+    assert got["theta"] == pytest.approx(amplitude, rel=1e-11) and abs(got["omega"]) < 1e-10
+
+
+@pytest.mark.parametrize("rho", [0.5, 14.0, 28.0])
+def test_lorenz_has_an_integral_where_beta_is_2_sigma(rho, truth):
+    got = truth("lorenz", 1.0, beta=20.0, rho=rho, x=3.0)
+    assert got["x"] ** 2 - 20 * got["z"] == pytest.approx(9 * math.exp(-20), abs=1e-9)
+
+
+def test_lorenz_sinks_along_its_axis(truth):
+    got = truth("lorenz", 3.0, x=0.0, y=0.0, z=30.0)
+    assert (got["x"], got["y"], got["z"]) == (0, 0, pytest.approx(30 * math.exp(-8), rel=1e-11))
+
+
+def test_van_der_pol_is_on_its_limit_cycle(truth):
+    got = truth("van_der_pol", 3 * 6.663286859323130)
+    assert got["x"] == pytest.approx(2.008619860874843, rel=1e-13) and abs(got["v"]) < 1e-13
+    assert truth("van_der_pol", 15 * 6.663286859323130, x=0.5)["x"] != pytest.approx(0.5, abs=0.1)
+
+
+def test_predators_follow_their_prey_around(truth):
+    rest = truth("lotka_volterra", 20.0, x=1.0, y=0.5)
+    assert (rest["x"], rest["y"]) == (1, 0.5), "d/c and a/b are at rest"
+    little = truth("lotka_volterra", 2 * math.pi / math.sqrt(2 / 3), x=1 + 1e-6, y=0.5)
+    assert little["x"] - 1 == pytest.approx(1e-6, rel=1e-4), "small swings have the frequency sqrt(a d)"
+
+
+def test_a_nerve_fires_again_and_again(truth):
+    is_up = [truth("fitzhugh_nagumo", float(t))["v"] > 1 for t in range(0, 101, 2)]
+    assert sum(now and not then for then, now in zip(is_up, is_up[1:])) >= 2
+    quiet = [truth("fitzhugh_nagumo", float(t), I=0.0)["v"] for t in (60, 100)]
+    assert quiet == [pytest.approx(-1.2, abs=0.05)] * 2
+
+
+def test_a_symmetric_top_precesses_as_it_should(truth):
+    got = truth("rigid_body", 5.0, A=2.0, B=2.0, C=3.0, w_x=0.3, w_y=0.0, w_z=2.0)
+    w = 0.3 * cmath.exp(1j * (3 - 2) / 2 * 2.0 * 5.0)
+    assert (got["w_x"], got["w_y"], got["w_z"]) == (
+        pytest.approx(w.real, rel=1e-11), pytest.approx(w.imag, rel=1e-11), 2.0)
+
+
+def test_a_body_about_its_axis_turns_by_half_the_angle(truth):
+    got = truth("rigid_body", 3.0, w_x=0.0, w_y=0.0, w_z=0.7)
+    assert (got["e0"], got["e_z"]) == (pytest.approx(math.cos(1.05)), pytest.approx(math.sin(1.05)))
+
+
+@pytest.mark.parametrize("t", [0.5, 2.0, math.pi, 2 * math.pi, 12.5, -7.0])
+def test_a_planet_is_where_keplers_equation_says(t, truth):
+    got = truth("kepler", t)
+    (x, y), (vx, vy) = kepler(0.5, t)
+    assert [got["r_x"], got["r_y"], got["v_x"], got["v_y"]] == pytest.approx([x, y, vx, vy], abs=2e-10)
+
+
+@pytest.mark.parametrize("name, frequency, x1, x2", [("slow", 2 / (1 + math.sqrt(5)), 1.0, (1 + math.sqrt(5)) / 2),
+                                                     ("fast", (1 + math.sqrt(5)) / 2, (1 + math.sqrt(5)) / 2, -1.0)])
+def test_two_springs_swing_in_their_modes(name, frequency, x1, x2, truth):
+    got = truth("double_spring", 3.0, x1=x1, x2=x2)
+    swing = math.cos(10 * frequency * 3.0)
+    assert [got["x1"], got["x2"]] == pytest.approx([x1 * swing, x2 * swing], abs=1e-10)
+
+
+def test_arenstorfs_orbit_closes(truth):
+    got = truth("arenstorf", 17.0652165601579625588917206249)
+    assert (got["r_x"], got["r_y"]) == (pytest.approx(0.994, abs=1e-9), pytest.approx(0, abs=1e-9))
+    assert (got["v_x"], got["v_y"]) == (pytest.approx(0, abs=1e-8), pytest.approx(-2.0015851063790825, abs=1e-8))
+
+
+# ---- where there is no truth --------------------------------------------------------------------
+
+def test_chaos_is_not_followed_for_ever(models, root):
+    got = models("truth", root / "programs/lorenz.ode", 40)
+    assert (got.returncode, got.stdout) == (1, "") and re.match(r"two truths of 'x' at time 40: GSL's rk8pd says .*, rkck says ",
+                                                                got.stderr)
+
+
+@pytest.mark.parametrize("time, values, message", [
+    ("nan", [], "the time is nan"), ("inf", [], "the time is inf"), ("1", ["m=nan"], "'m' is nan"),
+    ("1", ["v=inf"], "'v' starts at inf"), ("1", ["m=0"], "GSL's rk8pd does not reach time 1: "),
+])
+def test_what_cannot_be_is_refused(time, values, message, models, root):
+    got = models("truth", root / "programs/ship.ode", time, *values)
+    assert (got.returncode, got.stdout) == (2, "") and got.stderr.startswith(message)
+
+
+def test_a_state_without_bounds_is_said(models, tmp_path):
+    path = tmp_path / "blow_up.ode"
+    path.write_text("state x = 1\nstep 1\nspan 1\nx' = x^2\n")
+    assert models("truth", path, 0.9).stdout.split()[1].startswith("9.99999999")
+    got = models("truth", path, 2)
+    assert (got.returncode, got.stdout, got.stderr) == (2, "", "GSL's rk8pd does not reach time 2: failure\n")
+
+
+def test_time_0_is_the_start(show, truth):
+    for name in NAMES:
+        now = truth(name, 0)
+        assert all(now[state[0]] == float(state[1]) for state in show(name)["state"])

@@ -1,0 +1,91 @@
+"""The scheduler: the same bits as the step says, the cycles that the hardware takes, and few of them."""
+
+import re
+import subprocess
+
+import pytest
+
+SOLO = ["paper", "walk_slot", "walk_bypass", "uncut", "single", "single_full"]
+CONTEXTS = ["many", "many_full", "sixteen", "lanes", "array"]
+COUNT = 150
+
+
+@pytest.fixture
+def scheduler(build, tmp_path):
+    def scheduler(mode, config, **options):
+        arguments = [word for name, value in options.items() for word in (f"--{name}", str(value))]
+        done = subprocess.run([build / "tests" / "scheduler", mode, "--config", config, *arguments], cwd=tmp_path,
+                              capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    return scheduler
+
+
+def number(pattern, text):
+    found = re.search(pattern, text)
+    assert found, text
+    return float(found.group(1))
+
+
+def measured(out):
+    return number(r"(\d+) runs measured", out)
+
+
+# ---- cycles --------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("config", SOLO)
+def test_the_hardware_takes_the_cycles_predicted_for_any_instructions(scheduler, config):
+    assert measured(scheduler("lines", config, count=COUNT)) == 7 * COUNT
+
+
+@pytest.mark.parametrize("config", CONTEXTS)
+def test_the_hardware_takes_the_cycles_predicted_for_any_number_of_objects(scheduler, config):
+    assert measured(scheduler("rows", config)) >= 48
+
+
+@pytest.mark.smoke
+def test_schedulers_that_share_units_are_not_predicted(scheduler):
+    assert ", 0.000 cycles, bound 18.000," in scheduler("ship", "shared")
+
+
+# ---- bits ----------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("config", SOLO + CONTEXTS + ["shared"])
+def test_random_steps_keep_their_bits(scheduler, config):
+    """Executed in C: as FP32 numbers, and as numbers that depend on all that went into them."""
+    out = scheduler("steps", config, count=COUNT, rtl=25)
+    assert number(r"(\d+) need more", out) <= (0.6 if config == "lanes" else 0.2) * COUNT, out
+    assert config == "shared" or measured(out) >= 10, out
+
+
+@pytest.mark.parametrize("config", SOLO + CONTEXTS)
+def test_steps_of_integrators_keep_their_bits(scheduler, config):
+    scheduler("integrators", config, count=COUNT, rtl=25, seed=10000)
+
+
+# ---- how good ------------------------------------------------------------------------------------
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("config, cycles, instructions", [
+    ("single", 48, 20), ("single_full", 48, 20), ("uncut", 26, 20), ("walk_bypass", 321, 30),
+    ("walk_slot", 369, 30), ("paper", 374, 30), ("many", 20, 20), ("lanes", 2.5, 20)])
+def test_the_ship_is_as_fast_as_by_hand(scheduler, config, cycles, instructions):
+    out = scheduler("ship", config)
+    assert number(r": (\d+) instructions", out) == instructions, out
+    assert number(r"([\d.]+) cycles", out) <= cycles, out
+    assert " 0 copies" in out, out
+
+
+@pytest.mark.parametrize("config, mean", [("single", 1.08), ("uncut", 1.10), ("walk_slot", 1.03),
+                                          ("walk_bypass", 1.03), ("many", 1.0)])
+def test_steps_of_integrators_are_near_the_bound(scheduler, config, mean):
+    """With registers enough: cycles over the larger of issue slots and longest dependence."""
+    out = scheduler("integrators", config, count=COUNT, registers=64)
+    assert number(r"mean ([\d.]+)", out) <= mean, out
+    assert number(r"(\d+) need more", out) == 0, out
+
+
+@pytest.mark.smoke
+def test_too_few_registers_are_counted(scheduler):
+    assert number(r"(\d+) need more", scheduler("integrators", "single", count=20, registers=4)) == 20
