@@ -22,7 +22,7 @@ module ram_forward #(
 );
     wire forward = write_i && write_addr_i == read_addr_i;
     generate
-        if (ADDR_W <= 6) begin : g_few
+        if (ADDR_W <= 7) begin : g_few
             wire [W-1:0] word;
             reg  [W-1:0] read_q;
             lutram_1r1w #(.ADDR_W(ADDR_W), .W(W)) u_ram (.clk_i(clk_i), .write_i(write_i),
