@@ -28,9 +28,9 @@ _, REGISTERS, _ = generate.load(ROOT)
 POSITIONS = {unit: generate.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lz -lpthread -lm".split()
-TESTS = ("random_stream", "host_port", "different_programs", "chosen_values")
+TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
 # Compiled once: all that does not know which configurations there are.
-COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/*.c", "tests/cosim/random_stream.c")
+COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/*.c", "tests/cosim/random_stream.c", "tests/cosim/mix.c")
 OWN = ("sw/engines/config.c", "sw/engines/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c",
        "tests/cosim/chosen_values.c")
 
@@ -193,6 +193,7 @@ def test(row, tree, seed, instructions):
     run(tree / "host_port")
     run(tree / "different_programs", seed + 1, 10)
     run(tree / "chosen_values", 17)
+    run(tree / "mix", seed + 1, 10)
     return re.search(r": (\d+ instructions)", out)[1]
 
 
