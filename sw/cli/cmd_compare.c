@@ -2,6 +2,7 @@
 #include "cli.h"
 
 #include <argp.h>
+#include <ctype.h>
 #include <engines/config.h>
 #include <fp3/engine.h>
 #include <inttypes.h>
@@ -134,10 +135,11 @@ static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machi
 
 static fp3_status start(comparison *k, const fp3_compiled *c, fp3_engine *engine,
                         fp3_error *error) {
-    fp3_status status = fp3_engine_load(engine, c->image);
     float *values = calloc(c->input_count + 1u, sizeof *values);
+    fp3_status status =
+        values ? fp3_engine_load(engine, c->image) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     double params[64 + 1], initial[64 + 1];
-    for (size_t i = 0; !status && values && i < fp3_engine_objects(engine); i++) {
+    for (size_t i = 0; !status && i < fp3_engine_objects(engine); i++) {
         object_values(k->model, i, params, initial);
         status = fp3_compiled_inputs(c, params, initial, k->model->step, values, error);
         if (!status)
@@ -341,13 +343,14 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_SPAN:
         o->span = strtod(text, &end);
-        if (*end || !(o->span > 0))
+        if (*end || !(o->span > 0) || isinf(o->span))
             argp_error(state, "found '%s', expected a time above 0", text);
         break;
     case KEY_STEPS:
         o->most_steps = strtoull(text, &end, 10);
-        if (*end || o->most_steps < 4)
-            argp_error(state, "found '%s', expected a number of steps from 4 on", text);
+        if (*end || !isdigit((unsigned char)*text) || o->most_steps < LADDER_LOOKS)
+            argp_error(state, "found '%s', expected a number of steps from %d on", text,
+                       LADDER_LOOKS);
         break;
     case KEY_QUICK:
         o->is_quick = 1;
@@ -371,10 +374,11 @@ int fp3_cmd_compare(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "MODEL",
-        .doc = "Compares integrators on MODEL (*.ode), in FP32: operations, instructions, cycles "
-               "per object-step for many objects and for one, order as it is measured, smallest "
-               "error that any time step reaches (relative, at the end of the span), and words "
-               "in which hardware, C model and equations differ."};
+        .doc =
+            "Compares integrators on MODEL (*.ode), in FP32: operations, instructions, cycles "
+            "per object-step for many objects and for one, order as it is measured, smallest "
+            "error that any time step reaches (relative, root of the mean square over states and "
+            "8 times of the span), and words in which hardware, C model and equations differ."};
     options o = {.most_steps = 131072};
     if (argp_parse(&argp, argc, argv, 0, NULL, &o))
         return 1;

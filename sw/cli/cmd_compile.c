@@ -122,6 +122,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "expected a model (*.ode)");
         break;
+    case ARGP_KEY_END:
+        if (o->params.count && !o->values)
+            argp_error(state, "--set: values are of the host's, and go to --params FILE");
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -208,14 +212,16 @@ int fp3_cmd_compile(int argc, char **argv) {
     if (argp_parse(&argp, argc, argv, 0, NULL, &o))
         return 1;
 
-    fp3_error error;
+    fp3_error error, why;
     fp3_program_source source = {0};
     char *text = NULL;
     fp3_status status = fp3_model_load(o.model, &source.model, &text, &error);
     if (!status)
         status = fp3_integrator_find(o.integrator, &source.integrator, &error);
     if (!status)
-        status = fp3_compile(source.model, source.integrator, &o.def, &source.compiled, &error);
+        status = fp3_compile(source.model, source.integrator, &o.def, &source.compiled, &why);
+    if (status && source.integrator)
+        fp3_fail(&error, status, "%s: %s", o.model, why.text);
     if (!status)
         status = write_outputs(&o, &source, &error);
     int exit_code = fp3_exit_code(status);

@@ -111,7 +111,10 @@ static fp3_status collect(const fp3_model *model, fp3_params *params, double sha
         initial[i] = model->states[i].value;
         status = take(params, model->states[i].name, share, &initial[i], is_spread, error);
     }
-    if (!status)
+    /* A model's own h hides that of the integrator. */
+    const int is_own =
+        fp3_model_param(model, "h") != FP3_NONE || fp3_model_state(model, "h") != FP3_NONE;
+    if (!status && !is_own)
         status = take(params, "h", share, h, &h_spreads, error);
     if (!status && h_spreads)
         status = fp3_fail(error, FP3_E_ARGUMENT, "'h' is spread, and all objects have the same");

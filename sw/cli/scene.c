@@ -121,12 +121,26 @@ static fp3_status read_count(const reader *r, const config_setting_t *group, con
 
 /* ---- programs ---- */
 
+/* A built-in table by its name, one of a file from where the scene is. */
+static fp3_status read_integrator(const reader *r, const config_setting_t *from,
+                                  fp3_scene_group *to) {
+    char *name = NULL;
+    fp3_status status = read_text(r, from, "integrator", &name);
+    if (status || !name)
+        return status;
+    const size_t size = strlen(name);
+    const int is_file = strchr(name, '/') || (size > 4 && strcmp(name + size - 4, ".cfg") == 0);
+    to->integrator = is_file ? beside(r->path, name) : copy(name, size);
+    free(name);
+    return to->integrator ? FP3_OK : no_memory(r);
+}
+
 /* How a group's program becomes an image. */
 static fp3_status make_image(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     const char *config = r->config ? r->config : r->scene->config;
     const config_setting_t *compensated = config_setting_get_member(from, "compensated");
     fp3_program_def def = {.config = config};
-    fp3_status status = read_text(r, from, "integrator", &to->integrator);
+    fp3_status status = read_integrator(r, from, to);
     if (!status && compensated && config_setting_type(compensated) != CONFIG_TYPE_BOOL)
         status = expected(r, compensated, "true or false");
     if (!status && !fp3_program_is_model(to->program) && (to->integrator || compensated))

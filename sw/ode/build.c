@@ -88,6 +88,14 @@ static int is_position(const build *b, uint32_t state) {
     return velocity != FP3_NONE && state_of(b, velocity)->velocity == FP3_NONE;
 }
 
+/* The first position that this state is the velocity of, or FP3_NONE. */
+static uint32_t position_of(const build *b, uint32_t velocity) {
+    for (uint32_t s = 0; s < b->model->state_count; s++)
+        if (is_position(b, s) && state_of(b, s)->velocity == velocity)
+            return s;
+    return FP3_NONE;
+}
+
 static uint32_t variable_of(const build *b, role role, uint32_t state) {
     for (uint32_t i = 0; i < b->variable_count; i++)
         if (b->variables[i].role == role && b->variables[i].state == state)
@@ -140,7 +148,7 @@ static term sum_of(build *b, const summand *list, unsigned count, double unit, i
 static unsigned factors(const summand *list, unsigned count, double unit) {
     unsigned found = 0;
     for (unsigned i = 0; i < count; i++)
-        found += fabs(list[i].c) != unit && list[i].c != 0;
+        found += fabs(list[i].c) != unit;
     return found;
 }
 
@@ -149,7 +157,7 @@ static unsigned factors(const summand *list, unsigned count, double unit) {
 static double common_unit(const build *b, summand *list, unsigned count) {
     double unit = INFINITY;
     for (unsigned i = 0; i < count; i++)
-        if (list[i].c != 0 && fabs(list[i].c) < unit)
+        if (fabs(list[i].c) < unit)
             unit = fabs(list[i].c);
     if (count < 2 || !isfinite(unit))
         return 0;
@@ -175,15 +183,27 @@ static term increment(build *b, summand *list, unsigned count) {
 }
 
 /* base + c1 k1 + c2 k2 + ..., from the left, or with the unit taken out. */
-static term stage_sum(build *b, term base, summand *list, unsigned count) {
+static term stage_sum(build *b, uint32_t state, uint32_t place, summand *list, unsigned count) {
     graph *g = &b->g;
+    term sum = held(b, ROLE_STATE, state);
     summand copy[FP3_STAGES_MAX];
     memcpy(copy, list, count * sizeof *list);
-    if (common_unit(b, copy, count) != 0)
-        return fp3_term_add(g, base, increment(b, list, count));
-    for (unsigned i = 0; i < count; i++)
-        base = fp3_term_add(g, base, fp3_term_mul(g, coefficient(b, list[i].c), list[i].slope));
-    return base;
+    const int has_unit = common_unit(b, copy, count) != 0;
+    const uint32_t whole = note(b, "%s at stage %" PRIu32, name_of(b, state), place + 1);
+    g->note = has_unit || count > 1
+                  ? note(b, "%s at stage %" PRIu32 ", in part", name_of(b, state), place + 1)
+                  : whole;
+    if (has_unit) {
+        const term d = increment(b, list, count);
+        g->note = whole;
+        return fp3_term_add(g, sum, d);
+    }
+    for (unsigned i = 0; i < count; i++) {
+        if (i + 1 == count)
+            g->note = whole;
+        sum = fp3_term_add(g, sum, fp3_term_mul(g, coefficient(b, list[i].c), list[i].slope));
+    }
+    return sum;
 }
 
 /* base + d; what is rounded away is kept and taken off the next d (Kahan, 1965). */
@@ -191,8 +211,12 @@ static term update(build *b, uint32_t state, term base, term d) {
     graph *g = &b->g;
     if (!b->is_compensated)
         return fp3_term_add(g, base, d);
+    const uint32_t new_state = g->note;
+    g->note = note(b, "what is added to %s, with what was lost before", name_of(b, state));
     const term y = fp3_term_sub(g, d, b->lost[state]);
+    g->note = new_state;
     const term sum = fp3_term_add(g, base, y);
+    g->note = note(b, "what is lost of %s", name_of(b, state));
     b->lost[state] = fp3_term_sub(g, fp3_term_sub(g, sum, base), y);
     return sum;
 }
@@ -201,10 +225,11 @@ static term update(build *b, uint32_t state, term base, term d) {
 
 static term slope_of(build *b, uint32_t place, uint32_t state);
 
+/* A coefficient 0 has no term: 0 k is no 0 where k is infinite. */
 static unsigned row(build *b, const double *c, unsigned count, uint32_t state, summand *list) {
     unsigned n = 0;
     for (unsigned j = 0; j < count; j++)
-        if (c[j] != 0 || !(b->passes & FP3_PASS(FP3_PASS_UNIT)))
+        if (c[j] != 0)
             list[n++] = (summand){c[j], slope_of(b, j, state)};
     return n;
 }
@@ -222,8 +247,7 @@ static term runge_kutta_state(lowering *l, uint32_t state) {
         const uint32_t outside = b->g.note;
         summand list[FP3_STAGES_MAX];
         const unsigned n = row(b, b->integrator->a[l->place], l->place, state, list);
-        b->g.note = note(b, "%s at stage %" PRIu32, name_of(b, state), l->place + 1);
-        b->stage[i] = stage_sum(b, held(b, ROLE_STATE, state), list, n);
+        b->stage[i] = stage_sum(b, state, l->place, list, n);
         b->has_stage[i] = 1;
         b->g.note = outside;
     }
@@ -250,15 +274,17 @@ static void runge_kutta(build *b) {
             continue;
         summand list[FP3_STAGES_MAX];
         const unsigned n = row(b, b->integrator->b, b->integrator->stages, s, list);
+        b->g.note = note(b, "what is added to %s", name_of(b, s));
+        const term d = increment(b, list, n);
         b->g.note = note(b, "new %s", name_of(b, s));
-        b->now[s] = update(b, s, held(b, ROLE_STATE, s), increment(b, list, n));
+        b->now[s] = update(b, s, held(b, ROLE_STATE, s), d);
     }
     for (uint32_t s = 0; s < b->model->state_count; s++) {
         if (!is_live(b, s) || !is_late(b, s))
             continue;
-        b->g.note = note(b, "new %s = %s + h*%s", name_of(b, s), name_of(b, s),
-                         name_of(b, state_of(b, s)->velocity));
-        const term d = fp3_term_mul(&b->g, scaled_step(b, 1, 1), b->now[state_of(b, s)->velocity]);
+        const uint32_t v = state_of(b, s)->velocity;
+        b->g.note = note(b, "new %s = %s + h*%s", name_of(b, s), name_of(b, s), name_of(b, v));
+        const term d = fp3_term_mul(&b->g, scaled_step(b, 1, 1), b->now[v]);
         b->now[s] = update(b, s, held(b, ROLE_STATE, s), d);
     }
 }
@@ -349,8 +375,8 @@ static fp3_status stoermer(build *b, fp3_error *error) {
     for (uint32_t s = 0; !status && s < b->model->state_count; s++)
         if (is_live(b, s) && is_position(b, s)) {
             stoermer_position(b, s);
-            b->now[state_of(b, s)->velocity] = held(b, ROLE_STATE, state_of(b, s)->velocity);
-            status = stoermer_velocity(b, s, error);
+            if (position_of(b, state_of(b, s)->velocity) == s)
+                status = stoermer_velocity(b, s, error);
         }
     return status;
 }
@@ -375,6 +401,12 @@ static void find_needs(build *b) {
     }
 }
 
+/* Stoermer finds a velocity by its position. */
+static uint64_t found_by(const build *b, uint32_t state) {
+    const uint32_t position = position_of(b, state);
+    return b->integrator->kind == FP3_STOERMER && position != FP3_NONE ? BIT(position) : 0;
+}
+
 static void find_live(build *b, uint64_t observed) {
     const uint32_t count = b->model->state_count;
     const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
@@ -383,12 +415,12 @@ static void find_live(build *b, uint64_t observed) {
         before = b->live;
         for (uint32_t s = 0; s < count; s++)
             if (before & BIT(s))
-                b->live |= b->needs[state_of(b, s)->derivative];
+                b->live |= b->needs[state_of(b, s)->derivative] | found_by(b, s);
     }
 }
 
 static fp3_status check_splitting(const build *b, fp3_error *error) {
-    if (b->live & positions(b))
+    if (positions(b))
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,
                     "integrator '%s' moves positions: found no state whose derivative is another "
@@ -397,15 +429,11 @@ static fp3_status check_splitting(const build *b, fp3_error *error) {
 }
 
 static fp3_status check_stoermer(const build *b, fp3_error *error) {
-    uint64_t velocities = 0;
-    for (uint32_t s = 0; s < b->model->state_count; s++)
-        if (is_position(b, s))
-            velocities |= BIT(state_of(b, s)->velocity);
     for (uint32_t s = 0; s < b->model->state_count; s++) {
         const fp3_quantity *q = state_of(b, s);
         if (!is_live(b, s) || is_position(b, s))
             continue;
-        if (!(velocities & BIT(s)))
+        if (position_of(b, s) == FP3_NONE)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "line %" PRIu32 ": integrator '%s' has positions and their "
                             "accelerations: found state '%s', which is neither",

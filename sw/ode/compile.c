@@ -1,4 +1,4 @@
-/* compile.c - from a model and an integrator to a program, and what the host must know to run it. */
+/* compile.c - a model and an integrator to a program, and what the host must know to run it. */
 #include <fp3/compile.h>
 
 #include <fp3/asm.h>
@@ -111,20 +111,25 @@ static fp3_status check_ops(const compiler *k, const fp3_op *ops, uint32_t count
     return FP3_OK;
 }
 
-static fp3_status check_room(const compiler *k, fp3_error *error) {
-    const fp3_schedule *s = k->schedule;
-    const uint32_t words = s->first_count + s->step_count + s->last_count;
-    const uint32_t constants = k->c.step.constant_count + (s->needs_minus_zero != 0);
+/* With what is put around the program where objects have a store. */
+static fp3_status check_words(const compiler *k, uint32_t words, fp3_error *error) {
+    if (words <= k->config->program_words)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "the program needs %" PRIu32 " words, configuration '%s' has %" PRIu32, words,
+                    k->config->name, k->config->program_words);
+}
+
+static fp3_status check_room(const compiler *k, const fp3_step *step, const fp3_schedule *s,
+                             fp3_error *error) {
+    const uint32_t words = s->first_count + s->step_count + s->last_count + s->loads + s->stores;
+    const uint32_t constants = step->constant_count + (s->needs_minus_zero != 0);
     if (constants > k->config->registers)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "the step needs %" PRIu32
                         " shared constants, configuration '%s' has %" PRIu32,
                         constants, k->config->name, k->config->registers);
-    if (words > k->config->program_words)
-        return fp3_fail(error, FP3_E_PROGRAM,
-                        "the program needs %" PRIu32 " words, configuration '%s' has %" PRIu32,
-                        words, k->config->name, k->config->program_words);
-    return FP3_OK;
+    return check_words(k, words, error);
 }
 
 /* ---- scheduling ---- */
@@ -144,8 +149,12 @@ static fp3_status try_policy(compiler *k, chain_policy policy, fp3_error *error)
         status = check_ops(k, c.step.step, c.step.step_count, error);
     if (!status)
         status = check_ops(k, c.step.last, c.step.last_count, error);
+    if (!status) /* before an order of too many is looked for */
+        status = check_words(k, c.step.first_count + c.step.step_count + c.step.last_count, error);
     if (!status)
         status = fp3_schedule_make(&c.step, k->config, &schedule, error);
+    if (!status)
+        status = check_room(k, &c.step, schedule, error);
     if (!status && (!k->schedule || is_better(schedule, k->schedule))) {
         fp3_schedule_free(&k->schedule);
         fp3_convert_close(&k->c);
@@ -158,7 +167,8 @@ static fp3_status try_policy(compiler *k, chain_policy policy, fp3_error *error)
     return status;
 }
 
-/* Where contexts hide latency every product that can be is chained; where one object waits, what is best. */
+/* Where contexts hide latency every product that can be is chained; where one object waits, what is
+ * best. */
 static fp3_status schedule(compiler *k, fp3_error *error) {
     const int is_choice = !k->config->interleave && k->b.passes & FP3_PASS(FP3_PASS_CHAIN);
     fp3_status first = FP3_OK;
@@ -171,7 +181,7 @@ static fp3_status schedule(compiler *k, fp3_error *error) {
                 *error = why;
         }
     }
-    return k->schedule ? check_room(k, error) : first;
+    return k->schedule ? FP3_OK : first;
 }
 
 /* ---- inputs ---- */
@@ -290,7 +300,7 @@ static char *head_of(const compiler *k, const fp3_compiled *made) {
     fprintf(out, "# %s by %s%s, for configuration '%s'. Compiled by fp3.\n", b->model->name,
             b->integrator->name, b->is_compensated ? ", compensated" : "", k->config->name);
     if (*b->model->doc)
-        fprintf(out, "# %.200s\n", b->model->doc);
+        fprintf(out, "# %s\n", b->model->doc);
     fprintf(out, "#\n# Order %u. %" PRIu32 " operations in %" PRIu32 " instructions", made->order,
             made->operations, made->instructions);
     if (made->cycles > 0)
@@ -305,6 +315,17 @@ static char *head_of(const compiler *k, const fp3_compiled *made) {
         return NULL;
     }
     return text;
+}
+
+/* The assembler has given each name the register that the schedule means. */
+static fp3_status check_registers(const compiler *k, const fp3_image *image, fp3_error *error) {
+    for (uint32_t i = 0; i < k->names.object_count; i++) {
+        const fp3_symbol *s = fp3_image_find(image, k->names.object[i], FP3_KINDS_OBJECT);
+        if (!s || s->index != i)
+            return fp3_fail(error, FP3_E_MISMATCH, "'%s' is not in register %" PRIu32,
+                            k->names.object[i], i);
+    }
+    return FP3_OK;
 }
 
 static fp3_status write_program(compiler *k, fp3_compiled *made, fp3_error *error) {
@@ -324,7 +345,7 @@ static fp3_status write_program(compiler *k, fp3_compiled *made, fp3_error *erro
         assembly->image = NULL;
     }
     fp3_assembly_free(&assembly);
-    return status;
+    return status ? status : check_registers(k, made->image, error);
 }
 
 static void fill(const compiler *k, fp3_compiled *made) {
@@ -413,7 +434,7 @@ static fp3_status compile(compiler *k, const fp3_model *model, const fp3_integra
                                     observed, error);
     if (!status)
         status = fp3_build(&k->reference, model, integrator,
-                           (def->passes & passes_that(1)) | FP3_PASS(FP3_PASS_UNIT),
+                           def->passes & (passes_that(1) | FP3_PASS(FP3_PASS_DEAD)),
                            def->is_compensated, 0, observed, error);
     if (status)
         return status;

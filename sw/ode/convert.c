@@ -311,7 +311,8 @@ fp3_status fp3_convert(const build *b, const fp3_config *config, chain_policy po
     if (!is_made)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < made->step.constant_count; i++)
-        if (fp3_known_is(&b->known, made->constants[i], -0.0))
+        if (b->known.list[made->constants[i]].op == KNOWN_NUMBER &&
+            number_bits(b->known.list[made->constants[i]].number) == number_bits(-0.0))
             made->step.minus_zero = i;
     return FP3_OK;
 }

@@ -12,6 +12,7 @@
 #include "lib/operation.h"
 
 #define COMMENT_COLUMN 34
+#define COMMENT_SIZE 256
 
 /* ---- names ---- */
 
@@ -68,11 +69,29 @@ static void wanted_name(const build *b, uint32_t id, const char *prefix,
         snprintf(wanted, size, "%s%" PRIu32, prefix, id);
 }
 
-static fp3_status number_name(double number, char name[FP3_NAME_SIZE], fp3_error *error) {
+/* What the first operation that reads a constant is for. */
+static const char *reader_of(const build *b, const fp3_step *step, uint32_t constant) {
+    const fp3_op *parts[] = {step->first, step->step, step->last};
+    const uint32_t counts[] = {step->first_count, step->step_count, step->last_count};
+    for (int part = 0; part < 3; part++)
+        for (uint32_t i = 0; i < counts[part]; i++) {
+            const fp3_op *op = &parts[part][i];
+            const fp3_ref *refs[] = {&op->a, &op->b, &op->c};
+            for (int j = 0; j < 3; j++)
+                if (refs[j]->at == FP3_AT_CONSTANT && refs[j]->index == constant &&
+                    op->note < b->note_count)
+                    return b->notes[op->note];
+        }
+    return "the model";
+}
+
+static fp3_status number_name(const build *b, const fp3_step *step, uint32_t constant,
+                              double number, char name[FP3_NAME_SIZE], fp3_error *error) {
     const float f = (float)number;
     uint32_t bits;
     if (!isfinite(f))
-        return fp3_fail(error, FP3_E_ARGUMENT, "%.9g is no finite FP32 number", number);
+        return fp3_fail(error, FP3_E_PROGRAM, "%s: found %.9g, expected a finite FP32 number",
+                        reader_of(b, step, constant), number);
     memcpy(&bits, &f, sizeof bits);
     fp3_number_text(bits, name);
     return FP3_OK;
@@ -99,7 +118,7 @@ static fp3_status name_constants(const build *b, const conversion *c, emit_names
         char wanted[FP3_NAME_SIZE + 16], *name = names->constant[names->constant_count];
         wanted_name(b, id, "c", wanted);
         if (b->known.list[id].op == KNOWN_NUMBER)
-            status = number_name(b->known.list[id].number, name, error);
+            status = number_name(b, &c->step, i, b->known.list[id].number, name, error);
         else
             name_it(names, b->model, wanted, name);
         names->constant_count++;
@@ -150,37 +169,52 @@ static void put_declaration(FILE *out, const char *directive, const char *name,
     fputc('\n', out);
 }
 
+/* Bytes of a text up to a limit, where no character of UTF-8 is cut. */
+static int room_for(const char *text, int limit) {
+    int size = (int)strnlen(text, (size_t)limit + 1);
+    if (size > limit)
+        for (size = limit; size > 0 && ((unsigned char)text[size] & 0xc0) == 0x80;)
+            size--;
+    return size;
+}
+
+static void say_quantity(const fp3_quantity *q, char comment[COMMENT_SIZE]) {
+    snprintf(comment, COMMENT_SIZE, "%.*s%s%s%.*s%s", room_for(q->doc, 120), q->doc,
+             *q->doc && *q->unit ? " " : "", *q->unit ? "[" : "", room_for(q->unit, 40), q->unit,
+             *q->unit ? "]" : "");
+}
+
 static void put_state(const build *b, FILE *out, const variable *v, const char *name) {
     static const char *const meaning[] = {[ROLE_LOST] = "what updates of %s rounded away",
                                           [ROLE_BEFORE] = "%s one step ago",
                                           [ROLE_LOST_BEFORE] = "what was lost of %s one step ago"};
     const fp3_quantity *q = &b->model->states[v->state];
-    char comment[256];
+    char comment[COMMENT_SIZE];
     if (v->role != ROLE_STATE) {
         const char *percent = strchr(meaning[v->role], '%');
         snprintf(comment, sizeof comment, "%.*s%s%s", (int)(percent - meaning[v->role]),
                  meaning[v->role], q->name, percent + 2);
     } else
-        snprintf(comment, sizeof comment, "%.120s%s%.40s%s", q->doc,
-                 !*q->unit ? ""
-                 : *q->doc ? " ["
-                           : "[",
-                 q->unit, *q->unit ? "]" : "");
+        say_quantity(q, comment);
     put_declaration(out, ".state", name, comment);
+}
+
+static void put_kept(const build *b, FILE *out, const variable *v, const char *name) {
+    const uint32_t note = b->g.nodes[v->next].note;
+    char comment[COMMENT_SIZE];
+    snprintf(comment, sizeof comment, "for the next step, from %s",
+             note < b->note_count ? b->notes[note] : "this one");
+    put_declaration(out, ".temp", name, comment);
 }
 
 static void put_known(const build *b, FILE *out, const char *directive, uint32_t id,
                       const char *name) {
     const known *k = &b->known.list[id];
     char *text = fp3_known_text(&b->known, id);
-    char comment[256] = "";
+    char comment[COMMENT_SIZE] = "";
     if (k->op == KNOWN_MODEL && b->model->exprs[k->a].op == FP3_EXPR_PARAM) {
         const fp3_quantity *q = &b->model->params[b->model->exprs[k->a].index];
-        snprintf(comment, sizeof comment, "%.120s%s%.40s%s", q->doc,
-                 !*q->unit ? ""
-                 : *q->doc ? " ["
-                           : "[",
-                 q->unit, *q->unit ? "]" : "");
+        say_quantity(q, comment);
     } else if (k->op == KNOWN_STEP)
         snprintf(comment, sizeof comment, "time step");
     else if (text)
@@ -197,7 +231,7 @@ static void put_declarations(const build *b, const conversion *c, const fp3_sche
         if (i < b->variable_count && b->variables[i].role != ROLE_CARRIED)
             put_state(b, out, &b->variables[i], names->object[i]);
         else if (i < b->variable_count)
-            put_declaration(out, ".temp", names->object[i], "from step to step");
+            put_kept(b, out, &b->variables[i], names->object[i]);
         else if (param < c->step.param_count)
             put_known(b, out, ".param", c->params[param], names->object[i]);
         else

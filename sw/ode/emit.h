@@ -11,7 +11,7 @@ typedef struct {
     uint32_t object_count, constant_count;
 } emit_names;
 
-/* FP3_E_SYSTEM, or FP3_E_ARGUMENT: a number is too large for FP32. The caller closes, after a failure too. */
+/* FP3_E_SYSTEM, or FP3_E_PROGRAM: a number is too large for FP32. The caller closes, after a failure too. */
 fp3_status fp3_emit_names(const build *b, const conversion *c, const fp3_schedule *schedule,
                           emit_names *names, fp3_error *error);
 void fp3_emit_names_close(emit_names *names);

@@ -1,6 +1,8 @@
 /* known.c - values that the host computes. */
 #include "known.h"
 
+#include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,14 +134,16 @@ fp3_status fp3_known_evaluate(const known_table *table, const double *params, do
 /* ---- as text ---- */
 
 /* Binding strength of what is written around an operand. */
-enum { LOOSE, CHOICE, COMPARED, SUM, PRODUCT, UNARY, RAISED };
+enum { LOOSE, EITHER, BOTH, COMPARED, SUM, PRODUCT, UNARY, RAISED };
 
-#define TEXT_LIMIT 72 /* bytes, about: a comment stays on its line */
+#define DEPTH_LIMIT 24 /* of what is written out; a chain of additions may be thousands deep */
+#define TEXT_LIMIT 72  /* bytes, about: a comment stays on its line */
 
 typedef struct {
     const fp3_model *model;
     uint32_t root; /* its own name does not stand for it */
     FILE *out;
+    unsigned depth;
 } printer;
 
 static const struct {
@@ -154,8 +158,8 @@ static const struct {
     [FP3_EXPR_LESS] = {" < ", COMPARED},
     [FP3_EXPR_LESS_EQUAL] = {" <= ", COMPARED},
     [FP3_EXPR_EQUAL] = {" == ", COMPARED},
-    [FP3_EXPR_AND] = {" and ", CHOICE},
-    [FP3_EXPR_OR] = {" or ", CHOICE},
+    [FP3_EXPR_AND] = {" and ", BOTH},
+    [FP3_EXPR_OR] = {" or ", EITHER},
 };
 
 static const char *function_name(fp3_expr_op op) {
@@ -170,7 +174,7 @@ static const char *function_name(fp3_expr_op op) {
     }
 }
 
-static const char *definition_of(const printer *p, uint32_t expr) {
+static const char *definition_of(printer *p, uint32_t expr) {
     for (uint32_t i = 0; expr != p->root && i < p->model->definition_count; i++)
         if (p->model->definitions[i].expr == expr)
             return p->model->definitions[i].name;
@@ -179,54 +183,73 @@ static const char *definition_of(const printer *p, uint32_t expr) {
 
 static int is_long(const printer *p) { return ftell(p->out) > TEXT_LIMIT; }
 
-static void print(const printer *p, uint32_t expr, int around);
+/* Nothing more, once it is long. */
+static void put(printer *p, const char *text) {
+    if (!is_long(p))
+        fputs(text, p->out);
+}
 
-static void print_call(const printer *p, const fp3_expr *e) {
-    for (const char *c = function_name(e->op); *c; c++)
-        fputc(*c >= 'A' && *c <= 'Z' ? *c - 'A' + 'a' : *c, p->out);
+static void put_number(printer *p, double number, int around) {
+    char text[32];
+    snprintf(text, sizeof text, signbit(number) && around > SUM ? "(%.9g)" : "%.9g", number);
+    put(p, text);
+}
+
+static void print(printer *p, uint32_t expr, int around);
+
+static void print_call(printer *p, const fp3_expr *e) {
+    char name[16] = "";
+    for (const char *c = function_name(e->op); *c && strlen(name) + 1 < sizeof name; c++)
+        name[strlen(name)] = (char)tolower((unsigned char)*c);
+    put(p, name);
     for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++) {
-        fputs(i ? ", " : "(", p->out);
+        put(p, i ? ", " : "(");
         print(p, e->operand[i], LOOSE);
     }
-    fputc(')', p->out);
+    put(p, ")");
 }
 
-static void print_infix(const printer *p, const fp3_expr *e, int around) {
+/* As it is rounded: a + (b + c) is not a + b + c. */
+static void print_infix(printer *p, const fp3_expr *e, int around) {
     const int level = infix[e->op].level;
-    const int to_the_right = e->op == FP3_EXPR_ADD || e->op == FP3_EXPR_MUL ? level : level + 1;
-    if (level < around)
-        fputc('(', p->out);
-    print(p, e->operand[0], e->op == FP3_EXPR_POWER ? RAISED + 1 : level);
-    fputs(infix[e->op].text, p->out);
-    print(p, e->operand[1], e->op == FP3_EXPR_POWER ? RAISED : to_the_right);
-    if (level < around)
-        fputc(')', p->out);
+    const int is_chain = level != COMPARED && level != RAISED; /* a op b op c is (a op b) op c */
+    put(p, level < around ? "(" : "");
+    print(p, e->operand[0], is_chain ? level : level + 1);
+    put(p, infix[e->op].text);
+    print(p, e->operand[1], level == RAISED ? level : level + 1);
+    put(p, level < around ? ")" : "");
 }
 
-static void print(const printer *p, uint32_t expr, int around) {
+static void print(printer *p, uint32_t expr, int around) {
     const fp3_expr *e = &p->model->exprs[expr];
     if (is_long(p))
         return;
+    if (p->depth == DEPTH_LIMIT) {
+        put(p, "..");
+        return;
+    }
+    p->depth++;
     const char *name = definition_of(p, expr);
     if (name)
-        fputs(name, p->out);
+        put(p, name);
     else if (e->op == FP3_EXPR_NUMBER)
-        fprintf(p->out, e->number < 0 && around > SUM ? "(%.9g)" : "%.9g", e->number);
+        put_number(p, e->number, around);
     else if (e->op == FP3_EXPR_STATE)
-        fputs(p->model->states[e->index].name, p->out);
+        put(p, p->model->states[e->index].name);
     else if (e->op == FP3_EXPR_PARAM)
-        fputs(p->model->params[e->index].name, p->out);
+        put(p, p->model->params[e->index].name);
     else if (e->op == FP3_EXPR_NEGATE) {
-        fputs(around > SUM ? "(-" : "-", p->out);
+        put(p, around > SUM ? "(-" : "-");
         print(p, e->operand[0], UNARY);
-        fputs(around > SUM ? ")" : "", p->out);
+        put(p, around > SUM ? ")" : "");
     } else if (infix[e->op].text)
         print_infix(p, e, around);
     else
         print_call(p, e);
+    p->depth--;
 }
 
-static void print_known(const known_table *table, const printer *p, uint32_t id, int around) {
+static void print_known(const known_table *table, printer *p, uint32_t id, int around) {
     static const char *const sign[] = {
         [KNOWN_ADD] = " + ", [KNOWN_SUB] = " - ", [KNOWN_MUL] = "*", [KNOWN_DIV] = "/"};
     const known *k = &table->list[id];
@@ -234,21 +257,21 @@ static void print_known(const known_table *table, const printer *p, uint32_t id,
     if (is_long(p))
         return;
     if (k->op == KNOWN_NUMBER)
-        fprintf(p->out, k->number < 0 && around > SUM ? "(%.9g)" : "%.9g", k->number);
+        put_number(p, k->number, around);
     else if (k->op == KNOWN_STEP)
-        fputs("h", p->out);
+        put(p, "h");
     else if (k->op == KNOWN_MODEL)
         print(p, k->a, around);
     else if (k->op == KNOWN_NEGATE) {
-        fputs(around > SUM ? "(-" : "-", p->out);
+        put(p, around > SUM ? "(-" : "-");
         print_known(table, p, k->a, UNARY);
-        fputs(around > SUM ? ")" : "", p->out);
+        put(p, around > SUM ? ")" : "");
     } else {
-        fputs(level < around ? "(" : "", p->out);
+        put(p, level < around ? "(" : "");
         print_known(table, p, k->a, level);
-        fputs(sign[k->op], p->out);
+        put(p, sign[k->op]);
         print_known(table, p, k->b, level + 1);
-        fputs(level < around ? ")" : "", p->out);
+        put(p, level < around ? ")" : "");
     }
 }
 

@@ -157,8 +157,9 @@ static term divide(lowering *l, const fp3_expr *e) {
                                              fp3_known_model(known, below));
         return fp3_term_mul(l->g, x, fp3_term(fp3_graph_known(l->g, over)));
     }
-    if (b->op == FP3_EXPR_POWER && exponent(l, b->operand[1], &is_negative) && !is_negative)
-        return divided(l, x, b->operand[0], exponent(l, b->operand[1], &is_negative));
+    const unsigned n = b->op == FP3_EXPR_POWER ? exponent(l, b->operand[1], &is_negative) : 0;
+    if (b->op == FP3_EXPR_POWER && !is_negative)
+        return divided(l, x, b->operand[0], n);
     return divided(l, x, below, 1);
 }
 
@@ -256,10 +257,9 @@ static void want_below(lowering *l, uint32_t below) {
     int is_negative = 0;
     if (e->is_known)
         return;
-    if (e->op == FP3_EXPR_POWER && exponent(l, e->operand[1], &is_negative) && !is_negative)
-        want_base(l, e->operand[0]);
-    else
-        want_base(l, below);
+    if (e->op == FP3_EXPR_POWER)
+        exponent(l, e->operand[1], &is_negative);
+    want_base(l, e->op == FP3_EXPR_POWER && !is_negative ? e->operand[0] : below);
 }
 
 static void want_operands(lowering *l, const fp3_expr *e) {

@@ -80,13 +80,14 @@ static void step(const runner *r) {
     memcpy(r->variables, r->next, b->variable_count * sizeof *r->next);
 }
 
-static void look(const runner *r, double *states) {
+/* A run without a step executes no last part. */
+static void look(const runner *r, int is_run, double *states) {
     const build *b = r->b;
     evaluate(r, &b->last);
     for (uint32_t i = 0; i < b->variable_count; i++) {
         const variable *v = &b->variables[i];
         if (v->role == ROLE_STATE)
-            states[v->state] = v->last != FP3_NONE ? r->values[v->last] : r->variables[i];
+            states[v->state] = is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i];
     }
 }
 
@@ -107,7 +108,7 @@ fp3_status fp3_reference_run(const build *b, const double *params, double h, int
     for (size_t i = 0; !status && i < count; i++) {
         for (; made < steps[i]; made++)
             step(&r);
-        look(&r, states + i * b->model->state_count);
+        look(&r, made > 0, states + i * b->model->state_count);
     }
     free(r.known);
     free(r.next);

@@ -6,6 +6,7 @@ KEEPING = 7
 INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6", "rk4_paper", "semi_implicit_euler",
                "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]
 CONFIGS = ["single_full", "many_full", "sixteen"]
+PLAIN = ["single", "many", "uncut", "paper", "shared"]  # without comparison, selection, estimates
 NAMES = ["h", "t0", "t1", "over_m", "c1", "kept2", "step_", "r0", "k0", "add", "x_lost", "x", "v", "m", "p1",
          "madd", "a234567890123456789012345678901", "b234567890123456789012345678901", "h2", "e", "over_h", "x_before"]
 
@@ -13,20 +14,20 @@ NAMES = ["h", "t0", "t1", "over_m", "c1", "kept2", "step_", "r0", "k0", "add", "
 class Maker:
     """One model as text."""
 
-    def __init__(self, rng, only_positions=False):
+    def __init__(self, rng, is_plain):
         self.rng = rng
+        self.kinds = 11 if is_plain else 20
         names = rng.sample(NAMES, len(NAMES))
-        self.positions = []
         self.states = [names.pop() for _ in range(rng.choice([1, 2, 2, 3, 4]))]
         self.params = [names.pop() for _ in range(rng.randint(0, 3))]
         self.known = list(self.params)
         self.values = list(self.states)
         self.definitions = []
         self.names = names
-        self.only_positions = only_positions
+        self.made = []
 
     def number(self):
-        return self.rng.choice(["0", "1", "2", "0.5", "3", "0.1", "1.5e-3", "4", "7", "1e10", "(-1)", "(-2)", "(-0.25)"])
+        return self.rng.choice(["0", "(-0)", "1", "2", "0.5", "3", "0.1", "1.5e-3", "4", "7", "1e10", "(-1)", "(-2)", "(-0.25)"])
 
     def leaf(self):
         kind = self.rng.random()
@@ -48,14 +49,25 @@ class Maker:
         return f"({a} {self.rng.choice(['<', '<=', '>', '>=', '==', '!='])} {b})"
 
     def expression(self, depth):
+        """Now and then one that was there before, or a sum or product of it turned round."""
         if depth <= 0:
             return self.leaf()
+        if self.made and self.rng.random() < 0.2:
+            a, op, b = self.rng.choice(self.made)
+            return self.rng.choice([f"({a} {op} {b})", f"({b} {op} {a})"])
+        return self.new(depth)
+
+    def new(self, depth):
         a, b = self.expression(depth - 1), self.expression(self.rng.randrange(depth))
-        kind = self.rng.randrange(20)
+        kind = self.rng.randrange(self.kinds)
         if kind < 9:
-            return f"({a} {self.rng.choice(['+', '-', '*', '*'])} {b})"
-        if kind < 11:
+            self.made.append((a, self.rng.choice(["+", "-", "*", "*"]), b))
+            return "({} {} {})".format(*self.made[-1])
+        if kind == 9:
             return f"(-{a})"
+        if kind == 10:  # what costs nothing, and what only looks like it
+            op, unit = self.rng.choice("+-*"), self.rng.choice(["0", "(-0)", "1"])
+            return self.rng.choice([f"({a} {op} {unit})", f"({unit} {op} {a})"])
         if kind == 11:
             return f"({a})/({b})"
         if kind == 12:
@@ -97,9 +109,10 @@ class Maker:
         for _ in range(rng.randint(0, 3)):
             name = self.names.pop()
             if rng.random() < 0.3:
-                used, self.values = self.values, self.known or ["1"]
+                used, made = self.values, self.made
+                self.values, self.made = self.known or ["1"], []
                 lines.append(f"{name} = {self.expression(2)}")
-                self.values = used
+                self.values, self.made = used, made
                 self.known.append(name)
             else:
                 lines.append(f"{name} = {self.expression(2)}")
@@ -108,9 +121,9 @@ class Maker:
         return "\n".join(lines + [f"step {rng.choice(['0.125', '0.01', '1', '2'])}", "span 1", ""])
 
 
-def mechanics(rng):
+def mechanics(rng, is_plain):
     """Positions and their velocities, for splittings and Stoermer."""
-    m = Maker(rng)
+    m = Maker(rng, is_plain)
     pairs = [(m.names.pop(), m.names.pop()) for _ in range(rng.randint(1, 3))]
     positions = [x for x, _ in pairs]
     m.states = [s for pair in pairs for s in pair]
@@ -140,20 +153,21 @@ def case(rng, folder, number, rtl=0.0):
     """Files for one case; its line."""
     model = folder / f"{number}.ode"
     kind = rng.random()
+    is_plain = rng.random() < 0.25
     if kind < 0.3:
         integrator = rng.choice(INTEGRATORS[9:])
-        model.write_text(mechanics(rng))
+        model.write_text(mechanics(rng, is_plain))
     elif kind < 0.45:
         integrator = folder / f"{number}.cfg"
         integrator.write_text(table(rng))
-        model.write_text(Maker(rng).text())
+        model.write_text(Maker(rng, is_plain).text())
     else:
         integrator = rng.choice(INTEGRATORS[:9] if kind < 0.9 else INTEGRATORS)
-        model.write_text(Maker(rng).text())
+        model.write_text(Maker(rng, is_plain).text())
     states = [line.split()[1] for line in model.read_text().splitlines() if line.startswith("state ")]
     passes = rng.choice([(1 << KEEPING) - 1, (1 << KEEPING) - 1, rng.getrandbits(KEEPING), 0, rng.getrandbits(PASSES)])
     observed = "all" if rng.random() < 0.7 else ",".join(rng.sample(states, rng.randint(1, len(states))))
-    return (f"{model} {integrator} {rng.choice(CONFIGS)} {passes:x} {int(rng.random() < 0.3)} {rng.choice([0, 1, 2, 3, 5, 9])} "
+    return (f"{model} {integrator} {rng.choice(PLAIN if is_plain else CONFIGS)} {passes:x} {int(rng.random() < 0.3)} {rng.choice([0, 1, 2, 3, 5, 9])} "
             f"{rng.choice([0, 0, 1, 2])} {int(rng.random() < rtl)} {int(rng.random() < 0.3)} {rng.getrandbits(32)} {observed}")
 
 

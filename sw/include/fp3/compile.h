@@ -25,7 +25,7 @@
 /* X(NAME, name, changes bits, what it does) */
 #define FP3_PASSES(X)                                                                              \
     X(COMMON, "common", 0, "a value that is computed twice is computed once")                      \
-    X(UNIT, "unit", 0, "x + -0, x * 1 and terms with a coefficient 0 or 1 cost nothing")           \
+    X(UNIT, "unit", 0, "x + -0, x - 0 and x * 1 cost nothing")                                     \
     X(DEAD, "dead", 0, "what no observed state needs is left out")                                 \
     X(CARRY, "carry", 0, "what the step before has computed already is kept")                      \
     X(SCALE, "scale", 0, "half and twice ride on an addition, where the configuration can")        \
@@ -87,9 +87,10 @@ typedef struct {
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the
- * integrator does not fit the model (a splitting of what has no velocities), or the configuration lacks an
- * operation, registers, constants or words: how many are needed. Messages about the model begin with its line. */
+/* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the integrator does not fit the
+ * model (a splitting of what has no velocities), a number is beyond FP32, or the configuration lacks
+ * an operation, registers, constants or words: how many are needed. Messages about the model begin
+ * with its line. */
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error);
 /* Sets *compiled to NULL; that it was NULL before does no harm. */
