@@ -17,7 +17,7 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-# Goals that want those before them done: make clean all, make sim prove synth report.
+# Goals that want those before them done: make clean all, make sim models prove synth report.
 ifneq ($(filter clean synth report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
