@@ -605,7 +605,9 @@ fp3_status fp3_build(build *b, const fp3_model *model, const fp3_integrator *int
                  .integrator = integrator,
                  .passes = passes,
                  .is_compensated = is_compensated,
-                 .has_notes = has_notes};
+                 .has_notes = has_notes,
+                 .one = FP3_NONE,
+                 .minus_zero = FP3_NONE};
     const fp3_status status = make(b, observed, error);
     free_scratch(b);
     return status;

@@ -37,6 +37,8 @@ typedef struct {
     graph last; /* of the last part: its variables are those after the step */
     variable *variables;
     uint32_t variable_count;
+    uint32_t one,
+        minus_zero; /* nodes of g for sums and products that go the chain's way, or FP3_NONE */
     char **notes;
     uint32_t note_count, note_room;
     unsigned order; /* theoretical, of the worst state that is live */

@@ -151,6 +151,10 @@ static fp3_status try_policy(compiler *k, chain_policy policy, fp3_error *error)
         status = check_ops(k, c.step.last, c.step.last_count, error);
     if (!status) /* before an order of too many is looked for */
         status = check_words(k, c.step.first_count + c.step.step_count + c.step.last_count, error);
+    if (!status && k->schedule && c.step.step_count >= k->schedule->cycles) {
+        fp3_convert_close(&c); /* no order of so many can be better */
+        return FP3_OK;
+    }
     if (!status)
         status = fp3_schedule_make(&c.step, k->config, &schedule, error);
     if (!status)
@@ -170,11 +174,17 @@ static fp3_status try_policy(compiler *k, chain_policy policy, fp3_error *error)
 /* Where contexts hide latency every product that can be is chained; where one object waits, what is
  * best. */
 static fp3_status schedule(compiler *k, fp3_error *error) {
+    static const chain_policy order[] = {CHAIN_ALL, CHAIN_EARLY, CHAIN_SLACK, CHAIN_LONG,
+                                         CHAIN_NONE};
     const int is_choice = !k->config->interleave && k->b.passes & FP3_PASS(FP3_PASS_CHAIN);
     fp3_status first = FP3_OK;
-    for (int policy = CHAIN_ALL; policy <= (is_choice ? CHAIN_NONE : CHAIN_ALL); policy++) {
+    if (is_choice) {
+        k->b.one = fp3_graph_number(&k->b.g, 1);
+        k->b.minus_zero = fp3_graph_number(&k->b.g, -0.0);
+    }
+    for (int i = 0; i < (is_choice ? 5 : 1); i++) {
         fp3_error why;
-        const fp3_status status = try_policy(k, (chain_policy)policy, &why);
+        const fp3_status status = try_policy(k, order[i], &why);
         if (status && !first) {
             first = status;
             if (error)

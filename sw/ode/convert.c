@@ -12,13 +12,16 @@ typedef struct {
     const fp3_config *config;
     chain_policy policy;
     conversion *made;
-    fp3_place own;           /* what its operations are called */
-    fp3_place variables;     /* and what its variables are */
-    const uint32_t *carried; /* of each node: the variable that stands for it, or FP3_NONE */
-    uint32_t *uses;          /* of each node; 0: not needed */
-    uint32_t *index;         /* of each node's operation */
-    uint32_t *ready;         /* cycles from the beginning, as if nothing else were to do */
-    char *is_absorbed;       /* a product that an addition takes in */
+    fp3_place own;            /* what its operations are called */
+    fp3_place variables;      /* and what its variables are */
+    const uint32_t *carried;  /* of each node: the variable that stands for it, or FP3_NONE */
+    uint32_t *uses;           /* of each node; 0: not needed */
+    uint32_t *index;          /* of each node's operation */
+    uint32_t *ready;          /* cycles from the beginning, as if nothing else were to do */
+    uint32_t *due;            /* by when its users need it, counted in the same way */
+    uint32_t one, minus_zero; /* nodes; FP3_NONE: nothing goes the chain's way */
+    uint32_t operations;
+    char *is_absorbed; /* a product that an addition takes in */
     fp3_op *ops;
     uint32_t count;
 } part;
@@ -76,7 +79,7 @@ static int is_chained(const part *p, uint32_t product, uint32_t base) {
         !is_free_product(p, product))
         return 0;
     const graph_node *n = &p->g->nodes[product];
-    return p->policy == CHAIN_ALL || p->config->interleave ||
+    return p->policy != CHAIN_EARLY || p->config->interleave ||
            p->ready[base] <= later(p->ready[n->a], p->ready[n->b]);
 }
 
@@ -97,18 +100,46 @@ static int absorb(part *p, uint32_t i, uint32_t x, uint32_t y, fp3_op *op, uint3
     return 1;
 }
 
-static void choose(part *p, uint32_t i, fp3_op *op, uint32_t at[3]) {
+/* Of two products the later one is taken in: the other has to be there when it begins. */
+static int absorb_one(part *p, uint32_t i, fp3_op *op, uint32_t at[3]) {
+    const graph_node *n = &p->g->nodes[i];
+    if (n->op != FP3_OP_ADD && n->op != FP3_OP_SUB)
+        return 0;
+    const int turned = n->op == FP3_OP_ADD && p->ready[n->a] > p->ready[n->b];
+    const uint32_t first = turned ? n->a : n->b, second = turned ? n->b : n->a;
+    return absorb(p, i, second, first, op, at) ||
+           (n->op == FP3_OP_ADD && absorb(p, i, first, second, op, at));
+}
+
+static int has_slack(const part *p, uint32_t i) {
+    const uint32_t chain = p->config->add_latency + p->config->mul_latency;
+    return p->policy == CHAIN_LONG || p->due[i] >= p->ready[i] + chain;
+}
+
+/* a + b as a + 1 b and a b as -0 + a b: the same bits and flags, as late as a chain. */
+static void lengthen(const part *p, uint32_t i, fp3_op *op, uint32_t at[3]) {
+    const graph_node *n = &p->g->nodes[i];
+    if (p->policy < CHAIN_SLACK || p->one == FP3_NONE || !has_slack(p, i))
+        return;
+    if (n->op == FP3_OP_ADD || n->op == FP3_OP_SUB) {
+        op->op = n->op == FP3_OP_ADD ? FP3_OP_MADD : FP3_OP_MSUB;
+        at[0] = n->b, at[1] = p->one, at[2] = n->a;
+    } else if (n->op == FP3_OP_MUL) {
+        op->op = FP3_OP_MADD;
+        at[2] = p->minus_zero;
+    }
+}
+
+/* What the node is executed as; how many operations that stands for. */
+static uint32_t choose(part *p, uint32_t i, fp3_op *op, uint32_t at[3]) {
     const graph_node *n = &p->g->nodes[i];
     op->op = n->op;
     op->note = n->note;
     at[0] = n->a, at[1] = n->b, at[2] = n->c;
-    if (n->op != FP3_OP_ADD && n->op != FP3_OP_SUB)
-        return;
-    /* Of two products the later one is taken in: the other has to be there when it begins. */
-    const int turned = n->op == FP3_OP_ADD && p->ready[n->a] > p->ready[n->b];
-    const uint32_t first = turned ? n->a : n->b, second = turned ? n->b : n->a;
-    if (!absorb(p, i, second, first, op, at) && n->op == FP3_OP_ADD)
-        absorb(p, i, first, second, op, at);
+    if (absorb_one(p, i, op, at))
+        return 2;
+    lengthen(p, i, op, at);
+    return 1;
 }
 
 /* ---- places ---- */
@@ -169,15 +200,17 @@ static int open_part(part *p) {
     p->uses = calloc(count, sizeof *p->uses);
     p->index = calloc(count, sizeof *p->index);
     p->ready = calloc(count, sizeof *p->ready);
+    p->due = calloc(count, sizeof *p->due);
     p->is_absorbed = calloc(count, 1);
     p->ops = calloc(count, sizeof *p->ops);
-    return p->uses && p->index && p->ready && p->is_absorbed && p->ops;
+    return p->uses && p->index && p->ready && p->due && p->is_absorbed && p->ops;
 }
 
 static void close_part(part *p) {
     free(p->uses);
     free(p->index);
     free(p->ready);
+    free(p->due);
     free(p->is_absorbed);
 }
 
@@ -193,11 +226,29 @@ static void find_ready(part *p) {
     }
 }
 
+/* As late as the longest path through the part allows. */
+static void find_due(part *p) {
+    uint32_t longest = 0;
+    for (uint32_t i = 0; i < p->g->count; i++)
+        longest = later(longest, p->ready[i]);
+    for (uint32_t i = 0; i < p->g->count; i++)
+        p->due[i] = longest;
+    for (uint32_t i = p->g->count; i-- > 0;) {
+        graph_node n = p->g->nodes[i];
+        for (int j = 0; p->uses[i] && !is_leaf(p, i) && j < 3; j++) {
+            const uint32_t at = *operand(&n, j), due = p->due[i] - latency(p, n.op);
+            if (at != FP3_NONE && due < p->due[at])
+                p->due[at] = due;
+        }
+    }
+}
+
 /* The operations of a part, roots counted as used by the caller. Which products are taken in is decided by
  * their users, which come after them: first who, then what. */
 static void make_ops(part *p) {
     count_uses(p);
     find_ready(p);
+    find_due(p);
     for (uint32_t i = p->g->count; i-- > 0;) {
         fp3_op op;
         uint32_t at[3];
@@ -209,7 +260,7 @@ static void make_ops(part *p) {
         uint32_t at[3];
         if (!p->uses[i] || is_leaf(p, i) || p->is_absorbed[i])
             continue;
-        choose(p, i, &op, at);
+        p->operations += choose(p, i, &op, at);
         op.a = ref(p, at[0]);
         op.b = ref(p, at[1]);
         op.c = ref(p, at[2]);
@@ -237,12 +288,7 @@ static void convert_step(part *p) {
         p->made->step.variables[i].next = ref(p, b->variables[i].next);
     p->made->step.step = p->ops;
     p->made->step.step_count = p->count;
-    for (uint32_t i = 0; i < p->count; i++)
-        p->made->operations += p->ops[i].op == FP3_OP_MADD || p->ops[i].op == FP3_OP_MSUB ||
-                                       p->ops[i].op == FP3_OP_ADDH || p->ops[i].op == FP3_OP_SUBH ||
-                                       p->ops[i].op == FP3_OP_ADDT || p->ops[i].op == FP3_OP_SUBT
-                                   ? 2
-                                   : 1;
+    p->made->operations = p->operations;
 }
 
 static void convert_first(part *p) {
@@ -284,6 +330,8 @@ static int convert_parts(const build *b, const fp3_config *config, chain_policy 
         parts[i].config = config;
         parts[i].policy = policy;
         parts[i].made = made;
+        parts[i].one = i ? FP3_NONE : b->one; /* what runs once may wait */
+        parts[i].minus_zero = b->minus_zero;
         is_open = open_part(&parts[i]) && is_open;
         if (is_open)
             convert[i](&parts[i]);
