@@ -143,6 +143,18 @@ def test_random_models_have_the_bits_of_their_equations(tmp_path, seed, count, r
     assert answers.count("same") > 0.8 * count
 
 
+def test_a_product_that_goes_the_chains_way_keeps_the_sign_of_zero(tmp_path):
+    """Linear equations that start at -0 stay there; a product plus +0 would not."""
+    names = "abcdef"
+    path = tmp_path / "ring.ode"
+    path.write_text("step 0.125\nspan 1\nparam p = 0.5\nparam q = 0.25\n" + "".join(f"state {x} = -0\n" for x in names) + "".join(
+        f"{x}' = p*{y} + q*{z}\n" for x, y, z in zip(names, names[1:] + names[:1], names[2:] + names[:2])))
+    image, params, source = (tmp_path / name for name in ("ring.fp3", "ring.cfg", "ring.s"))
+    fp3("compile", path, "-c", "single_full", "--image", image, "--params", params, "-o", source)
+    assert re.search(r"madd .*, -0\.0 ", source.read_text()), "no product goes the chain's way: take another model"
+    assert set(final(image, params, 3, "single_full").values()) == {"0x80000000"}
+
+
 def test_a_coefficient_0_has_no_term_whatever_the_slope(tmp_path):
     """The first slope of midpoint has the weight 0; here it is infinite."""
     path = written(tmp_path, "state v = 1e30", "v' = -v*v")
