@@ -48,8 +48,9 @@ else
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
-RTL     := $(wildcard rtl/*.v rtl/lib/*.v rtl/gen/*.vh)
-LIB_C   := $(wildcard sw/lib/*.c sw/asm/*.c sw/ode/*.c sw/engines/*.c sw/golden/*.c)
+RTL_ROOMS := fp front host lib solo tile
+RTL     := $(wildcard rtl/fp3.v $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
+LIB_C   := $(filter-out sw/cli/%,$(wildcard sw/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 TEST_C  := $(wildcard tests/*.c tests/*/*.c)
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)

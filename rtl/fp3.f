@@ -3,5 +3,10 @@
 +incdir+rtl
 +incdir+rtl/gen
 -y rtl
+-y rtl/fp
+-y rtl/front
+-y rtl/host
 -y rtl/lib
+-y rtl/solo
+-y rtl/tile
 +libext+.v

@@ -201,11 +201,11 @@ def check_registers(regs):
 def cut_positions(root, core):
     """How many cuts a core has, as its source says."""
     try:
-        found = re.search(r"parameter *\[(\d+):0\] *CUTS\b", (root / f"rtl/{core}.v").read_text(encoding="utf-8"))
+        found = re.search(r"parameter *\[(\d+):0\] *CUTS\b", (root / f"rtl/fp/{core}.v").read_text(encoding="utf-8"))
     except OSError as error:
-        raise Bad(f"rtl/{core}.v: {error.strerror}") from None
+        raise Bad(f"rtl/fp/{core}.v: {error.strerror}") from None
     if not found:
-        raise Bad(f"rtl/{core}.v: there is no 'parameter [N:0] CUTS'")
+        raise Bad(f"rtl/fp/{core}.v: there is no 'parameter [N:0] CUTS'")
     return int(found[1]) + 1
 
 
@@ -572,19 +572,22 @@ def config_verilog(row):
             "    );", "endmodule", "`default_nettype wire"]
 
 
+def rtl_sources(root, pattern):
+    """The files of rtl/ and its rooms, those that are generated or a vendor's left out."""
+    return sorted(path.relative_to(root / "rtl").as_posix() for depth in ("", "*/")
+                  for path in (root / "rtl").glob(depth + pattern) if path.parent.name != "gen")
+
+
 def core_file(root, configs):
     """FuseSoC's description: the modules that there are, and a target for each configuration."""
-    sources = sorted(path.relative_to(root / "rtl").as_posix()
-                     for folder in ("rtl", "rtl/lib") for path in (root / folder).glob("*.v"))
     names = [row["name"] for row in configs]
     out = ["CAPI=2:", f"# {MARK.format(source='isa/configs.toml and the files in rtl/')}",
            "name: fp3:fp3:fp3:0", "description: A field-programmable physics processor", "",
            "filesets:", "  rtl:", "    file_type: verilogSource", "    files:"]
     # The sources say `include "gen/isa.vh"`, from here.
-    out += [f"      - gen/{name}: {{is_include_file: true, include_path: .}}"
-            for name in ("isa.vh", "registers.vh", "estimates.vh")]
-    out += [f"      - {path.name}: {{is_include_file: true}}" for path in sorted((root / "rtl").glob("*.vh"))]
-    out += [f"      - {name}" for name in sources]
+    headers = [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh")] + rtl_sources(root, "*.vh")
+    out += [f"      - {name}: {{is_include_file: true, include_path: .}}" for name in headers]
+    out += [f"      - {name}" for name in rtl_sources(root, "*.v")]
     for name in names:
         out += [f"  {name}:", "    file_type: verilogSource", f"    files: [gen/fp3_{name}.v]"]
     out += ["", "targets:", "  default:", "    filesets: [rtl]", "    toplevel: fp3"]

@@ -12,7 +12,7 @@ sources() { find sw sim tests \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) 
 lint_rtl() {
     local top file said failed=0
     for top in "$@"; do
-        file=$(ls "rtl/gen/$top.v" "rtl/$top.v" 2>/dev/null | head -n 1)
+        file=$(ls "rtl/gen/$top.v" "rtl/$top.v" rtl/*/"$top.v" 2>/dev/null | head -n 1)
         if [ -z "$file" ]; then
             echo "lint.sh: there is no module $top" >&2
             failed=1

@@ -30,8 +30,8 @@ CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lz -lpthread -lm".split()
 TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
 # Compiled once: all that does not know which configurations there are.
-COMMON = ("sw/lib/*.c", "sw/asm/*.c", "sw/engines/*.c", "tests/cosim/random_stream.c", "tests/cosim/mix.c")
-OWN = ("sw/engines/config.c", "sw/engines/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c",
+COMMON = ("sw/base/*.c", "sw/text/*.c", "sw/machine/*.c", "sw/image/*.c", "sw/asm/*.c", "sw/engine/*.c", "tests/cosim/random_stream.c", "tests/cosim/mix.c")
+OWN = ("sw/machine/config.c", "sw/engine/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c",
        "tests/cosim/chosen_values.c")
 
 
@@ -155,7 +155,9 @@ def verilator_root():
 
 def make_model(name, tree):
     top, rtl = f"fp3_{name}", tree / "rtl"
-    run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, "-y", rtl / "lib", "+libext+.v", "-DFP3_CHECK",
+    rooms = [word for room in sorted({path.parent for path in (ROOT / "rtl").glob("*/*.v")} - {ROOT / "rtl/gen"})
+             for word in ("-y", rtl / room.name)]
+    run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
         "--top-module", top, "--Mdir", tree / "model", rtl / f"gen/{top}.v")
     run("make", "-s", "-C", tree / "model", "-f", f"V{top}.mk", "OPT_FAST=-O1", "OPT_SLOW=-O0", f"V{top}__ALL.a")

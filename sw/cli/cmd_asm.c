@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lib/file.h"
+#include "base/file.h"
 
 typedef struct {
     const char *source, *image, *hex, *listing;

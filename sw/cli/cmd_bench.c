@@ -1,10 +1,10 @@
 /* cmd_bench.c - fp3 bench: the ship on the hardware against golden and truth. The pairs of program
  * and configuration, scenes of many objects, the tables, the JSON; ship_bench.c runs one.
  */
+#include "base/file.h"
 #include "cli.h"
-#include "engines/config.h"
-#include "lib/file.h"
-#include "params.h"
+#include "machine/config.h"
+#include "scene/params.h"
 #include "ship_bench.h"
 
 #include <argp.h>

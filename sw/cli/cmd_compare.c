@@ -3,17 +3,17 @@
 
 #include <argp.h>
 #include <ctype.h>
-#include <engines/config.h>
 #include <fp3/engine.h>
 #include <inttypes.h>
 #include <jansson.h>
+#include <machine/config.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "convergence.h"
-#include "lib/file.h"
+#include "base/file.h"
+#include "truth/convergence.h"
 
 #define INTEGRATORS_MAX 64
 #define SHORT_RUN 3 /* steps of the runs that agreement and cycles are measured by */

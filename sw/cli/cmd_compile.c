@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lib/file.h"
-#include "program.h"
+#include "base/file.h"
+#include "scene/program.h"
 
 #define OBSERVED_MAX 64
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lib/file.h"
+#include "base/file.h"
 
 typedef struct {
     const char *image, *output;

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engines/config.h"
 #include "isa.h"
-#include "lib/operation.h"
+#include "machine/config.h"
+#include "machine/operation.h"
 
 static const fp3_operation *operation_at(const fp3_image *image, uint32_t index) {
     fp3_instruction word;

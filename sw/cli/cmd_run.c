@@ -2,11 +2,11 @@
  * final ones.
  */
 #include "cli.h"
-#include "kanata.h"
-#include "occupancy.h"
-#include "params.h"
-#include "program.h"
-#include "scene.h"
+#include "scene/params.h"
+#include "scene/program.h"
+#include "scene/scene.h"
+#include "trace/kanata.h"
+#include "trace/occupancy.h"
 
 #include <argp.h>
 #include <errno.h>

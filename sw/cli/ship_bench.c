@@ -1,8 +1,8 @@
 /* ship_bench.c - see ship_bench.h. */
 #include "ship_bench.h"
 
-#include "engines/config.h"
 #include "isa.h"
+#include "machine/config.h"
 
 #include <fp3/golden.h>
 #include <inttypes.h>

@@ -11,7 +11,7 @@
 #ifndef FP3_SHIP_BENCH_H
 #define FP3_SHIP_BENCH_H
 
-#include "params.h"
+#include "scene/params.h"
 
 /* What to run; the strings stay the caller's. */
 typedef struct {

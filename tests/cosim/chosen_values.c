@@ -8,11 +8,11 @@
  * object of a run gets three operands; retirements show value and flags. Where there is one object,
  * every 41st is tried.
  */
-#include <engines/config.h>
 #include <fp3/engine.h>
 #include <inttypes.h>
 #include <isa.h>
-#include <lib/estimate.h>
+#include <machine/config.h>
+#include <machine/estimate.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

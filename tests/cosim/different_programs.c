@@ -8,7 +8,7 @@
  * of the C model, which ran that program alone. Also listed are objects that sleep: their visit must
  * do nothing.
  */
-#include "engines/kind.h"
+#include "engine/kind.h"
 #include "stream.h"
 
 #include <configs.h>

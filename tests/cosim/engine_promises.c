@@ -4,11 +4,11 @@
  *
  * Each promise is checked for every kind of engine on every configuration that it is about.
  */
-#include <engines/config.h>
 #include <fp3/asm.h>
 #include <fp3/engine.h>
 #include <inttypes.h>
 #include <isa.h>
+#include <machine/config.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -8,11 +8,11 @@
 #include "chance.h"
 
 #include <configs.h>
-#include <engines/config.h>
 #include <fp3/image.h>
 #include <fp3_rtl.h>
 #include <inttypes.h>
 #include <isa.h>
+#include <machine/config.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -8,7 +8,7 @@
  * which has one group alone; then other groups are loaded into the same engines. Cycles: what the
  * units need is what was predicted, and no other division would have ended earlier.
  */
-#include "engines/kind.h"
+#include "engine/kind.h"
 #include "stream.h"
 
 #include <fp3/asm.h>

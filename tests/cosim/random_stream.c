@@ -12,7 +12,7 @@
  * runs of a stream the host writes, wakes and removes objects. A session has its own seed:
  * --seed S --streams 1 repeats it alone, --trace prints what it does.
  */
-#include "engines/kind.h"
+#include "engine/kind.h"
 #include "stream.h"
 
 #include <fp3/asm.h>

@@ -10,9 +10,9 @@
 
 #include "chance.h"
 
-#include <engines/config.h>
 #include <fp3/image.h>
 #include <isa.h>
+#include <machine/config.h>
 #include <stdio.h>
 #include <string.h>
 

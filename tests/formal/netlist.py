@@ -23,7 +23,7 @@ class Format(NamedTuple):
 
 def sources(rtl):
     """The hardware, file name -> text."""
-    return {path.name: path.read_text() for folder in (rtl, rtl / "lib") for path in folder.glob("*.v")}
+    return {path.name: path.read_text() for path in rtl.glob("**/*.v") if "fpga" not in path.parts}
 
 
 class Yosys:

@@ -1,4 +1,4 @@
-/* fp_estimates.c - sw/lib/estimate.c keeps its promises, for every fraction.
+/* fp_estimates.c - sw/machine/estimate.c keeps its promises, for every fraction.
  *
  *     fp_estimates
  *
@@ -8,7 +8,7 @@
  * is no normal number, and the exponents that leave the normal ones.
  */
 #include <inttypes.h>
-#include <lib/estimate.h>
+#include <machine/estimate.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -94,8 +94,8 @@ class Bug(NamedTuple):
     wrong: str
 
 
-ADD, SWAP, NEAR, ROUND = "rtl/fp_add.v", "rtl/fp_add_swap.v", "rtl/fp_add_near.v", "rtl/fp_add_round.v"
-MUL, PRODUCT, CUT = "rtl/fp_mul.v", "rtl/fp_mul_product.v", "rtl/lib/cut.v"
+ADD, SWAP, NEAR, ROUND = "rtl/fp/fp_add.v", "rtl/fp/fp_add_swap.v", "rtl/fp/fp_add_near.v", "rtl/fp/fp_add_round.v"
+MUL, PRODUCT, CUT = "rtl/fp/fp_mul.v", "rtl/fp/fp_mul_product.v", "rtl/lib/cut.v"
 BUGS = [
     Bug("sum sticky forgets a shift", "add", 3, ADD, "(lost2 || more2 ||", "(lost2 ||"),
     Bug("sum truncated without its borrow", "sub", 2, ADD, "(NEAREST != 0 || !sticky3)", "1'b1"),
@@ -143,7 +143,7 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
     (tmp_path / bug.file).write_text(text.replace(bug.right, bug.wrong))
 
     small = bug.row < BINARY16
-    succeeds("verilator", "--cc", "-Wno-lint", f"-GSMALL_ONLY={int(small)}", "-y", tmp_path / "rtl", "-y",
+    succeeds("verilator", "--cc", "-Wno-lint", f"-GSMALL_ONLY={int(small)}", "-y", tmp_path / "rtl/fp", "-y",
              tmp_path / "rtl/lib", "-f", "rtl/fp3.f", "--top-module", "fp_bench", "--Mdir", tmp_path / "cc",
              "tests/fp/fp_bench.v", cwd=root)
     # One file, unoptimised: the shortest way to a program that runs for a tenth of a second.

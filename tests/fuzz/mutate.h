@@ -3,7 +3,7 @@
 #ifndef FP3_FUZZ_MUTATE_H
 #define FP3_FUZZ_MUTATE_H
 
-#include <ode/lex.h>
+#include <language/lex.h>
 #include <stdio.h>
 #include <string.h>
 

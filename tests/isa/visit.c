@@ -18,9 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "image/visit.h"
 #include "isa.h"
-#include "lib/file.h"
-#include "lib/visit.h"
 
 enum { OBJECT = FP3_BANK_OBJECT_COUNT, SHARED = FP3_BANK_SHARED_COUNT, CODE = 48, SPAN = 7 };
 

@@ -6,8 +6,8 @@
  *         n COUNT                            so many issue, in cycles 0, 1, ..
  *     kanata_log occupancy COUNTER ...            the table of these counters
  */
-#include "cli/kanata.c"
-#include "cli/occupancy.c"
+#include "trace/kanata.c"
+#include "trace/occupancy.c"
 
 static fp3_assembly *assemble(const char *path) {
     fp3_error error;

@@ -26,8 +26,8 @@ int fp3_leak(void) {
 """
 # A file, its text, how to lint it, and what must be said.
 SPOILED = {
-    "cppcheck": ("sw/lib/spoiled.c", LEAK, ["c"], "Memory leak: p"),
-    "clang-format": ("sw/lib/spoiled.h", "int   g(void);\n", ["c"], "clang-format-violations"),
+    "cppcheck": ("sw/base/spoiled.c", LEAK, ["c"], "Memory leak: p"),
+    "clang-format": ("sw/base/spoiled.h", "int   g(void);\n", ["c"], "clang-format-violations"),
     "verilator": ("rtl/spoiled.v", "module spoiled (input wire a_i, output wire [3:0] z_o);\n"
                   "    assign z_o = a_i + 5'd3;\nendmodule\n", ["rtl", "spoiled"], "Warning-WIDTH"),
     "icarus": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire a_i, output logic z_o);\n"
@@ -42,7 +42,7 @@ def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
     for name in ("tools/lint.sh", "rtl/fp3.f", ".clang-format"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(root / name, tmp_path / name)
-    for name in ("sw/lib", "sim", "tests", "rtl/lib"):
+    for name in ("sw/base", "sim", "tests", "rtl/lib", "rtl/fp", "rtl/front", "rtl/host", "rtl/solo", "rtl/tile"):
         (tmp_path / name).mkdir(parents=True)
     (tmp_path / file).write_text(text)
     done = lint(tmp_path, *arguments)

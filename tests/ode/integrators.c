@@ -6,7 +6,7 @@
  *     integrators trees            order, gamma, tree
  */
 #include <fp3/integrator.h>
-#include <ode/trees.h>
+#include <integrator/trees.h>
 #include <stdio.h>
 #include <string.h>
 

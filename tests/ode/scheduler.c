@@ -17,10 +17,10 @@
 #include <getopt.h>
 #include <inttypes.h>
 #include <isa.h>
-#include <lib/operation.h>
+#include <machine/cycles.h>
+#include <machine/operation.h>
 #include <math.h>
-#include <ode/code.h>
-#include <ode/cycles.h>
+#include <schedule/code.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

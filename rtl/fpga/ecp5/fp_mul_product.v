@@ -1,6 +1,6 @@
 // fp_mul_product: the exact product of two significands, by the multipliers of an ECP5.
 //
-// Purpose   Takes the place of rtl/fp_mul_product.v: the registers at cuts 0 and 1 are those inside
+// Purpose   Takes the place of rtl/fp/fp_mul_product.v: the registers at cuts 0 and 1 are those inside
 //           the MULT18X18D, whose delay without them bounds the clock.
 // Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
 // Tiles     A significand is 18 low bits and a high part of at most 6. Three tiles are multipliers,

@@ -115,7 +115,7 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error);
 
-/* Predicted cycles of a run, see sw/ode/code.h; 0: not predictable. */
+/* Predicted cycles of a run, see sw/schedule/code.h; 0: not predictable. */
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
 
 /* Where the object is at time t (negative, too), in double: GSL's rk8pd at tight tolerance, and the closed forms of

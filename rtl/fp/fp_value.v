@@ -1,0 +1,80 @@
+// fp_value: an operand of the adder, or what a comparison, a selection or an estimate makes of it.
+//
+// Purpose   min, max, abs, lt, le, sel, rcp and rsqrt, while an addend waits for its product: the
+//           sum of z_o and -0 is the instruction's result, with its flags.
+// Latency   LATENCY, that of the multiplier: up to three registers in the logic, the others behind it.
+//           alone_o comes a cycle before z_o: the product beside it is to be -0.
+// Hazard    kind_i as in value.vh, and VALUE_PLAIN where neither SELECT nor ESTIMATE is built: then
+//           all of this is a delay.
+//
+//     kind_i VALUE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, LATENCY edges later
+`default_nettype none
+module fp_value #(
+    parameter SELECT   = 1,            // min, max, abs, lt, le, sel
+    parameter ESTIMATE = 1,            // rcp, rsqrt
+    parameter LATENCY  = 3             // at least 1
+) (
+    input  wire        clk_i,
+    input  wire [3:0]  kind_i,
+    input  wire [31:0] a_i,
+    input  wire [31:0] b_i,
+    input  wire        true_i,         // sel: a
+    output wire [31:0] z_o,
+    output wire        alone_o
+);
+`include "fp/value.vh"
+    localparam STAGES = LATENCY < 3 ? LATENCY : 3;
+
+    generate
+        if (SELECT == 0 && ESTIMATE == 0) begin : g_plain
+            wire unused = &{kind_i, b_i, true_i};
+            assign alone_o = 1'b0;
+            delay #(.W(32), .N(LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
+        end else begin : g_value
+            wire plain = kind_i == VALUE_PLAIN;
+            wire minimum = kind_i == VALUE_MIN, maximum = kind_i == VALUE_MAX, sel = kind_i == VALUE_SEL;
+            wire lt = kind_i == VALUE_LT, le = kind_i == VALUE_LE;
+            wire root = kind_i == VALUE_RSQRT, estimated = root || kind_i == VALUE_RCP;
+            delay #(.W(1), .N(LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
+
+            // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
+            wire        a_nan = &a_i[30:23] && |a_i[22:0], b_nan = &b_i[30:23] && |b_i[22:0];
+            reg         a_lower_q, b_lower_q, nan_q, zeros_q, true_q;
+            reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, made_q;
+            reg  [31:0] a_q, b_q;
+            always @(posedge clk_i) begin
+                a_lower_q   <= a_i[30:0] < b_i[30:0];
+                b_lower_q   <= b_i[30:0] < a_i[30:0];
+                nan_q       <= a_nan || b_nan;
+                zeros_q     <= {a_i[30:0], b_i[30:0]} == 62'd0;
+                true_q      <= true_i;
+                {minimum_q, maximum_q, sel_q, lt_q, le_q} <= {minimum, maximum, sel, lt, le} & {5{SELECT != 0}};
+                estimated_q <= ESTIMATE != 0 && estimated;
+                made_q      <= (SELECT != 0 && (lt || le)) || (ESTIMATE != 0 && estimated && !a_nan);
+                a_q         <= {a_i[31] && !(SELECT != 0 && kind_i == VALUE_ABS), a_i[30:0]};
+                b_q         <= b_i;
+            end
+            wire        a_less  = !nan_q && (a_q[31] ? (b_q[31] ? b_lower_q : !zeros_q) : !b_q[31] && a_lower_q);
+            wire        b_less  = !nan_q && (b_q[31] ? (a_q[31] ? a_lower_q : !zeros_q) : !a_q[31] && b_lower_q);
+            wire        takes_b = (minimum_q && !a_less) || (maximum_q && !b_less) || (sel_q && !true_q);
+            wire        is_one  = (lt_q && a_less) || (le_q && !nan_q && !b_less);
+
+            wire        made, one, is_estimate;
+            wire [31:0] chosen, z;
+            cut #(.W(35), .ON(STAGES == 3)) u_2 (.clk_i(clk_i),
+                .d_i({made_q, is_one, estimated_q, takes_b ? b_q : a_q}), .q_o({made, one, is_estimate, chosen}));
+
+            wire [31:13] estimate;
+            if (ESTIMATE != 0) begin : g_estimate
+                fp_estimate #(.CUT(STAGES == 3)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
+            end else begin : g_no_estimate
+                wire unused = root;
+                assign estimate = 19'd0;
+            end
+            wire [31:0] number = {estimate & {19{is_estimate}} | {2'd0, {7{one}}, 10'd0}, 13'd0};
+            cut #(.W(32), .ON(STAGES >= 2)) u_3 (.clk_i(clk_i), .d_i(made ? number : chosen), .q_o(z));
+            delay #(.W(32), .N(LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
+        end
+    endgenerate
+endmodule
+`default_nettype wire

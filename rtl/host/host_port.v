@@ -1,0 +1,256 @@
+// host_port: the host's registers and its windows onto the memories.
+//
+// Purpose   One request, one response. Loads programs, constants and objects, starts and stops
+//           runs, and shows how they went. isa/registers.toml is the map; every scheduler has one.
+// Latency   The response comes four cycles after the request is taken: one to see where it goes
+//           (host_decode), one to see whether it may, one to execute it. A memory's answer takes
+//           MEMORY_LATENCY + 1 cycles more.
+// Promise   Every request is answered. What has no register, no such access or no sense is
+//           answered with rsp_error_o and changes nothing.
+//
+//     cycle        0     1     2     3     4     5
+//     req_valid_i  1     0     0     0     0     1        req_ready_o falls until the response is taken
+//     req_ready_o  1     0     0     0     0     1
+//     rsp_valid_o  0     0     0     0     1     0
+`default_nettype none
+module host_port #(
+    parameter REGISTER_W     = 5,
+    parameter CONTEXTS       = 1,
+    parameter PROGRAM_W      = 9,
+    parameter STORE_WORDS    = 0,                         // of each lane; 0: the objects are registers
+    parameter LANES          = 1,
+    parameter SLEEP          = 0,
+    parameter STATUS         = 0,
+    parameter MEMORY_LATENCY = 0,
+    parameter [31:0] FEATURES = 0,
+    parameter [31:0] ARRAY    = 0
+) (
+    input  wire                 clk_i,
+    input  wire                 rst_i,
+    // Requests and responses
+    input  wire                 req_valid_i,
+    output wire                 req_ready_o,
+    input  wire                 req_write_i,
+    input  wire [23:0]          req_addr_i,
+    input  wire [31:0]          req_wdata_i,
+    output wire                 rsp_valid_o,
+    input  wire                 rsp_ready_i,
+    output wire [31:0]          rsp_rdata_o,
+    output wire                 rsp_error_o,
+    // The scheduler's run
+    output wire                 start_o,
+    output wire                 stop_o,
+    output wire [31:0]          steps_o,
+    output wire [31:0]          visit_o,
+    output wire [31:0]          clock_o,
+    output wire [1:0]           record_o,                 // its logarithm less 3
+    output wire [PROGRAM_W-1:0] step_o,
+    output wire [PROGRAM_W-1:0] step_end_o,
+    output wire [PROGRAM_W-1:0] end_o,
+    input  wire                 running_i,
+    input  wire                 illegal_i,
+    input  wire [PROGRAM_W-1:0] illegal_pc_i,
+    input  wire [4:0]           flags_i,                  // raised in this cycle
+    // Its memories
+    output wire                 program_write_o,
+    output wire [PROGRAM_W-1:0] program_addr_o,
+    output wire                 access_o,                 // a write: one cycle; a read: until the answer is taken
+    output wire                 write_o,
+    output wire [2:0]           kind_o,                   // see lane_host.vh
+    output wire [19:0]          addr_o,
+    output wire [31:0]          wdata_o,
+    input  wire [31:0]          rdata_i,
+    // Its counters
+    output wire                 counters_clear_o,
+    output wire [3:0]           counters_index_o,
+    input  wire [63:0]          counters_value_i
+);
+`include "gen/isa.vh"
+`include "gen/registers.vh"
+`include "host/lane_host.vh"
+    localparam [31:0] REGISTERS     = 32'd1 << REGISTER_W;
+    localparam [31:0] PROGRAM_WORDS = 32'd1 << PROGRAM_W;
+    localparam [31:0] CONTEXTS_32   = CONTEXTS;
+    localparam [31:0] STORE_32      = STORE_WORDS;
+    localparam [31:0] WAIT_32       = MEMORY_LATENCY;
+    localparam [7:0]  WAIT          = WAIT_32[7:0];
+
+    // Take a request, decode it, check it, execute it, hold the response until it is taken.
+    reg        decode_q, check_q, execute_q, wait_q, respond_q;
+    reg        write_q;
+    reg [23:0] addr_q;
+    reg [31:0] wdata_q;
+    reg [7:0]  left_q;                                    // cycles to the answer
+    wire       patient;                                   // a memory is read
+    assign req_ready_o = !rst_i && !decode_q && !check_q && !execute_q && !wait_q && !respond_q;
+    assign rsp_valid_o = respond_q;
+
+    always @(posedge clk_i) begin
+        if (rst_i) {decode_q, check_q, execute_q, wait_q, respond_q} <= 5'b00000;
+        else begin
+            decode_q  <= req_valid_i && req_ready_o;
+            check_q   <= decode_q;
+            execute_q <= check_q;
+            wait_q    <= (execute_q && patient) || (wait_q && left_q != 8'd0);
+            respond_q <= (execute_q && !patient) || (wait_q && left_q == 8'd0) || (respond_q && !rsp_ready_i);
+        end
+        left_q <= execute_q ? WAIT : left_q - 1'b1;
+        if (req_valid_i && req_ready_o) {write_q, addr_q, wdata_q} <= {req_write_i, req_addr_i, req_wdata_i};
+    end
+
+    wire       in_registers, in_counters, in_program, in_memory;
+    host_decode #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .STORE_WORDS(STORE_WORDS), .LANES(LANES),
+                  .SLEEP(SLEEP), .STATUS(STATUS)) u_decode (
+        .clk_i(clk_i), .write_i(write_q), .addr_i(addr_q),
+        .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
+        .counter_o(counters_index_o), .kind_o(kind_o), .address_o(addr_o));
+
+    // The run's description and its outcome
+    reg [31:0]        steps_q, visit_q, clock_q;
+    reg [1:0]         record_q;
+    reg [PROGRAM_W:0] step_q, last_q, size_q;
+    reg               done_q, illegal_q, stopped_q, was_running_q;
+    reg [PROGRAM_W-1:0] fault_q;
+    reg [4:0]         flags_q;
+
+    reg  runnable, is_index, is_record;
+    always @(posedge clk_i) begin
+        runnable  <= step_q < last_q && last_q <= size_q;
+        is_index  <= wdata_q <= PROGRAM_WORDS;
+        is_record <= wdata_q >= 32'd3 && wdata_q <= 32'd6;
+    end
+    wire [2:0] record = {1'b0, record_q} + 3'd3;
+    wire wants_stop = wdata_q[CONTROL_STOP_LO];
+    wire wants_start = wdata_q[CONTROL_START_LO];
+
+    // The outcome is known in the cycle after the end: until then the run goes on.
+    wire busy = running_i || was_running_q;
+
+    reg        ok;                     // this access has a meaning now
+    always @* begin
+        ok = 1'b0;
+        if (in_registers) case (addr_q[6:2])
+            ADDR_CONTROL[6:2]: ok = write_q && !(wants_start && (running_i || wants_stop || !runnable));
+            ADDR_VISIT[6:2], ADDR_CLOCK[6:2]: ok = STORE_WORDS != 0 && (!write_q || !running_i);
+            ADDR_RECORD[6:2]:  ok = STORE_WORDS != 0 && (!write_q || (!running_i && is_record));
+            ADDR_STEPS[6:2]:   ok = !write_q || !running_i;
+            ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: ok = !write_q || (!running_i && is_index);
+            default:           ok = !write_q && addr_q[6:2] <= ADDR_FLAGS[6:2];
+        endcase
+        else if (in_counters) ok = !write_q;
+        else ok = !running_i && (in_memory || (in_program && write_q));
+        if (addr_q[1:0] != 2'b00) ok = 1'b0;
+    end
+
+    // What a read shows, in two halves: one mux would be the longest path of the whole.
+    reg [31:0] first, second;
+    always @* begin
+        first  = 32'd0;
+        second = 32'd0;
+        case (addr_q[4:2])
+            ADDR_ID[4:2]:       first = {24'h465033, ISA_REVISION};
+            ADDR_SHAPE[4:2]:    first = {CONTEXTS_32[15:0], REGISTERS[7:0], REGISTERS[7:0]};
+            ADDR_MEMORY[4:2]:   first = PROGRAM_WORDS;
+            ADDR_FEATURES[4:2]: first = FEATURES;
+            ADDR_STATUS[4:2]:   first = {28'd0, {stopped_q, illegal_q, done_q} & {3{!busy}}, busy};
+            ADDR_RECORD[4:2]:   first = {29'd0, record};
+            ADDR_FAULT[4:2]:    first = {{32-PROGRAM_W{1'b0}}, fault_q};
+            default: ;
+        endcase
+        case (addr_q[4:2])
+            ADDR_STEPS[4:2]:    second = steps_q;
+            ADDR_STEP[4:2]:     second = {{31-PROGRAM_W{1'b0}}, step_q};
+            ADDR_LAST[4:2]:     second = {{31-PROGRAM_W{1'b0}}, last_q};
+            ADDR_SIZE[4:2]:     second = {{31-PROGRAM_W{1'b0}}, size_q};
+            ADDR_ARRAY[4:2]:    second = ARRAY;
+            ADDR_STORE[4:2]:    second = STORE_32;
+            ADDR_VISIT[4:2]:    second = visit_q;
+            ADDR_CLOCK[4:2]:    second = clock_q;
+        endcase
+    end
+
+    // What was decoded is executed in the next cycle. A run may end in between, and nothing else
+    // may change, so it still has its meaning.
+    reg        ok_q;
+    reg [31:0] rdata_q, counter_q, first_q, second_q;
+    always @(posedge clk_i) begin
+        if (check_q) ok_q <= ok;
+        counter_q  <= addr_q[2] ? counters_value_i[63:32] : counters_value_i[31:0];
+        first_q    <= first;
+        second_q   <= second;
+        if (wait_q)         rdata_q <= rdata_i;
+        else if (execute_q) rdata_q <= in_counters ? counter_q : addr_q[6] ? {27'd0, flags_q}
+                                     : addr_q[5] ? second_q : first_q;
+    end
+    assign patient = in_memory && ok_q && !write_q;
+
+    wire write   = execute_q && write_q && ok_q && !rst_i;
+    wire control = write && in_registers && addr_q[6:2] == ADDR_CONTROL[6:2];
+    wire start   = control && wants_start;
+    reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
+    always @(posedge clk_i) begin
+        start_q <= start && steps_q != 32'd0 && !rst_i;
+        clear_q <= start;
+    end
+    assign start_o = start_q;
+    assign stop_o  = control && wants_stop && running_i;
+
+    always @(posedge clk_i)
+        if (rst_i) begin
+            {steps_q, visit_q, clock_q, record_q} <= 98'd0;
+            {step_q, last_q, size_q}              <= {3*(PROGRAM_W+1){1'b0}};
+        end else if (write) begin
+            if (in_registers) case (addr_q[6:2])
+                ADDR_RECORD[6:2]: record_q <= wdata_q[1:0] + 2'd1;
+                ADDR_STEPS[6:2]:  steps_q  <= wdata_q;
+                ADDR_STEP[6:2]:   step_q   <= wdata_q[PROGRAM_W:0];
+                ADDR_LAST[6:2]:   last_q   <= wdata_q[PROGRAM_W:0];
+                ADDR_SIZE[6:2]:   size_q   <= wdata_q[PROGRAM_W:0];
+                ADDR_VISIT[6:2]:  visit_q  <= wdata_q;
+                ADDR_CLOCK[6:2]:  clock_q  <= wdata_q;
+                default: ;
+            endcase
+        end
+
+    always @(posedge clk_i)
+        if (rst_i) begin
+            {done_q, illegal_q, stopped_q, was_running_q, flags_q} <= 9'd0;
+            fault_q <= {PROGRAM_W{1'b0}};
+        end else begin
+            was_running_q <= running_i;
+            if (start) begin
+                {illegal_q, stopped_q, flags_q} <= 7'd0;
+                done_q <= steps_q == 32'd0;
+            end else begin
+                // The first reason to end is the one that counts.
+                if (stop_o && !illegal_i && !illegal_q) stopped_q <= 1'b1;
+                if (illegal_i && !stopped_q) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
+                flags_q <= flags_q | flags_i;
+                if (was_running_q && !running_i) done_q <= !illegal_q && !stopped_q;
+            end
+        end
+
+    // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: their ends
+    // fit the program counter.
+    reg  [PROGRAM_W:0] step_end_q, last_end_q;
+    always @(posedge clk_i) begin
+        step_end_q <= last_q - 1'b1;
+        last_end_q <= size_q - 1'b1;
+    end
+    assign {steps_o, visit_o, clock_o, record_o} = {steps_q, visit_q, clock_q, record_q};
+    assign step_o     = step_q[PROGRAM_W-1:0];
+    assign step_end_o = step_end_q[PROGRAM_W-1:0];
+    assign end_o      = last_end_q[PROGRAM_W-1:0];
+    wire unused = step_q[PROGRAM_W] | step_end_q[PROGRAM_W] | last_end_q[PROGRAM_W];
+
+    assign program_write_o  = write && in_program;
+    assign program_addr_o   = addr_q[PROGRAM_W+1:2];
+    assign access_o         = !rst_i && ((write && in_memory) || (execute_q && patient) || wait_q);
+    assign write_o          = write;
+    assign wdata_o          = wdata_q;
+    assign counters_clear_o = clear_q;
+
+    assign rsp_error_o = !ok_q;
+    assign rsp_rdata_o = rdata_q & {32{ok_q && !write_q}};
+endmodule
+`default_nettype wire

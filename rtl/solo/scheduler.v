@@ -1,0 +1,215 @@
+// scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and writes
+// the results back, for one object in the shortest time. (For many objects: sequencer and lane.)
+//
+// Purpose   The paper's instruction memory, register file and busy flags. An instruction issues
+//           when none of its registers is flagged, its unit takes it, and the register file will
+//           be free for its result. In order.
+//
+//           stage    fetch  fetch | issue         | operands       | unit ... | write
+//                    memory word  | busy flags,   | register file  |          | register file,
+//                                 | slot          | or bypass      |          | retirement
+//
+// Latency   The first instruction issues 4 cycles after start_i and has its operands in the
+//           cycle after; then one instruction per cycle at best.
+//           A result meets a waiting operand in the cycle in which it is written (BYPASS), or is
+//           read from the register file two cycles later.
+// Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
+`default_nettype none
+module scheduler #(
+    parameter REGISTER_W      = 5,     // 2^REGISTER_W registers, and as many constants
+    parameter PROGRAM_W       = 9,     // 2^PROGRAM_W instruction words
+    parameter BYPASS          = 1,
+    parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written (paper)
+    parameter CHAIN           = 1,
+    parameter SELECT          = 0,
+    parameter ESTIMATE        = 0,
+    parameter ADD_LATENCY     = 1,
+    parameter MUL_LATENCY     = 1
+) (
+    input  wire                            clk_i,
+    input  wire                            rst_i,
+    // A run
+    input  wire                            start_i,
+    input  wire                            stop_i,
+    input  wire [31:0]                     steps_i,
+    input  wire [PROGRAM_W-1:0]            step_i,
+    input  wire [PROGRAM_W-1:0]            step_end_i,
+    input  wire [PROGRAM_W-1:0]            end_i,
+    output wire                            running_o,
+    output wire                            illegal_o,       // the word at issue_pc_o ends the run
+    // The host: program, registers, constants (above the registers)
+    input  wire                            host_program_i,  // write host_wdata_i there
+    input  wire                            host_write_i,
+    input  wire [PROGRAM_W-1:0]            host_program_addr_i,
+    input  wire [REGISTER_W:0]          host_addr_i,
+    input  wire [31:0]                     host_wdata_i,
+    output wire [31:0]                     host_rdata_o,    // one cycle after host_addr_i
+    // The arithmetic unit
+    output wire                            chain_o,
+    output wire                            subtract_o,
+    output wire [3:0]                      kind_o,          // value.vh
+    output wire [31:0]                     a_o,
+    output wire [31:0]                     b_o,
+    output wire [31:0]                     c_o,
+    input  wire                            chain_soon_i,
+    input  wire [31:0]                     add_value_i,
+    input  wire [4:0]                      add_flags_i,
+    input  wire [31:0]                     mul_value_i,
+    input  wire [4:0]                      mul_flags_i,
+    // What happens in this cycle, for counters and traces
+    output wire                            issue_o,
+    output wire                            issue_add_o,
+    output wire                            issue_mul_o,
+    output wire                            issue_chain_o,
+    output wire [PROGRAM_W-1:0]            issue_pc_o,
+    output wire [31:0]                     issue_word_o,
+    output wire                            stall_fetch_o,
+    output wire                            stall_dependency_o,
+    output wire                            stall_unit_o,
+    output wire                            stall_writeback_o,
+    output wire                            stall_drain_o,
+    output wire                            retire_o,
+    output wire [REGISTER_W-1:0]           retire_register_o,
+    output wire [31:0]                     retire_value_o,
+    output wire [4:0]                      retire_flags_o
+);
+`include "fp/value.vh"
+    localparam REG_W = 1 + REGISTER_W;
+
+    // Fetch and decode ------------------------------------------------------------------------
+    wire                 advance;
+    wire                 fetched, fetch_empty;
+    wire [PROGRAM_W-1:0] fetch_pc;
+    wire [31:0]          fetch_word;
+    wire [4:0]           unused_fetch;                    // visits are for many objects
+
+    fetch #(.ADDR_W(PROGRAM_W)) u_fetch (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .write_i(host_program_i), .write_addr_i(host_program_addr_i), .write_word_i(host_wdata_i),
+        .start_i(start_i), .stop_i(stop_i || illegal_o),
+        .steps_i(steps_i), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
+        .skip_i(1'b0), .more_i(1'b0), .again_o(unused_fetch[4]),
+        .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
+        .begins_o(unused_fetch[3]), .ends_o(unused_fetch[2]), .steps_o(unused_fetch[1]), .lasts_o(unused_fetch[0]),
+        .empty_o(fetch_empty));
+
+    localparam DECODED_W = 9 + REGISTER_W + 3*(REGISTER_W+1);
+    wire [DECODED_W-1:0] decoded;
+    wire [5:0]           unused_decode;
+    reg  [DECODED_W-1:0] decoded_q;
+    reg                  valid_q;
+    reg  [PROGRAM_W-1:0] pc_q;
+    reg  [31:0]          word_q;
+
+    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE)) u_decode (
+        .word_i(fetch_word),
+        .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
+        .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
+        .to_sleep_o(unused_decode[3]), .to_memory_o(unused_decode[2]), .st_o(unused_decode[1]),
+        .lds_o(unused_decode[0]), .twice_o(unused_decode[4]), .half_o(unused_decode[5]), .subtract_o(decoded[DECODED_W-5]),
+        .kind_o(decoded[DECODED_W-6 -: 4]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
+        .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
+        .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
+
+    always @(posedge clk_i) begin
+        if (rst_i || stop_i || illegal_o) valid_q <= 1'b0;
+        else if (advance)                 valid_q <= fetched;
+        if (advance) begin
+            decoded_q <= decoded;
+            pc_q      <= fetch_pc;
+            word_q    <= fetch_word;
+        end
+    end
+
+    wire legal, to_add, to_mul, to_chain, subtract;
+    wire [REGISTER_W-1:0] d;
+    wire [REGISTER_W:0]   a, b, c;
+    wire [3:0]            kind;
+    assign {legal, to_add, to_mul, to_chain, subtract, kind, d, a, b, c} = decoded_q;
+
+    // What fp_value makes reaches the adder where a product would.
+    wire value  = kind != VALUE_PLAIN;
+    wire sums   = to_add && !value;
+    wire chains = to_chain || value;
+
+    // Issue -----------------------------------------------------------------------------------
+    wire             blocked, taken, in_flight_none, write, write_mul;
+    wire [REG_W-1:0] write_d;
+    wire [1:0]       a_bypass, b_bypass, c_bypass;
+
+    wire unit_busy = sums && chain_soon_i;
+    wire port_busy = taken || (WRITEBACK_STALL != 0 && write);
+    wire issue     = valid_q && legal && !blocked && !unit_busy && !port_busy && !stop_i;
+    assign advance   = !valid_q || issue;
+    assign illegal_o = valid_q && !legal;
+
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN != 0 || ESTIMATE != 0),
+                 .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .issue_i(issue), .to_add_i(sums), .to_mul_i(to_mul), .to_chain_i(chains),
+        .d_i({1'b0, d}), .a_i(a), .b_i(b), .c_i(c),
+        .blocked_o(blocked), .taken_o(taken),
+        .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
+        .write_o(write), .write_mul_o(write_mul), .write_d_o(write_d), .empty_o(in_flight_none));
+
+    // Operands --------------------------------------------------------------------------------
+    wire [31:0] a_value, b_value, c_value;
+    wire [31:0] result = write_mul ? mul_value_i : add_value_i;
+    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
+    reg         chain_q, subtract_q;
+    reg  [3:0]  kind_q;
+
+    regfile #(.ADDR_W(REG_W)) u_regfile (
+        .clk_i(clk_i),
+        .write_i(write || host_write_i),
+        .write_addr_i(write ? write_d : host_addr_i),
+        .write_value_i(write ? result : host_wdata_i),
+        .a_addr_i(running_o ? a : host_addr_i), .b_addr_i(b), .c_addr_i(c),
+        .a_value_o(a_value), .b_value_o(b_value), .c_value_o(c_value));
+    assign host_rdata_o = a_value;
+
+    always @(posedge clk_i) begin
+        a_bypass_q <= a_bypass;
+        b_bypass_q <= b_bypass;
+        c_bypass_q <= c_bypass;
+        subtract_q <= subtract;
+        chain_q    <= !rst_i && issue && chains;
+        kind_q     <= kind;
+    end
+
+    assign chain_o    = chain_q;
+    assign subtract_o = subtract_q;
+    assign kind_o     = kind_q;
+    assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
+    assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
+    assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;
+
+    // A run ends when nothing is left to fetch, to issue or to write ---------------------------
+    reg running_q;
+    always @(posedge clk_i)
+        if (rst_i)        running_q <= 1'b0;
+        else if (start_i) running_q <= 1'b1;
+        else if (fetch_empty && !valid_q && in_flight_none) running_q <= 1'b0;
+    assign running_o = running_q;
+
+    // Every running cycle is an issue or exactly one stall ---------------------------------------
+    wire waiting = running_q && valid_q && !issue;
+    assign issue_o            = issue;
+    assign issue_add_o        = issue && to_add;
+    assign issue_mul_o        = issue && to_mul;
+    assign issue_chain_o      = issue && to_chain;
+    assign issue_pc_o         = pc_q;
+    assign issue_word_o       = word_q;
+    assign stall_fetch_o      = running_q && !valid_q && !fetch_empty;
+    assign stall_drain_o      = (running_q && !valid_q && fetch_empty)
+                             || (waiting && (!legal || stop_i));
+    assign stall_dependency_o = waiting && legal && !stop_i && blocked;
+    assign stall_unit_o       = waiting && legal && !stop_i && !blocked && unit_busy;
+    assign stall_writeback_o  = waiting && legal && !stop_i && !blocked && !unit_busy;
+    assign retire_o           = write;
+    assign retire_register_o  = write_d[REGISTER_W-1:0];
+    wire unused = write_d[REGISTER_W];
+    assign retire_value_o     = result;
+    assign retire_flags_o     = write_mul ? mul_flags_i : add_flags_i;
+endmodule
+`default_nettype wire

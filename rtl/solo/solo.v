@@ -1,0 +1,133 @@
+// solo: one scheduler with busy flags and its arithmetic unit, for one object.
+//
+// Purpose   The paper's machine, and the one with the shortest time for a single object: results
+//           are taken as soon as they can be, whatever their unit's latency.
+//
+//           host port ──► scheduler ──► arithmetic unit
+//               │    ◄──     │     ◄────────┘
+//               └─ counters ◄┘
+//
+// Latency   See scheduler (a run), host_port (an access).
+// Hazard    Trace ports (issue_*, retire_*) are for simulation.
+`default_nettype none
+module solo #(
+    parameter REGISTERS       = 32,    // object registers, and as many constants: 2, 4 .. 64
+    parameter PROGRAM_WORDS   = 512,
+    parameter BYPASS          = 1,     // results go straight to a waiting operand
+    parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written
+    parameter CHAIN           = 1,     // madd and msub
+    parameter SELECT          = 0,     // min, max, abs, lt, le, sel
+    parameter ESTIMATE        = 0,     // rcp, rsqrt
+    parameter FLAGS           = 1,
+    parameter SUBNORMAL       = 1,
+    parameter NEAREST         = 1,
+    parameter ADD_LATENCY     = 1,     // at least 1 + the number of cuts
+    parameter MUL_LATENCY     = 1,
+    parameter [6:0]  ADD_CUTS = 0,
+    parameter [6:0]  MUL_CUTS = 0,
+    parameter [31:0] FEATURES = 0,
+    parameter [31:0] ARRAY    = 0
+) (
+    input  wire        clk_i,
+    input  wire        rst_i,
+    // Host port
+    input  wire        req_valid_i,
+    output wire        req_ready_o,
+    input  wire        req_write_i,
+    input  wire [23:0] req_addr_i,
+    input  wire [31:0] req_wdata_i,
+    output wire        rsp_valid_o,
+    input  wire        rsp_ready_i,
+    output wire [31:0] rsp_rdata_o,
+    output wire        rsp_error_o,
+    // Trace
+    output wire        issue_valid_o,
+    output wire [15:0] issue_pc_o,
+    output wire [31:0] issue_word_o,
+    output wire        retire_valid_o,
+    output wire [5:0]  retire_register_o,
+    output wire [31:0] retire_value_o,
+    output wire [4:0]  retire_flags_o
+);
+`include "gen/registers.vh"
+`include "host/lane_host.vh"
+    localparam REGISTER_W = $clog2(REGISTERS);
+    localparam PROGRAM_W  = $clog2(PROGRAM_WORDS);
+
+    wire                            start, stop, running, illegal;
+    wire [31:0]                     steps;
+    wire [PROGRAM_W-1:0]            step, step_end, last_end, issue_pc, program_addr;
+    wire                            program_write, access, host_write;
+    wire [2:0]                      kind;
+    wire [19:0]                     address;
+    wire [31:0]                     unused_visit, unused_clock;
+    wire [1:0]                      unused_record;
+    wire [31:0]                     host_wdata, host_rdata;
+    wire                            issue_add, issue_mul, issue_chain;
+    wire                            stall_fetch, stall_dependency, stall_unit, stall_writeback, stall_drain;
+    wire [REGISTER_W-1:0]           retire_register;
+    wire                            counters_clear;
+    wire [3:0]                      counters_index;
+    wire [63:0]                     counters_value;
+    wire                            chain, chain_soon, subtract;
+    wire [3:0]                      value_kind;
+    wire [31:0]                     a, b, c, add_value, mul_value;
+    wire [4:0]                      add_flags, mul_flags, retire_flags;
+
+    host_port #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_host_port (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
+        .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
+        .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
+        .rsp_error_o(rsp_error_o),
+        .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(unused_visit), .clock_o(unused_clock), .record_o(unused_record),
+        .step_o(step), .step_end_o(step_end), .end_o(last_end),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(issue_pc),
+        .flags_i(retire_flags_o & {5{retire_valid_o}}),
+        .program_write_o(program_write), .program_addr_o(program_addr),
+        .access_o(access), .write_o(host_write), .kind_o(kind), .addr_o(address),
+        .wdata_o(host_wdata), .rdata_i(host_rdata),
+        .counters_clear_o(counters_clear), .counters_index_o(counters_index),
+        .counters_value_i(counters_value));
+
+    scheduler #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .BYPASS(BYPASS), .WRITEBACK_STALL(WRITEBACK_STALL),
+                .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .start_i(start), .stop_i(stop), .steps_i(steps), .step_i(step), .step_end_i(step_end),
+        .end_i(last_end), .running_o(running), .illegal_o(illegal),
+        .host_program_i(program_write), .host_write_i(access && host_write),
+        .host_program_addr_i(program_addr),
+        .host_addr_i({kind == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
+        .host_rdata_o(host_rdata),
+        .chain_o(chain), .subtract_o(subtract), .kind_o(value_kind), .a_o(a), .b_o(b), .c_o(c),
+        .chain_soon_i(chain_soon), .add_value_i(add_value), .add_flags_i(add_flags),
+        .mul_value_i(mul_value), .mul_flags_i(mul_flags),
+        .issue_o(issue_valid_o), .issue_add_o(issue_add), .issue_mul_o(issue_mul),
+        .issue_chain_o(issue_chain), .issue_pc_o(issue_pc), .issue_word_o(issue_word_o),
+        .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency),
+        .stall_unit_o(stall_unit), .stall_writeback_o(stall_writeback), .stall_drain_o(stall_drain),
+        .retire_o(retire_valid_o), .retire_register_o(retire_register), .retire_value_o(retire_value_o),
+        .retire_flags_o(retire_flags));
+    assign retire_flags_o = FLAGS != 0 ? retire_flags : 5'd0;
+
+    arith_unit #(.CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
+                 .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
+                 .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith_unit (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .chain_i(chain), .subtract_i(subtract), .kind_i(value_kind), .add_a_i(a), .add_b_i(b),
+        .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon),
+        .add_value_o(add_value), .add_flags_o(add_flags),
+        .mul_value_o(mul_value), .mul_flags_o(mul_flags));
+
+    // In the order of isa/registers.toml, the first counter in bit 0.
+    counters #(.N(COUNTERS)) u_counters (
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear),
+        .event_i({stall_drain, 1'b0, stall_writeback, stall_unit, stall_dependency, stall_fetch,
+                  retire_valid_o, 2'b00, issue_chain, issue_mul, issue_add, running}),
+        .index_i(counters_index), .value_o(counters_value));
+
+    assign issue_pc_o        = {{16-PROGRAM_W{1'b0}}, issue_pc};
+    assign retire_register_o = {{6-REGISTER_W{1'b0}}, retire_register};
+    wire unused = |address;
+endmodule
+`default_nettype wire

@@ -1,0 +1,128 @@
+// arith_shared: one adder and one multiplier for several schedulers.
+//
+// Purpose   The paper's Figure 3. In each cycle one scheduler may use the adder, one, perhaps
+//           another, the multiplier, and one that chains uses both. All results are equally late:
+//           a sum's operands wait as long as a product takes, a product as long as a sum.
+//
+//           add    x, z of one ─────── wait ──────┬► adder ───────► value_o
+//           mul    x, y of one ─► multiplier ─────┘ chained
+//                                      └──────────── wait ────────► value_o
+//
+// Latency   1 + MUL_LATENCY + ADD_LATENCY from operands to value_o; initiation interval 1.
+// Hazard    adds_i and muls_i come in the cycle of the operands, at most one scheduler in each.
+//           Each scheduler knows when a result is its own; the unit only remembers which kind.
+`default_nettype none
+module arith_shared #(
+    parameter        N           = 2,  // schedulers
+    parameter        SCALE       = 0,  // a sum may take 2 * x, or x / 2
+    parameter        SELECT      = 0,  // see fp_value
+    parameter        ESTIMATE    = 0,
+    parameter        SUBNORMAL   = 1,
+    parameter        NEAREST     = 1,
+    parameter        ADD_LATENCY = 1,  // at least the cuts + 1
+    parameter        MUL_LATENCY = 1,
+    parameter [6:0]  ADD_CUTS    = 0,
+    parameter [6:0]  MUL_CUTS    = 0
+) (
+    input  wire            clk_i,
+    // Who uses what: both is z +/- x * y, the adder alone z +/- x, the multiplier alone x * y
+    input  wire [N-1:0]    adds_i,
+    input  wire [N-1:0]    muls_i,
+    input  wire [N-1:0]    subtract_i,
+    input  wire [N-1:0]    twice_i,    // z +/- 2 * x, z +/- x / 2: rounded as a product would be
+    input  wire [N-1:0]    half_i,
+    input  wire [4*N-1:0]  kind_i,     // value.vh: of z, x, and of whether y is 0; then z takes -0
+    input  wire [32*N-1:0] x_i,
+    input  wire [32*N-1:0] y_i,
+    input  wire [32*N-1:0] z_i,
+    output wire [32*N-1:0] value_o,
+    output wire [5*N-1:0]  flags_o
+);
+`include "fp/value.vh"
+    function integer ones(input [6:0] mask);
+        integer i;
+        begin
+            ones = 0;
+            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
+        end
+    endfunction
+
+    // The operands of those who were granted a unit
+    reg  [31:0] mul_x, mul_y, add_x, add_z;
+    reg         subtract, twice, half, true;
+    reg  [3:0]  kind;
+    integer     k;
+    always @* begin
+        {mul_x, mul_y, add_x, add_z, subtract, twice, half, true, kind} = 136'd0;
+        for (k = 0; k < N; k = k + 1) begin
+            mul_x    = mul_x | (x_i[32*k +: 32] & {32{muls_i[k]}});
+            mul_y    = mul_y | (y_i[32*k +: 32] & {32{muls_i[k]}});
+            add_x    = add_x | (x_i[32*k +: 32] & {32{adds_i[k]}});
+            add_z    = add_z | (z_i[32*k +: 32] & {32{adds_i[k]}});
+            subtract = subtract | (subtract_i[k] & adds_i[k]);
+            twice    = twice | (twice_i[k] & adds_i[k]);
+            half     = half | (half_i[k] & adds_i[k]);
+            true     = true | (|y_i[32*k +: 31] & adds_i[k]);
+            kind     = kind | (kind_i[4*k +: 4] & {4{adds_i[k]}});
+        end
+    end
+    reg  [31:0] mul_x_q, mul_y_q, add_x_q, add_z_q;
+    reg         subtract_q, chain_q, twice_q, half_q, true_q;
+    reg  [3:0]  kind_q;
+    always @(posedge clk_i) begin
+        {mul_x_q, mul_y_q, add_x_q, add_z_q} <= {mul_x, mul_y, add_x, add_z};
+        {subtract_q, chain_q, twice_q, half_q} <= {subtract, |(adds_i & muls_i), twice, half};
+        {true_q, kind_q} <= {true, kind};
+    end
+
+    // Beside the multiplier
+    wire [31:0] scaled, x_late, z_late;
+    wire [31:0] x_beside = kind_q != VALUE_PLAIN ? 32'h80000000 : scaled;
+    wire        unused_alone;
+    wire [4:0]  scale_flags, scale_flags_late;
+    wire        subtract_late, chain_late;
+    generate
+        if (SCALE != 0) begin : g_scale
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(twice_q), .half_i(half_q),
+                .d_i(add_x_q), .z_o(scaled), .flags_o(scale_flags));
+        end else begin : g_no_scale
+            wire unused = twice_q | half_q;
+            assign {scaled, scale_flags} = {add_x_q, 5'd0};
+        end
+    endgenerate
+    delay #(.W(34), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({x_beside, subtract_q, chain_q}), .q_o({x_late, subtract_late, chain_late}));
+    fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_z (.clk_i(clk_i),
+        .kind_i(kind_q), .a_i(add_z_q), .b_i(add_x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
+    delay #(.W(5), .N(MUL_LATENCY + ADD_LATENCY)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i(scale_flags), .q_o(scale_flags_late));
+
+    wire [31:0] product, product_q, sum, sum_q, product_late;
+    wire [4:0]  product_flags, product_flags_q, sum_flags, sum_flags_q, product_flags_late;
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
+        .a_i(mul_x_q), .b_i(mul_y_q), .z_o(product), .flags_o(product_flags));
+    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags, product}), .q_o({product_flags_q, product_q}));
+
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
+        .sub_i(subtract_late), .a_i(z_late), .b_i(chain_late ? product_q : x_late),
+        .z_o(sum), .flags_o(sum_flags));
+    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_flags, sum}), .q_o({sum_flags_q, sum_q}));
+    delay #(.W(37), .N(ADD_LATENCY)) u_late (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({product_flags_q, product_q}), .q_o({product_flags_late, product_late}));
+
+    // Results go to everybody
+    genvar n;
+    generate
+        for (n = 0; n < N; n = n + 1) begin : g_result
+            wire adds, muls;
+            delay #(.W(2), .N(1 + MUL_LATENCY + ADD_LATENCY)) u_kind (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({adds_i[n], muls_i[n]}), .q_o({adds, muls}));
+            assign value_o[32*n +: 32] = adds ? sum_q : product_late;
+            assign flags_o[5*n +: 5]   = (adds ? sum_flags_q : 5'd0) | (muls ? product_flags_late : 5'd0)
+                                       | (adds && !muls ? scale_flags_late : 5'd0);
+        end
+    endgenerate
+endmodule
+`default_nettype wire

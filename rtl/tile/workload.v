@@ -1,0 +1,210 @@
+// workload: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
+//
+// Purpose   Puts together what belongs to one program: host registers, counters, the sequencer and
+//           the lanes that follow it, each a cycle after the one before.
+//
+//           host_port ─► sequencer ─► lane ─► lane ─► ...
+//               ▲            ▲                         │
+//               └─ counters  └──────── reports ◄───────┘
+//
+// Latency   See sequencer, lane and host_port.
+// Hazard    Operands leave and results arrive as lane says; adds_o and muls_o ask for a unit two
+//           cycles before the first lane says the instruction, five before its operands.
+`default_nettype none
+module workload #(
+    parameter REGISTERS     = 32,
+    parameter CONTEXTS      = 24,
+    parameter PROGRAM_WORDS = 512,
+    parameter STORE_WORDS   = 1024,
+    parameter LANES         = 1,
+    parameter CHAIN         = 1,
+    parameter SCALE         = 0,
+    parameter SELECT        = 0,
+    parameter ESTIMATE      = 0,
+    parameter SLEEP         = 1,
+    parameter FLAGS         = 1,
+    parameter STATUS        = 1,
+    parameter LATENCY       = 12,      // of the arithmetic: operands to value_i
+    parameter [31:0] FEATURES = 0,
+    parameter [31:0] ARRAY    = 0
+) (
+    input  wire                clk_i,
+    input  wire                rst_i,
+    // Host port
+    input  wire                req_valid_i,
+    output wire                req_ready_o,
+    input  wire                req_write_i,
+    input  wire [23:0]         req_addr_i,
+    input  wire [31:0]         req_wdata_i,
+    output wire                rsp_valid_o,
+    input  wire                rsp_ready_i,
+    output wire [31:0]         rsp_rdata_o,
+    output wire                rsp_error_o,
+    // Arithmetic, a part for each lane
+    output wire                adds_o,
+    output wire                muls_o,
+    output wire                lasts_o,
+    input  wire                grant_i,
+    output wire [LANES-1:0]    subtract_o,
+    output wire [LANES-1:0]    twice_o,
+    output wire [LANES-1:0]    half_o,
+    output wire [4*LANES-1:0]  kind_o,
+    output wire [32*LANES-1:0] x_o,
+    output wire [32*LANES-1:0] y_o,
+    output wire [32*LANES-1:0] z_o,
+    input  wire [32*LANES-1:0] value_i,
+    input  wire [5*LANES-1:0]  value_flags_i,
+    // Trace
+    output wire                issue_valid_o,
+    output wire [15:0]         issue_pc_o,
+    output wire [15:0]         issue_context_o,
+    output wire [31:0]         issue_word_o,
+    output wire [LANES-1:0]    retire_valid_o,
+    output wire [16*LANES-1:0] retire_context_o,
+    output wire [32*LANES-1:0] retire_object_o,
+    output wire [6*LANES-1:0]  retire_register_o,
+    output wire [32*LANES-1:0] retire_value_o,
+    output wire [5*LANES-1:0]  retire_flags_o
+);
+`include "gen/registers.vh"
+`include "host/lane_host.vh"
+    localparam REGISTER_W = $clog2(REGISTERS);
+    localparam CONTEXT_W  = $clog2(CONTEXTS + 1);
+    localparam PROGRAM_W  = $clog2(PROGRAM_WORDS);
+    localparam STORE_W    = $clog2(STORE_WORDS);
+    localparam ROW_W      = STORE_W - 3;
+    localparam LANE_W     = LANES > 1 ? $clog2(LANES) : 1;
+    localparam REG_W      = CONTEXT_W + REGISTER_W;
+    localparam ISSUE_W    = 11 + REG_W + 3*REG_W;
+    localparam RETIRE_W   = 12 + REG_W;
+    localparam HOST_W     = 5 + LANE_W + STORE_W;
+
+    // The host -------------------------------------------------------------------------------
+    wire                 start, stop, running, illegal, program_write, access, host_write;
+    wire [31:0]          steps, visit, clock, host_wdata, answer;
+    wire [1:0]           record;
+    wire [PROGRAM_W-1:0] step, step_end, last_end, illegal_pc, program_addr;
+    wire [2:0]           kind;
+    wire [19:0]          address;
+    wire                 counters_clear;
+    wire [3:0]           counters_index;
+    wire [63:0]          counters_value;
+    wire [4:0]           flags;
+    host_port #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .PROGRAM_W(PROGRAM_W),
+                .STORE_WORDS(STORE_WORDS), .LANES(LANES), .SLEEP(SLEEP), .STATUS(STATUS),
+                .MEMORY_LATENCY(LANES + 6), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_host_port (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
+        .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
+        .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
+        .rsp_error_o(rsp_error_o),
+        .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(visit), .clock_o(clock),
+        .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),
+        .program_write_o(program_write), .program_addr_o(program_addr),
+        .access_o(access), .write_o(host_write), .kind_o(kind), .addr_o(address),
+        .wdata_o(host_wdata), .rdata_i(answer),
+        .counters_clear_o(counters_clear), .counters_index_o(counters_index),
+        .counters_value_i(counters_value));
+
+    // Constants are in all lanes, and only there for reading; this copy is the host's.
+    wire [31:0] constant, lanes_answer;
+    reg  [31:0] answer_q;
+    ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
+        .write_i(access && host_write && kind == HOST_CONSTANT),
+        .write_addr_i(address[REGISTER_W-1:0]), .write_value_i(host_wdata),
+        .read_i(1'b1), .read_addr_i(address[REGISTER_W-1:0]), .read_value_o(constant));
+    always @(posedge clk_i) answer_q <= kind == HOST_CONSTANT ? constant : lanes_answer;
+    assign answer = answer_q;
+
+    wire              by_lane = kind == HOST_AWAKE || kind == HOST_WAKE;
+    wire [LANE_W+STORE_W-1:0] spot = address[LANE_W+STORE_W-1:0];
+    wire [HOST_W-1:0] host = {access, host_write, kind,
+                              by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}},
+                              address[STORE_W-1:0]};
+
+    // The sequencer and its lanes ------------------------------------------------------------------
+    wire [ISSUE_W*(LANES+1)-1:0]  issue;
+    wire [RETIRE_W*(LANES+1)-1:0] retire;
+    wire [HOST_W*(LANES+1)-1:0]   hosts;
+    wire [32*(LANES+1)-1:0]       data, answers;
+    wire [(ROW_W+1)*(LANES+1)-1:0] counts;
+    wire [5*(LANES+1)-1:0]        raised;
+    wire [LANES:0]                asleep;
+    wire [LANES-1:0]              report, report_batch;
+    wire [CONTEXT_W*LANES-1:0]    report_context;
+    wire [4:0]                    issued;
+    wire                          retired, trace;
+    wire                          stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
+    wire [PROGRAM_W-1:0]          trace_pc;
+    wire [CONTEXT_W-1:0]          trace_context;
+    sequencer #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .PROGRAM_W(PROGRAM_W),
+                .STORE_W(STORE_W), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SLEEP(SLEEP),
+                .LATENCY(LATENCY), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_sequencer (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
+        .step_i(step), .step_end_i(step_end), .end_i(last_end),
+        .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
+        .host_program_i(program_write), .host_program_addr_i(program_addr), .host_i(host), .host_wdata_i(host_wdata),
+        .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
+        .issue_o(issue[ISSUE_W-1:0]), .retire_o(retire[RETIRE_W-1:0]), .host_o(hosts[HOST_W-1:0]), .data_o(data[31:0]),
+        .count_i(counts[(ROW_W+1)*LANES +: ROW_W+1]),
+        .report_i(report[LANES-1]), .report_asleep_i(asleep[LANES]), .report_batch_i(report_batch[LANES-1]),
+        .report_context_i(report_context[CONTEXT_W*(LANES-1) +: CONTEXT_W]),
+        .issued_o(issued), .retired_o(retired),
+        .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
+        .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
+        .trace_o(trace), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
+    assign issue_valid_o   = trace;
+    assign issue_pc_o      = {{16-PROGRAM_W{1'b0}}, trace_pc};
+    assign issue_context_o = {{16-CONTEXT_W{1'b0}}, trace_context};
+
+    assign {counts[ROW_W:0], raised[4:0], asleep[0], answers[31:0]} = {{ROW_W+1{1'b0}}, 5'd0, 1'b1, 32'd0};
+    assign flags        = raised[5*LANES +: 5];
+    assign lanes_answer = answers[32*LANES +: 32];
+
+    genvar l;
+    generate
+        for (l = 0; l < LANES; l = l + 1) begin : g_lane
+            wire [CONTEXT_W-1:0]  written_context;
+            wire [ROW_W-1:0]      written_row;
+            wire [REGISTER_W-1:0] written_register;
+            lane #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .STORE_W(STORE_W),
+                   .LANE_W(LANE_W), .INDEX(l), .CHAIN(CHAIN), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS),
+                   .LATENCY(LATENCY), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_lane (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .issue_i(issue[ISSUE_W*l +: ISSUE_W]), .issue_o(issue[ISSUE_W*(l+1) +: ISSUE_W]),
+                .retire_i(retire[RETIRE_W*l +: RETIRE_W]), .retire_o(retire[RETIRE_W*(l+1) +: RETIRE_W]),
+                .host_i(hosts[HOST_W*l +: HOST_W]), .host_o(hosts[HOST_W*(l+1) +: HOST_W]),
+                .data_i(data[32*l +: 32]), .data_o(data[32*(l+1) +: 32]),
+                .count_i(counts[(ROW_W+1)*l +: ROW_W+1]), .count_o(counts[(ROW_W+1)*(l+1) +: ROW_W+1]),
+                .flags_i(raised[5*l +: 5]), .flags_o(raised[5*(l+1) +: 5]),
+                .asleep_i(asleep[l]), .asleep_o(asleep[l+1]),
+                .answer_i(answers[32*l +: 32]), .answer_o(answers[32*(l+1) +: 32]),
+                .report_o(report[l]), .report_batch_o(report_batch[l]),
+                .report_context_o(report_context[CONTEXT_W*l +: CONTEXT_W]),
+                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(kind_o[4*l +: 4]),
+                .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
+                .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
+                .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
+                .written_register_o(written_register), .written_value_o(retire_value_o[32*l +: 32]),
+                .written_flags_o(retire_flags_o[5*l +: 5]));
+            assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context};
+            assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row};
+            assign retire_register_o[6*l +: 6]  = {{6-REGISTER_W{1'b0}}, written_register};
+        end
+    endgenerate
+
+    // In the order of isa/registers.toml, the first counter in bit 0.
+    counters #(.N(COUNTERS)) u_counters (
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear),
+        .event_i({stall_drain, stall_asleep, 1'b0, stall_unit, stall_dependency, stall_fetch,
+                  retired, issued[4], issued[3], issued[2], issued[1], issued[0], running}),
+        .index_i(counters_index), .value_o(counters_value));
+
+    // The last lane has no next one, and only its reports are heard.
+    wire unused = &{issue[ISSUE_W*LANES +: ISSUE_W], retire[RETIRE_W*LANES +: RETIRE_W],
+                    hosts[HOST_W*LANES +: HOST_W], data[32*LANES +: 32], report, report_batch, report_context,
+                    address, spot};
+endmodule
+`default_nettype wire

@@ -1,0 +1,63 @@
+/* kind.h - what a kind of engine provides behind fp3/engine.h.
+ *
+ * engine.c checks every argument, so a kind sees valid ones only: objects, registers and constants
+ * in range, a program that fits. To add a kind, write this table and list it in engine.c.
+ */
+#ifndef FP3_KIND_H
+#define FP3_KIND_H
+
+#include "layout.h"
+#include "machine/config.h"
+
+#include <fp3/engine.h>
+
+typedef struct {
+    const char *name;
+    fp3_status (*open)(fp3_engine *engine);
+    void (*close)(fp3_engine *engine); /* also after an open that failed */
+    fp3_status (*load)(fp3_engine *engine);
+    /* The registers that an object keeps from run to run, and constants. */
+    fp3_status (*write)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
+    fp3_status (*read)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
+    fp3_status (*write_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
+    fp3_status (*read_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t *bits);
+    /* The word that space `status` has for an object; only if the configuration has it. */
+    fp3_status (*write_status)(fp3_engine *engine, size_t object, uint32_t word);
+    fp3_status (*read_status)(fp3_engine *engine, size_t object, uint32_t *word);
+    /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
+    fp3_status (*list)(fp3_engine *engine);
+    /* Fills the counters of the units, and units and flags of stats. */
+    fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
+} fp3_engine_kind;
+
+extern const fp3_engine_kind fp3_kind_rtl, fp3_kind_model;
+
+struct fp3_engine {
+    const fp3_engine_kind *kind;
+    const fp3_config *config;
+    fp3_engine_def def;
+    uint32_t objects;
+    fp3_layout layout; /* one group without a program until a load */
+    int is_touched;    /* some register, constant or status may be other than 0 */
+    uint32_t clock;    /* steps of earlier runs */
+    /* Of each object, what its sleep register held when it was last looked at. */
+    uint32_t *slept;
+    int is_slept_known;                      /* slept is up to date */
+    int is_listed;                           /* the next run begins with the right objects */
+    uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each unit */
+    void *self;                              /* the kind's own */
+};
+
+/* Whether a run visits the object. */
+int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
+
+/* fp3_engine_load without its checks: for tests of what the hardware does with words that are none
+ * of its own. */
+fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
+
+/* The two ends of a run that are not its own, in the same words from every kind; index counts in
+ * the program of the group. */
+fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index);
+fp3_status fp3_engine_limit(fp3_engine *engine);
+
+#endif

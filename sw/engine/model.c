@@ -1,0 +1,526 @@
+/* model.c - the "model" engine: the instruction set, one instruction after the other.
+ *
+ * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
+ * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
+ * What is left to do is the one quiet NaN 7FC00000, and results and operands that are flushed.
+ *
+ * It knows objects, visits and rounds of visits, but no contexts: within a round an instruction is
+ * executed for all objects before the next one, as if there were a context for each.
+ */
+#include "kind.h"
+
+#include <fenv.h>
+#include <float.h>
+#include <isa.h>
+#include <machine/estimate.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if FLT_EVAL_METHOD != 0 || !(defined __x86_64__ || defined __i386__)
+#error "needs binary32 arithmetic that is rounded once, with tininess detected after rounding"
+#endif
+
+/* What an object does with an instruction of its visit. */
+typedef enum {
+    AWAY,   /* nothing: not in the round, or absent since its lds */
+    AWAKE,  /* executes it */
+    ASLEEP, /* executes it in the last part */
+} presence;
+
+typedef struct {
+    uint32_t *registers; /* of all objects; what a visit does not load is never read */
+    uint32_t *store;     /* interleaved: the records, as many words each as registers */
+    uint32_t *before;    /* ... as they were before this round */
+    uint32_t *status;
+    uint32_t *shared;          /* of all groups */
+    const uint32_t *constants; /* those of the group whose turn it is */
+    presence *now;
+    char *listed;  /* the next round visits the object */
+    char *is_over; /* the group's run has ended before its time */
+    uint64_t executed;
+} model;
+
+/* A round of a run, for one group. */
+typedef struct {
+    fp3_engine *engine;
+    fp3_stats *stats;
+    uint32_t group;
+    uint32_t steps;
+    uint32_t number, end; /* of the step now; of the last one */
+} round_of;
+
+static size_t words(const fp3_engine *engine) {
+    return (size_t)engine->objects * engine->config->registers;
+}
+
+static fp3_status model_open(fp3_engine *engine) {
+    model *self = engine->self = calloc(1, sizeof *self);
+    if (self) {
+        self->registers = calloc(words(engine), sizeof *self->registers);
+        self->store = calloc(words(engine), sizeof *self->store);
+        self->before = calloc(words(engine), sizeof *self->before);
+        self->status = calloc(engine->objects, sizeof *self->status);
+        self->now = calloc(engine->objects, sizeof *self->now);
+        self->listed = calloc(engine->objects, sizeof *self->listed);
+        self->is_over = calloc(fp3_config_units(engine->config), sizeof *self->is_over);
+        self->shared = calloc((size_t)fp3_config_units(engine->config) * engine->config->registers,
+                              sizeof *self->shared);
+    }
+    if (self && self->registers && self->store && self->before && self->status && self->now &&
+        self->listed && self->is_over && self->shared)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+}
+
+static void model_close(fp3_engine *engine) {
+    model *self = engine->self;
+    if (self) {
+        free(self->registers);
+        free(self->store);
+        free(self->before);
+        free(self->status);
+        free(self->now);
+        free(self->listed);
+        free(self->is_over);
+        free(self->shared);
+    }
+    free(self);
+}
+
+static fp3_status model_load(fp3_engine *engine) {
+    (void)engine; /* the programs of engine->layout are what runs */
+    return FP3_OK;
+}
+
+/* Where the host finds a register of an object. */
+static uint32_t *cell(fp3_engine *engine, size_t object, uint32_t reg) {
+    const model *self = engine->self;
+    uint32_t *cells = engine->config->interleave ? self->store : self->registers;
+    return &cells[object * engine->config->registers + reg];
+}
+
+static fp3_status model_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
+    *cell(engine, object, reg) = bits;
+    return FP3_OK;
+}
+
+static fp3_status model_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
+    *bits = *cell(engine, object, reg);
+    return FP3_OK;
+}
+
+static uint32_t *constant(fp3_engine *engine, uint32_t group, uint32_t index) {
+    return &((model *)engine->self)->shared[(size_t)group * engine->config->registers + index];
+}
+
+static fp3_status model_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                     uint32_t bits) {
+    *constant(engine, group, index) = bits;
+    return FP3_OK;
+}
+
+static fp3_status model_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                    uint32_t *bits) {
+    *bits = *constant(engine, group, index);
+    return FP3_OK;
+}
+
+static fp3_status model_write_status(fp3_engine *engine, size_t object, uint32_t word) {
+    ((model *)engine->self)->status[object] = word;
+    return FP3_OK;
+}
+
+static fp3_status model_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
+    *word = ((model *)engine->self)->status[object];
+    return FP3_OK;
+}
+
+static fp3_status model_list(fp3_engine *engine) {
+    model *self = engine->self;
+    for (size_t i = 0; i < engine->objects; i++)
+        self->listed[i] = (char)fp3_engine_is_awake(engine, i);
+    return FP3_OK;
+}
+
+/* What the hardware's decoder refuses, too. */
+static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in) {
+    const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1;
+    if (fp3_word_decode(word, in, NULL) || in->d >= config->registers ||
+        (in->a & in_bank) >= config->registers || (in->b & in_bank) >= config->registers ||
+        (in->c & in_bank) >= config->registers)
+        return 0;
+    switch (in->op) {
+#define X(NAME, key)                                                                               \
+    case FP3_OP_##NAME:                                                                            \
+        return config->key != 0;
+        FP3_OP_NEEDS(X)
+#undef X
+    default:
+        return 1;
+    }
+}
+
+/* ---- arithmetic ---- */
+
+static float value_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t bits_of(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return isnan(value) ? 0x7fc00000u : bits;
+}
+
+static float flushed(const fp3_config *config, float x) {
+    return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
+}
+
+/* x op y, for add, sub and mul; its flags are added to those of the host's FPU. volatile: the
+ * compiler may move no operation across the reading of flags. */
+static float one(const fp3_config *config, uint32_t op, float x, float y) {
+    volatile float a = flushed(config, x), b = flushed(config, y), d;
+    if (!config->subnormal) {
+        /* A product is exact in double, and so is a sum that is as small as this. */
+        const double exact = op == FP3_OP_ADD   ? (double)a + (double)b
+                             : op == FP3_OP_SUB ? (double)a - (double)b
+                                                : (double)a * (double)b;
+        /* A comparison by isless raises nothing for a quiet NaN. */
+        if (isless(fabs(exact), (double)FLT_MIN) && exact != 0) {
+            feraiseexcept(FE_UNDERFLOW | FE_INEXACT);
+            return copysignf(0.0f, (float)exact);
+        }
+    }
+    d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
+    return d;
+}
+
+static uint32_t raised(const fp3_config *config) {
+    const int raised = config->flags ? fetestexcept(FE_ALL_EXCEPT) : 0;
+    return (raised & FE_INVALID ? 1u << FP3_FLAGS_INVALID_LO : 0) |
+           (raised & FE_DIVBYZERO ? 1u << FP3_FLAGS_DIVIDE_BY_ZERO_LO : 0) |
+           (raised & FE_OVERFLOW ? 1u << FP3_FLAGS_OVERFLOW_LO : 0) |
+           (raised & FE_UNDERFLOW ? 1u << FP3_FLAGS_UNDERFLOW_LO : 0) |
+           (raised & FE_INEXACT ? 1u << FP3_FLAGS_INEXACT_LO : 0);
+}
+
+/* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
+static int is_less(uint32_t a, uint32_t b) {
+    const uint32_t x = a & 0x7fffffffu, y = b & 0x7fffffffu, infinite = 0x7f800000u;
+    if (x > infinite || y > infinite || !(x | y))
+        return 0;
+    return a >> 31 ? !(b >> 31) || y < x : !(b >> 31) && x < y;
+}
+
+static int is_equal(uint32_t a, uint32_t b) {
+    const uint32_t infinite = 0x7f800000u;
+    return (a & 0x7fffffffu) <= infinite && (a == b || !((a | b) & 0x7fffffffu));
+}
+
+/* What a comparison, a selection or an estimate makes of its operands, bits of all. 1: it is one. */
+static int choose(const fp3_instruction *in, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
+    const uint32_t unity = 0x3f800000u;
+    switch (in->op) {
+    case FP3_OP_MIN:
+        *d = is_less(a, b) ? a : b;
+        return 1;
+    case FP3_OP_MAX:
+        *d = is_less(b, a) ? a : b;
+        return 1;
+    case FP3_OP_ABS:
+        *d = a & 0x7fffffffu;
+        return 1;
+    case FP3_OP_LT:
+        *d = is_less(a, b) ? unity : 0;
+        return 1;
+    case FP3_OP_LE:
+        *d = is_less(a, b) || is_equal(a, b) ? unity : 0;
+        return 1;
+    case FP3_OP_SEL:
+        *d = c & 0x7fffffffu ? a : b;
+        return 1;
+    case FP3_OP_RCP:
+        *d = fp3_estimate_rcp(a);
+        return 1;
+    case FP3_OP_RSQRT:
+        *d = fp3_estimate_rsqrt(a);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, uint32_t a_bits,
+                          uint32_t b_bits, uint32_t c_bits, uint32_t *flags) {
+    const float a = value_of(a_bits), b = value_of(b_bits), c = value_of(c_bits);
+    uint32_t chosen;
+    float d;
+    feclearexcept(FE_ALL_EXCEPT);
+    switch (in->op) {
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        d = one(config, in->op == FP3_OP_MADD ? FP3_OP_ADD : FP3_OP_SUB, c,
+                one(config, FP3_OP_MUL, a, b));
+        break;
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+        d = one(config, in->op == FP3_OP_ADDH ? FP3_OP_ADD : FP3_OP_SUB, a,
+                one(config, FP3_OP_MUL, b, 0.5f));
+        break;
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        d = one(config, in->op == FP3_OP_ADDT ? FP3_OP_ADD : FP3_OP_SUB, a,
+                one(config, FP3_OP_MUL, b, 2.0f));
+        break;
+    default:
+        d = choose(in, a_bits, b_bits, c_bits, &chosen)
+                ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f)
+                : one(config, in->op, a, b);
+        break;
+    }
+    *flags = raised(config);
+    return bits_of(d);
+}
+
+/* ---- an instruction ---- */
+
+static uint32_t operand(const model *self, const uint32_t *object, uint32_t number) {
+    return number >= FP3_BANK_SHARED_BASE ? self->constants[number - FP3_BANK_SHARED_BASE]
+                                          : object[number];
+}
+
+/* The flags of an object, and the step in which it went wrong. */
+static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
+    const uint32_t grave = 1u << FP3_FLAGS_INVALID_LO | 1u << FP3_FLAGS_OVERFLOW_LO;
+    uint32_t *word = &((model *)r->engine->self)->status[object];
+    r->stats->flags |= flags;
+    *word |= flags;
+    if (flags & grave && !(*word >> FP3_STATUS_STEP_LO))
+        *word |= r->number << FP3_STATUS_STEP_LO;
+}
+
+static void retire(const round_of *r, uint32_t object, uint32_t reg, uint32_t bits,
+                   uint32_t flags) {
+    const fp3_engine *engine = r->engine;
+    const model *self = engine->self;
+    const fp3_retirement done = {
+        .cycle = self->executed, .object = object, .reg = reg, .bits = bits, .flags = flags};
+    self->registers[(size_t)object * engine->config->registers + reg] = bits;
+    if (engine->def.retire)
+        engine->def.retire(engine->def.retire_user, &done);
+}
+
+/* An instruction that an object executes. */
+static void execute(const round_of *r, uint32_t object, const fp3_instruction *in) {
+    const fp3_config *config = r->engine->config;
+    model *self = r->engine->self;
+    const uint32_t *registers = &self->registers[(size_t)object * config->registers];
+    uint32_t *record = &self->store[(size_t)object * config->registers];
+    const uint32_t a = operand(self, registers, in->a);
+    const uint32_t b = operand(self, registers, in->b);
+    const uint32_t c = operand(self, registers, in->c);
+    uint32_t flags, bits;
+    switch (in->op) {
+    case FP3_OP_ST:
+        record[in->d] = registers[in->d];
+        break;
+    case FP3_OP_LD:
+        retire(r, object, in->d, record[in->d], 0);
+        break;
+    case FP3_OP_LDS:
+        if (record[in->d]) {
+            self->now[object] = AWAY;
+            self->listed[object] = 0;
+        }
+        retire(r, object, in->d, record[in->d], 0);
+        break;
+    case FP3_OP_SLEEP:
+        if (self->now[object] == AWAKE && isless(fabsf(value_of(a)), value_of(b))) {
+            self->now[object] = ASLEEP;
+            self->listed[object] = 0;
+            retire(r, object, in->d, r->number, 0);
+        }
+        break;
+    default:
+        bits = calculate(config, in, a, b, c, &flags);
+        note_flags(r, object, flags);
+        retire(r, object, in->d, bits, flags);
+    }
+    self->executed++;
+}
+
+static fp3_counter counter_of(uint32_t op) {
+    switch (op) {
+    case FP3_OP_ADD:
+    case FP3_OP_SUB:
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+    case FP3_OP_ABS:
+    case FP3_OP_LT:
+    case FP3_OP_LE:
+    case FP3_OP_SEL:
+    case FP3_OP_RCP:
+    case FP3_OP_RSQRT:
+        return FP3_COUNTER_ISSUED_ADD;
+    case FP3_OP_MUL:
+        return FP3_COUNTER_ISSUED_MUL;
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return FP3_COUNTER_ISSUED_CHAIN;
+    case FP3_OP_SLEEP:
+        return FP3_COUNTER_ISSUED_SLEEP;
+    default:
+        return FP3_COUNTER_ISSUED_MEMORY;
+    }
+}
+
+static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
+
+/* One instruction for all objects that execute it. */
+static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
+    model *self = r->engine->self;
+    const uint64_t before = self->executed;
+    const fp3_members *group = members(r);
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+        if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
+            execute(r, i, in);
+    uint64_t *counter = r->engine->counters[0];
+    counter[counter_of(in->op)] += self->executed - before;
+    counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
+}
+
+/* ---- a run ---- */
+
+static int is_anybody_awake(const round_of *r) {
+    const model *self = r->engine->self;
+    const fp3_members *group = members(r);
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+        if (self->now[i] == AWAKE)
+            return 1;
+    return 0;
+}
+
+/* All visits of a round. Where nothing interleaves a run is one round. */
+static fp3_status make_round(round_of *r) {
+    const fp3_engine *engine = r->engine;
+    const fp3_program *program = &members(r)->program;
+    const model *self = engine->self;
+    const uint64_t limit = engine->def.cycle_limit;
+    uint32_t left = r->steps;
+    for (uint32_t pc = 0; pc < program->count;) {
+        fp3_instruction in;
+        if (pc == program->step)
+            r->number++;
+        if (!is_legal(engine->config, program->code[pc], &in))
+            return fp3_engine_illegal(r->engine, r->group, pc);
+        if (limit && self->executed >= limit)
+            return fp3_engine_limit(r->engine);
+        sweep(r, &in, pc >= program->last);
+        pc++;
+        if (pc == program->last && --left)
+            pc = program->step;
+        if (pc < program->last && !is_anybody_awake(r)) {
+            r->number = r->end;
+            pc = program->last;
+        }
+    }
+    return FP3_OK;
+}
+
+/* Who is visited in a round; 0: nobody. */
+static int begin_round(const round_of *r) {
+    const fp3_engine *engine = r->engine;
+    const fp3_members *group = members(r);
+    model *self = engine->self;
+    const size_t words_each = engine->config->registers, first = group->first * words_each;
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+        self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
+    memcpy(&self->before[first], &self->store[first],
+           group->objects * words_each * sizeof *self->before);
+    self->constants = &self->shared[r->group * words_each];
+    return is_anybody_awake(r);
+}
+
+/* Of visits that did not come to their end nothing is stored. */
+static void undo_round(const round_of *r) {
+    const fp3_members *group = members(r);
+    model *self = r->engine->self;
+    const size_t words_each = r->engine->config->registers, first = group->first * words_each;
+    memcpy(&self->store[first], &self->before[first],
+           group->objects * words_each * sizeof *self->store);
+}
+
+/* A round of every group that goes on; *is_any: one did. One whose program ends at an illegal word,
+ * or that finds the limit, goes on no more; *status and *why tell the first such end. */
+static void make_rounds(round_of r, fp3_status *status, fp3_error *why, int *is_any) {
+    fp3_engine *engine = r.engine;
+    model *self = engine->self;
+    for (r.group = 0; r.group < engine->layout.count; r.group++) {
+        round_of of_group = r;
+        if (self->is_over[r.group] || !begin_round(&of_group))
+            continue;
+        const fp3_status end = make_round(&of_group);
+        *is_any |= !end;
+        if (!end)
+            continue;
+        undo_round(&of_group);
+        self->is_over[r.group] = 1;
+        if (!*status && engine->def.error)
+            *why = *engine->def.error;
+        *status = *status ? *status : end;
+    }
+}
+
+static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    const uint32_t visit =
+        engine->config->interleave && engine->def.visit ? engine->def.visit : UINT32_MAX;
+    fp3_status status = FP3_OK;
+    fp3_error why = {""};
+    int is_any = 1;
+    memset(((model *)engine->self)->is_over, 0, engine->layout.count);
+    for (uint32_t made = 0; made < steps && is_any;) {
+        round_of r = {.engine = engine, .stats = stats, .number = engine->clock + made};
+        r.steps = steps - made < visit ? steps - made : visit;
+        r.end = r.number + r.steps;
+        made += r.steps;
+        is_any = 0;
+        make_rounds(r, &status, &why, &is_any);
+    }
+    if (status && engine->def.error)
+        *engine->def.error = why;
+    return status;
+}
+
+static fp3_status model_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    fenv_t callers;
+    fegetenv(&callers);
+    fesetenv(FE_DFL_ENV); /* whatever rounding and flushing the caller has chosen */
+    fesetround(engine->config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
+    stats->units = 1;
+    ((model *)engine->self)->executed = 0;
+    const fp3_status status = run_rounds(engine, steps, stats);
+    fesetenv(&callers);
+    return status;
+}
+
+const fp3_engine_kind fp3_kind_model = {
+    .name = "model",
+    .open = model_open,
+    .close = model_close,
+    .load = model_load,
+    .write = model_write,
+    .read = model_read,
+    .write_shared = model_write_shared,
+    .read_shared = model_read_shared,
+    .write_status = model_write_status,
+    .read_status = model_read_status,
+    .list = model_list,
+    .run = model_run,
+};

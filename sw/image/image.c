@@ -1,0 +1,309 @@
+#include <fp3/image.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "isa.h"
+#include "machine/operation.h"
+
+const fp3_operation fp3_operations[] = {
+#define ROW(upper, code, name, operands, unit) {code, name, operands},
+    FP3_OPS(ROW)
+#undef ROW
+};
+const unsigned fp3_operation_count = sizeof fp3_operations / sizeof *fp3_operations;
+
+const fp3_operation *fp3_operation_find(uint32_t code) {
+    for (unsigned i = 0; i < fp3_operation_count; i++)
+        if (fp3_operations[i].code == code)
+            return &fp3_operations[i];
+    return NULL;
+}
+
+/* Words. */
+
+#define MASK(field) ((2u << (FP3_FIELD_##field##_HI - FP3_FIELD_##field##_LO)) - 1)
+#define GET(word, field) ((word) >> FP3_FIELD_##field##_LO & MASK(field))
+#define PUT(value, field) (((value)&MASK(field)) << FP3_FIELD_##field##_LO)
+
+fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_error *error) {
+    fp3_instruction i = {.op = GET(word, OP),
+                         .d = GET(word, D),
+                         .a = GET(word, A),
+                         .b = GET(word, B),
+                         .c = GET(word, C)};
+    const fp3_operation *operation = fp3_operation_find(i.op);
+    if (!operation)
+        return fp3_fail(error, FP3_E_PROGRAM, "0x%08x is no instruction: opcode %u is unknown",
+                        word, i.op);
+    const uint32_t value[] = {i.d, i.a, i.b, i.c};
+    for (unsigned letter = 0; letter < 4; letter++)
+        if (!strchr(operation->operands, "dabc"[letter]) && value[letter])
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "0x%08x is no instruction: %s has no operand %c, but the field holds "
+                            "%u instead of 0",
+                            word, operation->name, "dabc"[letter], value[letter]);
+    if (instruction)
+        *instruction = i;
+    return FP3_OK;
+}
+
+uint32_t fp3_word_encode(const fp3_instruction *i) {
+    return PUT(i->op, OP) | PUT(i->d, D) | PUT(i->a, A) | PUT(i->b, B) | PUT(i->c, C);
+}
+
+/* Names. */
+
+const char *fp3_kind_name(fp3_symbol_kind kind) {
+    static const char *const names[] = {"state", "param", "temp", "shared", "const", "label"};
+    return kind < FP3_SYMBOL_KINDS ? names[kind] : "?";
+}
+
+int fp3_name_valid(const char *text) {
+    static const char *const reserved[] = {"first", "step", "last", "inf", "nan"};
+    for (size_t i = 0; i < sizeof reserved / sizeof *reserved; i++)
+        if (!strcmp(text, reserved[i]))
+            return 0;
+    /* Not isalpha: that depends on the locale. */
+    size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    return length > 0 && length < FP3_NAME_SIZE && !text[length] && !(*text >= '0' && *text <= '9');
+}
+
+int fp3_kind_is_object(fp3_symbol_kind kind) { return (FP3_KIND(kind) & FP3_KINDS_OBJECT) != 0; }
+
+const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned kinds) {
+    for (uint32_t i = 0; i < image->symbol_count; i++)
+        if (!strcmp(image->symbols[i].name, name))
+            return FP3_KIND(image->symbols[i].kind) & kinds ? &image->symbols[i] : NULL;
+    return NULL;
+}
+
+const char *fp3_image_name(const fp3_image *image, uint32_t operand) {
+    int object = operand < FP3_BANK_SHARED_BASE;
+    uint32_t index = object ? operand - FP3_BANK_OBJECT_BASE : operand - FP3_BANK_SHARED_BASE;
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *symbol = &image->symbols[i];
+        if (symbol->index == index && symbol->kind != FP3_SYMBOL_LABEL &&
+            fp3_kind_is_object(symbol->kind) == object)
+            return symbol->name;
+    }
+    return NULL;
+}
+
+const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index) {
+    for (uint32_t i = 0; i < image->constant_count; i++)
+        if (image->constants[i].index == index)
+            return &image->constants[i].bits;
+    return NULL;
+}
+
+static int names_slept(uint32_t word, uint32_t *d) {
+    fp3_instruction i;
+    if (fp3_word_decode(word, &i, NULL) || (i.op != FP3_OP_SLEEP && i.op != FP3_OP_LDS))
+        return 0;
+    *d = i.d;
+    return 1;
+}
+
+int fp3_image_slept(const fp3_image *image) {
+    uint32_t d;
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (names_slept(image->code[i], &d))
+            return (int)d;
+    return -1;
+}
+
+/* Images. */
+
+static int by_index(const void *left, const void *right) {
+    const fp3_constant *a = left, *b = right;
+    return (a->index > b->index) - (a->index < b->index);
+}
+
+/* Total, so that an image has one form only: labels of one place go by their names. */
+static int by_kind(const void *left, const void *right) {
+    const fp3_symbol *a = left, *b = right;
+    if (a->kind != b->kind)
+        return a->kind < b->kind ? -1 : 1;
+    if (a->index != b->index)
+        return a->index < b->index ? -1 : 1;
+    return strcmp(a->name, b->name);
+}
+
+static int by_name(const void *left, const void *right) {
+    return strcmp(*(const char *const *)left, *(const char *const *)right);
+}
+
+static fp3_status check_names(const fp3_image *image, fp3_error *error) {
+    if (image->symbol_count < 2)
+        return FP3_OK;
+    const char **names = malloc(image->symbol_count * sizeof *names);
+    if (!names)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < image->symbol_count; i++)
+        names[i] = image->symbols[i].name;
+    qsort(names, image->symbol_count, sizeof *names, by_name);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 1; !status && i < image->symbol_count; i++)
+        if (!strcmp(names[i - 1], names[i]))
+            status =
+                fp3_fail(error, FP3_E_PROGRAM, "the name '%s' stands for two things", names[i]);
+    free(names);
+    return status;
+}
+
+static fp3_status check_symbols(const fp3_image *image, fp3_error *error) {
+    const char *object[FP3_BANK_OBJECT_COUNT] = {0}, *shared[FP3_BANK_SHARED_COUNT] = {0};
+    char valued[FP3_BANK_SHARED_COUNT] = {0};
+    for (uint32_t i = 0; i < image->constant_count; i++) {
+        uint32_t index = image->constants[i].index;
+        if (index >= FP3_BANK_SHARED_COUNT)
+            return fp3_fail(error, FP3_E_PROGRAM, "value %u is for shared constant %u of %d", i,
+                            index, FP3_BANK_SHARED_COUNT);
+        if (valued[index])
+            return fp3_fail(error, FP3_E_PROGRAM, "shared constant %u has two values", index);
+        valued[index] = 1;
+    }
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *symbol = &image->symbols[i];
+        if (symbol->kind >= FP3_SYMBOL_KINDS)
+            return fp3_fail(error, FP3_E_PROGRAM, "symbol %u is of the unknown kind %u", i,
+                            (unsigned)symbol->kind);
+        if (!memchr(symbol->name, 0, FP3_NAME_SIZE) || !fp3_name_valid(symbol->name))
+            return fp3_fail(error, FP3_E_PROGRAM, "symbol %u has '%.*s' for a name", i,
+                            FP3_NAME_SIZE - 1, symbol->name);
+        if (symbol->kind == FP3_SYMBOL_LABEL) {
+            if (symbol->index > image->code_count)
+                return fp3_fail(error, FP3_E_PROGRAM,
+                                "label '%s' is at %u, after the %u code words", symbol->name,
+                                symbol->index, image->code_count);
+            continue;
+        }
+        int is_object = fp3_kind_is_object(symbol->kind);
+        uint32_t count = is_object ? FP3_BANK_OBJECT_COUNT : FP3_BANK_SHARED_COUNT;
+        if (symbol->index >= count)
+            return fp3_fail(error, FP3_E_PROGRAM, "%s '%s' is register %u of %u",
+                            fp3_kind_name(symbol->kind), symbol->name, symbol->index, count);
+        const char **owner = is_object ? &object[symbol->index] : &shared[symbol->index];
+        if (*owner)
+            return fp3_fail(error, FP3_E_PROGRAM, "'%s' and '%s' are both %c%u", *owner,
+                            symbol->name, is_object ? 'r' : 'k', symbol->index);
+        *owner = symbol->name;
+        if (symbol->kind == FP3_SYMBOL_CONST && !valued[symbol->index])
+            return fp3_fail(error, FP3_E_PROGRAM, "const '%s' has no value", symbol->name);
+        if (symbol->kind == FP3_SYMBOL_SHARED && valued[symbol->index])
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "shared '%s' has a value, but the host gives it one", symbol->name);
+    }
+    return check_names(image, error);
+}
+
+/* The host finds out from one register of an object whether it sleeps, and keeps it. */
+static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
+    const int slept = fp3_image_slept(image);
+    if (slept < 0)
+        return FP3_OK;
+    uint32_t d;
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (names_slept(image->code[i], &d) && d != (uint32_t)slept)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "code word %u sleeps in r%u, but one before it in r%d: a program has "
+                            "one sleep register",
+                            i, d, slept);
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *s = &image->symbols[i];
+        if (s->index == (uint32_t)slept && fp3_kind_is_object(s->kind) &&
+            s->kind != FP3_SYMBOL_STATE)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "r%d, in which objects sleep, is the %s '%s' and not a state", slept,
+                            fp3_kind_name(s->kind), s->name);
+    }
+    return FP3_OK;
+}
+
+static void raise_to(uint32_t *highest, uint32_t value) {
+    if (*highest < value)
+        *highest = value;
+}
+
+static void count_operand(fp3_image *image, uint32_t operand) {
+    if (operand < FP3_BANK_SHARED_BASE)
+        raise_to(&image->registers, operand - FP3_BANK_OBJECT_BASE + 1);
+    else
+        raise_to(&image->shared, operand - FP3_BANK_SHARED_BASE + 1);
+}
+
+static void count_used(fp3_image *image) {
+    image->registers = image->shared = 0;
+    for (uint32_t i = 0; i < image->code_count; i++) {
+        fp3_instruction word;
+        if (fp3_word_decode(image->code[i], &word, NULL))
+            continue;
+        for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++)
+            count_operand(image, fp3_operand(&word, *letter));
+    }
+    for (uint32_t i = 0; i < image->constant_count; i++)
+        raise_to(&image->shared, image->constants[i].index + 1);
+    for (uint32_t i = 0; i < image->symbol_count; i++)
+        if (image->symbols[i].kind != FP3_SYMBOL_LABEL)
+            raise_to(fp3_kind_is_object(image->symbols[i].kind) ? &image->registers
+                                                                : &image->shared,
+                     image->symbols[i].index + 1);
+}
+
+static void *copied(const void *from, size_t bytes) {
+    void *to = malloc(bytes ? bytes : 1);
+    if (to && bytes)
+        memcpy(to, from, bytes);
+    return to;
+}
+
+fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error) {
+    *image = NULL;
+    if (draft->code_count > FP3_IMAGE_CODE_LIMIT)
+        return fp3_fail(error, FP3_E_PROGRAM, "%u code words; %u are possible", draft->code_count,
+                        FP3_IMAGE_CODE_LIMIT);
+    if (draft->step >= draft->last || draft->last > draft->code_count)
+        return fp3_fail(error, FP3_E_PROGRAM, "the step part is %u to %u of %u code words",
+                        draft->step, draft->last, draft->code_count);
+    if (draft->constant_count > FP3_BANK_SHARED_COUNT)
+        return fp3_fail(error, FP3_E_PROGRAM, "%u values for %d shared constants",
+                        draft->constant_count, FP3_BANK_SHARED_COUNT);
+    if (draft->symbol_count > FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT + FP3_IMAGE_LABEL_LIMIT)
+        return fp3_fail(error, FP3_E_PROGRAM, "%u symbols are too many", draft->symbol_count);
+    fp3_status status = check_symbols(draft, error);
+    if (!status)
+        status = check_slept(draft, error);
+    if (status)
+        return status;
+
+    uint32_t *code = copied(draft->code, draft->code_count * sizeof *code);
+    fp3_constant *constants = copied(draft->constants, draft->constant_count * sizeof *constants);
+    fp3_symbol *symbols = copied(draft->symbols, draft->symbol_count * sizeof *symbols);
+    fp3_image *made = copied(draft, sizeof *draft);
+    if (!code || !constants || !symbols || !made) {
+        free(code);
+        free(constants);
+        free(symbols);
+        free(made);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    qsort(constants, draft->constant_count, sizeof *constants, by_index);
+    qsort(symbols, draft->symbol_count, sizeof *symbols, by_kind);
+    made->code = code;
+    made->constants = constants;
+    made->symbols = symbols;
+    count_used(made);
+    *image = made;
+    return FP3_OK;
+}
+
+void fp3_image_free(fp3_image **image) {
+    if (!image || !*image)
+        return;
+    free((void *)(*image)->code);
+    free((void *)(*image)->constants);
+    free((void *)(*image)->symbols);
+    free(*image);
+    *image = NULL;
+}

@@ -1,0 +1,208 @@
+/* read.c - models: read, copied out of the parser, freed. */
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "parse.h"
+
+enum { DEFAULT_STEPS = 1000 }; /* of the span, where a model has none */
+
+static const char name_bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+
+/* A model that has no name is called like its file. */
+static void default_name(const char *path, char name[FP3_NAME_SIZE]) {
+    const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    size_t length = strcspn(base, ".");
+    if (length > FP3_NAME_SIZE - 2)
+        length = FP3_NAME_SIZE - 2;
+    memset(name, 0, FP3_NAME_SIZE);
+    for (size_t i = 0; i < length; i++)
+        name[i] = strchr(name_bytes, base[i]) ? base[i] : '_';
+    if (fp3_name_valid(name))
+        return;
+    memmove(name + 1, name, length);
+    name[0] = '_';
+}
+
+/* A copy of an array, one element long at least; NULL when out of memory. */
+static void *copy(const void *array, uint32_t count, size_t element) {
+    void *made = calloc((size_t)count + 1, element);
+    if (made)
+        memcpy(made, array, count * element);
+    return made;
+}
+
+static fp3_quantity *take_quantities(ode_quantity *from, uint32_t count) {
+    fp3_quantity *made = calloc((size_t)count + 1, sizeof *made);
+    for (uint32_t i = 0; made && i < count; i++) {
+        made[i] = from[i].quantity;
+        from[i].quantity.unit = from[i].quantity.doc = NULL;
+    }
+    return made;
+}
+
+static fp3_model *take_model(ode_parser *p, const char *path) {
+    fp3_model *m = calloc(1, sizeof *m);
+    if (!m)
+        return NULL;
+    memcpy(m->name, p->model_name, sizeof m->name);
+    if (!p->model_at.line)
+        default_name(path, m->name);
+    m->doc = p->model_doc ? p->model_doc : calloc(1, 1);
+    p->model_doc = NULL;
+    m->step = p->step.value;
+    m->span = p->span.at.line ? p->span.value : DEFAULT_STEPS * m->step;
+    m->state_count = p->state_count;
+    m->param_count = p->param_count;
+    m->definition_count = p->definition_count;
+    m->invariant_count = p->invariant_count;
+    m->expr_count = p->expr_count;
+    m->states = take_quantities(p->states, p->state_count);
+    m->params = take_quantities(p->params, p->param_count);
+    m->definitions = copy(p->definitions, p->definition_count, sizeof *p->definitions);
+    m->invariants = copy(p->invariants, p->invariant_count, sizeof *p->invariants);
+    m->exprs = copy(p->exprs, p->expr_count, sizeof *p->exprs);
+    if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->exprs)
+        fp3_model_free(&m);
+    return m;
+}
+
+static void free_quantities(fp3_quantity *quantities, uint32_t count) {
+    for (uint32_t i = 0; quantities && i < count; i++) {
+        free(quantities[i].unit);
+        free(quantities[i].doc);
+    }
+    free(quantities);
+}
+
+void fp3_model_free(fp3_model **model) {
+    fp3_model *m = *model;
+    if (!m)
+        return;
+    free_quantities(m->states, m->state_count);
+    free_quantities(m->params, m->param_count);
+    free(m->definitions);
+    free(m->invariants);
+    free(m->exprs);
+    free(m->doc);
+    free(m);
+    *model = NULL;
+}
+
+static void free_parser(ode_parser *p) {
+    for (uint32_t i = 0; i < p->state_count; i++) {
+        free(p->states[i].quantity.unit);
+        free(p->states[i].quantity.doc);
+    }
+    for (uint32_t i = 0; i < p->param_count; i++) {
+        free(p->params[i].quantity.unit);
+        free(p->params[i].quantity.doc);
+    }
+    free(p->model_doc);
+    free(p);
+}
+
+static fp3_status take_result(ode_parser *p, const char *name, fp3_model **model, char **report,
+                              fp3_error *error) {
+    if (!p->out_of_memory && p->report.count > 0) {
+        *report = fp3_report_text(&p->report);
+        if (*report)
+            return fp3_fail(error, FP3_E_PROGRAM, "%.*s", (int)strcspn(*report, "\n"), *report);
+    } else if (!p->out_of_memory && (*model = take_model(p, name))) {
+        return FP3_OK;
+    }
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+static fp3_status too_long(const char *name, size_t size, char **report, fp3_error *error) {
+    fp3_error made;
+    fp3_fail(&made, FP3_E_PROGRAM, "%.200s:1:1: error: found %zu bytes, expected at most %d", name,
+             size, ODE_SOURCE_MAX);
+    size_t length = strlen(made.text);
+    *report = calloc(length + 2, 1);
+    if (!*report)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    memcpy(*report, made.text, length);
+    (*report)[length] = '\n';
+    return fp3_fail(error, FP3_E_PROGRAM, "%s", made.text);
+}
+
+/* The program may have set a locale that reads 0.5 as 0. "C" is built in: no failure. */
+static locale_t plain_numbers(locale_t *before) {
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    *before = uselocale(c);
+    return c;
+}
+
+static void restore_numbers(locale_t c, locale_t before) {
+    uselocale(before);
+    freelocale(c);
+}
+
+fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3_model **model,
+                          char **report, fp3_error *error) {
+    *model = NULL;
+    *report = NULL;
+    if (size > ODE_SOURCE_MAX)
+        return too_long(name, size, report, error);
+    ode_parser *p = calloc(1, sizeof *p);
+    if (!p)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    locale_t before, c = plain_numbers(&before);
+    fp3_ode_start(p, source, size, name);
+    fp3_ode_parse(p);
+    restore_numbers(c, before);
+    fp3_status status = take_result(p, name, model, report, error);
+    free_parser(p);
+    return status;
+}
+
+fp3_status fp3_model_load(const char *path, fp3_model **model, char **report, fp3_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    *model = NULL;
+    *report = NULL;
+    fp3_status status = fp3_file_read(path, &text, &size, error);
+    if (!status)
+        status = fp3_model_read(text, size, path, model, report, error);
+    free(text);
+    return status;
+}
+
+fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error) {
+    ode_parser *p = calloc(1, sizeof *p);
+    if (!p)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    ode_constant constant;
+    locale_t before, c = plain_numbers(&before);
+    fp3_ode_start(p, text, strlen(text), "");
+    int is_good = fp3_ode_constant(p, ODE_IN_CONSTANT, 1, ODE_WITHOUT_UNIT, &constant);
+    if (p->next.kind != TOKEN_END_OF_FILE)
+        fp3_ode_lost(p, "an operator or the end");
+    restore_numbers(c, before);
+    fp3_status status = FP3_OK;
+    if (p->report.count > 0)
+        status = fp3_fail(error, FP3_E_PROGRAM, "column %u: %s", p->report.entry[0].column,
+                          p->report.entry[0].text);
+    else if (is_good)
+        *value = constant.value[0];
+    free_parser(p);
+    return status;
+}
+
+static uint32_t find(const fp3_quantity *quantities, uint32_t count, const char *name) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!strcmp(quantities[i].name, name))
+            return i;
+    return FP3_NONE;
+}
+
+uint32_t fp3_model_state(const fp3_model *model, const char *name) {
+    return find(model->states, model->state_count, name);
+}
+
+uint32_t fp3_model_param(const fp3_model *model, const char *name) {
+    return find(model->params, model->param_count, name);
+}

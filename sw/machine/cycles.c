@@ -1,0 +1,193 @@
+/* cycles.c - the issue stage of the solo machine, and the sweeps of the other one, counted. */
+#include "cycles.h"
+
+#include <isa.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Before the first instruction issues, and after the last result is written. */
+#define SOLO_AROUND 4u
+
+uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op) {
+    switch (op) {
+    case FP3_OP_ADD:
+    case FP3_OP_SUB:
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        return config->add_latency;
+    case FP3_OP_MUL:
+        return config->mul_latency;
+    default:
+        return config->mul_latency + config->add_latency;
+    }
+}
+
+uint32_t fp3_cycles_delay(const fp3_config *config, uint32_t op) {
+    return fp3_cycles_latency(config, op) + (config->bypass ? 0 : 2);
+}
+
+int fp3_cycles_multiplies(uint32_t op) {
+    return op == FP3_OP_MUL || op == FP3_OP_MADD || op == FP3_OP_MSUB;
+}
+
+int fp3_cycles_adds(uint32_t op) { return op != FP3_OP_MUL; }
+
+/* ---- one instruction after the other ---- */
+
+typedef struct {
+    uint32_t delay;  /* from a result to its reader, beyond the latency */
+    int is_stalled;  /* nothing issues in a cycle in which a result is written */
+    uint64_t now;    /* the first cycle in which the next instruction may issue */
+    uint64_t writes; /* bit k: a result is written in cycle now + k */
+    uint64_t end;    /* the cycle of the last write */
+    uint64_t *ready; /* of each slot, when it is no longer busy */
+    uint32_t slots;
+} pipeline;
+
+static void issue(pipeline *p, const fp3_timed *in) {
+    uint64_t at = p->now > p->ready[in->d] ? p->now : p->ready[in->d];
+    for (uint32_t i = 0; i < in->source_count; i++)
+        if (p->ready[in->source[i]] > at)
+            at = p->ready[in->source[i]];
+    const uint64_t waits = at - p->now;
+    p->writes = waits < 64 ? p->writes >> waits : 0;
+    const uint32_t written = in->latency + 1;
+    for (; p->writes >> written & 1 || (p->is_stalled && p->writes & 1); at++)
+        p->writes >>= 1;
+    p->writes = (p->writes | UINT64_C(1) << written) >> 1;
+    p->ready[in->d] = at + in->latency + p->delay;
+    p->now = at + 1;
+    if (at + written > p->end)
+        p->end = at + written;
+}
+
+static void run(pipeline *p, const fp3_timed *code, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        issue(p, &code[i]);
+}
+
+static int open_pipeline(pipeline *p, const fp3_config *config, uint32_t slots) {
+    *p = (pipeline){.delay = config->bypass ? 0 : 2, .is_stalled = config->writeback_stall != 0};
+    p->slots = slots;
+    p->ready = config->mul_latency + config->add_latency <= FP3_LATENCY_LIMIT
+                   ? calloc(slots + 1, sizeof *p->ready)
+                   : NULL;
+    return p->ready != NULL;
+}
+
+/* ---- steps, until they repeat ---- */
+
+/* What the next instructions depend on: relative to now. */
+static int is_alike(const pipeline *p, const pipeline *q) {
+    if (p->writes != q->writes)
+        return 0;
+    for (uint32_t i = 0; i < p->slots; i++) {
+        const uint64_t a = p->ready[i] > p->now ? p->ready[i] - p->now : 0;
+        const uint64_t b = q->ready[i] > q->now ? q->ready[i] - q->now : 0;
+        if (a != b)
+            return 0;
+    }
+    return 1;
+}
+
+static void keep(pipeline *to, const pipeline *from) {
+    uint64_t *ready = to->ready;
+    memcpy(ready, from->ready, from->slots * sizeof *ready);
+    *to = *from;
+    to->ready = ready;
+}
+
+static void shift(pipeline *p, uint64_t cycles) {
+    p->now += cycles;
+    p->end += cycles;
+    for (uint32_t i = 0; i < p->slots; i++)
+        p->ready[i] += cycles;
+}
+
+/* Executes steps until one ends as an earlier one did, which *past then holds, or until all are
+ * made. (Brent: the state that is compared with is renewed after 1, 2, 4 .. steps.) Gives the
+ * steps in between, or 0. */
+static uint64_t find_period(pipeline *p, pipeline *past, const fp3_timed_program *program,
+                            uint64_t steps, uint64_t *made) {
+    uint64_t since = 0, power = 1;
+    keep(past, p);
+    for (*made = 0; *made < steps;) {
+        run(p, program->step, program->step_count);
+        ++*made;
+        if (is_alike(p, past))
+            return since + 1;
+        if (++since == power) {
+            keep(past, p);
+            power *= 2;
+            since = 0;
+        }
+    }
+    return 0;
+}
+
+uint64_t fp3_cycles_solo(const fp3_config *config, const fp3_timed_program *program,
+                         uint64_t steps) {
+    pipeline now, past = {0};
+    uint64_t cycles = 0, made = 0;
+    if (open_pipeline(&now, config, program->slots) &&
+        open_pipeline(&past, config, program->slots) && steps) {
+        run(&now, program->first, program->first_count);
+        const uint64_t period = find_period(&now, &past, program, steps, &made);
+        if (period) {
+            shift(&now, (steps - made) / period * (now.now - past.now));
+            for (uint64_t left = (steps - made) % period; left; left--)
+                run(&now, program->step, program->step_count);
+        }
+        run(&now, program->last, program->last_count);
+        cycles = now.end + SOLO_AROUND;
+    }
+    free(now.ready);
+    free(past.ready);
+    return cycles;
+}
+
+double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *program) {
+    /* A state is a few small numbers: they repeat long before this. */
+    const uint64_t enough = 100000;
+    pipeline now, past = {0};
+    uint64_t made;
+    double cycles = 0;
+    if (open_pipeline(&now, config, program->slots) &&
+        open_pipeline(&past, config, program->slots)) {
+        run(&now, program->first, program->first_count);
+        const uint64_t period = find_period(&now, &past, program, enough, &made);
+        if (period)
+            cycles = (double)(now.now - past.now) / (double)period;
+    }
+    free(now.ready);
+    free(past.ready);
+    return cycles;
+}
+
+/* ---- sweeps ---- */
+
+static uint32_t latency_of(const fp3_config *config) {
+    return config->mul_latency + config->add_latency + (config->schedulers > 1);
+}
+
+uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n) {
+    const uint32_t gap = latency_of(config) + 5;
+    return n > gap ? n : gap;
+}
+
+uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions) {
+    /* All comes to rest before the visits and after them: SETTLE of rtl/tile/sequencer.v. */
+    const uint64_t around = 2 * (latency_of(config) + config->lanes + 14) + 14;
+    uint64_t cycles = around;
+    /* A pause stands before a sweep, and there is none before the first. */
+    const uint32_t first = rows < config->contexts ? rows : config->contexts;
+    cycles -= fp3_cycles_sweep(config, first) - first;
+    for (uint32_t left = rows; left;) {
+        const uint32_t n = left < config->contexts ? left : config->contexts;
+        cycles += instructions * fp3_cycles_sweep(config, n);
+        left -= n;
+    }
+    return cycles;
+}

@@ -1,0 +1,50 @@
+/* cycles.h - how many cycles a sequence of instructions takes, exactly.
+ *
+ * The solo machine issues in order, so a sequence has one timing: an instruction issues when what
+ * it reads and what it writes is there, and when the write port is free in the cycle of its
+ * result. That covers the adder, too: a sum and a chained product that met there would be written
+ * in one cycle.
+ *
+ * The machine with contexts has no timing that depends on the instructions: it sweeps.
+ */
+#ifndef FP3_CYCLES_H
+#define FP3_CYCLES_H
+
+#include "config.h"
+#include <stdint.h>
+
+/* An instruction as the busy flags see it. Slots are registers, or whatever stands for them. */
+typedef struct {
+    uint32_t latency; /* operands to result */
+    uint32_t d, source[3], source_count;
+} fp3_timed;
+
+typedef struct {
+    const fp3_timed *first, *step, *last;
+    uint32_t first_count, step_count, last_count;
+    uint32_t slots;
+} fp3_timed_program;
+
+/* Cycles from operands to result, and from issue to the issue of a reader (solo machine). */
+uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op);
+uint32_t fp3_cycles_delay(const fp3_config *config, uint32_t op);
+
+/* Whether operations go through the multiplier, and through the adder, of a shared unit. */
+int fp3_cycles_multiplies(uint32_t op);
+int fp3_cycles_adds(uint32_t op);
+
+/* The solo machine's counter CYCLES after a run. 0: out of memory, or latencies beyond
+ * FP3_LATENCY_LIMIT. */
+#define FP3_LATENCY_LIMIT 60
+uint64_t fp3_cycles_solo(const fp3_config *config, const fp3_timed_program *program,
+                         uint64_t steps);
+/* What a step adds to it in the long run; 0 likewise. */
+double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *program);
+
+/* Interleaved, one scheduler per arithmetic unit. A sweep of n contexts, with the pause that it
+ * needs; and the counter CYCLES of a run that visits each object once, `rows` of them in each
+ * lane, with so many instructions in a visit: loads, first part, all steps, last part, stores. */
+uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n);
+uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions);
+
+#endif

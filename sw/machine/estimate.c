@@ -1,0 +1,37 @@
+/* estimate.c - see estimate.h; rtl/fp/fp_value.v does the same. */
+#include "estimate.h"
+
+#include <estimates.h>
+
+#define SIGN 0x80000000u
+#define INFINITE 0x7f800000u
+#define FRACTION 0x007fffffu
+
+static int is_nan(uint32_t a) { return (a & ~SIGN) > INFINITE; }
+
+static uint32_t exponent(uint32_t a) { return a >> 23 & 255; }
+
+uint32_t fp3_estimate_rcp(uint32_t a) {
+    const uint32_t sign = a & SIGN, e = exponent(a);
+    if (is_nan(a))
+        return a;
+    if (e == 0)
+        return sign | INFINITE;
+    if (e >= 253)
+        return sign;
+    return sign | (253 - e) << 23 | (uint32_t)fp3_estimates[(a & FRACTION) >> 13] << 14;
+}
+
+uint32_t fp3_estimate_rsqrt(uint32_t a) {
+    const uint32_t e = exponent(a), odd = e & 1;
+    if (is_nan(a))
+        return a;
+    if (e == 0)
+        return 0x5f000000;
+    if (a & SIGN)
+        return 0x7fc00000;
+    if (e == 255)
+        return 0;
+    const uint32_t entry = fp3_estimates[1024 + 512 * odd + ((a & FRACTION) >> 14)];
+    return (190 - (e + 1) / 2) << 23 | entry << (13 + odd);
+}

@@ -1,0 +1,231 @@
+/* place.c - which units run which group of objects.
+ *
+ * How many units each group gets is solved exactly; which schedulers share an arithmetic unit, where
+ * some do, by a rule of thumb.
+ */
+#include "placement.h"
+
+#include <fp3/image.h>
+#include <inttypes.h>
+#include <isa.h>
+#include <stdlib.h>
+
+#define ROWS_MAX 65536u
+#define ALL_STEPS                                                                                  \
+    1000u /* of a visit that makes all: enough that first and last part hardly count */
+
+uint32_t fp3_place_rows(const fp3_config *config, uint32_t log2) {
+    const uint32_t records =
+        config->store_words >> (log2 < FP3_RECORD_LOG2 ? FP3_RECORD_LOG2 : log2);
+    return records < ROWS_MAX ? records : ROWS_MAX;
+}
+
+static uint32_t divide_up(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
+
+uint32_t fp3_place_fullest(const fp3_config *config, uint32_t objects, uint32_t units) {
+    return divide_up(objects, (uint64_t)units * config->lanes);
+}
+
+/* ---- what it costs ---- */
+
+/* In a visit of one object: instructions, and how often it needs each unit. */
+typedef struct {
+    uint64_t issues, adds, muls;
+} uses;
+
+static uses uses_of(const fp3_program *program, uint32_t visit) {
+    enum { ADD = 1, MUL = 2, CHAIN = ADD | MUL, SLEEP = 0, MEMORY = 0 };
+    static const unsigned needs[] = {
+#define X(NAME, code, name, operands, unit) [FP3_OP_##NAME] = unit,
+        FP3_OPS(X)
+#undef X
+    };
+    uses sum = {0};
+    for (uint32_t pc = 0; pc < program->count; pc++) {
+        const uint64_t times = pc < program->step || pc >= program->last ? 1
+                               : visit                                   ? visit
+                                                                         : ALL_STEPS;
+        fp3_instruction in;
+        const unsigned of = fp3_word_decode(program->code[pc], &in, NULL) ? 0 : needs[in.op];
+        sum.issues += times;
+        sum.adds += of & ADD ? times : 0;
+        sum.muls += of & MUL ? times : 0;
+    }
+    return sum;
+}
+
+/* Cycles from a result's instruction to one that reads it (rtl/tile/tile.v, rtl/tile/sequencer.v). */
+static uint32_t gap(const fp3_config *config) {
+    return config->mul_latency + config->add_latency + (config->schedulers > 1) + 5;
+}
+
+/* Of one instruction for so many contexts; a shared unit is granted a cycle after it is asked for. */
+static uint64_t sweep(const fp3_config *config, uint32_t contexts) {
+    const uint32_t width = contexts + (config->schedulers > 1);
+    return contexts == 0 ? 0 : width > gap(config) ? width : gap(config);
+}
+
+static uint64_t cycles_of(const fp3_config *config, const uses *of, uint32_t rows) {
+    if (!config->interleave)
+        return of->issues;
+    const uint32_t drain = gap(config) + config->lanes + 20; /* at the end of a round */
+    return of->issues * (rows / config->contexts * sweep(config, config->contexts) +
+                         sweep(config, rows % config->contexts)) +
+           (rows ? drain : 0);
+}
+
+uint64_t fp3_place_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+                          uint32_t rows) {
+    const uses of = uses_of(program, visit);
+    return cycles_of(config, &of, rows);
+}
+
+/* ---- how many units each group gets ---- */
+
+typedef struct {
+    uses of;
+    uint32_t objects;
+    uint32_t units, least, most; /* what it has; what its objects need; beyond which none helps */
+    uint32_t homeless;           /* of its units: which ones they are is not decided */
+    uint64_t cycles;
+} share;
+
+static void give(const fp3_config *config, share *s, uint32_t units) {
+    s->units = units;
+    s->cycles = cycles_of(config, &s->of, fp3_place_fullest(config, s->objects, units));
+}
+
+static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_place *group) {
+    share s = {.of = uses_of(group->program, visit), .objects = group->objects, .least = 1};
+    if (config->interleave)
+        s.least = divide_up(group->objects,
+                            (uint64_t)fp3_place_rows(config, group->log2) * config->lanes);
+    /* A batch so short that its instructions wait for each other is as fast as it gets. */
+    const uint32_t waits = gap(config) - (config->schedulers > 1);
+    const uint32_t rows = config->contexts < waits ? config->contexts : waits;
+    s.most = divide_up(group->objects, (uint64_t)rows * config->lanes);
+    give(config, &s, s.least);
+    return s;
+}
+
+/* Who ends last of those whom one more unit may help; count if there is nobody. */
+static size_t slowest(const share *shares, size_t count) {
+    size_t found = count;
+    for (size_t i = 0; i < count; i++)
+        if (shares[i].units < shares[i].most &&
+            (found == count || shares[i].cycles > shares[found].cycles))
+            found = i;
+    return found;
+}
+
+/* Each further unit goes to the group that ends last. No other division ends earlier. For let T be
+ * the end of the best one. Cycles never rise with units, so a group that ends after T has fewer
+ * units than in the best division, and one that no unit helps ends by T. While some group ends after
+ * T, each unit so goes to one that has fewer than in the best division: none gets more than there,
+ * and before the units are used up all end by T. */
+static void divide(const fp3_config *config, share *shares, size_t count, uint32_t left) {
+    for (; left > 0; left--) {
+        const size_t i = slowest(shares, count);
+        if (i == count)
+            break;
+        give(config, &shares[i], shares[i].units + 1);
+    }
+    /* What helps nobody is dealt out. */
+    for (size_t i = 0; left > 0; i = (i + 1) % count, left--)
+        give(config, &shares[i], shares[i].units + 1);
+}
+
+static fp3_status check_room(const fp3_config *config, const share *shares, size_t count,
+                             fp3_error *error) {
+    const uint32_t units = fp3_config_units(config);
+    uint64_t needed = 0;
+    for (size_t i = 0; i < count; i++)
+        needed += shares[i].least;
+    if (needed > units)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "the objects of all groups need the stores of %" PRIu64
+                        " schedulers: configuration '%s' has %" PRIu32,
+                        needed, config->name, units);
+    return FP3_OK;
+}
+
+/* ---- which units these are ---- */
+
+static uint64_t most_of(uint64_t a, uint64_t b) { return a > b ? a : b; }
+
+/* What the schedulers of a tile need together. */
+typedef struct {
+    uint64_t cycles, adds, muls; /* of the longest; of all */
+    uint32_t schedulers;
+} tile;
+
+static tile with(const tile *t, const share *s) {
+    const uint64_t objects = divide_up(s->objects, s->units);
+    return (tile){most_of(t->cycles, s->cycles), t->adds + s->of.adds * objects,
+                  t->muls + s->of.muls * objects, t->schedulers + 1};
+}
+
+static uint64_t end_of(const tile *t) { return most_of(t->cycles, most_of(t->adds, t->muls)); }
+
+/* The tile that then ends earliest, of those that have a scheduler left. */
+static uint32_t best_tile(const fp3_config *config, const tile *tiles, const share *s) {
+    uint32_t best = config->tiles;
+    uint64_t end = UINT64_MAX;
+    for (uint32_t i = 0; i < config->tiles; i++) {
+        const tile then = with(&tiles[i], s);
+        if (tiles[i].schedulers < config->schedulers && end_of(&then) < end) {
+            best = i;
+            end = end_of(&then);
+        }
+    }
+    return best;
+}
+
+/* Who needs most comes first, and each goes where it hurts least: so a program that multiplies
+ * meets one that adds, and a long one a short one. A rule of thumb (longest first), not the best. */
+static void pair(const fp3_config *config, share *shares, size_t count, tile *tiles,
+                 uint32_t *group_of) {
+    for (uint32_t left = fp3_config_units(config); left > 0; left--) {
+        size_t next = count;
+        for (size_t i = 0; i < count; i++)
+            if (shares[i].homeless && (next == count || shares[i].cycles > shares[next].cycles))
+                next = i;
+        const uint32_t t = best_tile(config, tiles, &shares[next]);
+        group_of[t * config->schedulers + tiles[t].schedulers] = (uint32_t)next;
+        tiles[t] = with(&tiles[t], &shares[next]);
+        shares[next].homeless--;
+    }
+}
+
+static void in_order(const share *shares, size_t count, uint32_t *group_of) {
+    uint32_t unit = 0;
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t n = 0; n < shares[i].units; n++)
+            group_of[unit++] = (uint32_t)i;
+}
+
+fp3_status fp3_place(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
+                     size_t count, uint32_t *group_of, fp3_error *error) {
+    share *shares = calloc(count, sizeof *shares);
+    tile *tiles = calloc(config->tiles, sizeof *tiles);
+    fp3_status status = shares && tiles ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    uint32_t left = fp3_config_units(config);
+    for (size_t i = 0; !status && i < count; i++)
+        shares[i] = share_of(config, visit, &groups[i]);
+    if (!status)
+        status = check_room(config, shares, count, error);
+    for (size_t i = 0; !status && i < count; i++)
+        left -= shares[i].units;
+    if (!status) {
+        divide(config, shares, count, left);
+        for (size_t i = 0; i < count; i++)
+            shares[i].homeless = shares[i].units;
+        if (config->schedulers == 1)
+            in_order(shares, count, group_of);
+        else
+            pair(config, shares, count, tiles, group_of);
+    }
+    free(shares);
+    free(tiles);
+    return status;
+}
