@@ -2,7 +2,7 @@
 //
 // Purpose   The same requests that the C host sent to the processor under Verilator, sent to it
 //           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
-// Use       iverilog -DTOP=fp3_array -DUNITS=4 -DLANES=4 ...: the schedulers of all tiles, and the
+// Use       iverilog -DTOP=fp3_array -DSCHEDULERS=4 -DLANES=4 ...: the schedulers of all tiles, and the
 //           lanes of all schedulers; 1 and 1 unless they are given.
 //           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES]
 //           FILE, a line each, hexadecimal:
@@ -18,8 +18,8 @@
 `ifndef TOP
 `define TOP fp3_single
 `endif
-`ifndef UNITS
-`define UNITS 1
+`ifndef SCHEDULERS
+`define SCHEDULERS 1
 `endif
 `ifndef LANES
 `define LANES 1
@@ -33,16 +33,16 @@ module replay;
     reg  [31:0] req_addr, req_wdata;
     wire        req_ready, rsp_valid, rsp_error;
     wire [31:0] rsp_rdata;
-    // The trace: a part for each unit, a part for each lane, the first in the low bits.
-    localparam UNITS = `UNITS, LANES = `LANES;
-    wire [UNITS-1:0]    issue_valid;
-    wire [16*UNITS-1:0] issue_pc, issue_context;
-    wire [32*UNITS-1:0] issue_word;
-    wire [LANES-1:0]    retire_valid;
-    wire [16*LANES-1:0] retire_context;
-    wire [32*LANES-1:0] retire_object, retire_value;
-    wire [6*LANES-1:0]  retire_register;
-    wire [5*LANES-1:0]  retire_flags;
+    // The trace: a part for each scheduler, a part for each lane, the first in the low bits.
+    localparam SCHEDULERS = `SCHEDULERS, LANES = `LANES;
+    wire [SCHEDULERS-1:0]     issue_valid;
+    wire [16*SCHEDULERS-1:0]  issue_pc, issue_context;
+    wire [32*SCHEDULERS-1:0]  issue_word;
+    wire [LANES-1:0]          retire_valid;
+    wire [16*LANES-1:0]       retire_context;
+    wire [32*LANES-1:0]       retire_object, retire_value;
+    wire [6*LANES-1:0]        retire_register;
+    wire [5*LANES-1:0]        retire_flags;
 
     `TOP dut (
         .clk_i(clk), .rst_i(rst),
@@ -55,18 +55,18 @@ module replay;
         .retire_object_o(retire_object), .retire_register_o(retire_register),
         .retire_value_o(retire_value), .retire_flags_o(retire_flags));
 
-    // What a wave viewer shows as text: the instruction that a unit issues, the result that a lane
-    // writes.
+    // What a wave viewer shows as text: the instruction that a scheduler issues, the result that a
+    // lane writes.
     function [8*4-1:0] operand(input [6:0] field);
         operand = {field[6] ? "k" : "r", 8'h30 + field[5:0] / 8'd10, 8'h30 + field[5:0] % 8'd10, " "};
     endfunction
-    genvar u, n;
+    genvar s, n;
     generate
-        for (u = 0; u < UNITS; u = u + 1) begin : g_unit
-            wire        valid          = issue_valid[u];
-            wire [15:0] pc             = issue_pc[16*u +: 16];
-            wire [15:0] context_number = issue_context[16*u +: 16];
-            wire [31:0] word           = issue_word[32*u +: 32];
+        for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
+            wire        valid          = issue_valid[s];
+            wire [15:0] pc             = issue_pc[16*s +: 16];
+            wire [15:0] context_number = issue_context[16*s +: 16];
+            wire [31:0] word           = issue_word[32*s +: 32];
             wire [4:0]  code           = word[OP_HI:OP_LO];
             reg  [8*32-1:0] text = "";
             always @* begin

@@ -110,7 +110,7 @@ def clog2(n):
 
 
 def lane(row):
-    """One lane and its arithmetic; widths as in rtl/tile/workload.v."""
+    """One lane and its arithmetic; widths as in rtl/tile/tile_scheduler.v."""
     register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
     reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
     issue_w, retire_w, host_w = 11 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
@@ -131,7 +131,7 @@ def lane(row):
         "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
         "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
         "        .subtract_o(subtract), .kind_o(kind), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
-        f"    arith_chain #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
+        f"    lane_arith #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
         "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
     top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
                      [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")

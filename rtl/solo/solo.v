@@ -7,7 +7,7 @@
 //               │    ◄──     │     ◄────────┘
 //               └─ counters ◄┘
 //
-// Latency   See scheduler (a run), host_port (an access).
+// Latency   See solo_scheduler (a run), host_port (an access).
 // Hazard    Trace ports (issue_*, retire_*) are for simulation.
 `default_nettype none
 module solo #(
@@ -90,8 +90,8 @@ module solo #(
         .counters_clear_o(counters_clear), .counters_index_o(counters_index),
         .counters_value_i(counters_value));
 
-    scheduler #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .BYPASS(BYPASS), .WRITEBACK_STALL(WRITEBACK_STALL),
-                .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
+    solo_scheduler #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .BYPASS(BYPASS), .WRITEBACK_STALL(WRITEBACK_STALL),
+                     .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .step_i(step), .step_end_i(step_end),
         .end_i(last_end), .running_o(running), .illegal_o(illegal),
@@ -110,9 +110,9 @@ module solo #(
         .retire_flags_o(retire_flags));
     assign retire_flags_o = FLAGS != 0 ? retire_flags : 5'd0;
 
-    arith_unit #(.CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
+    solo_arith #(.CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
-                 .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith_unit (
+                 .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
         .clk_i(clk_i), .rst_i(rst_i),
         .chain_i(chain), .subtract_i(subtract), .kind_i(value_kind), .add_a_i(a), .add_b_i(b),
         .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon),

@@ -69,9 +69,9 @@ module tile #(
     genvar s, l;
     generate
         for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
-            workload #(.REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS), .PROGRAM_WORDS(PROGRAM_WORDS),
-                       .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
-                       .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_workload (
+            tile_scheduler #(.REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS), .PROGRAM_WORDS(PROGRAM_WORDS),
+                             .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
+                             .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_scheduler (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -97,7 +97,7 @@ module tile #(
             assign grant = 1'b1;
             wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
-                arith_chain #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+                lane_arith #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
                               .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
                     .clk_i(clk_i), .subtract_i(subtract[l]), .kind_i(kind[4*l +: 4]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
                     .z_i(zs[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
@@ -108,7 +108,7 @@ module tile #(
                 .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
             delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
-            arith_shared #(.N(SCHEDULERS), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
+            shared_arith #(.N(SCHEDULERS), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
                            .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
                 .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),
                 .twice_i(twice), .half_i(half), .kind_i(kind),

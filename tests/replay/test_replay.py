@@ -79,7 +79,7 @@ def shape(root, config):
     text = (root / f"rtl/gen/fp3_{config}.v").read_text()
     tiles, schedulers, lanes = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
                                 for name in ("TILES", "SCHEDULERS", "LANES"))
-    return [f"-DTOP=fp3_{config}", f"-DUNITS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
+    return [f"-DTOP=fp3_{config}", f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
 
 
 @pytest.mark.parametrize("config", ["single", "lanes", "array"])
@@ -105,7 +105,7 @@ def hash_of_trace(cycles, order=lambda lanes: lanes):
 def trace(root, tmp_path_factory):
     """The bench around tests/replay/trace.v: a function that replays a text."""
     where = tmp_path_factory.mktemp("trace")
-    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DTOP=trace", "-DUNITS=2", "-DLANES=6",
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DTOP=trace", "-DSCHEDULERS=2", "-DLANES=6",
                  "-s", "replay", "-o", where / "x.vvp", "sim/replay.v", "tests/replay/trace.v", cwd=root)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
@@ -133,7 +133,7 @@ def test_addresses_have_32_bits(trace):
 
 
 @pytest.mark.smoke
-def test_each_unit_has_its_text(trace, tmp_path):
+def test_each_scheduler_has_its_text(trace, tmp_path):
     assert trace("w ffffff00 00000008\nr 00000000 ffffffff\n", f"+waves={tmp_path / 'x.vcd'}").returncode == 0
     text = texts_in_waves((tmp_path / "x.vcd").read_text())
     assert "madd  r00 r00 r33 r03" in text and "msub  r00 r00 r33 r03" in text and re.search(r"r\d+=[0-9a-f]{8}", text)

@@ -1,33 +1,33 @@
-// trace: stands in for a processor of two units with three lanes each, to test sim/replay.v alone.
+// trace: stands in for a processor of two schedulers with three lanes each, to test sim/replay.v alone.
 //
 // Every read gives the inverse of its address. A write at ffffff00 retires something for as many
 // cycles as it says, in some lanes: what, test_replay.py knows.
 `default_nettype none
 module trace #(
-    parameter UNITS = 2,
+    parameter SCHEDULERS = 2,
     parameter LANES = 6
 ) (
-    input  wire                clk_i,
-    input  wire                rst_i,
-    input  wire                req_valid_i,
-    output wire                req_ready_o,
-    input  wire                req_write_i,
-    input  wire [31:0]         req_addr_i,
-    input  wire [31:0]         req_wdata_i,
-    output reg                 rsp_valid_o,
-    input  wire                rsp_ready_i,
-    output reg  [31:0]         rsp_rdata_o,
-    output wire                rsp_error_o,
-    output wire [UNITS-1:0]    issue_valid_o,
-    output wire [16*UNITS-1:0] issue_pc_o,
-    output wire [16*UNITS-1:0] issue_context_o,
-    output wire [32*UNITS-1:0] issue_word_o,
-    output wire [LANES-1:0]    retire_valid_o,
-    output wire [16*LANES-1:0] retire_context_o,
-    output wire [32*LANES-1:0] retire_object_o,
-    output wire [6*LANES-1:0]  retire_register_o,
-    output wire [32*LANES-1:0] retire_value_o,
-    output wire [5*LANES-1:0]  retire_flags_o
+    input  wire                        clk_i,
+    input  wire                        rst_i,
+    input  wire                        req_valid_i,
+    output wire                        req_ready_o,
+    input  wire                        req_write_i,
+    input  wire [31:0]                 req_addr_i,
+    input  wire [31:0]                 req_wdata_i,
+    output reg                         rsp_valid_o,
+    input  wire                        rsp_ready_i,
+    output reg  [31:0]                 rsp_rdata_o,
+    output wire                        rsp_error_o,
+    output wire [SCHEDULERS-1:0]       issue_valid_o,
+    output wire [16*SCHEDULERS-1:0]    issue_pc_o,
+    output wire [16*SCHEDULERS-1:0]    issue_context_o,
+    output wire [32*SCHEDULERS-1:0]    issue_word_o,
+    output wire [LANES-1:0]            retire_valid_o,
+    output wire [16*LANES-1:0]         retire_context_o,
+    output wire [32*LANES-1:0]         retire_object_o,
+    output wire [6*LANES-1:0]          retire_register_o,
+    output wire [32*LANES-1:0]         retire_value_o,
+    output wire [5*LANES-1:0]          retire_flags_o
 );
     reg [31:0] left_q, time_q;
     wire busy = left_q != 32'd0;
@@ -47,13 +47,13 @@ module trace #(
             if (busy) {left_q, time_q} <= {left_q - 32'd1, time_q + 32'd1};
         end
 
-    genvar u, n;
+    genvar s, n;
     generate
-        for (u = 0; u < UNITS; u = u + 1) begin : g_unit
-            assign issue_valid_o[u]             = busy && time_q[u];
-            assign issue_pc_o[16*u +: 16]       = time_q[15:0];
-            assign issue_context_o[16*u +: 16]  = u;
-            assign issue_word_o[32*u +: 32]     = 32'h20001083 + 32'h08000000 * u;
+        for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
+            assign issue_valid_o[s]             = busy && time_q[s];
+            assign issue_pc_o[16*s +: 16]       = time_q[15:0];
+            assign issue_context_o[16*s +: 16]  = s;
+            assign issue_word_o[32*s +: 32]     = 32'h20001083 + 32'h08000000 * s;
         end
         for (n = 0; n < LANES; n = n + 1) begin : g_lane
             wire [31:0] mix = 32'd2654435761 * (time_q * 32'd64 + n + 32'd1);

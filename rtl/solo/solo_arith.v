@@ -1,4 +1,4 @@
-// arith_unit: the pipelined adder and multiplier, and the chain from one to the other.
+// solo_arith: the pipelined adder and multiplier, and the chain from one to the other.
 //
 // Purpose   One door to the floating-point cores: operands go in every cycle, meant or not, and
 //           a result appears a fixed number of cycles later in the unit's result register.
@@ -12,7 +12,7 @@
 // Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
 //           an addition must not be sent there then.
 `default_nettype none
-module arith_unit #(
+module solo_arith #(
     parameter        CHAIN       = 1,  // multiply-add by chaining: two roundings
     parameter        SELECT      = 0,  // see fp_value; they go the way of a chain
     parameter        ESTIMATE    = 0,

@@ -1,4 +1,4 @@
-// arith_chain: d = z + x * y or z - x * y, multiplied, rounded, added, rounded.
+// lane_arith: d = z + x * y or z - x * y, multiplied, rounded, added, rounded.
 //
 // Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go
 //           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1. What fp_value makes
@@ -7,11 +7,11 @@
 // Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
 // Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
 //
-//     arith_chain #(.ADD_LATENCY(8), .MUL_LATENCY(8)) u (.clk_i(clk_i), .subtract_i(1'b1),
+//     lane_arith #(.ADD_LATENCY(8), .MUL_LATENCY(8)) u (.clk_i(clk_i), .subtract_i(1'b1),
 //         .x_i(x), .y_i(y), .z_i(z), .value_o(d), .flags_o(flags));
 //     // sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000, no flag
 `default_nettype none
-module arith_chain #(
+module lane_arith #(
     parameter        SELECT      = 0,      // see fp_value
     parameter        ESTIMATE    = 0,
     parameter        SUBNORMAL   = 1,      // see fp_add, fp_mul

@@ -1,5 +1,5 @@
-// scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and writes
-// the results back, for one object in the shortest time. (For many objects: sequencer and lane.)
+// solo_scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and
+// writes the results back, for one object in the shortest time. (For many: tile_scheduler.)
 //
 // Purpose   The paper's instruction memory, register file and busy flags. An instruction issues
 //           when none of its registers is flagged, its unit takes it, and the register file will
@@ -15,7 +15,7 @@
 //           read from the register file two cycles later.
 // Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
 `default_nettype none
-module scheduler #(
+module solo_scheduler #(
     parameter REGISTER_W      = 5,     // 2^REGISTER_W registers, and as many constants
     parameter PROGRAM_W       = 9,     // 2^PROGRAM_W instruction words
     parameter BYPASS          = 1,

@@ -1,4 +1,4 @@
-// workload: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
+// tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
 //
 // Purpose   Puts together what belongs to one program: host registers, counters, the sequencer and
 //           the lanes that follow it, each a cycle after the one before.
@@ -11,7 +11,7 @@
 // Hazard    Operands leave and results arrive as lane says; adds_o and muls_o ask for a unit two
 //           cycles before the first lane says the instruction, five before its operands.
 `default_nettype none
-module workload #(
+module tile_scheduler #(
     parameter REGISTERS     = 32,
     parameter CONTEXTS      = 24,
     parameter PROGRAM_WORDS = 512,

@@ -1,4 +1,4 @@
-// arith_shared: one adder and one multiplier for several schedulers.
+// shared_arith: one adder and one multiplier for several schedulers.
 //
 // Purpose   The paper's Figure 3. In each cycle one scheduler may use the adder, one, perhaps
 //           another, the multiplier, and one that chains uses both. All results are equally late:
@@ -12,7 +12,7 @@
 // Hazard    adds_i and muls_i come in the cycle of the operands, at most one scheduler in each.
 //           Each scheduler knows when a result is its own; the unit only remembers which kind.
 `default_nettype none
-module arith_shared #(
+module shared_arith #(
     parameter        N           = 2,  // schedulers
     parameter        SCALE       = 0,  // a sum may take 2 * x, or x / 2
     parameter        SELECT      = 0,  // see fp_value
