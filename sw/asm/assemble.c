@@ -39,7 +39,7 @@ static void allocate_names(assembler *a) {
             a->taken[a->declarations[i].operand] = 1;
     for (uint32_t i = 0; i < a->declaration_count; i++) {
         declaration *d = &a->declarations[i];
-        int object = fp3_kind_is_object(d->kind);
+        int object = fp3_class_is_object(d->symbol_class);
         if (d->operand == NOWHERE)
             d->operand = allocate(a, object);
         if (d->operand == NOWHERE) {
@@ -51,7 +51,7 @@ static void allocate_names(assembler *a) {
             d->operand = object ? FP3_BANK_OBJECT_BASE : FP3_BANK_SHARED_BASE;
             continue;
         }
-        if (d->kind == FP3_SYMBOL_CONST)
+        if (d->symbol_class == FP3_SYMBOL_CONST)
             a->constants[a->constant_count++] =
                 (fp3_constant){d->operand - FP3_BANK_SHARED_BASE, d->bits};
     }
@@ -143,11 +143,11 @@ static void check_slept(assembler *a, token t, uint32_t operand) {
     }
     for (uint32_t i = 0; i < a->declaration_count; i++) {
         const declaration *d = &a->declarations[i];
-        if (d->operand == operand && d->kind != FP3_SYMBOL_STATE) {
+        if (d->operand == operand && d->symbol_class != FP3_SYMBOL_STATE) {
             fp3_report_expected(&a->report, t,
                                 "a .state, or a register without a name, to sleep in (line %u "
                                 "declares a .%s)",
-                                d->at.line, fp3_kind_name(d->kind));
+                                d->at.line, fp3_class_name(d->symbol_class));
             return;
         }
     }
@@ -199,7 +199,7 @@ static fp3_status finish(assembler *a, fp3_assembly *result, fp3_error *error) {
         if (d->at.kind != TOKEN_NAME)
             continue;
         uint32_t base = is_object(d->operand) ? FP3_BANK_OBJECT_BASE : FP3_BANK_SHARED_BASE;
-        symbols[count].kind = d->kind;
+        symbols[count].symbol_class = d->symbol_class;
         symbols[count].index = d->operand - base;
         memcpy(symbols[count++].name, d->at.text, d->at.length);
     }

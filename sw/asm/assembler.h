@@ -12,7 +12,7 @@ enum { OPERAND_LIMIT = 4, REGISTERS = FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_CO
 
 typedef struct {
     token at;
-    fp3_symbol_kind kind;
+    fp3_symbol_class symbol_class;
     uint32_t operand; /* as in a word; NOWHERE until it is allocated */
     uint32_t bits;    /* of a const */
 } declaration;

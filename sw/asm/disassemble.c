@@ -113,12 +113,12 @@ static void write_declarations(const view *v, FILE *out) {
     char text[FP3_NUMBER_TEXT_SIZE], place[FP3_NAME_SIZE];
     for (uint32_t i = 0; i < v->image->symbol_count; i++) {
         const fp3_symbol *s = &v->image->symbols[i];
-        if (s->kind == FP3_SYMBOL_LABEL)
+        if (s->symbol_class == FP3_SYMBOL_LABEL)
             continue;
-        int object = fp3_kind_is_object(s->kind);
-        fprintf(out, ".%-6s %s = %c%u", fp3_kind_name(s->kind), s->name,
+        int object = fp3_class_is_object(s->symbol_class);
+        fprintf(out, ".%-6s %s = %c%u", fp3_class_name(s->symbol_class), s->name,
                 object ? FP3_BANK_OBJECT_PREFIX : FP3_BANK_SHARED_PREFIX, s->index);
-        if (s->kind == FP3_SYMBOL_CONST) {
+        if (s->symbol_class == FP3_SYMBOL_CONST) {
             fp3_number_text(*fp3_image_value(v->image, s->index), text);
             fprintf(out, " %s", text);
         }
@@ -141,7 +141,7 @@ static void write_labels(const fp3_image *image, uint32_t place, FILE *out) {
     if (place == image->last && place < image->code_count)
         fprintf(out, "last:\n");
     for (uint32_t i = 0; i < image->symbol_count; i++)
-        if (image->symbols[i].kind == FP3_SYMBOL_LABEL && image->symbols[i].index == place)
+        if (image->symbols[i].symbol_class == FP3_SYMBOL_LABEL && image->symbols[i].index == place)
             fprintf(out, "%s:\n", image->symbols[i].name);
 }
 

@@ -7,18 +7,18 @@
 
 static void write_registers(const fp3_image *image, FILE *out) {
     char text[FP3_NUMBER_TEXT_SIZE];
-    fprintf(out, "\nregister kind    name and value\n");
+    fprintf(out, "\nregister class   name and value\n");
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *s = &image->symbols[i];
-        if (s->kind == FP3_SYMBOL_LABEL)
+        if (s->symbol_class == FP3_SYMBOL_LABEL)
             continue;
-        int object = fp3_kind_is_object(s->kind);
+        int object = fp3_class_is_object(s->symbol_class);
         text[0] = 0;
-        if (s->kind == FP3_SYMBOL_CONST)
+        if (s->symbol_class == FP3_SYMBOL_CONST)
             fp3_number_text(*fp3_image_value(image, s->index), text);
         fprintf(out, "%c%-7u .%-6s %s%s%s\n",
                 object ? FP3_BANK_OBJECT_PREFIX : FP3_BANK_SHARED_PREFIX, s->index,
-                fp3_kind_name(s->kind), s->name, *text ? " " : "", text);
+                fp3_class_name(s->symbol_class), s->name, *text ? " " : "", text);
     }
     for (uint32_t i = 0; i < image->constant_count; i++) {
         if (fp3_image_name(image, FP3_BANK_SHARED_BASE + image->constants[i].index))

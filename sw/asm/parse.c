@@ -70,23 +70,23 @@ static int new_name(assembler *a, token name) {
 /* "= r5" after a name. Returns 0 after reporting what the line cannot go on from. */
 static int parse_fixed(assembler *a, declaration *made) {
     advance(a);
-    int object = fp3_kind_is_object(made->kind);
+    int object = fp3_class_is_object(made->symbol_class);
     char prefix = object ? FP3_BANK_OBJECT_PREFIX : FP3_BANK_SHARED_PREFIX;
     int count = object ? FP3_BANK_OBJECT_COUNT : FP3_BANK_SHARED_COUNT;
     uint32_t operand;
     if (!fp3_token_register(a->next, &operand) || operand == UINT32_MAX ||
         is_object(operand) != object) {
         fp3_report_expected(&a->report, a->next, "a register %c0 to %c%d for a .%s", prefix, prefix,
-                            count - 1, fp3_kind_name(made->kind));
+                            count - 1, fp3_class_name(made->symbol_class));
         return 0;
     }
     made->operand = operand;
     return 1;
 }
 
-static int parse_declaration(assembler *a, fp3_symbol_kind kind) {
-    declaration made = {.at = a->next, .kind = kind, .operand = NOWHERE};
-    int unnamed = kind == FP3_SYMBOL_CONST && made.at.kind == TOKEN_RAW;
+static int parse_declaration(assembler *a, fp3_symbol_class symbol_class) {
+    declaration made = {.at = a->next, .symbol_class = symbol_class, .operand = NOWHERE};
+    int unnamed = symbol_class == FP3_SYMBOL_CONST && made.at.kind == TOKEN_RAW;
     int good = 1, readable = 1;
     token fixed_at = made.at;
     if (unnamed) {
@@ -109,7 +109,7 @@ static int parse_declaration(assembler *a, fp3_symbol_kind kind) {
             advance(a);
         }
     }
-    if (kind == FP3_SYMBOL_CONST) {
+    if (symbol_class == FP3_SYMBOL_CONST) {
         const char *expected = fp3_token_number(a->next, &made.bits);
         if (expected) /* the name counts all the same: its uses are right */
             fp3_report_expected(&a->report, a->next, "%s", expected);
@@ -137,13 +137,13 @@ static int parse_declaration(assembler *a, fp3_symbol_kind kind) {
 static void parse_directive(assembler *a) {
     token directive = a->next;
     advance(a);
-    for (fp3_symbol_kind kind = 0; kind < FP3_SYMBOL_LABEL; kind++) {
+    for (fp3_symbol_class symbol_class = 0; symbol_class < FP3_SYMBOL_LABEL; symbol_class++) {
         char text[16];
-        snprintf(text, sizeof text, ".%s", fp3_kind_name(kind));
+        snprintf(text, sizeof text, ".%s", fp3_class_name(symbol_class));
         if (!fp3_token_is(directive, text))
             continue;
         do
-            if (!parse_declaration(a, kind))
+            if (!parse_declaration(a, symbol_class))
                 return;
         while (a->next.kind != TOKEN_END && !fp3_report_full(&a->report) && !a->out_of_memory);
         return;
@@ -183,7 +183,7 @@ static void parse_label(assembler *a, token name) {
         fp3_report_expected(&a->report, name, "no more than %u labels", FP3_IMAGE_LABEL_LIMIT);
         return;
     }
-    fp3_symbol label = {.kind = FP3_SYMBOL_LABEL, .index = a->statement_count};
+    fp3_symbol label = {.symbol_class = FP3_SYMBOL_LABEL, .index = a->statement_count};
     memcpy(label.name, name.text, name.length);
     PUSH(a, a->labels, a->label_count, label);
     PUSH(a, a->label_tokens, a->label_count, name);

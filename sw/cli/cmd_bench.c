@@ -198,7 +198,8 @@ static void note_mismatch(const outcome *o, results *to) {
 
 /* After the first, so many as make the object-steps that one object is asked for. */
 static uint64_t steps_for(const options *o, const fp3_config *config) {
-    const uint64_t objects = (uint64_t)config->contexts * config->lanes * fp3_config_units(config);
+    const uint64_t objects =
+        (uint64_t)config->contexts * config->lanes * fp3_config_schedulers(config);
     const uint64_t least = o->steps < STEPS_LEAST ? o->steps : STEPS_LEAST;
     return o->steps / objects > least ? o->steps / objects : least;
 }

@@ -101,8 +101,8 @@ static fp3_status write_inputs(fp3_engine *engine, const fp3_compiled *c, size_t
                                const float *values) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_KINDS_HOST);
-        status = s->kind == FP3_SYMBOL_SHARED
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
+        status = s->symbol_class == FP3_SYMBOL_SHARED
                      ? fp3_engine_write_shared(engine, s->index, 1, &values[i])
                      : fp3_engine_write(engine, object, 1, s->index, &values[i]);
     }
@@ -120,7 +120,7 @@ static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machi
         fp3_compiled_reference(c, params, initial, model->step, &steps, 1, wanted, error);
     for (uint32_t s = 0; !status && s < model->state_count; s++) {
         float rtl = 0, by_model = 0;
-        if (!fp3_image_find(c->image, model->states[s].name, FP3_KIND(FP3_SYMBOL_STATE)))
+        if (!fp3_image_find(c->image, model->states[s].name, FP3_CLASS(FP3_SYMBOL_STATE)))
             continue;
         status = fp3_engine_get(k->rtl[machine], object, model->states[s].name, &rtl);
         if (!status)

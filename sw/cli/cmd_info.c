@@ -67,10 +67,10 @@ static void print_needs(const fp3_image *image) {
         printf("\n");
 }
 
-static void print_names(const fp3_image *image, fp3_symbol_kind kind, const char *title) {
+static void print_names(const fp3_image *image, fp3_symbol_class symbol_class, const char *title) {
     int found = 0;
     for (uint32_t i = 0; i < image->symbol_count; i++)
-        if (image->symbols[i].kind == kind) {
+        if (image->symbols[i].symbol_class == symbol_class) {
             printf(found ? " %s" : "%-11s %s", found ? image->symbols[i].name : title,
                    image->symbols[i].name);
             found = 1;

@@ -178,7 +178,7 @@ static void print_states(fp3_engine *engine, const part *of, int all) {
     const size_t shown = all || of->objects < SHOWN ? of->objects : SHOWN;
     for (size_t n = 0; n < shown; n++)
         for (uint32_t i = 0; i < of->image->symbol_count; i++)
-            if (of->image->symbols[i].kind == FP3_SYMBOL_STATE)
+            if (of->image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
                 print_state(engine, &of->image->symbols[i], of->first + n,
                             (int)of->image->symbols[i].index == slept);
     if (shown < of->objects)

@@ -138,7 +138,7 @@ static fp3_status get_values(fp3_params *params, values *x, fp3_error *error) {
 
 static void fill_golden(bench *b, const values *x, uint64_t object) {
     const uint64_t steps = b->what->steps, begin = object * (steps + 1);
-    const int is_thrust = b->own->kind == FP3_SYMBOL_PARAM;
+    const int is_thrust = b->own->symbol_class == FP3_SYMBOL_PARAM;
     const double n = (double)object;
     const fp3_ship ship = {(float)(is_thrust ? x->T * (1 + THRUST_APART * n) : x->T), (float)x->C,
                            (float)x->rm, (float)x->h};
@@ -237,14 +237,14 @@ static fp3_status prepare(bench *b, const fp3_image *image, fp3_error *error) {
     b->visit = b->is_interleaved && b->what->visit ? b->what->visit : steps;
     b->room = steps + 2 * ((steps + b->visit - 1) / b->visit);
     b->values = malloc(objects * sizeof *b->values);
-    b->own = fp3_image_find(image, "T", FP3_KIND(FP3_SYMBOL_PARAM));
+    b->own = fp3_image_find(image, "T", FP3_CLASS(FP3_SYMBOL_PARAM));
     if (!b->own)
-        b->own = fp3_image_find(image, "v", FP3_KIND(FP3_SYMBOL_STATE));
+        b->own = fp3_image_find(image, "v", FP3_CLASS(FP3_SYMBOL_STATE));
     fp3_status status = FP3_OK;
     for (int i = 0; i < 2 && !status; i++) {
         watch *w = &b->state[i];
         w->name = i ? "s" : "v";
-        const fp3_symbol *symbol = fp3_image_find(image, w->name, FP3_KIND(FP3_SYMBOL_STATE));
+        const fp3_symbol *symbol = fp3_image_find(image, w->name, FP3_CLASS(FP3_SYMBOL_STATE));
         if (!symbol)
             return fp3_fail(error, FP3_E_ARGUMENT, "no ship: there is no .state %s", w->name);
         w->reg = symbol->index;
@@ -267,7 +267,7 @@ static fp3_status copy_params(bench *b, const fp3_image *image, const fp3_params
     b->params.count = params->count;
     memcpy(b->params.list, params->list, params->count * sizeof *params->list);
     double eps;
-    if (!fp3_image_find(image, "eps", FP3_KIND(FP3_SYMBOL_SHARED)) ||
+    if (!fp3_image_find(image, "eps", FP3_CLASS(FP3_SYMBOL_SHARED)) ||
         !fp3_params_get(&b->params, "eps", &eps, NULL))
         return FP3_OK;
     return fp3_params_set(&b->params, "eps=0", error);

@@ -330,7 +330,7 @@ static char *head_of(const compiler *k, const fp3_compiled *made) {
 /* The assembler has given each name the register that the schedule means. */
 static fp3_status check_registers(const compiler *k, const fp3_image *image, fp3_error *error) {
     for (uint32_t i = 0; i < k->names.object_count; i++) {
-        const fp3_symbol *s = fp3_image_find(image, k->names.object[i], FP3_KINDS_OBJECT);
+        const fp3_symbol *s = fp3_image_find(image, k->names.object[i], FP3_CLASSES_OBJECT);
         if (!s || s->index != i)
             return fp3_fail(error, FP3_E_MISMATCH, "'%s' is not in register %" PRIu32,
                             k->names.object[i], i);

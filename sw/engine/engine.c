@@ -45,8 +45,8 @@ static fp3_status no_config(const fp3_engine_def *def) {
 
 static fp3_status count_objects(fp3_engine *engine) {
     const fp3_config *config = engine->config;
-    const uint32_t columns = fp3_config_units(config) * config->lanes;
-    const uint32_t most = config->interleave ? fp3_place_rows(config, 0) * columns : 1;
+    const uint32_t columns = fp3_config_schedulers(config) * config->lanes;
+    const uint32_t most = config->interleave ? fp3_placement_rows(config, 0) * columns : 1;
     const uint32_t full = config->contexts * columns;
     engine->objects = engine->def.objects ? engine->def.objects : full < most ? full : most;
     if (engine->objects > most || !most)
@@ -75,7 +75,7 @@ static fp3_status make_room(fp3_engine *engine) {
     if (status)
         return status;
     engine->slept = calloc(engine->objects, sizeof *engine->slept);
-    engine->counters = calloc(fp3_config_units(engine->config), sizeof *engine->counters);
+    engine->counters = calloc(fp3_config_schedulers(engine->config), sizeof *engine->counters);
     return engine->slept && engine->counters
                ? FP3_OK
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
@@ -218,8 +218,8 @@ static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
 /* What is there besides the image's words, and what an object needs of the store. */
 static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit, size_t objects) {
     const fp3_config *config = engine->config;
-    const uint32_t lanes = fp3_config_units(config) * config->lanes;
-    const uint64_t room = (uint64_t)fp3_place_rows(config, visit->log2) * lanes;
+    const uint32_t lanes = fp3_config_schedulers(config) * config->lanes;
+    const uint64_t room = (uint64_t)fp3_placement_rows(config, visit->log2) * lanes;
     if (visit->code_count > config->program_words)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "the program needs %" PRIu32
@@ -276,7 +276,7 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     if (objects < engine->objects)
         return fp3_fail(error, FP3_E_ARGUMENT, "groups of %zu objects: the engine has %" PRIu32,
                         objects, engine->objects);
-    const uint32_t units = fp3_config_units(engine->config);
+    const uint32_t units = fp3_config_schedulers(engine->config);
     if (count > units)
         return fp3_fail(
             error, FP3_E_PROGRAM,
@@ -352,7 +352,8 @@ static fp3_status move(fp3_engine *engine, luggage *l, int is_write) {
 }
 
 static fp3_status pack(fp3_engine *engine, luggage *l) {
-    const size_t constants = (size_t)fp3_config_units(engine->config) * engine->config->registers;
+    const size_t constants =
+        (size_t)fp3_config_schedulers(engine->config) * engine->config->registers;
     l->objects = calloc(engine->objects * packed(engine), sizeof *l->objects);
     l->constants = calloc(constants, sizeof *l->constants);
     if (!l->objects || !l->constants)
@@ -541,7 +542,7 @@ static fp3_status set_symbol(fp3_engine *engine, uint32_t number, const fp3_symb
                              float value) {
     const fp3_members *group = &engine->layout.groups[number];
     fp3_status status = FP3_OK;
-    if (symbol->kind == FP3_SYMBOL_SHARED)
+    if (symbol->symbol_class == FP3_SYMBOL_SHARED)
         return fp3_engine_write_shared_of(engine, number, symbol->index, 1, &value);
     for (size_t i = 0; !status && i < group->objects; i++)
         status = fp3_engine_write(engine, group->first + i, 1, symbol->index, &value);
@@ -553,7 +554,7 @@ fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {
     fp3_status status = check_loaded(engine);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_symbol *symbol =
-            fp3_image_find(engine->layout.groups[i].image, name, FP3_KINDS_HOST);
+            fp3_image_find(engine->layout.groups[i].image, name, FP3_CLASSES_HOST);
         if (symbol)
             status = set_symbol(engine, i, symbol, value);
         is_found |= symbol != NULL;
@@ -567,10 +568,10 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
         return status;
     const fp3_members *group = group_of(engine, object);
     const fp3_symbol *symbol =
-        fp3_image_find(group->image, name, FP3_KINDS_OBJECT | FP3_KINDS_SHARED);
+        fp3_image_find(group->image, name, FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
     if (!symbol)
         return no_name(engine, name);
-    if (FP3_KIND(symbol->kind) & FP3_KINDS_SHARED)
+    if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_SHARED)
         return fp3_engine_read_shared_of(engine, (size_t)(group - engine->layout.groups),
                                          symbol->index, 1, value);
     return fp3_engine_read(engine, object, 1, symbol->index, value);
@@ -639,7 +640,7 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
 
 /* After an end before its time nobody knows who slept, and the lists are in pieces. */
 static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    memset(engine->counters, 0, fp3_config_units(engine->config) * sizeof *engine->counters);
+    memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
     for (uint32_t i = 0; i < engine->layout.count; i++)
         engine->layout.groups[i].steps = 0;
     fp3_status status = list_who_is_awake(engine);
@@ -680,7 +681,7 @@ fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats) 
 
 fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
                                     uint64_t counter[FP3_COUNTER_COUNT]) {
-    const uint32_t units = fp3_config_units(engine->config);
+    const uint32_t units = fp3_config_schedulers(engine->config);
     fp3_status status = check_range(engine, "unit", unit, 1, units);
     if (!status)
         memcpy(counter, engine->counters[unit], sizeof engine->counters[unit]);
@@ -692,7 +693,7 @@ uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group) {
 }
 
 fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_place *place) {
-    fp3_status status = check_range(engine, "unit", unit, 1, fp3_config_units(engine->config));
+    fp3_status status = check_range(engine, "unit", unit, 1, fp3_config_schedulers(engine->config));
     if (!status)
         *place = (fp3_unit_place){engine->layout.duty[unit].group,
                                   fp3_layout_objects(&engine->layout, engine->config, unit)};

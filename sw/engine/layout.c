@@ -6,7 +6,7 @@
 
 fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout *layout,
                            fp3_error *error) {
-    const uint32_t units = fp3_config_units(config);
+    const uint32_t units = fp3_config_schedulers(config);
     *layout = (fp3_layout){.groups = calloc(count, sizeof *layout->groups),
                            .count = count,
                            .units = calloc(units, sizeof *layout->units),
@@ -42,7 +42,7 @@ static uint32_t log2_of(uint32_t count) {
 
 /* All the words of the store that there is room for, up to its registers. */
 static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
-    const uint32_t rows = fp3_place_fullest(config, group->objects, group->unit_count);
+    const uint32_t rows = fp3_placement_fullest(config, group->objects, group->unit_count);
     uint32_t log2 = log2_of(config->registers);
     if (log2 < FP3_RECORD_LOG2)
         log2 = FP3_RECORD_LOG2;
@@ -52,7 +52,7 @@ static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
 }
 
 static void settle(fp3_layout *layout, const fp3_config *config, const uint32_t *group_of) {
-    const uint32_t units = fp3_config_units(config);
+    const uint32_t units = fp3_config_schedulers(config);
     uint32_t *next = layout->units, first = 0;
     for (uint32_t i = 0; i < layout->count; i++) {
         fp3_members *group = &layout->groups[i];
@@ -73,14 +73,14 @@ static void settle(fp3_layout *layout, const fp3_config *config, const uint32_t 
 fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32_t visit,
                             fp3_error *error) {
     fp3_to_place *list = calloc(layout->count, sizeof *list);
-    uint32_t *group_of = calloc(fp3_config_units(config), sizeof *group_of);
+    uint32_t *group_of = calloc(fp3_config_schedulers(config), sizeof *group_of);
     fp3_status status = list && group_of ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; !status && i < layout->count; i++) {
         const fp3_members *group = &layout->groups[i];
         list[i] = (fp3_to_place){&group->program, group->objects, group->needs};
     }
     if (!status)
-        status = fp3_place(config, visit, list, layout->count, group_of, error);
+        status = fp3_placement_make(config, visit, list, layout->count, group_of, error);
     if (!status)
         settle(layout, config, group_of);
     free(list);

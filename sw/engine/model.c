@@ -63,9 +63,10 @@ static fp3_status model_open(fp3_engine *engine) {
         self->status = calloc(engine->objects, sizeof *self->status);
         self->now = calloc(engine->objects, sizeof *self->now);
         self->listed = calloc(engine->objects, sizeof *self->listed);
-        self->is_over = calloc(fp3_config_units(engine->config), sizeof *self->is_over);
-        self->shared = calloc((size_t)fp3_config_units(engine->config) * engine->config->registers,
-                              sizeof *self->shared);
+        self->is_over = calloc(fp3_config_schedulers(engine->config), sizeof *self->is_over);
+        self->shared =
+            calloc((size_t)fp3_config_schedulers(engine->config) * engine->config->registers,
+                   sizeof *self->shared);
     }
     if (self && self->registers && self->store && self->before && self->status && self->now &&
         self->listed && self->is_over && self->shared)

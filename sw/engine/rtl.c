@@ -38,7 +38,7 @@ typedef struct {
 
 /* ---- the host port ---- */
 
-static uint32_t units(const fp3_engine *engine) { return fp3_config_units(engine->config); }
+static uint32_t units(const fp3_engine *engine) { return fp3_config_schedulers(engine->config); }
 
 static uint32_t of_unit(uint32_t unit, uint32_t address) {
     return unit << FP3_ADDRESS_SCHEDULER_LO | address;

@@ -54,9 +54,9 @@ uint32_t fp3_word_encode(const fp3_instruction *i) {
 
 /* Names. */
 
-const char *fp3_kind_name(fp3_symbol_kind kind) {
+const char *fp3_class_name(fp3_symbol_class symbol_class) {
     static const char *const names[] = {"state", "param", "temp", "shared", "const", "label"};
-    return kind < FP3_SYMBOL_KINDS ? names[kind] : "?";
+    return symbol_class < FP3_SYMBOL_CLASSES ? names[symbol_class] : "?";
 }
 
 int fp3_name_valid(const char *text) {
@@ -69,12 +69,14 @@ int fp3_name_valid(const char *text) {
     return length > 0 && length < FP3_NAME_SIZE && !text[length] && !(*text >= '0' && *text <= '9');
 }
 
-int fp3_kind_is_object(fp3_symbol_kind kind) { return (FP3_KIND(kind) & FP3_KINDS_OBJECT) != 0; }
+int fp3_class_is_object(fp3_symbol_class symbol_class) {
+    return (FP3_CLASS(symbol_class) & FP3_CLASSES_OBJECT) != 0;
+}
 
-const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned kinds) {
+const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned classes) {
     for (uint32_t i = 0; i < image->symbol_count; i++)
         if (!strcmp(image->symbols[i].name, name))
-            return FP3_KIND(image->symbols[i].kind) & kinds ? &image->symbols[i] : NULL;
+            return FP3_CLASS(image->symbols[i].symbol_class) & classes ? &image->symbols[i] : NULL;
     return NULL;
 }
 
@@ -83,8 +85,8 @@ const char *fp3_image_name(const fp3_image *image, uint32_t operand) {
     uint32_t index = object ? operand - FP3_BANK_OBJECT_BASE : operand - FP3_BANK_SHARED_BASE;
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *symbol = &image->symbols[i];
-        if (symbol->index == index && symbol->kind != FP3_SYMBOL_LABEL &&
-            fp3_kind_is_object(symbol->kind) == object)
+        if (symbol->index == index && symbol->symbol_class != FP3_SYMBOL_LABEL &&
+            fp3_class_is_object(symbol->symbol_class) == object)
             return symbol->name;
     }
     return NULL;
@@ -121,10 +123,10 @@ static int by_index(const void *left, const void *right) {
 }
 
 /* Total, so that an image has one form only: labels of one place go by their names. */
-static int by_kind(const void *left, const void *right) {
+static int by_class(const void *left, const void *right) {
     const fp3_symbol *a = left, *b = right;
-    if (a->kind != b->kind)
-        return a->kind < b->kind ? -1 : 1;
+    if (a->symbol_class != b->symbol_class)
+        return a->symbol_class < b->symbol_class ? -1 : 1;
     if (a->index != b->index)
         return a->index < b->index ? -1 : 1;
     return strcmp(a->name, b->name);
@@ -166,32 +168,33 @@ static fp3_status check_symbols(const fp3_image *image, fp3_error *error) {
     }
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *symbol = &image->symbols[i];
-        if (symbol->kind >= FP3_SYMBOL_KINDS)
-            return fp3_fail(error, FP3_E_PROGRAM, "symbol %u is of the unknown kind %u", i,
-                            (unsigned)symbol->kind);
+        if (symbol->symbol_class >= FP3_SYMBOL_CLASSES)
+            return fp3_fail(error, FP3_E_PROGRAM, "symbol %u is of the unknown class %u", i,
+                            (unsigned)symbol->symbol_class);
         if (!memchr(symbol->name, 0, FP3_NAME_SIZE) || !fp3_name_valid(symbol->name))
             return fp3_fail(error, FP3_E_PROGRAM, "symbol %u has '%.*s' for a name", i,
                             FP3_NAME_SIZE - 1, symbol->name);
-        if (symbol->kind == FP3_SYMBOL_LABEL) {
+        if (symbol->symbol_class == FP3_SYMBOL_LABEL) {
             if (symbol->index > image->code_count)
                 return fp3_fail(error, FP3_E_PROGRAM,
                                 "label '%s' is at %u, after the %u code words", symbol->name,
                                 symbol->index, image->code_count);
             continue;
         }
-        int is_object = fp3_kind_is_object(symbol->kind);
+        int is_object = fp3_class_is_object(symbol->symbol_class);
         uint32_t count = is_object ? FP3_BANK_OBJECT_COUNT : FP3_BANK_SHARED_COUNT;
         if (symbol->index >= count)
             return fp3_fail(error, FP3_E_PROGRAM, "%s '%s' is register %u of %u",
-                            fp3_kind_name(symbol->kind), symbol->name, symbol->index, count);
+                            fp3_class_name(symbol->symbol_class), symbol->name, symbol->index,
+                            count);
         const char **owner = is_object ? &object[symbol->index] : &shared[symbol->index];
         if (*owner)
             return fp3_fail(error, FP3_E_PROGRAM, "'%s' and '%s' are both %c%u", *owner,
                             symbol->name, is_object ? 'r' : 'k', symbol->index);
         *owner = symbol->name;
-        if (symbol->kind == FP3_SYMBOL_CONST && !valued[symbol->index])
+        if (symbol->symbol_class == FP3_SYMBOL_CONST && !valued[symbol->index])
             return fp3_fail(error, FP3_E_PROGRAM, "const '%s' has no value", symbol->name);
-        if (symbol->kind == FP3_SYMBOL_SHARED && valued[symbol->index])
+        if (symbol->symbol_class == FP3_SYMBOL_SHARED && valued[symbol->index])
             return fp3_fail(error, FP3_E_PROGRAM,
                             "shared '%s' has a value, but the host gives it one", symbol->name);
     }
@@ -212,11 +215,11 @@ static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
                             i, d, slept);
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *s = &image->symbols[i];
-        if (s->index == (uint32_t)slept && fp3_kind_is_object(s->kind) &&
-            s->kind != FP3_SYMBOL_STATE)
+        if (s->index == (uint32_t)slept && fp3_class_is_object(s->symbol_class) &&
+            s->symbol_class != FP3_SYMBOL_STATE)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "r%d, in which objects sleep, is the %s '%s' and not a state", slept,
-                            fp3_kind_name(s->kind), s->name);
+                            fp3_class_name(s->symbol_class), s->name);
     }
     return FP3_OK;
 }
@@ -245,9 +248,9 @@ static void count_used(fp3_image *image) {
     for (uint32_t i = 0; i < image->constant_count; i++)
         raise_to(&image->shared, image->constants[i].index + 1);
     for (uint32_t i = 0; i < image->symbol_count; i++)
-        if (image->symbols[i].kind != FP3_SYMBOL_LABEL)
-            raise_to(fp3_kind_is_object(image->symbols[i].kind) ? &image->registers
-                                                                : &image->shared,
+        if (image->symbols[i].symbol_class != FP3_SYMBOL_LABEL)
+            raise_to(fp3_class_is_object(image->symbols[i].symbol_class) ? &image->registers
+                                                                         : &image->shared,
                      image->symbols[i].index + 1);
 }
 
@@ -289,7 +292,7 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     qsort(constants, draft->constant_count, sizeof *constants, by_index);
-    qsort(symbols, draft->symbol_count, sizeof *symbols, by_kind);
+    qsort(symbols, draft->symbol_count, sizeof *symbols, by_class);
     made->code = code;
     made->constants = constants;
     made->symbols = symbols;

@@ -82,7 +82,7 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
     }
     for (uint32_t i = 0; i < words[SYMBOLS]; i++) {
         const uint32_t *from = first_symbol + SYMBOL_WORDS * i;
-        symbols[i].kind = (fp3_symbol_kind)(from[0] >> 24);
+        symbols[i].symbol_class = (fp3_symbol_class)(from[0] >> 24);
         symbols[i].index = from[0] & 0xffffff;
         to_bytes(from + 1, FP3_NAME_SIZE / 4, (unsigned char *)symbols[i].name);
     }
@@ -143,7 +143,7 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         unsigned char name[FP3_NAME_SIZE] = {0};
         memcpy(name, image->symbols[i].name, strlen(image->symbols[i].name));
-        *to++ = (uint32_t)image->symbols[i].kind << 24 | image->symbols[i].index;
+        *to++ = (uint32_t)image->symbols[i].symbol_class << 24 | image->symbols[i].index;
         to_words(name, FP3_NAME_SIZE / 4, to);
         to += FP3_NAME_SIZE / 4;
     }
@@ -227,7 +227,7 @@ static void comment(FILE *out, const fp3_image *image, size_t i, uint32_t word) 
         fprintf(out, "  // %s\n", text);
     } else if (i < end && (i - symbol) % SYMBOL_WORDS == 0) {
         const fp3_symbol *s = &image->symbols[(i - symbol) / SYMBOL_WORDS];
-        fprintf(out, "  // %s %s\n", fp3_kind_name(s->kind), s->name);
+        fprintf(out, "  // %s %s\n", fp3_class_name(s->symbol_class), s->name);
     } else {
         fprintf(out, i < end ? "\n" : "  // CRC-32\n");
     }

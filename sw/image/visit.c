@@ -54,10 +54,10 @@ static uint64_t live_in(const fp3_image *image, uint64_t stored) {
     return live(image, 0, image->step, step, last);
 }
 
-static uint64_t named(const fp3_image *image, unsigned kinds) {
+static uint64_t named(const fp3_image *image, unsigned classes) {
     uint64_t found = 0;
     for (uint32_t i = 0; i < image->symbol_count; i++)
-        if (FP3_KIND(image->symbols[i].kind) & kinds & FP3_KINDS_OBJECT)
+        if (FP3_CLASS(image->symbols[i].symbol_class) & classes & FP3_CLASSES_OBJECT)
             found |= BIT(image->symbols[i].index);
     return found;
 }
@@ -85,7 +85,7 @@ static void choose(const fp3_image *image, fp3_visit *v) {
     uint64_t written = 0;
     for (uint32_t i = 0; i < image->code_count; i++)
         written |= effect_of(image->code[i]).writes;
-    const uint64_t outside = (written & ~named(image, FP3_KIND(FP3_SYMBOL_TEMP))) | slept;
+    const uint64_t outside = (written & ~named(image, FP3_CLASS(FP3_SYMBOL_TEMP))) | slept;
     v->loaded = live_in(image, outside) | slept;
     v->stored = outside | (v->loaded & written);
 }
@@ -143,7 +143,7 @@ fp3_status fp3_visit_make(const fp3_image *image, fp3_visit **visit, fp3_error *
     const int own = has_own(image, v);
     if (!own)
         choose(image, v);
-    v->kept = v->loaded | v->stored | named(image, FP3_KINDS_HOST);
+    v->kept = v->loaded | v->stored | named(image, FP3_CLASSES_HOST);
     if (v->slept >= 0)
         v->kept |= BIT(v->slept);
     while (v->kept >> (BIT(v->log2) - 1) >> 1)

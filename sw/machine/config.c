@@ -18,4 +18,6 @@ const fp3_config *fp3_config_find(const char *name) {
     return NULL;
 }
 
-uint32_t fp3_config_units(const fp3_config *config) { return config->tiles * config->schedulers; }
+uint32_t fp3_config_schedulers(const fp3_config *config) {
+    return config->tiles * config->schedulers;
+}

@@ -21,6 +21,6 @@ extern const uint32_t fp3_config_count;
 const fp3_config *fp3_config_find(const char *name);
 
 /* Schedulers in all: each has its own program and counters. */
-uint32_t fp3_config_units(const fp3_config *config);
+uint32_t fp3_config_schedulers(const fp3_config *config);
 
 #endif

@@ -1,4 +1,4 @@
-/* place.c - which units run which group of objects.
+/* placement.c - which units run which group of objects.
  *
  * How many units each group gets is solved exactly; which schedulers share an arithmetic unit, where
  * some do, by a rule of thumb.
@@ -14,7 +14,7 @@
 #define ALL_STEPS                                                                                  \
     1000u /* of a visit that makes all: enough that first and last part hardly count */
 
-uint32_t fp3_place_rows(const fp3_config *config, uint32_t log2) {
+uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2) {
     const uint32_t records =
         config->store_words >> (log2 < FP3_RECORD_LOG2 ? FP3_RECORD_LOG2 : log2);
     return records < ROWS_MAX ? records : ROWS_MAX;
@@ -22,7 +22,7 @@ uint32_t fp3_place_rows(const fp3_config *config, uint32_t log2) {
 
 static uint32_t divide_up(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
 
-uint32_t fp3_place_fullest(const fp3_config *config, uint32_t objects, uint32_t units) {
+uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units) {
     return divide_up(objects, (uint64_t)units * config->lanes);
 }
 
@@ -74,8 +74,8 @@ static uint64_t cycles_of(const fp3_config *config, const uses *of, uint32_t row
            (rows ? drain : 0);
 }
 
-uint64_t fp3_place_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
-                          uint32_t rows) {
+uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+                              uint32_t rows) {
     const uses of = uses_of(program, visit);
     return cycles_of(config, &of, rows);
 }
@@ -92,14 +92,14 @@ typedef struct {
 
 static void give(const fp3_config *config, share *s, uint32_t units) {
     s->units = units;
-    s->cycles = cycles_of(config, &s->of, fp3_place_fullest(config, s->objects, units));
+    s->cycles = cycles_of(config, &s->of, fp3_placement_fullest(config, s->objects, units));
 }
 
 static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_place *group) {
     share s = {.of = uses_of(group->program, visit), .objects = group->objects, .least = 1};
     if (config->interleave)
         s.least = divide_up(group->objects,
-                            (uint64_t)fp3_place_rows(config, group->log2) * config->lanes);
+                            (uint64_t)fp3_placement_rows(config, group->log2) * config->lanes);
     /* A batch so short that its instructions wait for each other is as fast as it gets. */
     const uint32_t waits = gap(config) - (config->schedulers > 1);
     const uint32_t rows = config->contexts < waits ? config->contexts : waits;
@@ -137,7 +137,7 @@ static void divide(const fp3_config *config, share *shares, size_t count, uint32
 
 static fp3_status check_room(const fp3_config *config, const share *shares, size_t count,
                              fp3_error *error) {
-    const uint32_t units = fp3_config_units(config);
+    const uint32_t units = fp3_config_schedulers(config);
     uint64_t needed = 0;
     for (size_t i = 0; i < count; i++)
         needed += shares[i].least;
@@ -185,7 +185,7 @@ static uint32_t best_tile(const fp3_config *config, const tile *tiles, const sha
  * meets one that adds, and a long one a short one. A rule of thumb (longest first), not the best. */
 static void pair(const fp3_config *config, share *shares, size_t count, tile *tiles,
                  uint32_t *group_of) {
-    for (uint32_t left = fp3_config_units(config); left > 0; left--) {
+    for (uint32_t left = fp3_config_schedulers(config); left > 0; left--) {
         size_t next = count;
         for (size_t i = 0; i < count; i++)
             if (shares[i].homeless && (next == count || shares[i].cycles > shares[next].cycles))
@@ -204,12 +204,12 @@ static void in_order(const share *shares, size_t count, uint32_t *group_of) {
             group_of[unit++] = (uint32_t)i;
 }
 
-fp3_status fp3_place(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
-                     size_t count, uint32_t *group_of, fp3_error *error) {
+fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
+                              size_t count, uint32_t *group_of, fp3_error *error) {
     share *shares = calloc(count, sizeof *shares);
     tile *tiles = calloc(config->tiles, sizeof *tiles);
     fp3_status status = shares && tiles ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    uint32_t left = fp3_config_units(config);
+    uint32_t left = fp3_config_schedulers(config);
     for (size_t i = 0; !status && i < count; i++)
         shares[i] = share_of(config, visit, &groups[i]);
     if (!status)

@@ -1,10 +1,10 @@
-/* place.h - which units run which group of objects, so that all end as early as possible.
+/* placement.h - which units run which group of objects, so that all end as early as possible.
  *
  * A unit, a scheduler with its lanes, runs one program; a group may have several units, and its
  * objects then go round all their lanes.
  */
-#ifndef FP3_PLACE_H
-#define FP3_PLACE_H
+#ifndef FP3_PLACEMENT_H
+#define FP3_PLACEMENT_H
 
 #include "config.h"
 
@@ -28,20 +28,20 @@ typedef struct {
 
 /* Objects of a lane, at most: their numbers have 16 bits, and the smallest record has 8 words. */
 #define FP3_RECORD_LOG2 3u
-uint32_t fp3_place_rows(const fp3_config *config, uint32_t log2);
+uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2);
 
 /* Of its objects the fullest lane of a group with so many units has. */
-uint32_t fp3_place_fullest(const fp3_config *config, uint32_t objects, uint32_t units);
+uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units);
 
 /* Cycles that a unit needs for one round of visits to so many objects in its fullest lane, if
  * nobody sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of a
  * run, taken to be many. Never falls with rows. */
-uint64_t fp3_place_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
-                          uint32_t rows);
+uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+                              uint32_t rows);
 
 /* group_of[unit] for each unit of the configuration. FP3_E_PROGRAM: there are too few units, or
  * there is too little room in their stores. */
-fp3_status fp3_place(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
-                     size_t count, uint32_t *group_of, fp3_error *error);
+fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
+                              size_t count, uint32_t *group_of, fp3_error *error);
 
 #endif

@@ -234,8 +234,8 @@ static fp3_status apply_shared(fp3_params *params, const fp3_params_target *to,
 
 static fp3_status apply_object(fp3_params *params, const fp3_params_target *to,
                                const fp3_symbol *symbol, fp3_error *error) {
-    const int is_slept =
-        symbol->kind == FP3_SYMBOL_STATE && (int)symbol->index == fp3_image_slept(to->image);
+    const int is_slept = symbol->symbol_class == FP3_SYMBOL_STATE &&
+                         (int)symbol->index == fp3_image_slept(to->image);
     float word = 0;
     int is_spread = 1;
     fp3_status status = FP3_OK;
@@ -256,9 +256,9 @@ fp3_status fp3_params_apply_to(fp3_params *params, const fp3_params_target *to, 
     fp3_params_begin(params);
     for (uint32_t i = 0; i < to->image->symbol_count && !status; i++) {
         const fp3_symbol *symbol = &to->image->symbols[i];
-        if (symbol->kind == FP3_SYMBOL_SHARED)
+        if (symbol->symbol_class == FP3_SYMBOL_SHARED)
             status = apply_shared(params, to, symbol, error);
-        else if (FP3_KIND(symbol->kind) & FP3_KINDS_HOST)
+        else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST)
             status = apply_object(params, to, symbol, error);
     }
     return status ? status : fp3_params_end(params, error);

@@ -146,8 +146,8 @@ static fp3_status write_object(const fp3_program_source *source, const fp3_param
     const fp3_compiled *c = source->compiled;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_KINDS_HOST);
-        if (s->kind != FP3_SYMBOL_SHARED)
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
+        if (s->symbol_class != FP3_SYMBOL_SHARED)
             status = fp3_engine_write(to->engine, to->first + object, 1, s->index, &values[i]);
         else if (object == 0)
             status = fp3_engine_write_shared_of(to->engine, to->group, s->index, 1, &values[i]);

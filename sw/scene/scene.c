@@ -200,7 +200,7 @@ static fp3_status read_values(const reader *r, const config_setting_t *from, con
 }
 
 static int has_h(const fp3_scene_group *group) {
-    return group->source.model || fp3_image_find(group->source.image, "h", FP3_KINDS_HOST);
+    return group->source.model || fp3_image_find(group->source.image, "h", FP3_CLASSES_HOST);
 }
 
 /* Each replaces what came before. The scene's h is for those programs that have an h. */

@@ -162,7 +162,7 @@ void fp3_kanata_issue(void *kanata, const fp3_issue *issue) {
                              k->path, FP3_KANATA_LIMIT);
         return;
     }
-    if (issue->unit >= fp3_config_units(k->config) || issue->context >= k->config->contexts ||
+    if (issue->unit >= fp3_config_schedulers(k->config) || issue->context >= k->config->contexts ||
         issue->pc >= FP3_IMAGE_CODE_LIMIT ||
         (k->count && issue->cycle < k->rows[k->count - 1].issued)) {
         k->status = fp3_fail(&k->error, FP3_E_MISMATCH,
@@ -426,7 +426,7 @@ static void say_birth(const writer *w, const flight *f) {
     fprintf(w->out, "I\t%" PRIu64 "\t%" PRIu64 "\t%" PRIu32 "\n", f->id, f->id,
             r->unit * w->kanata->config->contexts + r->context);
     fprintf(w->out, "L\t%" PRIu64 "\t0\t%" PRIu32 ": %s\n", f->id, r->pc, word_text(w->kanata, r));
-    if (fp3_config_units(w->kanata->config) * w->kanata->config->contexts > 1)
+    if (fp3_config_schedulers(w->kanata->config) * w->kanata->config->contexts > 1)
         fprintf(w->out, "L\t%" PRIu64 "\t1\tunit %u, context %u\\n\n", f->id, r->unit, r->context);
 }
 
@@ -490,7 +490,7 @@ static fp3_status write_rows(writer *w) {
 }
 
 static fp3_status write_log(fp3_kanata *k, FILE *out) {
-    const size_t threads = (size_t)fp3_config_units(k->config) * k->config->contexts;
+    const size_t threads = (size_t)fp3_config_schedulers(k->config) * k->config->contexts;
     writer w = {.kanata = k, .out = out, .visitors = calloc(threads, sizeof *w.visitors)};
     fp3_status status = FP3_OK;
     if (!w.visitors)

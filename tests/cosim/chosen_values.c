@@ -180,7 +180,7 @@ static int run(bench *b, fp3_engine *engine, size_t count) {
 static void check(bench *b, const input *inputs, size_t count) {
     fp3_error error;
     fp3_engine_def def = fp3_engine_default();
-    const uint32_t columns = fp3_config_units(b->config) * b->config->lanes;
+    const uint32_t columns = fp3_config_schedulers(b->config) * b->config->lanes;
     const uint32_t room = b->config->store_words / 8 * columns;
     def.kind = b->kind;
     def.config = b->config->name;

@@ -211,7 +211,7 @@ static void compare(bench *b, uint32_t u) {
 static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
     static bench b;
     b = (bench){.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = seed}};
-    const uint32_t units = fp3_config_units(b.config);
+    const uint32_t units = fp3_config_schedulers(b.config);
     b.log2 = 3 + below(&b.c, 4);
     while (b.config->store_words >> b.log2 == 0)
         b.log2--;
@@ -241,7 +241,7 @@ int main(int argc, char **argv) {
     unsigned failed = 0, checked = 0;
     for (size_t i = 0; i < sizeof builds / sizeof *builds; i++)
         for (uint64_t n = 0; n < rounds && !failed; n++)
-            if (fp3_config_units(fp3_config_find(builds[i]->config)) > 1) {
+            if (fp3_config_schedulers(fp3_config_find(builds[i]->config)) > 1) {
                 failed += check(builds[i], seed + n);
                 checked++;
             }

@@ -258,7 +258,7 @@ static void the_cycle_limit_stops_a_run(bench *b) {
         EXPECT(y == (b->config->interleave && x > 0 ? 100 : 0));
         steps += (uint64_t)x;
     }
-    EXPECT(steps >= 100 && steps < 20100 * b->config->lanes * fp3_config_units(b->config));
+    EXPECT(steps >= 100 && steps < 20100 * b->config->lanes * fp3_config_schedulers(b->config));
     EXPECT(b->config->interleave || steps == stats.counter[FP3_COUNTER_RETIRED]);
     EXPECT(stats.counter[FP3_COUNTER_CYCLES] >= 20000 && stats.counter[FP3_COUNTER_CYCLES] < 20400);
     EXPECT(stats.object_steps == 0);
@@ -321,7 +321,7 @@ static void set_each(bench *b, uint32_t reg, float first, float more) {
 }
 
 static void any_number_of_objects_is_moved(bench *b) {
-    const uint32_t full = b->config->contexts * b->config->lanes * fp3_config_units(b->config);
+    const uint32_t full = b->config->contexts * b->config->lanes * fp3_config_schedulers(b->config);
     const uint32_t counts[] = {1, 3, full - 1, full + 1, full + full / 3};
     for (size_t i = 0; i < sizeof counts / sizeof *counts && !b->failed; i++)
         for (uint32_t visit = 0; visit < 3 && !b->failed; visit++) {
@@ -341,7 +341,8 @@ static void any_number_of_objects_is_moved(bench *b) {
 
 static void more_objects_leave_room_for_fewer_registers(bench *b) {
     float value = 1;
-    b->def.objects = b->config->store_words / 8 * b->config->lanes * fp3_config_units(b->config);
+    b->def.objects =
+        b->config->store_words / 8 * b->config->lanes * fp3_config_schedulers(b->config);
     EXPECT(!reopen(b));
     EXPECT(fp3_engine_write(b->engine, 0, 1, 15, &value) == FP3_E_ARGUMENT &&
            SAYS("registers of each of"));
@@ -367,7 +368,7 @@ static void the_counters_of_units_add_up(bench *b) {
     }
     EXPECT(retired > 0 && retired == stats.counter[FP3_COUNTER_RETIRED]);
     EXPECT(longest == stats.counter[FP3_COUNTER_CYCLES]);
-    EXPECT(fp3_engine_unit_counters(b->engine, fp3_config_units(b->config), counter) ==
+    EXPECT(fp3_engine_unit_counters(b->engine, fp3_config_schedulers(b->config), counter) ==
            FP3_E_ARGUMENT);
 }
 

@@ -381,7 +381,7 @@ static void what_is_left_out_is_illegal(bench *b) {
 
 static unsigned check(const fp3_rtl_ops *ops) {
     bench b = {.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = 1}};
-    b.units = fp3_config_units(b.config);
+    b.units = fp3_config_schedulers(b.config);
     b.rtl = ops->open(&(fp3_rtl_watch){0});
     if (!b.rtl)
         return 1;

@@ -49,8 +49,8 @@ typedef struct {
 
 static uint64_t end_of(const problem *p, size_t group, uint32_t units) {
     const fp3_to_place *g = &p->groups[group];
-    return fp3_place_cycles(p->config, g->program, p->visit,
-                            fp3_place_fullest(p->config, g->objects, units));
+    return fp3_placement_cycles(p->config, g->program, p->visit,
+                                fp3_placement_fullest(p->config, g->objects, units));
 }
 
 /* The earliest end of groups from .. with so many units; UINT64_MAX: they do not fit. */
@@ -58,11 +58,11 @@ static uint64_t best_end(const problem *p, size_t from, uint32_t units) {
     uint64_t best = UINT64_MAX;
     if (from == p->count)
         return 0;
-    const uint32_t rows = fp3_place_rows(p->config, p->groups[from].log2);
+    const uint32_t rows = fp3_placement_rows(p->config, p->groups[from].log2);
     for (uint32_t n = 1; n <= units; n++) {
         uint64_t end = best_end(p, from + 1, units - n);
         const uint64_t own = end_of(p, from, n);
-        if (fp3_place_fullest(p->config, p->groups[from].objects, n) > rows)
+        if (fp3_placement_fullest(p->config, p->groups[from].objects, n) > rows)
             continue;
         end = own > end ? own : end;
         best = end < best ? end : best;
@@ -71,7 +71,7 @@ static uint64_t best_end(const problem *p, size_t from, uint32_t units) {
 }
 
 static uint64_t end_of_placing(const problem *p, const uint32_t *group_of) {
-    const uint32_t units = fp3_config_units(p->config);
+    const uint32_t units = fp3_config_schedulers(p->config);
     uint64_t end = 0;
     for (size_t i = 0; i < p->count; i++) {
         uint32_t n = 0;
@@ -108,12 +108,13 @@ static void check_placing(chance *c) {
             (fp3_to_place){&programs[i], 1 + below(c, below(c, 2) ? 400 : 20), 3 + below(c, 3)};
     }
     fp3_error error;
-    const uint64_t best = best_end(&p, 0, fp3_config_units(&config));
-    const fp3_status status = fp3_place(&config, p.visit, groups, p.count, group_of, &error);
+    const uint64_t best = best_end(&p, 0, fp3_config_schedulers(&config));
+    const fp3_status status =
+        fp3_placement_make(&config, p.visit, groups, p.count, group_of, &error);
     EXPECT(status == (best == UINT64_MAX ? FP3_E_PROGRAM : FP3_OK));
     if (!status && end_of_placing(&p, group_of) != best)
         FAIL("%zu groups on %" PRIu32 " units end at %" PRIu64 ", not %" PRIu64, p.count,
-             fp3_config_units(&config), end_of_placing(&p, group_of), best);
+             fp3_config_schedulers(&config), end_of_placing(&p, group_of), best);
 }
 
 /* A tile's two schedulers get one program that multiplies and one that adds. */
@@ -133,7 +134,7 @@ static void unlike_programs_share(void) {
                                .mul_latency = 8};
     const fp3_to_place groups[] = {{&multiplies, 96, 3}, {&sums, 96, 3}};
     uint32_t group_of[4];
-    EXPECT(!fp3_place(&config, 0, groups, 2, group_of, NULL));
+    EXPECT(!fp3_placement_make(&config, 0, groups, 2, group_of, NULL));
     EXPECT(group_of[0] != group_of[1] && group_of[2] != group_of[3]);
 }
 
@@ -178,7 +179,7 @@ typedef struct {
 } bench;
 
 static uint32_t groups_most(const fp3_config *config) {
-    const uint32_t units = fp3_config_units(config);
+    const uint32_t units = fp3_config_schedulers(config);
     return units < GROUPS_MAX ? units : GROUPS_MAX;
 }
 
@@ -412,7 +413,7 @@ static void check_groups(bench *b) {
 
 static void check_bits(const fp3_config *config, uint64_t seed) {
     static bench b;
-    const uint32_t full = fp3_config_units(config) * config->lanes;
+    const uint32_t full = fp3_config_schedulers(config) * config->lanes;
     b = (bench){.config = config, .c = {.state = seed}};
     do
         b.words = 8u << below(&b.c, 3);
@@ -459,8 +460,8 @@ static uint64_t predicted(const fp3_engine *engine, size_t group, uint32_t rows,
     const uint32_t visit = engine->def.visit ? engine->def.visit : steps;
     uint64_t sum = 0;
     for (uint32_t made = 0; made < steps; made += visit)
-        sum += fp3_place_cycles(engine->config, &engine->layout.groups[group].program,
-                                steps - made < visit ? steps - made : visit, rows);
+        sum += fp3_placement_cycles(engine->config, &engine->layout.groups[group].program,
+                                    steps - made < visit ? steps - made : visit, rows);
     return sum;
 }
 
@@ -504,7 +505,7 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
                  config->name, unit, cycles, said);
     }
     const uint64_t visits = def.visit ? 3 : 1;
-    const double best = (double)(best_end(&p, 0, fp3_config_units(config)) * visits);
+    const double best = (double)(best_end(&p, 0, fp3_config_schedulers(config)) * visits);
     if ((double)stats.counter[FP3_COUNTER_CYCLES] > 1.01 * best)
         FAIL("%s: %" PRIu64 " cycles, the best division has %.0f", config->name,
              stats.counter[FP3_COUNTER_CYCLES], best);
@@ -584,7 +585,7 @@ int main(int argc, char **argv) {
         check_placing(&c);
     for (uint32_t i = 0; i < fp3_config_count; i++) {
         const fp3_config *config = &fp3_configs[i];
-        for (uint64_t n = 0; n < rounds && fp3_config_units(config) > 1 && !failed; n++) {
+        for (uint64_t n = 0; n < rounds && fp3_config_schedulers(config) > 1 && !failed; n++) {
             check_bits(config, seed + n);
             if (config->schedulers == 1 && !failed)
                 check_cycles(config, &c, &worst);

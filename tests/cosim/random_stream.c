@@ -477,7 +477,7 @@ static void run_stream(bench *b, chance *c) {
 
 /* Few, as many as there are contexts, or more. */
 static uint32_t how_many(chance *c, const fp3_config *config) {
-    const uint32_t columns = fp3_config_units(config) * config->lanes;
+    const uint32_t columns = fp3_config_schedulers(config) * config->lanes;
     const uint32_t records = config->store_words / 8;
     const uint32_t most = columns * (records < 65536 ? records : 65536);
     const uint32_t enough = 2 * columns > OBJECTS_MAX ? 2 * columns : OBJECTS_MAX;

@@ -219,9 +219,9 @@ static inline void make_names(chance *c, stream *s) {
         fp3_symbol *symbol = &s->symbols[s->symbol_count];
         if (below(c, 4) == 0)
             continue;
-        symbol->kind = is_temp                               ? FP3_SYMBOL_TEMP
-                       : (int)reg == s->slept || below(c, 2) ? FP3_SYMBOL_STATE
-                                                             : FP3_SYMBOL_PARAM;
+        symbol->symbol_class = is_temp                               ? FP3_SYMBOL_TEMP
+                               : (int)reg == s->slept || below(c, 2) ? FP3_SYMBOL_STATE
+                                                                     : FP3_SYMBOL_PARAM;
         symbol->index = reg;
         snprintf(symbol->name, sizeof symbol->name, "x%u", reg);
         s->symbol_count++;

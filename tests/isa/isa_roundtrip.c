@@ -212,14 +212,14 @@ static void check_random_image(void) {
             fp3_symbol *s = &symbols[draft.symbol_count++];
             s->index = r;
             if (bank == 0) {
-                s->kind = (fp3_symbol_kind)(random32() % 3);
+                s->symbol_class = (fp3_symbol_class)(random32() % 3);
                 if (sleeps && r == slept)
-                    s->kind = FP3_SYMBOL_STATE;
+                    s->symbol_class = FP3_SYMBOL_STATE;
             } else {
-                s->kind = FP3_SYMBOL_SHARED;
+                s->symbol_class = FP3_SYMBOL_SHARED;
                 for (uint32_t i = 0; i < valued; i++)
                     if (constants[i].index == r)
-                        s->kind = FP3_SYMBOL_CONST;
+                        s->symbol_class = FP3_SYMBOL_CONST;
             }
             /* Some are called like a register, of the same number or not. */
             if (random32() % 2)
@@ -233,7 +233,7 @@ static void check_random_image(void) {
         }
     for (uint32_t i = 0, count = random32() % 5; i < count; i++) {
         fp3_symbol *s = &symbols[draft.symbol_count++];
-        s->kind = FP3_SYMBOL_LABEL;
+        s->symbol_class = FP3_SYMBOL_LABEL;
         s->index = random32() % (draft.code_count + 1);
         snprintf(s->name, sizeof s->name, "label_%u", i);
     }

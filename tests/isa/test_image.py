@@ -133,7 +133,7 @@ DAMAGE = [
     ("registers miscounted", put(8, 0x00050004), "damaged: word 8 is 0x00050004, expected"),
     ("constant out of range", put(lambda i: 9 + i[3], 64), "value 0 is for shared constant 64 of 64"),
     ("constant twice", put(lambda i: 9 + i[3], 3), "shared constant 3 has two values"),
-    ("unknown kind", put(lambda i: symbol(i, 0), 9 << 24), "symbol 0 is of the unknown kind 9"),
+    ("unknown class", put(lambda i: symbol(i, 0), 9 << 24), "symbol 0 is of the unknown class 9"),
     ("register out of range", put(lambda i: symbol(i, 0), 64), "state 'v' is register 64 of 64"),
     ("label out of range", put(lambda i: symbol(i, 5), 5 << 24 | 5), "label 'mark' is at 5, after the 4 code words"),
     ("two names for one", put(lambda i: symbol(i, 1), 0), "'v' and 's' are both r0"),

@@ -176,10 +176,10 @@ static void make_program(draft *p) {
         if (kind > FP3_SYMBOL_TEMP && kind < 4)
             continue; /* without a name */
         fp3_symbol *s = &p->symbols[image.symbol_count++];
-        s->kind = kind > FP3_SYMBOL_TEMP ? FP3_SYMBOL_TEMP : (fp3_symbol_kind)kind;
+        s->symbol_class = kind > FP3_SYMBOL_TEMP ? FP3_SYMBOL_TEMP : (fp3_symbol_class)kind;
         s->index = r * stride;
         if (may_sleep && s->index == slept)
-            s->kind = FP3_SYMBOL_STATE;
+            s->symbol_class = FP3_SYMBOL_STATE;
         snprintf(s->name, sizeof s->name, "n%u", r);
     }
     for (uint32_t i = 0; i < SHARED; i++)
@@ -254,7 +254,7 @@ static uint64_t written_by(const fp3_image *image) {
 static uint64_t temps_of(const fp3_image *image) {
     uint64_t found = 0;
     for (uint32_t i = 0; i < image->symbol_count; i++)
-        if (image->symbols[i].kind == FP3_SYMBOL_TEMP)
+        if (image->symbols[i].symbol_class == FP3_SYMBOL_TEMP)
             found |= bit(image->symbols[i].index);
     return found;
 }
@@ -515,13 +515,13 @@ typedef struct {
 
 /* A name's word: of the record, or of the shared constants. */
 static uint32_t *word_of(ship *s, const char *name) {
-    const fp3_symbol *symbol = fp3_image_find(s->assembly->image, name, FP3_KINDS_HOST);
+    const fp3_symbol *symbol = fp3_image_find(s->assembly->image, name, FP3_CLASSES_HOST);
     if (!symbol) {
         printf("FAIL no %s\n", name);
         exit(1);
     }
-    return symbol->kind == FP3_SYMBOL_SHARED ? &s->shared[symbol->index]
-                                             : &s->record[symbol->index];
+    return symbol->symbol_class == FP3_SYMBOL_SHARED ? &s->shared[symbol->index]
+                                                     : &s->record[symbol->index];
 }
 
 static void launch(ship *s, const char *directory, const char *name) {

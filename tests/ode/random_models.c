@@ -87,7 +87,7 @@ static int compile(bench *b, fp3_error *error) {
 static int check_image(bench *b) {
     const fp3_compiled *c = b->compiled;
     for (uint32_t i = 0; i < c->input_count; i++)
-        if (!fp3_image_find(c->image, c->inputs[i].name, FP3_KINDS_HOST)) {
+        if (!fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST)) {
             snprintf(b->why, sizeof b->why, "bad: no '%s' in the image", c->inputs[i].name);
             return 1;
         }
@@ -108,7 +108,7 @@ static fp3_status write_object(bench *b, fp3_engine *engine, size_t object, fp3_
         tame[i] = isfinite(b->initial[object][i]) ? b->initial[object][i] : 0;
     fp3_status status = fp3_compiled_inputs(c, b->params, tame, b->model->step, values, error);
     for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_KINDS_HOST);
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
         if (c->inputs[i].state != FP3_NONE)
             values[i] = (float)b->initial[object][c->inputs[i].state];
         status = c->inputs[i].is_shared ? fp3_engine_write_shared(engine, s->index, 1, &values[i])
@@ -121,7 +121,7 @@ static fp3_status write_object(bench *b, fp3_engine *engine, size_t object, fp3_
 static int differs(bench *b, fp3_engine *engine, const char *kind, size_t object) {
     for (uint32_t i = 0; i < b->model->state_count; i++) {
         const char *name = b->model->states[i].name;
-        const fp3_symbol *s = fp3_image_find(b->compiled->image, name, FP3_KIND(FP3_SYMBOL_STATE));
+        const fp3_symbol *s = fp3_image_find(b->compiled->image, name, FP3_CLASS(FP3_SYMBOL_STATE));
         float found = 0;
         uint32_t bits[2];
         if (!s)

@@ -258,10 +258,10 @@ static fp3_status make_image(const sample *t, const fp3_schedule *s, fp3_image *
         constants[i] = (fp3_constant){i, t->constants[i]};
     for (uint32_t r = 0; r < s->registers; r++) {
         const uint32_t params = t->s.variable_count;
-        symbols[r].kind = r >= params && r < params + t->s.param_count ? FP3_SYMBOL_PARAM
-                          : r < params && t->variables[r].first.at == FP3_AT_NOWHERE
-                              ? FP3_SYMBOL_STATE
-                              : FP3_SYMBOL_TEMP;
+        symbols[r].symbol_class = r >= params && r < params + t->s.param_count ? FP3_SYMBOL_PARAM
+                                  : r < params && t->variables[r].first.at == FP3_AT_NOWHERE
+                                      ? FP3_SYMBOL_STATE
+                                      : FP3_SYMBOL_TEMP;
         symbols[r].index = r;
         snprintf(symbols[r].name, sizeof symbols[r].name, "x%" PRIu32, r);
     }
@@ -733,7 +733,7 @@ static const char *check_objects(bench *b, const sample *t, const fp3_schedule *
     fp3_image *image = NULL;
     fp3_engine *engine = NULL;
     fp3_stats stats = {0};
-    b->objects = rows * b->config->lanes * fp3_config_units(b->config);
+    b->objects = rows * b->config->lanes * fp3_config_schedulers(b->config);
     fp3_status status = make_image(t, s, &image, &error);
     if (!status)
         status = open_with(b, t, image, &engine, &error);

@@ -4,7 +4,7 @@
  *     fp3_error error;
  *     if (fp3_image_load("ship.fp3", &image, &error))
  *         return fp3_fail(...);
- *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_KINDS_OBJECT);
+ *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_CLASSES_OBJECT);
  *     ... v->index is its register ...
  *     fp3_image_free(&image);
  *
@@ -14,8 +14,8 @@
  *     0  magic            1  revision of the instruction set     2  words in all, the last included
  *     3  code words       4  step     5  last     6  constants   7  symbols
  *     8  object registers used | shared constants used << 16
- *     then the code, {index, bits} of each constant by index, {kind << 24 | index, name in eight
- *     words padded with NULs} of each symbol by kind, index and name,
+ *     then the code, {index, bits} of each constant by index, {class << 24 | index, name in eight
+ *     words padded with NULs} of each symbol by class, index and name,
  *     and last the CRC-32 (as in zlib) of all before. An image has this one form only.
  */
 #ifndef FP3_IMAGE_H
@@ -39,20 +39,20 @@ typedef enum {
     FP3_SYMBOL_SHARED, /* shared constant without a value: the host gives it */
     FP3_SYMBOL_CONST,  /* shared constant with a value in the image */
     FP3_SYMBOL_LABEL,  /* index of a code word; code_count is possible */
-    FP3_SYMBOL_KINDS
-} fp3_symbol_kind;
+    FP3_SYMBOL_CLASSES
+} fp3_symbol_class;
 
-/* Sets of kinds, for fp3_image_find. */
-#define FP3_KIND(kind) (1u << (kind))
-#define FP3_KINDS_OBJECT                                                                           \
-    (FP3_KIND(FP3_SYMBOL_STATE) | FP3_KIND(FP3_SYMBOL_PARAM) | FP3_KIND(FP3_SYMBOL_TEMP))
-#define FP3_KINDS_SHARED (FP3_KIND(FP3_SYMBOL_SHARED) | FP3_KIND(FP3_SYMBOL_CONST))
-#define FP3_KINDS_HOST                                                                             \
-    (FP3_KIND(FP3_SYMBOL_STATE) | FP3_KIND(FP3_SYMBOL_PARAM) | FP3_KIND(FP3_SYMBOL_SHARED))
-#define FP3_KINDS_ALL (FP3_KIND(FP3_SYMBOL_KINDS) - 1)
+/* Sets of classes, for fp3_image_find. */
+#define FP3_CLASS(symbol_class) (1u << (symbol_class))
+#define FP3_CLASSES_OBJECT                                                                         \
+    (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_TEMP))
+#define FP3_CLASSES_SHARED (FP3_CLASS(FP3_SYMBOL_SHARED) | FP3_CLASS(FP3_SYMBOL_CONST))
+#define FP3_CLASSES_HOST                                                                           \
+    (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_SHARED))
+#define FP3_CLASSES_ALL (FP3_CLASS(FP3_SYMBOL_CLASSES) - 1)
 
 typedef struct {
-    fp3_symbol_kind kind;
+    fp3_symbol_class symbol_class;
     uint32_t index; /* 0..63 within its bank, or a code word's index */
     char name[FP3_NAME_SIZE];
 } fp3_symbol;
@@ -70,7 +70,7 @@ typedef struct {
     uint32_t shared;    /* shared constants that code, names or values use, likewise */
     const uint32_t *code;
     const fp3_constant *constants; /* by index */
-    const fp3_symbol *symbols;     /* by kind, then index */
+    const fp3_symbol *symbols;     /* by class, then index */
 } fp3_image;
 
 /* One instruction, operands as numbered in the word: shared constant k is FP3_BANK_SHARED_BASE + k.
@@ -111,18 +111,18 @@ fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *e
 fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
 
 /* What the next three give belongs to the image.
- * The symbol of this name if it is of one of these kinds, or NULL. Names are unique in an image. */
-const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned kinds);
+ * The symbol of this name if it is of one of these classes, or NULL. Names are unique in an image. */
+const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned classes);
 /* The name of a register or constant as numbered in a word, or NULL. */
 const char *fp3_image_name(const fp3_image *image, uint32_t operand);
 /* The FP32 bits that the image gives shared constant index, or NULL. */
 const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
 /* The object register that sleep writes and lds reads, or -1 in a program without them. */
 int fp3_image_slept(const fp3_image *image);
-/* "state" and so on; "?" for what is no kind. */
-const char *fp3_kind_name(fp3_symbol_kind kind);
-/* Whether the kind names object registers. */
-int fp3_kind_is_object(fp3_symbol_kind kind);
+/* "state" and so on; "?" for what is no class. */
+const char *fp3_class_name(fp3_symbol_class symbol_class);
+/* Whether the class names object registers. */
+int fp3_class_is_object(fp3_symbol_class symbol_class);
 /* Whether text is a name: a letter or _, then letters, digits or _, 31 characters at most, and not
  * one of the words that mean something by themselves: first, step, last, inf, nan. */
 int fp3_name_valid(const char *text);
