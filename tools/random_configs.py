@@ -20,12 +20,15 @@ import tempfile
 import time
 import tomllib
 
-import generate
+from fp3gen import configs
+from fp3gen.check import Bad
+from fp3gen.read import load
+from generate import outputs
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DEFAULT = re.search(r"^\[default\].*?(?=^\[\[)", (ROOT / "isa/configs.toml").read_text(), re.M | re.S)[0]
-_, REGISTERS, _ = generate.load(ROOT)
-POSITIONS = {unit: generate.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
+_, REGISTERS, _ = load(ROOT)
+POSITIONS = {unit: configs.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lz -lpthread -lm".split()
 TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
@@ -90,8 +93,8 @@ def draw(rng):
 def is_possible(row):
     """What goes with what, the generator knows."""
     try:
-        generate.check_configs(tomllib.loads(toml(row)), REGISTERS, POSITIONS)
-    except generate.Bad:
+        configs.check_configs(tomllib.loads(toml(row)), REGISTERS, POSITIONS)
+    except Bad:
         return False
     return True
 
@@ -143,7 +146,7 @@ def make_tree(row, tree):
     for name in ("isa.toml", "registers.toml"):
         (tree / "isa" / name).symlink_to(ROOT / "isa" / name)
     (tree / "isa/configs.toml").write_text(toml(row))
-    for name, text in generate.outputs(tree).items():
+    for name, text in outputs(tree).items():
         path = tree / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
@@ -209,7 +212,7 @@ def one(args, number, scratch, common):
     try:
         build(row, tree, common)
         told = test(row, tree, args.seed + number, args.instructions)
-    except (Failed, generate.Bad, subprocess.TimeoutExpired) as error:
+    except (Failed, Bad, subprocess.TimeoutExpired) as error:
         return f"FAIL number {number}: {what}\n{error}\n  again: tools/random_configs.py --seed {args.seed} --only {number} --keep DIR"
     if not args.keep:
         shutil.rmtree(tree)

@@ -35,7 +35,10 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-import generate
+from fp3gen import fusesoc, verilog
+from fp3gen.check import Bad
+from fp3gen.read import load
+from fp3gen.text import markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
@@ -139,7 +142,7 @@ def lane(row):
 
 
 def processor(row):
-    ports = [p for p in generate.ports(row) if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
+    ports = [p for p in verilog.ports(row) if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     module = f"fp3_{row['name']}"
@@ -165,7 +168,7 @@ def run(tool, arguments, log):
 
 
 def synthesise(tools, name, wrapper, files, device):
-    sources = {pathlib.Path(name).name: f"rtl/{name}" for name in generate.rtl_sources(ROOT, "*.v")}
+    sources = {pathlib.Path(name).name: f"rtl/{name}" for name in fusesoc.rtl_sources(ROOT, "*.v")}
     if device:
         sources |= {p.name: p.relative_to(ROOT) for p in sorted((ROOT / "rtl/fpga/ecp5").glob("*.v"))}
     path = WORK / f"{name}.v"
@@ -256,7 +259,7 @@ def plan(args, configs):
                 base = next(row for row in configs if row["name"] == config)
                 for what, change in changes.items():
                     row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
-                    source = "\n".join(generate.config_verilog(row)) + "\n" + processor(row)[1]
+                    source = "\n".join(verilog.config_verilog(row)) + "\n" + processor(row)[1]
                     trims[source, True] = (f"trim-{len(trims)}", [])
             continue
         for row in configs + (depths(top) if top in CORES else []):
@@ -301,8 +304,8 @@ def arguments(configs):
 
 def main():
     try:
-        configs = generate.load(ROOT)[2]
-    except generate.Bad as bad:
+        configs = load(ROOT)[2]
+    except Bad as bad:
         sys.exit(f"synth.py: {bad}")
     args = arguments(configs)
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
@@ -329,7 +332,7 @@ def main():
           [trim(name, what, base) for (what, base), (name, _) in zip(names, trims.values())])
     heads = ["top", "config", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
-    print("\n".join(generate.markdown(heads, table)))
+    print("\n".join(markdown(heads, table)))
     print("Written to build/results/synth.json")
 
 

@@ -1,0 +1,107 @@
+"""Reference pages: docs/isa.md, registers.md and configurations.md."""
+
+from .configs import CONFIG_KEYS, CONFIG_MEANING, config_value
+from .isa import word
+from .registers import ACCESS, counter_rows
+from .text import markdown, page
+
+
+def layout(fields, used):
+    """The word as a picture; fields that the instruction does not have are zero."""
+    order = sorted(fields.items(), key=lambda item: -item[1][0])
+    rule, bits, names = "+", " ", "|"
+    for name, (hi, lo) in order:
+        width = max(9, len(used[name]) + 2)
+        bits += f"{hi} .. {lo}".center(width) + " "
+        names += used[name].center(width) + "|"
+        rule += "-" * width + "+"
+    return ["```text", bits.rstrip(), rule, names, rule, "```"]
+
+
+def example(isa, op):
+    banks = isa["bank"]
+    pick = {"d": ("object", 2), "a": ("object", 0), "b": ("shared", 1), "c": ("object", 3)}
+    text = ", ".join(f"{banks[b]['prefix']}{n}" for b, n in (pick[x] for x in op["operands"]))
+    code = word(isa, op, {x: banks[b]["base"] + n for x, (b, n) in pick.items()})
+    return text, code
+
+
+def isa_page(isa):
+    fields, banks = isa["field"], isa["bank"]
+    unit = {"add": "adder", "mul": "multiplier", "chain": "multiplier, then adder", "sleep": "comparison",
+            "memory": "object store"}
+    body = [
+        f"Revision {isa['revision']}. Every instruction is one 32-bit word and works on IEEE 754 binary32 numbers.",
+        "", "## The word", "", *layout(fields, {name: name for name in fields}), "",
+        "`d` names the destination, `a`, `b` and `c` the operands. An operand that an instruction does not",
+        "have must be 0. A word with any other code than those below ends the run as illegal; code 0 stays",
+        "free, so erased memory is never executed.", "",
+        "## Banks", "",
+        *markdown(["operand codes", "in assembly", "bank"],
+                  [[f"{b['base']} .. {b['base'] + b['count'] - 1}",
+                    f"`{b['prefix']}0` .. `{b['prefix']}{b['count'] - 1}`",
+                    {"object": "the object's own registers; the only possible destinations",
+                     "shared": "constants that all objects of a scheduler share; written by the host"}[name]]
+                   for name, b in banks.items()]), "",
+        "A configuration may hold fewer registers, and lack instructions: [configurations.md](configurations.md).", "",
+        "## Instructions", "",
+        *markdown(["mnemonic", "code", "operands", "meaning", "unit"],
+                  [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`",
+                    f"`{op['meaning']}`", unit[op["unit"]]] for op in isa["op"]]),
+        "", "Results are rounded to nearest, ties to even, with gradual underflow, unless the configuration says",
+        "otherwise; a NaN result is always 7FC00000. Each result raises its flags: invalid, divide by zero,",
+        "overflow, underflow, inexact."]
+    for op in isa["op"]:
+        text, code = example(isa, op)
+        used = {name: name if name in op["operands"] else "0" for name in fields}
+        used["op"] = f"op = {op['code']}"
+        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {unit[op['unit']]}."]
+        body += [f"Where `{op['needs']}` is 1."] if "needs" in op else []
+        body += [op["note"]] if "note" in op else []
+        body += ["", *layout(fields, used), "", f"`{op['name']} {text}` is the word `0x{code:08x}`."]
+    return page("Instruction set", "isa/isa.toml", body)
+
+
+def bit_text(pair):
+    return str(pair[0]) if pair[0] == pair[1] else f"{pair[0]}:{pair[1]}"
+
+
+def registers_page(regs):
+    parts = regs["address"]
+    body = ["Byte addresses of 32-bit words on the host port. An address has these parts:", "",
+            *markdown(["bits", "part"], [
+                [bit_text(parts["scheduler"]), f"the scheduler, tile by tile; {parts['broadcast']}: all of them, where a write "
+                 "goes to all and a read gives the OR of all"],
+                [bit_text(parts["space"]), "the space: 0 for the registers and windows below"],
+                [bit_text(parts["word"]), "the word within objects and status; 0 above bit 15 in space 0"]]), "",
+            "Each scheduler has all of the following.", "", "## Registers", "",
+            *markdown(["address", "name", "access", "fields", "meaning"],
+                      [[f"0x{row['at']:04x}", f"`{row['name']}`", ACCESS[row["access"]],
+                        ", ".join(f"`{name}` [{bit_text(pair)}]"
+                                  for name, pair in row.get("fields", {}).items()), row["doc"]]
+                       for row in regs["register"]]), "",
+            "## Counters", "",
+            "Counters of the last run: 64 bits in two words, low word first, read only. Every running cycle",
+            "either issues an instruction or is counted as one of the stalls.", "",
+            *markdown(["address", "name", "counts"],
+                      [[f"0x{a:04x}", f"`{row['name']}`", row["doc"]] for row, a in counter_rows(regs)]), "",
+            "## Windows", "", "Onto the memories; refused with an error while a program runs.", "",
+            *markdown(["address", "name", "words", "access", "meaning"],
+                      [[f"0x{row['at']:04x}", f"`{row['name']}`", row["words"], ACCESS[row["access"]],
+                        row["doc"]] for row in regs["window"]]), "",
+            "## Spaces", "", "The large memories, likewise.", "",
+            *markdown(["space", "name", "access", "fields", "meaning"],
+                      [[row["at"], f"`{row['name']}`", ACCESS[row["access"]],
+                        ", ".join(f"`{name}` [{bit_text(pair)}]" for name, pair in row.get("fields", {}).items()),
+                        row["doc"]] for row in regs["space"]])]
+    return page("Host registers", "isa/registers.toml", body)
+
+
+def configs_page(configs):
+    body = ["Each named configuration is a module `rtl/gen/fp3_<name>.v` with no parameters left, and a name",
+            "that `fp3 run --config` takes.", ""]
+    body += markdown(["name", "purpose"], [[f"`{row['name']}`", row["doc"]] for row in configs])
+    body += [""] + markdown(["", *[f"`{row['name']}`" for row in configs], "meaning"],
+                            [[f"`{key}`", *[config_value(key, row[key]) for row in configs],
+                              CONFIG_MEANING[key]] for key in CONFIG_KEYS])
+    return page("Configurations", "isa/configs.toml", body)

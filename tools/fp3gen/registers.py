@@ -1,0 +1,69 @@
+"""isa/registers.toml: its checks, and rows of names and numbers that C and Verilog share."""
+
+from .check import NAME, bit_ranges, keys, named, need
+
+ACCESS = {"ro": "read only", "rw": "read and write", "wo": "write only"}
+
+
+def check_registers(regs):
+    file = "registers.toml"
+    keys(regs, file, "top level", {"address": dict, "register": list, "counter": list, "counters": dict,
+                                   "window": list, "space": list})
+    keys(regs["counters"], file, "[counters]", {"at": int})
+    keys(regs["address"], file, "[address]", {"scheduler": list, "broadcast": int, "space": list, "word": list})
+    parts = {name: pair for name, pair in regs["address"].items() if name != "broadcast"}
+    bit_ranges(parts, file, "[address]")
+    need(regs["address"]["broadcast"] == (2 << parts["scheduler"][0] - parts["scheduler"][1]) - 1, file,
+         "[address]: broadcast must be the last scheduler that the address has room for")
+    for row in regs["register"]:
+        where = f"register '{row.get('name', '?')}'"
+        keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str}, {"fields": dict})
+        bit_ranges(row.get("fields", {}), file, where)
+        for name in row.get("fields", {}):
+            need(NAME.fullmatch(name), file, f"{where}: '{name}' is not a field name")
+    for row in regs["counter"]:
+        keys(row, file, f"counter '{row.get('name', '?')}'", {"name": str, "doc": str})
+    for row in regs["window"]:
+        keys(row, file, f"window '{row.get('name', '?')}'",
+             {"name": str, "at": int, "words": int, "access": str, "doc": str})
+    for row in regs["space"]:
+        where = f"space '{row.get('name', '?')}'"
+        keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str}, {"fields": dict})
+        bit_ranges(row.get("fields", {}), file, where)
+    for what in ("register", "counter", "window", "space"):
+        named(regs[what], file, what)
+
+    # A window ends before the next one, the last before the end of the 16-bit addresses.
+    windows = sorted(regs["window"], key=lambda row: row["at"])
+    for row, above in zip(windows, windows[1:] + [{"at": 0x10000}]):
+        need(0 < row["words"] <= (above["at"] - row["at"]) // 4, file,
+             f"window '{row['name']}' has no room: the next starts at 0x{above['at']:04x}")
+    counters = [{"name": "counter " + row["name"], "at": regs["counters"]["at"] + 8 * i, "bytes": 8}
+                for i, row in enumerate(regs["counter"])]
+    owner = {}
+    for row in regs["register"] + counters + windows:
+        at, name = row["at"], row["name"]
+        need(row.get("access", "ro") in ACCESS, file,
+             f"'{name}': access '{row.get('access')}' is not one of {', '.join(ACCESS)}")
+        need(at % 4 == 0 and 0 <= at <= 0xfffc, file, f"'{name}': 0x{at:04x} is not the address of a word")
+        need("words" in row or not windows or at + row.get("bytes", 4) <= windows[0]["at"], file,
+             f"'{name}' at 0x{at:04x} lies in the windows")
+        for word in range(at, at + row.get("bytes", 4), 4):
+            need(word not in owner, file, f"'{owner.get(word)}' and '{name}' overlap at 0x{word:04x}")
+            owner[word] = name
+
+
+def counter_rows(regs):
+    return [(row, regs["counters"]["at"] + 8 * i) for i, row in enumerate(regs["counter"])]
+
+
+def field_rows(regs):
+    return [(f"{reg['name'].upper()}_{name.upper()}_{end}", pair[i]) for reg in regs["register"] + regs["space"]
+            for name, pair in reg.get("fields", {}).items() for i, end in enumerate(("HI", "LO"))]
+
+
+def address_rows(regs):
+    parts = [(f"ADDRESS_{name.upper()}_{end}", pair[i]) for name, pair in regs["address"].items()
+             if name != "broadcast" for i, end in enumerate(("HI", "LO"))]
+    return (parts + [("ADDRESS_BROADCAST", regs["address"]["broadcast"])]
+            + [(f"SPACE_{row['name'].upper()}", row["at"]) for row in regs["space"]])

@@ -1,0 +1,132 @@
+"""Headers for the RTL, and a top module for each configuration."""
+
+from .configs import CONFIG_KEYS, MASK_BITS
+from .estimates import estimates
+from .registers import address_rows, counter_rows, field_rows
+from .text import MARK, columns
+
+
+def verilog_header(source, sections):
+    """Localparams, to be included inside a module."""
+    out = [f"// {MARK.format(source=source)}",
+           "// Included inside a module, which uses the names that it needs; hence the lint_off.",
+           "// verilator lint_off UNUSEDPARAM"]
+    for title, rows in sections:
+        out += ["", f"// {title}"]
+        out += columns([(f"localparam {kind}{name} ", f"= {value};") for kind, name, value in rows])
+    return out + ["", "// verilator lint_on UNUSEDPARAM"]
+
+
+def isa_verilog(isa):
+    hi, lo = isa["field"]["op"]
+    bits = hi - lo + 1
+    return verilog_header("isa/isa.toml", [
+        ("The revision that register `id` shows.",
+         [("[7:0] ", "ISA_REVISION", f"8'd{isa['revision']}")]),
+        ("Fields of the 32-bit word.",
+         [("", f"{name.upper()}_{end}", pair[i]) for name, pair in isa["field"].items()
+          for i, end in enumerate(("HI", "LO"))]),
+        ("Banks, as an operand names them.",
+         [("", f"BANK_{name.upper()}_{key.upper()}", bank[key]) for name, bank in isa["bank"].items()
+          for key in ("base", "count")]),
+        ("Opcodes.",
+         [(f"[{bits - 1}:0] ", f"OP_{op['name'].upper()}", f"{bits}'d{op['code']}") for op in isa["op"]]),
+    ])
+
+
+def mnemonic_verilog(isa):
+    """For benches: an opcode as text, padded with blanks, and which sources it has."""
+    hi, lo = isa["field"]["op"]
+    bits, width = hi - lo + 1, max(len(op["name"]) for op in isa["op"])
+    rows = [(f"        {bits}'d{op['code']}: ", f'mnemonic = "{op["name"]:<{width}}";') for op in isa["op"]]
+    rows.append(("        default: ", f'mnemonic = "{"?":<{width}}";'))
+    return [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module.",
+            f"function [8*{width}-1:0] mnemonic(input [{bits - 1}:0] code);",
+            "    case (code)", *columns(rows), "    endcase", "endfunction",
+            *[line for letter in "abc" for line in (
+                f"function has_{letter}(input [{bits - 1}:0] code);", f"    has_{letter} = "
+                + " || ".join(f"code == {bits}'d{op['code']}" for op in isa["op"] if letter in op["operands"])
+                + ";", "endfunction")]]
+
+
+def estimates_verilog():
+    def line(values):
+        return "    " + ", ".join(f"9'h{value:03x}" for value in values)
+
+    table = estimates()[::-1]
+    return [f"// {MARK.format(source='estimates() there')}",
+            "// Included inside a module. Word i is ESTIMATES[9*i +: 9].",
+            "localparam [9*2048-1:0] ESTIMATES = {",
+            ",\n".join(line(table[i:i + 12]) for i in range(0, 2048, 12)), "};"]
+
+
+def registers_verilog(regs):
+    def at(address):
+        return f"16'h{address:04x}"
+
+    return verilog_header("isa/registers.toml", [
+        ("Registers.", [("[15:0] ", f"ADDR_{row['name'].upper()}", at(row["at"]))
+                        for row in regs["register"]]),
+        ("Fields of registers.", [("", name, value) for name, value in field_rows(regs)]),
+        ("Counters: 64 bits in two words each.",
+         [("", "COUNTERS", len(regs["counter"])), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
+         + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
+        ("Windows onto the memories.", [("[15:0] ", f"ADDR_WINDOW_{row['name'].upper()}", at(row["at"]))
+                                        for row in regs["window"]]),
+        ("The parts of an address, and what they say.",
+         [("", name, value) for name, value in address_rows(regs)]),
+    ])
+
+
+def ports(row):
+    """The host port and the trace of a configuration: direction, width, name; None is a blank line.
+
+    The trace has one part for each scheduler (issue) and for each lane (retire), the first in the low bits.
+    """
+    schedulers = row["tiles"] * row["schedulers"]
+    lanes = schedulers * row["lanes"]
+    return [("input", 1, "clk_i"), ("input", 1, "rst_i"), None,
+            ("input", 1, "req_valid_i"), ("output", 1, "req_ready_o"), ("input", 1, "req_write_i"),
+            ("input", 32, "req_addr_i"), ("input", 32, "req_wdata_i"), None,
+            ("output", 1, "rsp_valid_o"), ("input", 1, "rsp_ready_i"), ("output", 32, "rsp_rdata_o"),
+            ("output", 1, "rsp_error_o"), None,
+            ("output", schedulers, "issue_valid_o"), ("output", 16 * schedulers, "issue_pc_o"),
+            ("output", 16 * schedulers, "issue_context_o"), ("output", 32 * schedulers, "issue_word_o"), None,
+            ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
+            ("output", 32 * lanes, "retire_object_o"), ("output", 6 * lanes, "retire_register_o"),
+            ("output", 32 * lanes, "retire_value_o"), ("output", 5 * lanes, "retire_flags_o")]
+
+
+def configs_verilog(configs):
+    """The cuts of every configuration, for benches and scripts that go through all of them."""
+    def packed(key):
+        return "{" + ", ".join(f"{MASK_BITS}'h{row[key]:02x}" for row in reversed(configs)) + "}"
+
+    width = f"[{MASK_BITS * len(configs) - 1}:0] "
+    return verilog_header("isa/configs.toml", [
+        ("Named configurations, in the order of isa/configs.toml; the first is in the low bits.",
+         [("", "CONFIGS", len(configs)), (width, "CONFIG_ADD_CUTS", packed("add_cuts")),
+          (width, "CONFIG_MUL_CUTS", packed("mul_cuts"))])])
+
+
+def config_verilog(row):
+    def list_of(line):
+        rows = ports(row)
+        return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "")
+                for i, port in enumerate(rows)]
+
+    def declare(direction, width, name):
+        size = f"[{width - 1}:0]" if width > 1 else ""
+        return f"    {direction:<6} wire {size:>8} {name}"
+
+    def value(key):
+        bits = f"{MASK_BITS}'h"
+        return f"{bits}{row[key]:02x}" if key.endswith("_cuts") else str(row[key])
+
+    return [f"// fp3_{row['name']}: {row['doc']}", "//", f"// {MARK.format(source='isa/configs.toml')}",
+            "`default_nettype none",
+            f"module fp3_{row['name']} (", *list_of(declare), ");",
+            "    fp3 #(",
+            ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in CONFIG_KEYS),
+            "    ) u_fp3 (", *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
+            "    );", "endmodule", "`default_nettype wire"]
