@@ -90,8 +90,7 @@ module sequencer #(
     localparam SETTLE_W = $clog2(SETTLE + 1);
     localparam [CONTEXT_W-1:0] SHARED   = CONTEXTS;
     localparam [ROW_W:0]       CONTEXTS_R = CONTEXTS;
-    localparam [31:0] GAP_32 = GAP, SETTLE_32 = SETTLE;
-    localparam [GAP_W-1:0]     GAP_G    = GAP_32[GAP_W-1:0];
+    localparam [31:0] SETTLE_32 = SETTLE;
     localparam [SETTLE_W-1:0]  SETTLE_S = SETTLE_32[SETTLE_W-1:0];
 
     // Rounds -----------------------------------------------------------------------------------
@@ -179,32 +178,22 @@ module sequencer #(
         .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
 
     reg                  d_valid_q;
-    reg  [4:0]           d_age_q;      // moves up; at the top its pause is known
+    reg                  d_seen_q;     // valid for a cycle: what follows is known
     reg                  d_goes_q, d_drops_q, d_traps_q;  // to the sweep, nowhere (nobody is awake), illegal
-    reg                  unpaused_q, rested_q;
     reg  [DECODED_W-1:0] d_decoded_q;
     reg  [3:0]           d_marks_q;    // begins, ends, newstep, lasts
     reg  [PROGRAM_W-1:0] d_pc_q;
     reg  [31:0]          d_word_q;
     reg  [CONTEXTS-1:0]  d_mask_q, next_q, visit_q, awake_q;
     reg  [ROW_W:0]       next_left_q;  // objects not yet in a visit that decode has begun
-    reg  [GAP_W-1:0]     d_low_q, d_high_q, d_count_q, before_q, least_q, pause_q, since_q;
+    wire [GAP_W-1:0]     d_count;
+    wire                 d_known, d_may; // its pause is known; it may begin
     wire                 d_take;       // it goes on, to the sweep or nowhere
     assign d_ready = !d_valid_q;       // a sweep is long enough for the gap
     wire   d_entry = d_ready && fetched;
-    wire   d_ripe  = d_valid_q && d_age_q[4];
     wire   d_legal = d_decoded_q[DECODED_W-1];
     wire   d_empty = d_mask_q == {CONTEXTS{1'b0}};
 
-    function [GAP_W-1:0] ones(input [CONTEXTS-1:0] mask);
-        integer i;
-        begin
-            ones = {GAP_W{1'b0}};
-            for (i = 0; i < CONTEXTS; i = i + 1) ones = ones + {{GAP_W-1{1'b0}}, mask[i]};
-        end
-    endfunction
-    localparam HALF = CONTEXTS / 2;
-    wire             over_gap = least_q >= GAP_G;
     wire [CONTEXTS-1:0] reported = {{CONTEXTS-1{1'b0}}, 1'b1} << report_context_i;
 
     integer n;
@@ -218,17 +207,10 @@ module sequencer #(
             d_word_q    <= fetch_word;
             d_mask_q    <= begins ? next_q : lasts ? visit_q : awake_q;
         end
-        d_age_q    <= d_ready ? 5'd0 : {d_age_q[4] || d_age_q[3], d_age_q[2:0], 1'b1};
+        d_seen_q   <= d_valid_q;
         d_goes_q   <= d_legal && !d_empty;
         d_drops_q  <= d_legal && d_empty;
         d_traps_q  <= !d_legal;
-        d_low_q    <= ones(d_mask_q & ~({CONTEXTS{1'b1}} << HALF));
-        d_high_q   <= ones(d_mask_q >> HALF);
-        d_count_q  <= d_low_q + d_high_q;
-        least_q    <= d_count_q < before_q ? d_count_q : before_q;
-        unpaused_q <= over_gap;
-        pause_q    <= over_gap ? {GAP_W{1'b0}} : GAP_G - least_q;
-        rested_q   <= (s_busy ? {GAP_W{1'b0}} : since_q) + 1'b1 >= pause_q;
 
         // Who is in the visit, and awake
         if (open)                   next_left_q <= count_i;
@@ -254,20 +236,18 @@ module sequencer #(
     wire [CONTEXTS-1:0]  s_current;
     wire                 s_issue = s_busy && grant_i;
     wire                 s_over  = s_issue && s_last;
-    wire                 d_load  = d_ripe && d_goes_q && (s_busy ? s_over && unpaused_q : rested_q);
-    assign d_take       = d_load || (d_ripe && d_drops_q);
-    always @(posedge clk_i) illegal_q <= !rst_i && d_ripe && d_traps_q && !s_busy && !illegal_q;
+    wire                 d_load  = d_may && d_goes_q;
+    assign d_take       = d_load || (d_known && d_drops_q);
+    always @(posedge clk_i) illegal_q <= !rst_i && d_known && d_traps_q && !s_busy && !illegal_q;
     assign illegal_o    = illegal_q;
     assign illegal_pc_o = d_pc_q;
+    pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(GAP_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(open),
+        .valid_i(d_valid_q), .mask_i(d_mask_q), .take_i(d_take), .known_o(d_known), .count_o(d_count), .may_o(d_may),
+        .busy_i(s_busy), .over_i(s_over));
     sweep #(.CONTEXTS(CONTEXTS), .COUNT_W(GAP_W)) u_sweep (.clk_i(clk_i), .rst_i(rst_i || abort), .load_i(d_load),
-        .mask_i(d_mask_q), .count_i(d_count_q), .next_i(s_issue), .busy_o(s_busy), .current_o(s_current), .last_o(s_last));
+        .mask_i(d_mask_q), .count_i(d_count), .next_i(s_issue), .busy_o(s_busy), .current_o(s_current), .last_o(s_last));
 
     always @(posedge clk_i) begin
-        if (s_busy)                             since_q <= {{GAP_W-1{1'b0}}, 1'b1};
-        else if (open)                          since_q <= GAP_G;
-        else if (since_q != GAP_G)              since_q <= since_q + 1'b1;
-        if (open)        before_q <= {GAP_W{1'b1}};
-        else if (d_take) before_q <= d_count_q;
         if (d_load) begin
             s_decoded_q <= d_decoded_q;
             s_marks_q   <= d_marks_q;
@@ -363,8 +343,8 @@ module sequencer #(
     assign issued_o           = {to_memory, to_sleep, to_chain, to_mul, to_add} & {5{s_issue && legal}};
     delay #(.W(1), .N(LATENCY+5)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(o_valid_q), .q_o(retired_o));
     assign stall_unit_o       = s_busy && !grant_i;
-    assign stall_asleep_o     = quiet && d_valid_q && d_age_q[0] && d_drops_q;
-    assign stall_dependency_o = quiet && d_ripe && d_goes_q && !rested_q;
+    assign stall_asleep_o     = quiet && d_valid_q && d_seen_q && d_drops_q;
+    assign stall_dependency_o = quiet && d_known && d_goes_q && !d_may;
     assign stall_fetch_o      = quiet && state_q == RUN && issuing && !stall_asleep_o && !stall_dependency_o;
     assign stall_drain_o      = quiet && !stall_asleep_o && !stall_dependency_o && !stall_fetch_o;
     assign trace_o            = o_valid_q;
@@ -379,7 +359,7 @@ module sequencer #(
     always @(posedge clk_i)
         for (k = 0; k < CONTEXTS; k = k + 1) begin
             age[k] <= rst_i ? 16'hffff : o_valid_q && o_current_q[k] ? 16'd1 : age[k] == 16'hffff ? age[k] : age[k] + 1'b1;
-            if (!rst_i && o_valid_q && o_current_q[k] && age[k] < GAP_32[15:0]) begin
+            if (!rst_i && o_valid_q && o_current_q[k] && {16'd0, age[k]} < GAP) begin
                 $display("%m: context %0d issued again after %0d cycles, %0d are needed", k, age[k], GAP);
                 $stop;
             end
