@@ -1,10 +1,14 @@
 // fp_scale: twice or half of a number, without a multiplier.
 //
-// Purpose   The very bits and flags of a product with 2 or 1/2: only the exponent changes, unless
-//           the result leaves the normal numbers.
+// Purpose   The same bits and flags as a product with 2 or 1/2. Only the exponent changes, unless
+//           the result is not a normal number.
 // Latency   0.
 // Options   SUBNORMAL = 0 and NEAREST = 0 as in fp_mul.
-// Hazard    A NaN passes as it is: the adder behind makes it quiet, and raises invalid for a
+// Promise   With neither twice_i nor half_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
+//           passes even with SUBNORMAL = 0, where the adder behind reads it as zero.
+//           Proved for every number and option: tests/formal/scale_cases.v.
+// Hazard    Never twice_i and half_i together (shared_arith checks it).
+//           A NaN passes unchanged: the adder behind makes it quiet, and raises invalid for a
 //           signalling one as a product would.
 //
 //     d_i 00800001, half_i 1  ->  z_o 00400000 (a tie, to even), flags_o underflow, inexact

@@ -2,20 +2,26 @@
 //
 // Purpose   Says whether an instruction may issue: no register that it names is flagged (paper,
 //           section 4), and the register file's write port is free in the cycle of its result.
-//           Units have fixed latencies, so a result's cycle is known at issue: the slot that is
-//           reserved then also carries the destination, and no tag travels through a unit.
+//           Units have fixed latencies, so a result's cycle is known at issue. The slot that is
+//           reserved then also carries the destination, so no tag travels through a unit.
 //
 //           slot     LATENCY ...    2    1    0
 //                    ^ issue             |    a result is written in this cycle
-//                                        a result will be written in the next cycle: an operand
-//                                        that is read now comes from the bypass
+//                                        a result is written in the next cycle: an operand that is
+//                                        read now comes from the bypass
 //
-// Latency   0 for every answer. A flag rises in the cycle after issue_i, and falls so that the
-//           earliest correct reader issues: with BYPASS in the cycle before the write, without
-//           in the cycle after it. What the next instruction can read (BYPASS, latency 1) is
-//           never flagged.
-// Hazard    issue_i only with blocked_o and taken_o low. Constants are nobody's destination, so
-//           they are never flagged. c_i counts for a chain only: other words have 0 there.
+// Latency   0 for every answer. A flag rises in the cycle after issue_i. It falls so that the
+//           earliest correct reader issues one cycle before the write (BYPASS), or one cycle after
+//           it. A result that the next instruction can read (BYPASS, latency 1) is never flagged.
+// Promise   No instruction is refused for another reason, so none waits longer than the results in
+//           flight. The promises are proved for the latencies and options of every configuration:
+//           tests/formal/scoreboard_spec.v.
+// Hazard    issue_i only with blocked_o and taken_o low, and for one unit.
+//           Only a chain reads c_i: for other instructions its flag does not count.
+//
+//     cycle   0             1                2                3         latency 2, BYPASS
+//     issue   r1 = r2 + r3  r4 = r1 * r5     r4 = r1 * r5     -
+//                           refused: r1      r1 from bypass   r1 is written
 `default_nettype none
 module scoreboard #(
     parameter REG_W       = 5,         // a register's number, its context's included
@@ -102,24 +108,20 @@ module scoreboard #(
 
     assign blocked_o = busy_q[d_i] || busy_q[a_i] || busy_q[b_i] || (busy_q[c_i] && to_chain_i);
 
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (issue_i && !rst_i && (blocked_o || taken_o
+                                  || {2'b00, to_add_i} + {2'b00, to_mul_i} + {2'b00, to_chain_i} != 3'd1)) begin
+            $display("%m: an instruction issues that is blocked, without a write slot, or not for one unit");
+            $stop;
+        end
+`endif
 `ifdef FORMAL
-    // What the flags promise, for one register that the solver picks: it is flagged exactly while
-    // one result for it, and no more than one, is FREE or more slots away.
-    (* anyseq *) reg [REG_W-1:0] who;
-    reg [REG_W-1:0] who_q;
-    reg [7:0]       later;
-    reg             started_q = 1'b0;
-    integer         i;
-    always @(posedge clk_i) {started_q, who_q} <= {1'b1, who};
-    always @* begin
-        assume (started_q ? who == who_q : rst_i);
-        assume (!issue_i || (!blocked_o && !taken_o));
-        assume ({2'b00, to_add_i} + {2'b00, to_mul_i} + {2'b00, to_chain_i} == 3'd1);
-        later = 8'd0;
-        for (i = FREE; i <= LONGEST; i = i + 1)
-            later = later + {7'd0, valid_q[i] && d_q[i] == who};
-    end
-    always @* if (started_q) assert (later == {7'd0, busy_q[who]});
+    // tests/formal/scoreboard_spec.v: its induction looks at all destinations.
+    reg [(LONGEST+1)*REG_W-1:0] destinations;
+    integer i;
+    always @*
+        for (i = 0; i <= LONGEST; i = i + 1) destinations[REG_W*i +: REG_W] = d_q[i];
 `endif
 endmodule
 `default_nettype wire

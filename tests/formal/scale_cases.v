@@ -1,21 +1,24 @@
-// The multiplication by a power of two against the multiplier: wrong_o is 0 for every number.
+// fp_scale against the multiplier, and as a wire where it is to do nothing: wrong_o is 0 for every number.
 `default_nettype none
 module scale_cases #(
     parameter SUBNORMAL = 1,
     parameter NEAREST   = 1
 ) (
+    input  wire        twice_i,                           // or half_i, or neither
     input  wire        half_i,
     input  wire [31:0] d_i,
     output wire        wrong_o
 );
     wire [31:0] scaled, product;
     wire [4:0]  scaled_flags, product_flags;
-    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(!half_i), .half_i(half_i),
+    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(twice_i), .half_i(half_i),
         .d_i(d_i), .z_o(scaled), .flags_o(scaled_flags));
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_mul (.clk_i(1'b0), .a_i(d_i),
         .b_i(half_i ? 32'h3f000000 : 32'h40000000), .z_o(product), .flags_o(product_flags));
-    wire nan = &d_i[30:23] && |d_i[22:0];                 // the adder's to make quiet
-    assign wrong_o = nan ? scaled != d_i || scaled_flags != 5'd0
-                         : scaled != product || scaled_flags != product_flags;
+    wire nan = &d_i[30:23] && |d_i[22:0];
+    // The adder behind makes a NaN quiet, and reads a subnormal as zero where SUBNORMAL = 0.
+    wire same = nan || !(twice_i || half_i);
+    assign wrong_o = !(twice_i && half_i) && (same ? scaled != d_i || scaled_flags != 5'd0
+                                                   : scaled != product || scaled_flags != product_flags);
 endmodule
 `default_nettype wire

@@ -1,4 +1,4 @@
-"""The proofs of the floating-point cores and the scoreboard, a test for each part of tests/formal/prove.py."""
+"""The proofs of the floating-point cores and the control modules, a test for each part of tests/formal/prove.py."""
 
 import subprocess
 import sys
