@@ -35,7 +35,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-from fp3gen import fusesoc, verilog
+from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import markdown
@@ -117,8 +117,6 @@ def lane(row):
     register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
     reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
     issue_w, retire_w, host_w = 11 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
-    arith = ", ".join(f".{key.upper()}({row[key]})" for key in
-                      ("select", "estimate", "subnormal", "nearest", "add_latency", "mul_latency", "add_cuts", "mul_cuts"))
     ports = [("issue", issue_w), ("retire", retire_w), ("host", host_w), ("data", 32), ("count", store_w - 2),
              ("flags", 5), ("asleep", 1), ("answer", 32)]
     heard = [("report", 1), ("report_batch", 1), ("report_context", context_w)]
@@ -134,7 +132,7 @@ def lane(row):
         "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
         "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
         "        .subtract_o(subtract), .kind_o(kind), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
-        f"    lane_arith #({arith}) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
+        f"    lane_arith #(.CONFIG({parameters.config_word(row)})) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
         "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
     top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
                      [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")

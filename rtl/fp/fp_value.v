@@ -2,17 +2,15 @@
 //
 // Purpose   min, max, abs, lt, le, sel, rcp and rsqrt, while an addend waits for its product: the
 //           sum of z_o and -0 is the instruction's result, with its flags.
-// Latency   LATENCY, that of the multiplier: up to three registers in the logic, the others behind it.
+// Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           alone_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    kind_i as in value.vh, and VALUE_PLAIN where neither SELECT nor ESTIMATE is built: then
 //           all of this is a delay.
 //
-//     kind_i VALUE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, LATENCY edges later
+//     kind_i VALUE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
 `default_nettype none
 module fp_value #(
-    parameter SELECT   = 1,            // min, max, abs, lt, le, sel
-    parameter ESTIMATE = 1,            // rcp, rsqrt
-    parameter LATENCY  = 3             // at least 1
+`include "config.vh"
 ) (
     input  wire        clk_i,
     input  wire [3:0]  kind_i,
@@ -23,19 +21,19 @@ module fp_value #(
     output wire        alone_o
 );
 `include "fp/value.vh"
-    localparam STAGES = LATENCY < 3 ? LATENCY : 3;
+    localparam STAGES = MUL_LATENCY < 3 ? MUL_LATENCY : 3;
 
     generate
         if (SELECT == 0 && ESTIMATE == 0) begin : g_plain
             wire unused = &{kind_i, b_i, true_i};
             assign alone_o = 1'b0;
-            delay #(.W(32), .N(LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
+            delay #(.W(32), .N(MUL_LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
             wire plain = kind_i == VALUE_PLAIN;
             wire minimum = kind_i == VALUE_MIN, maximum = kind_i == VALUE_MAX, sel = kind_i == VALUE_SEL;
             wire lt = kind_i == VALUE_LT, le = kind_i == VALUE_LE;
             wire root = kind_i == VALUE_RSQRT, estimated = root || kind_i == VALUE_RCP;
-            delay #(.W(1), .N(LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
+            delay #(.W(1), .N(MUL_LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
 
             // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
             wire        a_nan = &a_i[30:23] && |a_i[22:0], b_nan = &b_i[30:23] && |b_i[22:0];
@@ -73,7 +71,7 @@ module fp_value #(
             end
             wire [31:0] number = {estimate & {19{is_estimate}} | {2'd0, {7{one}}, 10'd0}, 13'd0};
             cut #(.W(32), .ON(STAGES >= 2)) u_3 (.clk_i(clk_i), .d_i(made ? number : chosen), .q_o(z));
-            delay #(.W(32), .N(LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
+            delay #(.W(32), .N(MUL_LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
         end
     endgenerate
 endmodule

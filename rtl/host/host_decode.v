@@ -5,12 +5,7 @@
 // Hazard    What an access may do there is host_port's to say.
 `default_nettype none
 module host_decode #(
-    parameter REGISTER_W  = 5,
-    parameter PROGRAM_W   = 9,
-    parameter STORE_WORDS = 0,
-    parameter LANES       = 1,
-    parameter SLEEP       = 0,
-    parameter STATUS      = 0
+`include "config.vh"
 ) (
     input  wire        clk_i,
     input  wire        write_i,
@@ -25,8 +20,8 @@ module host_decode #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
-    localparam [31:0] REGISTERS     = 32'd1 << REGISTER_W;
-    localparam [31:0] PROGRAM_WORDS = 32'd1 << PROGRAM_W;
+    localparam [31:0] REGISTERS_32  = REGISTERS;
+    localparam [31:0] PROGRAM_32    = PROGRAM_WORDS;
     localparam [31:0] OBJECT_WORDS  = STORE_WORDS != 0 ? STORE_WORDS * LANES : REGISTERS;
     localparam [31:0] STATUS_WORDS  = STATUS != 0 ? STORE_WORDS * LANES : 0;
     localparam [31:0] LANES_32      = STORE_WORDS != 0 ? LANES : 0;
@@ -39,8 +34,8 @@ module host_decode #(
     wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
-    wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_WORDS;
-    wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS;
+    wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
+    wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
     wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && index + 32'd1 <= LANES_32
                     && write_i && SLEEP != 0;

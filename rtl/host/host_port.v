@@ -14,16 +14,8 @@
 //     rsp_valid_o  0     0     0     0     1     0
 `default_nettype none
 module host_port #(
-    parameter REGISTER_W     = 5,
-    parameter CONTEXTS       = 1,
-    parameter PROGRAM_W      = 9,
-    parameter STORE_WORDS    = 0,                         // of each lane; 0: the objects are registers
-    parameter LANES          = 1,
-    parameter SLEEP          = 0,
-    parameter STATUS         = 0,
     parameter MEMORY_LATENCY = 0,
-    parameter [31:0] FEATURES = 0,
-    parameter [31:0] ARRAY    = 0
+`include "config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
@@ -67,13 +59,14 @@ module host_port #(
 );
 `include "gen/isa.vh"
 `include "gen/registers.vh"
+`include "gen/shown.vh"
 `include "host/lane_host.vh"
-    localparam [31:0] REGISTERS     = 32'd1 << REGISTER_W;
-    localparam [31:0] PROGRAM_WORDS = 32'd1 << PROGRAM_W;
-    localparam [31:0] CONTEXTS_32   = CONTEXTS;
-    localparam [31:0] STORE_32      = STORE_WORDS;
-    localparam [31:0] WAIT_32       = MEMORY_LATENCY;
-    localparam [7:0]  WAIT          = WAIT_32[7:0];
+    localparam [31:0] REGISTERS_32 = REGISTERS;
+    localparam [31:0] CONTEXTS_32  = CONTEXTS;
+    localparam [31:0] PROGRAM_32   = PROGRAM_WORDS;
+    localparam [31:0] STORE_32     = STORE_WORDS;
+    localparam [31:0] WAIT_32      = MEMORY_LATENCY;
+    localparam [7:0]  WAIT         = WAIT_32[7:0];
 
     // Take a request, decode it, check it, execute it, hold the response until it is taken.
     reg        decode_q, check_q, execute_q, wait_q, respond_q;
@@ -99,8 +92,7 @@ module host_port #(
     end
 
     wire       in_registers, in_counters, in_program, in_memory;
-    host_decode #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .STORE_WORDS(STORE_WORDS), .LANES(LANES),
-                  .SLEEP(SLEEP), .STATUS(STATUS)) u_decode (
+    host_decode #(.CONFIG(CONFIG)) u_decode (
         .clk_i(clk_i), .write_i(write_q), .addr_i(addr_q),
         .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
         .counter_o(counters_index_o), .kind_o(kind_o), .address_o(addr_o));
@@ -116,7 +108,7 @@ module host_port #(
     reg  runnable, is_index, is_record;
     always @(posedge clk_i) begin
         runnable  <= step_q < last_q && last_q <= size_q;
-        is_index  <= wdata_q <= PROGRAM_WORDS;
+        is_index  <= wdata_q <= PROGRAM_32;
         is_record <= wdata_q >= 32'd3 && wdata_q <= 32'd6;
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
@@ -149,9 +141,9 @@ module host_port #(
         second = 32'd0;
         case (addr_q[4:2])
             ADDR_ID[4:2]:       first = {24'h465033, ISA_REVISION};
-            ADDR_SHAPE[4:2]:    first = {CONTEXTS_32[15:0], REGISTERS[7:0], REGISTERS[7:0]};
-            ADDR_MEMORY[4:2]:   first = PROGRAM_WORDS;
-            ADDR_FEATURES[4:2]: first = FEATURES;
+            ADDR_SHAPE[4:2]:    first = {CONTEXTS_32[15:0], REGISTERS_32[7:0], REGISTERS_32[7:0]};
+            ADDR_MEMORY[4:2]:   first = PROGRAM_32;
+            ADDR_FEATURES[4:2]: first = REGISTER_FEATURES;
             ADDR_STATUS[4:2]:   first = {28'd0, {stopped_q, illegal_q, done_q} & {3{!busy}}, busy};
             ADDR_RECORD[4:2]:   first = {29'd0, record};
             ADDR_FAULT[4:2]:    first = {{32-PROGRAM_W{1'b0}}, fault_q};
@@ -162,7 +154,7 @@ module host_port #(
             ADDR_STEP[4:2]:     second = {{31-PROGRAM_W{1'b0}}, step_q};
             ADDR_LAST[4:2]:     second = {{31-PROGRAM_W{1'b0}}, last_q};
             ADDR_SIZE[4:2]:     second = {{31-PROGRAM_W{1'b0}}, size_q};
-            ADDR_ARRAY[4:2]:    second = ARRAY;
+            ADDR_ARRAY[4:2]:    second = REGISTER_ARRAY;
             ADDR_STORE[4:2]:    second = STORE_32;
             ADDR_VISIT[4:2]:    second = visit_q;
             ADDR_CLOCK[4:2]:    second = clock_q;

@@ -11,22 +11,7 @@
 // Hazard    Trace ports (issue_*, retire_*) are for simulation.
 `default_nettype none
 module solo #(
-    parameter REGISTERS       = 32,    // object registers, and as many constants: 2, 4 .. 64
-    parameter PROGRAM_WORDS   = 512,
-    parameter BYPASS          = 1,     // results go straight to a waiting operand
-    parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written
-    parameter CHAIN           = 1,     // madd and msub
-    parameter SELECT          = 0,     // min, max, abs, lt, le, sel
-    parameter ESTIMATE        = 0,     // rcp, rsqrt
-    parameter FLAGS           = 1,
-    parameter SUBNORMAL       = 1,
-    parameter NEAREST         = 1,
-    parameter ADD_LATENCY     = 1,     // at least 1 + the number of cuts
-    parameter MUL_LATENCY     = 1,
-    parameter [6:0]  ADD_CUTS = 0,
-    parameter [6:0]  MUL_CUTS = 0,
-    parameter [31:0] FEATURES = 0,
-    parameter [31:0] ARRAY    = 0
+`include "config.vh"
 ) (
     input  wire        clk_i,
     input  wire        rst_i,
@@ -51,9 +36,6 @@ module solo #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
-    localparam REGISTER_W = $clog2(REGISTERS);
-    localparam PROGRAM_W  = $clog2(PROGRAM_WORDS);
-
     wire                            start, stop, running, illegal;
     wire [31:0]                     steps;
     wire [PROGRAM_W-1:0]            step, step_end, last_end, issue_pc, program_addr;
@@ -74,7 +56,7 @@ module solo #(
     wire [31:0]                     a, b, c, add_value, mul_value;
     wire [4:0]                      add_flags, mul_flags, retire_flags;
 
-    host_port #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_host_port (
+    host_port #(.CONFIG(CONFIG)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -90,8 +72,7 @@ module solo #(
         .counters_clear_o(counters_clear), .counters_index_o(counters_index),
         .counters_value_i(counters_value));
 
-    solo_scheduler #(.REGISTER_W(REGISTER_W), .PROGRAM_W(PROGRAM_W), .BYPASS(BYPASS), .WRITEBACK_STALL(WRITEBACK_STALL),
-                     .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scheduler (
+    solo_scheduler #(.CONFIG(CONFIG)) u_scheduler (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .step_i(step), .step_end_i(step_end),
         .end_i(last_end), .running_o(running), .illegal_o(illegal),
@@ -110,9 +91,7 @@ module solo #(
         .retire_flags_o(retire_flags));
     assign retire_flags_o = FLAGS != 0 ? retire_flags : 5'd0;
 
-    solo_arith #(.CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST),
-                 .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY),
-                 .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
+    solo_arith #(.CONFIG(CONFIG)) u_arith (
         .clk_i(clk_i), .rst_i(rst_i),
         .chain_i(chain), .subtract_i(subtract), .kind_i(value_kind), .add_a_i(a), .add_b_i(b),
         .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon),

@@ -13,15 +13,7 @@
 //           an addition must not be sent there then.
 `default_nettype none
 module solo_arith #(
-    parameter        CHAIN       = 1,  // multiply-add by chaining: two roundings
-    parameter        SELECT      = 0,  // see fp_value; they go the way of a chain
-    parameter        ESTIMATE    = 0,
-    parameter        SUBNORMAL   = 1,  // see fp_add, fp_mul
-    parameter        NEAREST     = 1,
-    parameter        ADD_LATENCY = 1,  // at least the cuts + 1; more are plain registers
-    parameter        MUL_LATENCY = 1,
-    parameter [6:0]  ADD_CUTS    = 0,
-    parameter [6:0]  MUL_CUTS    = 0
+`include "config.vh"
 ) (
     input  wire        clk_i,
     input  wire        rst_i,
@@ -41,24 +33,6 @@ module solo_arith #(
     output wire [31:0] mul_value_o,
     output wire [4:0]  mul_flags_o
 );
-    function integer ones(input [6:0] mask);
-        integer i;
-        begin
-            ones = 0;
-            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
-        end
-    endfunction
-
-    // A latency that cannot be built names a module that does not exist: elaboration ends there.
-    generate
-        if (ADD_LATENCY <= ones(ADD_CUTS)) begin : g_add_latency
-            ADD_LATENCY_must_be_more_than_the_cuts u_error ();
-        end
-        if (MUL_LATENCY <= ones(MUL_CUTS)) begin : g_mul_latency
-            MUL_LATENCY_must_be_more_than_the_cuts u_error ();
-        end
-    endgenerate
-
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
@@ -74,7 +48,7 @@ module solo_arith #(
                 .d_i(soon), .q_o(chained));
             delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(subtract_i), .q_o(chain_subtract));
-            fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_c (.clk_i(clk_i),
+            fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
                 .kind_i(kind_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
                 .z_o(chain_c), .alone_o(alone));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
@@ -95,7 +69,7 @@ module solo_arith #(
         .a_i(chained ? chain_c : add_a_i),
         .b_i(chained ? mul_value_o : add_b_i),
         .z_o(sum), .flags_o(sum_flags));
-    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(ADD_SPARE)) u_sum (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_flags, sum}), .q_o({add_flags, add_value_o}));
     assign add_flags_o = add_flags | chain_flags;
 
@@ -104,7 +78,7 @@ module solo_arith #(
         .a_i(mul_a_i),
         .b_i(mul_b_i),
         .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS) - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(MUL_SPARE - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
     reg [31:0] product_q;
     reg [4:0]  product_flags_q;

@@ -16,15 +16,7 @@
 // Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
 `default_nettype none
 module solo_scheduler #(
-    parameter REGISTER_W      = 5,     // 2^REGISTER_W registers, and as many constants
-    parameter PROGRAM_W       = 9,     // 2^PROGRAM_W instruction words
-    parameter BYPASS          = 1,
-    parameter WRITEBACK_STALL = 0,     // no issue in a cycle in which a result is written (paper)
-    parameter CHAIN           = 1,
-    parameter SELECT          = 0,
-    parameter ESTIMATE        = 0,
-    parameter ADD_LATENCY     = 1,
-    parameter MUL_LATENCY     = 1
+`include "config.vh"
 ) (
     input  wire                            clk_i,
     input  wire                            rst_i,
@@ -74,7 +66,6 @@ module solo_scheduler #(
     output wire [4:0]                      retire_flags_o
 );
 `include "fp/value.vh"
-    localparam REG_W = 1 + REGISTER_W;
 
     // Fetch and decode ------------------------------------------------------------------------
     wire                 advance;

@@ -76,7 +76,7 @@ module lane #(
     localparam REG_W = CONTEXT_W + REGISTER_W;
     localparam ROW_W = STORE_W - 3;            // a record has 8 words at least
     localparam [LANE_W-1:0]    ME     = INDEX;
-    localparam [CONTEXT_W-1:0] SHARED = CONTEXTS;
+    localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
 
     // Said in this cycle, and to the next lane ---------------------------------------------------
     reg [ISSUE_W-1:0]  issue_q;

@@ -7,19 +7,12 @@
 // Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
 // Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
 //
-//     lane_arith #(.ADD_LATENCY(8), .MUL_LATENCY(8)) u (.clk_i(clk_i), .subtract_i(1'b1),
+//     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(1'b1), .kind_i(VALUE_PLAIN),
 //         .x_i(x), .y_i(y), .z_i(z), .value_o(d), .flags_o(flags));
-//     // sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000, no flag
+//     // with 8 and 8, sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000
 `default_nettype none
 module lane_arith #(
-    parameter        SELECT      = 0,      // see fp_value
-    parameter        ESTIMATE    = 0,
-    parameter        SUBNORMAL   = 1,      // see fp_add, fp_mul
-    parameter        NEAREST     = 1,
-    parameter        ADD_LATENCY = 8,      // at least the cuts + 1; more are plain registers
-    parameter        MUL_LATENCY = 8,
-    parameter [6:0]  ADD_CUTS    = 7'h7f,
-    parameter [6:0]  MUL_CUTS    = 7'h7f
+`include "config.vh"
 ) (
     input  wire        clk_i,
     input  wire        subtract_i,         // 1: z - x * y
@@ -30,24 +23,6 @@ module lane_arith #(
     output wire [31:0] value_o,
     output wire [4:0]  flags_o
 );
-    function integer ones(input [6:0] mask);
-        integer i;
-        begin
-            ones = 0;
-            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
-        end
-    endfunction
-
-    // A latency that cannot be built names a module that does not exist: elaboration ends there.
-    generate
-        if (ADD_LATENCY <= ones(ADD_CUTS)) begin : g_add_latency
-            ADD_LATENCY_must_be_more_than_the_cuts u_error ();
-        end
-        if (MUL_LATENCY <= ones(MUL_CUTS)) begin : g_mul_latency
-            MUL_LATENCY_must_be_more_than_the_cuts u_error ();
-        end
-    endgenerate
-
     wire        alone;                     // no product in the next cycle
     wire [31:0] product, product_late;
     wire [4:0]  product_flags, product_flags_late;
@@ -55,7 +30,7 @@ module lane_arith #(
     reg  [4:0]  product_flags_q;
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (
         .clk_i(clk_i), .a_i(x_i), .b_i(y_i), .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS) - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(MUL_SPARE - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
     always @(posedge clk_i)
         if (alone) {product_flags_q, product_q} <= {5'd0, 32'h80000000};
@@ -65,14 +40,14 @@ module lane_arith #(
     wire        subtract;
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(subtract_i), .q_o(subtract));
-    fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_z (.clk_i(clk_i),
+    fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i),
         .kind_i(kind_i), .a_i(z_i), .b_i(x_i), .true_i(|y_i[30:0]), .z_o(z), .alone_o(alone));
 
     wire [31:0] sum;
     wire [4:0]  sum_flags, sum_flags_q, earlier_flags;
     fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
         .clk_i(clk_i), .sub_i(subtract), .a_i(z), .b_i(product_q), .z_o(sum), .flags_o(sum_flags));
-    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(ADD_SPARE)) u_sum (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_flags, sum}), .q_o({sum_flags_q, value_o}));
 
     delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),

@@ -88,8 +88,8 @@ module sequencer #(
     localparam GAP_W  = $clog2(GAP + CONTEXTS + 1);
     localparam SETTLE = LATENCY + LANES + 14;             // from an issue to the last report of it
     localparam SETTLE_W = $clog2(SETTLE + 1);
-    localparam [CONTEXT_W-1:0] SHARED   = CONTEXTS;
-    localparam [ROW_W:0]       CONTEXTS_R = CONTEXTS;
+    localparam [CONTEXT_W-1:0] SHARED   = CONTEXTS[CONTEXT_W-1:0];
+    localparam [ROW_W:0]       CONTEXTS_R = CONTEXTS[ROW_W:0];
     localparam [31:0] SETTLE_32 = SETTLE;
     localparam [SETTLE_W-1:0]  SETTLE_S = SETTLE_32[SETTLE_W-1:0];
 

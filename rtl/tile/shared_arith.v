@@ -13,40 +13,23 @@
 //           Each scheduler knows when a result is its own; the unit only remembers which kind.
 `default_nettype none
 module shared_arith #(
-    parameter        N           = 2,  // schedulers
-    parameter        SCALE       = 0,  // a sum may take 2 * x, or x / 2
-    parameter        SELECT      = 0,  // see fp_value
-    parameter        ESTIMATE    = 0,
-    parameter        SUBNORMAL   = 1,
-    parameter        NEAREST     = 1,
-    parameter        ADD_LATENCY = 1,  // at least the cuts + 1
-    parameter        MUL_LATENCY = 1,
-    parameter [6:0]  ADD_CUTS    = 0,
-    parameter [6:0]  MUL_CUTS    = 0
+`include "config.vh"
 ) (
     input  wire            clk_i,
     // Who uses what: both is z +/- x * y, the adder alone z +/- x, the multiplier alone x * y
-    input  wire [N-1:0]    adds_i,
-    input  wire [N-1:0]    muls_i,
-    input  wire [N-1:0]    subtract_i,
-    input  wire [N-1:0]    twice_i,    // z +/- 2 * x, z +/- x / 2: rounded as a product would be
-    input  wire [N-1:0]    half_i,
-    input  wire [4*N-1:0]  kind_i,     // value.vh: of z, x, and of whether y is 0; then z takes -0
-    input  wire [32*N-1:0] x_i,
-    input  wire [32*N-1:0] y_i,
-    input  wire [32*N-1:0] z_i,
-    output wire [32*N-1:0] value_o,
-    output wire [5*N-1:0]  flags_o
+    input  wire [SCHEDULERS-1:0]    adds_i,
+    input  wire [SCHEDULERS-1:0]    muls_i,
+    input  wire [SCHEDULERS-1:0]    subtract_i,
+    input  wire [SCHEDULERS-1:0]    twice_i,    // z +/- 2 * x, z +/- x / 2: rounded as a product would be
+    input  wire [SCHEDULERS-1:0]    half_i,
+    input  wire [4*SCHEDULERS-1:0]  kind_i,     // value.vh: of z, x, and of whether y is 0; then z takes -0
+    input  wire [32*SCHEDULERS-1:0] x_i,
+    input  wire [32*SCHEDULERS-1:0] y_i,
+    input  wire [32*SCHEDULERS-1:0] z_i,
+    output wire [32*SCHEDULERS-1:0] value_o,
+    output wire [5*SCHEDULERS-1:0]  flags_o
 );
 `include "fp/value.vh"
-    function integer ones(input [6:0] mask);
-        integer i;
-        begin
-            ones = 0;
-            for (i = 0; i < 7; i = i + 1) ones = ones + {31'd0, mask[i]};
-        end
-    endfunction
-
     // The operands of those who were granted a unit
     reg  [31:0] mul_x, mul_y, add_x, add_z;
     reg         subtract, twice, half, true;
@@ -54,7 +37,7 @@ module shared_arith #(
     integer     k;
     always @* begin
         {mul_x, mul_y, add_x, add_z, subtract, twice, half, true, kind} = 136'd0;
-        for (k = 0; k < N; k = k + 1) begin
+        for (k = 0; k < SCHEDULERS; k = k + 1) begin
             mul_x    = mul_x | (x_i[32*k +: 32] & {32{muls_i[k]}});
             mul_y    = mul_y | (y_i[32*k +: 32] & {32{muls_i[k]}});
             add_x    = add_x | (x_i[32*k +: 32] & {32{adds_i[k]}});
@@ -92,7 +75,7 @@ module shared_arith #(
     endgenerate
     delay #(.W(34), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({x_beside, subtract_q, chain_q}), .q_o({x_late, subtract_late, chain_late}));
-    fp_value #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .LATENCY(MUL_LATENCY)) u_z (.clk_i(clk_i),
+    fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i),
         .kind_i(kind_q), .a_i(add_z_q), .b_i(add_x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
     delay #(.W(5), .N(MUL_LATENCY + ADD_LATENCY)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0),
         .d_i(scale_flags), .q_o(scale_flags_late));
@@ -101,13 +84,13 @@ module shared_arith #(
     wire [4:0]  product_flags, product_flags_q, sum_flags, sum_flags_q, product_flags_late;
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
         .a_i(mul_x_q), .b_i(mul_y_q), .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_LATENCY - ones(MUL_CUTS))) u_product (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(MUL_SPARE)) u_product (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({product_flags, product}), .q_o({product_flags_q, product_q}));
 
     fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
         .sub_i(subtract_late), .a_i(z_late), .b_i(chain_late ? product_q : x_late),
         .z_o(sum), .flags_o(sum_flags));
-    delay #(.W(37), .N(ADD_LATENCY - ones(ADD_CUTS))) u_sum (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(37), .N(ADD_SPARE)) u_sum (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_flags, sum}), .q_o({sum_flags_q, sum_q}));
     delay #(.W(37), .N(ADD_LATENCY)) u_late (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({product_flags_q, product_q}), .q_o({product_flags_late, product_late}));
@@ -115,9 +98,9 @@ module shared_arith #(
     // Results go to everybody
     genvar n;
     generate
-        for (n = 0; n < N; n = n + 1) begin : g_result
+        for (n = 0; n < SCHEDULERS; n = n + 1) begin : g_result
             wire adds, muls;
-            delay #(.W(2), .N(1 + MUL_LATENCY + ADD_LATENCY)) u_kind (.clk_i(clk_i), .rst_i(1'b0),
+            delay #(.W(2), .N(LATENCY)) u_kind (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds_i[n], muls_i[n]}), .q_o({adds, muls}));
             assign value_o[32*n +: 32] = adds ? sum_q : product_late;
             assign flags_o[5*n +: 5]   = (adds ? sum_flags_q : 5'd0) | (muls ? product_flags_late : 5'd0)

@@ -11,27 +11,7 @@
 // Hazard    Lanes under several schedulers are not built.
 `default_nettype none
 module tile #(
-    parameter SCHEDULERS    = 1,
-    parameter LANES         = 1,
-    parameter REGISTERS     = 32,
-    parameter CONTEXTS      = 24,
-    parameter PROGRAM_WORDS = 512,
-    parameter STORE_WORDS   = 1024,
-    parameter CHAIN         = 1,
-    parameter SCALE         = 0,
-    parameter SELECT        = 0,
-    parameter ESTIMATE      = 0,
-    parameter SLEEP         = 1,
-    parameter FLAGS         = 1,
-    parameter STATUS        = 1,
-    parameter SUBNORMAL     = 1,
-    parameter NEAREST       = 1,
-    parameter ADD_LATENCY   = 8,
-    parameter MUL_LATENCY   = 4,
-    parameter [6:0]  ADD_CUTS = 0,
-    parameter [6:0]  MUL_CUTS = 0,
-    parameter [31:0] FEATURES = 0,
-    parameter [31:0] ARRAY    = 0
+`include "config.vh"
 ) (
     input  wire                     clk_i,
     input  wire                     rst_i,
@@ -57,8 +37,7 @@ module tile #(
     output wire [32*SCHEDULERS*LANES-1:0] retire_value_o,
     output wire [5*SCHEDULERS*LANES-1:0]  retire_flags_o
 );
-    localparam N       = SCHEDULERS * LANES;
-    localparam LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? 1 : 0);
+    localparam N = SCHEDULERS * LANES;
 
     wire [SCHEDULERS-1:0] adds, muls, lasts, grant;
     wire [N-1:0]          subtract, twice, half;
@@ -69,9 +48,7 @@ module tile #(
     genvar s, l;
     generate
         for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
-            tile_scheduler #(.REGISTERS(REGISTERS), .CONTEXTS(CONTEXTS), .PROGRAM_WORDS(PROGRAM_WORDS),
-                             .STORE_WORDS(STORE_WORDS), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
-                             .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS), .LATENCY(LATENCY), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_scheduler (
+            tile_scheduler #(.CONFIG(CONFIG)) u_scheduler (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -97,8 +74,7 @@ module tile #(
             assign grant = 1'b1;
             wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
-                lane_arith #(.SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
-                              .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
+                lane_arith #(.CONFIG(CONFIG)) u_arith (
                     .clk_i(clk_i), .subtract_i(subtract[l]), .kind_i(kind[4*l +: 4]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
                     .z_i(zs[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
             end
@@ -108,8 +84,7 @@ module tile #(
                 .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
             delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
-            shared_arith #(.N(SCHEDULERS), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .ADD_LATENCY(ADD_LATENCY),
-                           .MUL_LATENCY(MUL_LATENCY), .ADD_CUTS(ADD_CUTS), .MUL_CUTS(MUL_CUTS)) u_arith (
+            shared_arith #(.CONFIG(CONFIG)) u_arith (
                 .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),
                 .twice_i(twice), .half_i(half), .kind_i(kind),
                 .x_i(xs), .y_i(ys), .z_i(zs), .value_o(value), .flags_o(flags));

@@ -12,21 +12,7 @@
 //           cycles before the first lane says the instruction, five before its operands.
 `default_nettype none
 module tile_scheduler #(
-    parameter REGISTERS     = 32,
-    parameter CONTEXTS      = 24,
-    parameter PROGRAM_WORDS = 512,
-    parameter STORE_WORDS   = 1024,
-    parameter LANES         = 1,
-    parameter CHAIN         = 1,
-    parameter SCALE         = 0,
-    parameter SELECT        = 0,
-    parameter ESTIMATE      = 0,
-    parameter SLEEP         = 1,
-    parameter FLAGS         = 1,
-    parameter STATUS        = 1,
-    parameter LATENCY       = 12,      // of the arithmetic: operands to value_i
-    parameter [31:0] FEATURES = 0,
-    parameter [31:0] ARRAY    = 0
+`include "config.vh"
 ) (
     input  wire                clk_i,
     input  wire                rst_i,
@@ -68,13 +54,6 @@ module tile_scheduler #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
-    localparam REGISTER_W = $clog2(REGISTERS);
-    localparam CONTEXT_W  = $clog2(CONTEXTS + 1);
-    localparam PROGRAM_W  = $clog2(PROGRAM_WORDS);
-    localparam STORE_W    = $clog2(STORE_WORDS);
-    localparam ROW_W      = STORE_W - 3;
-    localparam LANE_W     = LANES > 1 ? $clog2(LANES) : 1;
-    localparam REG_W      = CONTEXT_W + REGISTER_W;
     localparam ISSUE_W    = 11 + REG_W + 3*REG_W;
     localparam RETIRE_W   = 12 + REG_W;
     localparam HOST_W     = 5 + LANE_W + STORE_W;
@@ -90,9 +69,7 @@ module tile_scheduler #(
     wire [3:0]           counters_index;
     wire [63:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .PROGRAM_W(PROGRAM_W),
-                .STORE_WORDS(STORE_WORDS), .LANES(LANES), .SLEEP(SLEEP), .STATUS(STATUS),
-                .MEMORY_LATENCY(LANES + 6), .FEATURES(FEATURES), .ARRAY(ARRAY)) u_host_port (
+    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(LANES + 6)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),

@@ -87,7 +87,7 @@ def check_configs(data, regs, positions):
 
 
 def check_organisation(row, file, where, words):
-    """What goes with what; rtl/fp3.v checks the same."""
+    """What goes with what; rtl/config_rules.v checks the same."""
     need(row["chain"] or not row["select"], file, f"{where}: select needs chain: `sel` has three operands")
     if row["interleave"]:
         need(row["lanes"] == 1 or row["schedulers"] == 1, file,

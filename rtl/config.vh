@@ -1,0 +1,33 @@
+// config.vh: what a configuration says. Included at the end of the parameter list of every module
+// that depends on it, so that only CONFIG is handed on:
+//
+//     module lane #(
+//         parameter INDEX = 0,
+//     `include "config.vh"
+//     ) ( ...
+//     lane #(.CONFIG(CONFIG), .INDEX(l)) u_lane ( ...
+//
+// The other names follow from CONFIG and are not to be set. A module uses those that it needs.
+// verilator lint_off UNUSEDPARAM
+`include "gen/config_keys.vh"
+,
+// Widths: of the number of a register, of a context (the constants are one more), of a word of
+// program, of a word of store, of a row of store (a record has at least 8 words), of a lane; of a
+// register's number with its context's.
+parameter integer REGISTER_W = $clog2(REGISTERS),
+parameter integer CONTEXT_W  = $clog2(CONTEXTS + 1),
+parameter integer PROGRAM_W  = $clog2(PROGRAM_WORDS),
+parameter integer STORE_W    = $clog2(STORE_WORDS),
+parameter integer ROW_W      = STORE_W - 3,
+parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
+parameter integer REG_W      = CONTEXT_W + REGISTER_W,
+// Plain registers behind a core: what its latency has more than its cuts.
+parameter integer ADD_SPARE = ADD_LATENCY -
+    ({31'd0, ADD_CUTS[0]} + {31'd0, ADD_CUTS[1]} + {31'd0, ADD_CUTS[2]} + {31'd0, ADD_CUTS[3]}
+     + {31'd0, ADD_CUTS[4]} + {31'd0, ADD_CUTS[5]} + {31'd0, ADD_CUTS[6]}),
+parameter integer MUL_SPARE = MUL_LATENCY -
+    ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
+     + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
+// Of the arithmetic where contexts take turns: operands to result.
+parameter integer LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? 1 : 0)
+// verilator lint_on UNUSEDPARAM
