@@ -31,7 +31,7 @@ typedef struct {
     /* One request and its response on the host port. 0: done; 1: the hardware answered with an
      * error; -1: it did not answer. */
     int (*transfer)(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data);
-    /* Clocks until nothing has issued or retired, in any unit, for quiet cycles in a row; cycles at
+    /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row; cycles at
      * most. */
     void (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
     /* Cycles since open, those of transfers included. */

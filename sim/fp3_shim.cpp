@@ -32,9 +32,9 @@ namespace {
 const unsigned RESET_CYCLES = 4;
 const unsigned ANSWER_CYCLES = 1000;
 
-/* How many parts the trace ports have: as many as this build has units, and lanes in each. */
+/* How many parts the trace ports have: as many as this build has schedulers, and lanes in each. */
 struct shape {
-    unsigned units, lanes;
+    unsigned schedulers, lanes;
 };
 
 constexpr bool same(const char *a, const char *b) {
@@ -50,7 +50,7 @@ constexpr shape find_shape() {
     return found;
 }
 constexpr shape SHAPE = find_shape();
-static_assert(SHAPE.units > 0, "a configuration of isa/configs.toml");
+static_assert(SHAPE.schedulers > 0, "a configuration of isa/configs.toml");
 
 /* Part n, WIDTH bits wide, of a port: an integer up to 64 bits, an array of 32-bit words beyond. */
 template <unsigned WIDTH, typename Port> uint32_t part(const Port &port, unsigned n) {
@@ -80,22 +80,22 @@ void settle(fp3_rtl *rtl) {
 
 void tell_issues(const fp3_rtl *rtl) {
     const MODEL *top = rtl->top.get();
-    for (unsigned unit = 0; unit < SHAPE.units; unit++) {
-        if (!part<1>(top->issue_valid_o, unit))
+    for (unsigned scheduler = 0; scheduler < SHAPE.schedulers; scheduler++) {
+        if (!part<1>(top->issue_valid_o, scheduler))
             continue;
         fp3_issue what = {};
         what.cycle = rtl->cycle;
-        what.unit = unit;
-        what.context = part<16>(top->issue_context_o, unit);
-        what.pc = part<16>(top->issue_pc_o, unit);
-        what.word = part<32>(top->issue_word_o, unit);
+        what.scheduler = scheduler;
+        what.context = part<16>(top->issue_context_o, scheduler);
+        what.pc = part<16>(top->issue_pc_o, scheduler);
+        what.word = part<32>(top->issue_word_o, scheduler);
         rtl->watch.issue(rtl->watch.issue_user, &what);
     }
 }
 
 void tell_retirements(const fp3_rtl *rtl) {
     const MODEL *top = rtl->top.get();
-    for (unsigned n = 0; n < SHAPE.units * SHAPE.lanes; n++) {
+    for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.lanes; n++) {
         if (!part<1>(top->retire_valid_o, n))
             continue;
         fp3_retirement what = {};
@@ -105,7 +105,7 @@ void tell_retirements(const fp3_rtl *rtl) {
         what.bits = part<32>(top->retire_value_o, n);
         what.flags = part<5>(top->retire_flags_o, n);
         what.context = part<16>(top->retire_context_o, n);
-        what.unit = n / SHAPE.lanes;
+        what.scheduler = n / SHAPE.lanes;
         what.lane = n % SHAPE.lanes;
         rtl->watch.retire(rtl->watch.retire_user, &what);
     }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds random configurations and tests each as the named ones are: random programs against the C model at every
+"""Builds random configurations and tests each as the named ones are: random programs against the isa engine at every
 retirement, every address of the host port, schedulers with programs of their own.
 
     tools/random_configs.py --count 200 --seed 1 --jobs 2

@@ -74,7 +74,7 @@ static fp3_status open_engines(comparison *k, fp3_error *error) {
         def.config = machines[i];
         def.error = error;
         status = fp3_engine_open(&def, &k->rtl[i]);
-        def.kind = "model";
+        def.engine = "isa";
         if (!status)
             status = fp3_engine_open(&def, &k->model_engine[i]);
     }

@@ -41,7 +41,7 @@ static const struct argp_option table[] = {
     {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "KIND", 0,
-     "rtl, the hardware under Verilator (default), or model, the instruction set in C", 0},
+     "rtl, the hardware under Verilator (default), or isa, an instruction-set simulator in C", 0},
     {"steps", 'n', "N", 0, "How often the step part runs (default: 1)", 0},
     {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
      0},
@@ -216,10 +216,10 @@ static void print_status(fp3_engine *engine, const part *of) {
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
-    for (uint32_t unit = 0; unit < stats->units; unit++) {
+    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        if (!fp3_engine_unit_counters(engine, unit, counter))
-            fp3_occupancy_print(stdout, unit, counter);
+        if (!fp3_engine_scheduler_counters(engine, scheduler, counter))
+            fp3_occupancy_print(stdout, scheduler, counter);
     }
 }
 
@@ -248,19 +248,19 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
     printf("%-16s %" PRIu64 "\n\n", "object_steps", fp3_engine_group_steps(engine, number));
 }
 
-/* Whose cycles each unit spent, and how long the first to end waited for the last. */
+/* Whose cycles each scheduler spent, and how long the first to end waited for the last. */
 static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
     uint64_t least = UINT64_MAX, most = 0;
-    printf("balance of units\n");
-    for (uint32_t unit = 0; unit < stats->units; unit++) {
+    printf("balance of schedulers\n");
+    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        fp3_unit_place place;
-        if (fp3_engine_unit_counters(engine, unit, counter) ||
-            fp3_engine_unit_place(engine, unit, &place))
+        fp3_scheduler_share place;
+        if (fp3_engine_scheduler_counters(engine, scheduler, counter) ||
+            fp3_engine_scheduler_share(engine, scheduler, &place))
             return;
         const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
-        printf("  unit %-13" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", unit, cycles,
-               place.group, place.objects);
+        printf("  scheduler %-8" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", scheduler,
+               cycles, place.group, place.objects);
         least = cycles < least ? cycles : least;
         most = cycles > most ? cycles : most;
     }
@@ -301,7 +301,7 @@ static fp3_status run(options *o, const fp3_program_source *source, fp3_scene *s
                       fp3_engine_def *def, int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_stats stats;
-    def->kind = o->engine;
+    def->engine = o->engine;
     def->config = o->config;
     def->cycle_limit = o->cycle_limit;
     def->objects = (uint32_t)o->objects;

@@ -1,5 +1,5 @@
-/* engine.c - what all kinds of engine share: configurations, names, every check of an argument. */
-#include "kind.h"
+/* engine.c - what all engines share: configurations, names, every check of an argument. */
+#include "backend.h"
 
 #include <inttypes.h>
 #include <isa.h>
@@ -10,7 +10,7 @@
 
 #define COOKIE 0x46503346u
 
-static const fp3_engine_kind *const kinds[] = {&fp3_kind_rtl, &fp3_kind_model};
+static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -28,7 +28,7 @@ int fp3_counter_is_stall(fp3_counter counter) {
 }
 
 fp3_engine_def fp3_engine_default(void) {
-    return (fp3_engine_def){.kind = "rtl", .config = "single", .cookie = COOKIE};
+    return (fp3_engine_def){.engine = "rtl", .config = "single", .cookie = COOKIE};
 }
 
 /* ---- open ---- */
@@ -57,7 +57,7 @@ static fp3_status count_objects(fp3_engine *engine) {
     return FP3_OK;
 }
 
-/* All objects in all units, without a program. */
+/* All objects in all schedulers, without a program. */
 static fp3_status place_objects(fp3_engine *engine) {
     fp3_layout *layout = &engine->layout;
     fp3_status status = fp3_layout_make(engine->config, 1, layout, engine->def.error);
@@ -86,13 +86,13 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     if (def->cookie != COOKIE) /* then def->error may be anything, too */
         return FP3_E_ARGUMENT;
 
-    const fp3_engine_kind *kind = NULL;
-    for (size_t i = 0; i < COUNT(kinds); i++)
-        if (def->kind && strcmp(kinds[i]->name, def->kind) == 0)
-            kind = kinds[i];
-    if (!kind)
-        return fp3_fail(def->error, FP3_E_ARGUMENT, "no engine '%s': rtl and model are there",
-                        def->kind ? def->kind : "");
+    const fp3_backend *backend = NULL;
+    for (size_t i = 0; i < COUNT(backends); i++)
+        if (def->engine && strcmp(backends[i]->name, def->engine) == 0)
+            backend = backends[i];
+    if (!backend)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "no engine '%s': there are rtl and isa",
+                        def->engine ? def->engine : "");
     const fp3_config *config = fp3_config_find(def->config);
     if (!config)
         return no_config(def);
@@ -100,10 +100,10 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
-    *made = (fp3_engine){.kind = kind, .config = config, .def = *def};
+    *made = (fp3_engine){.backend = backend, .config = config, .def = *def};
     fp3_status status = make_room(made);
     if (!status)
-        status = kind->open(made);
+        status = backend->open(made);
     if (status)
         fp3_engine_close(&made);
     *engine = made;
@@ -114,7 +114,7 @@ void fp3_engine_close(fp3_engine **engine) {
     fp3_engine *closing = *engine;
     if (!closing)
         return;
-    closing->kind->close(closing);
+    closing->backend->close(closing);
     fp3_layout_free(&closing->layout);
     free(closing->slept);
     free(closing->counters);
@@ -276,13 +276,13 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     if (objects < engine->objects)
         return fp3_fail(error, FP3_E_ARGUMENT, "groups of %zu objects: the engine has %" PRIu32,
                         objects, engine->objects);
-    const uint32_t units = fp3_config_schedulers(engine->config);
-    if (count > units)
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    if (count > schedulers)
         return fp3_fail(
             error, FP3_E_PROGRAM,
             "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
             " scheduler%s",
-            count, engine->config->name, units, units == 1 ? "" : "s");
+            count, engine->config->name, schedulers, schedulers == 1 ? "" : "s");
     return FP3_OK;
 }
 
@@ -318,30 +318,30 @@ static uint32_t visible(const fp3_engine *engine, const fp3_members *group) {
 
 /* Between the luggage and where things are now. */
 static fp3_status move_objects(fp3_engine *engine, luggage *l, int is_write) {
-    const fp3_engine_kind *kind = engine->kind;
+    const fp3_backend *backend = engine->backend;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < engine->objects; i++) {
         uint32_t *words = &l->objects[i * packed(engine)], *word = &words[packed(engine) - 1];
         const uint32_t registers = visible(engine, group_of(engine, i));
         for (uint32_t reg = 0; !status && reg < registers; reg++)
-            status = is_write ? kind->write(engine, i, reg, words[reg])
-                              : kind->read(engine, i, reg, &words[reg]);
+            status = is_write ? backend->write(engine, i, reg, words[reg])
+                              : backend->read(engine, i, reg, &words[reg]);
         if (!status && engine->config->status)
-            status = is_write ? kind->write_status(engine, i, *word)
-                              : kind->read_status(engine, i, word);
+            status = is_write ? backend->write_status(engine, i, *word)
+                              : backend->read_status(engine, i, word);
     }
     return status;
 }
 
 static fp3_status move_constants(fp3_engine *engine, luggage *l, int is_write) {
-    const fp3_engine_kind *kind = engine->kind;
+    const fp3_backend *backend = engine->backend;
     const uint32_t count = engine->config->registers;
     fp3_status status = FP3_OK;
     for (uint32_t group = 0; !status && group < engine->layout.count; group++)
         for (uint32_t i = 0; !status && i < count; i++) {
             uint32_t *word = &l->constants[group * count + i];
-            status = is_write ? kind->write_shared(engine, group, i, *word)
-                              : kind->read_shared(engine, group, i, word);
+            status = is_write ? backend->write_shared(engine, group, i, *word)
+                              : backend->read_shared(engine, group, i, word);
         }
     return status;
 }
@@ -365,8 +365,8 @@ static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     const fp3_image *image = engine->layout.groups[group].image;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < image->constant_count; i++)
-        status = engine->kind->write_shared(engine, group, image->constants[i].index,
-                                            image->constants[i].bits);
+        status = engine->backend->write_shared(engine, group, image->constants[i].index,
+                                               image->constants[i].bits);
     return status;
 }
 
@@ -378,7 +378,7 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, luggage *l) {
     engine->clock = 0;
     engine->is_slept_known = engine->is_listed = 0;
     engine->is_touched = 1;
-    fp3_status status = engine->kind->load(engine);
+    fp3_status status = engine->backend->load(engine);
     if (!status && l->objects)
         status = move(engine, l, 1);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
@@ -461,7 +461,7 @@ static fp3_status write_cell(fp3_engine *engine, size_t object, uint32_t reg, ui
         engine->is_listed = 0;
     }
     engine->is_touched = 1;
-    return engine->kind->write(engine, object, reg, bits);
+    return engine->backend->write(engine, object, reg, bits);
 }
 
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
@@ -480,7 +480,7 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
     fp3_status status = check_cell(engine, first, count, reg);
     for (size_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
-        if (!(status = engine->kind->read(engine, first + i, reg, &bits)))
+        if (!(status = engine->backend->read(engine, first + i, reg, &bits)))
             memcpy(&values[i], &bits, sizeof bits);
     }
     return status;
@@ -500,7 +500,7 @@ fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t
         uint32_t bits;
         memcpy(&bits, &values[i], sizeof bits);
         engine->is_touched = 1;
-        status = engine->kind->write_shared(engine, (uint32_t)group, first + i, bits);
+        status = engine->backend->write_shared(engine, (uint32_t)group, first + i, bits);
     }
     return status;
 }
@@ -510,7 +510,7 @@ fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t 
     fp3_status status = check_shared(engine, group, first, count);
     for (uint32_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
-        if (!(status = engine->kind->read_shared(engine, (uint32_t)group, first + i, &bits)))
+        if (!(status = engine->backend->read_shared(engine, (uint32_t)group, first + i, &bits)))
             memcpy(&values[i], &bits, sizeof bits);
     }
     return status;
@@ -587,7 +587,7 @@ static fp3_status look_who_sleeps(fp3_engine *engine) {
     for (uint32_t i = 0; !status && i < engine->objects; i++) {
         const int slept = slept_of(engine, i);
         if (slept >= 0)
-            status = engine->kind->read(engine, i, (uint32_t)slept, &engine->slept[i]);
+            status = engine->backend->read(engine, i, (uint32_t)slept, &engine->slept[i]);
     }
     engine->is_slept_known = !status;
     return status;
@@ -598,15 +598,15 @@ static fp3_status list_who_is_awake(fp3_engine *engine) {
         return FP3_OK;
     fp3_status status = look_who_sleeps(engine);
     if (!status)
-        status = engine->kind->list(engine);
+        status = engine->backend->list(engine);
     engine->is_listed = !status;
     return status;
 }
 
 static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
-    for (uint32_t unit = 0; unit < stats->units; unit++)
+    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++)
         for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
-            const uint64_t n = engine->counters[unit][i];
+            const uint64_t n = engine->counters[scheduler][i];
             if (i != FP3_COUNTER_CYCLES)
                 stats->counter[i] += n;
             else if (n > stats->counter[i])
@@ -622,7 +622,7 @@ static fp3_status count_steps_of(fp3_engine *engine, uint32_t object, uint32_t s
     if (slept >= 0 && *now)
         return FP3_OK;
     fp3_status status =
-        slept < 0 ? FP3_OK : engine->kind->read(engine, object, (uint32_t)slept, now);
+        slept < 0 ? FP3_OK : engine->backend->read(engine, object, (uint32_t)slept, now);
     *made += slept >= 0 && *now ? *now - engine->clock : steps;
     return status;
 }
@@ -648,7 +648,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
         return status;
     engine->is_slept_known = engine->is_listed = 0;
     engine->is_touched = 1;
-    status = engine->kind->run(engine, steps, stats);
+    status = engine->backend->run(engine, steps, stats);
     sum_counters(engine, stats);
     if (!status)
         status = count_steps(engine, steps, stats);
@@ -679,12 +679,12 @@ fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats) 
     return status;
 }
 
-fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
-                                    uint64_t counter[FP3_COUNTER_COUNT]) {
-    const uint32_t units = fp3_config_schedulers(engine->config);
-    fp3_status status = check_range(engine, "unit", unit, 1, units);
+fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
+                                         uint64_t counter[FP3_COUNTER_COUNT]) {
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    fp3_status status = check_range(engine, "scheduler", scheduler, 1, schedulers);
     if (!status)
-        memcpy(counter, engine->counters[unit], sizeof engine->counters[unit]);
+        memcpy(counter, engine->counters[scheduler], sizeof engine->counters[scheduler]);
     return status;
 }
 
@@ -692,11 +692,14 @@ uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group) {
     return group < engine->layout.count ? engine->layout.groups[group].steps : 0;
 }
 
-fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_place *place) {
-    fp3_status status = check_range(engine, "unit", unit, 1, fp3_config_schedulers(engine->config));
+fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
+                                      fp3_scheduler_share *place) {
+    fp3_status status =
+        check_range(engine, "scheduler", scheduler, 1, fp3_config_schedulers(engine->config));
     if (!status)
-        *place = (fp3_unit_place){engine->layout.duty[unit].group,
-                                  fp3_layout_objects(&engine->layout, engine->config, unit)};
+        *place =
+            (fp3_scheduler_share){engine->layout.duty[scheduler].group,
+                                  fp3_layout_objects(&engine->layout, engine->config, scheduler)};
     return status;
 }
 
@@ -705,12 +708,12 @@ fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_pla
 static fp3_status read_status(fp3_engine *engine, size_t object, fp3_object_status *status) {
     uint32_t word = 0;
     fp3_status result =
-        engine->config->status ? engine->kind->read_status(engine, object, &word) : FP3_OK;
+        engine->config->status ? engine->backend->read_status(engine, object, &word) : FP3_OK;
     *status = (fp3_object_status){.flags = word & ((2u << FP3_STATUS_FLAGS_HI) - 1),
                                   .failed = word >> FP3_STATUS_STEP_LO};
     const int slept = slept_of(engine, object);
     if (!result && slept >= 0)
-        result = engine->kind->read(engine, object, (uint32_t)slept, &status->slept);
+        result = engine->backend->read(engine, object, (uint32_t)slept, &status->slept);
     return result;
 }
 
@@ -729,7 +732,7 @@ fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t coun
             fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                      "configuration '%s' keeps no status of its objects", engine->config->name);
     for (size_t i = 0; !status && i < count; i++)
-        status = engine->kind->write_status(engine, first + i, 0);
+        status = engine->backend->write_status(engine, first + i, 0);
     return status;
 }
 

@@ -6,12 +6,12 @@
 
 fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout *layout,
                            fp3_error *error) {
-    const uint32_t units = fp3_config_schedulers(config);
+    const uint32_t schedulers = fp3_config_schedulers(config);
     *layout = (fp3_layout){.groups = calloc(count, sizeof *layout->groups),
                            .count = count,
-                           .units = calloc(units, sizeof *layout->units),
-                           .duty = calloc(units, sizeof *layout->duty)};
-    if (layout->groups && layout->units && layout->duty)
+                           .schedulers = calloc(schedulers, sizeof *layout->schedulers),
+                           .duty = calloc(schedulers, sizeof *layout->duty)};
+    if (layout->groups && layout->schedulers && layout->duty)
         return FP3_OK;
     if (!layout->groups)
         layout->count = 0;
@@ -25,7 +25,7 @@ void fp3_layout_free(fp3_layout *layout) {
         fp3_visit_free(&layout->groups[i].visit);
     }
     free(layout->groups);
-    free(layout->units);
+    free(layout->schedulers);
     free(layout->duty);
     *layout = (fp3_layout){0};
 }
@@ -42,7 +42,7 @@ static uint32_t log2_of(uint32_t count) {
 
 /* All the words of the store that there is room for, up to its registers. */
 static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
-    const uint32_t rows = fp3_placement_fullest(config, group->objects, group->unit_count);
+    const uint32_t rows = fp3_placement_fullest(config, group->objects, group->scheduler_count);
     uint32_t log2 = log2_of(config->registers);
     if (log2 < FP3_RECORD_LOG2)
         log2 = FP3_RECORD_LOG2;
@@ -52,20 +52,20 @@ static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
 }
 
 static void settle(fp3_layout *layout, const fp3_config *config, const uint32_t *group_of) {
-    const uint32_t units = fp3_config_schedulers(config);
-    uint32_t *next = layout->units, first = 0;
+    const uint32_t schedulers = fp3_config_schedulers(config);
+    uint32_t *next = layout->schedulers, first = 0;
     for (uint32_t i = 0; i < layout->count; i++) {
         fp3_members *group = &layout->groups[i];
         group->first = first;
         first += group->objects;
-        group->units = next;
-        group->unit_count = 0;
-        for (uint32_t unit = 0; unit < units; unit++)
-            if (group_of[unit] == i) {
-                layout->duty[unit] = (fp3_duty){i, group->unit_count++};
-                *next++ = unit;
+        group->schedulers = next;
+        group->scheduler_count = 0;
+        for (uint32_t scheduler = 0; scheduler < schedulers; scheduler++)
+            if (group_of[scheduler] == i) {
+                layout->duty[scheduler] = (fp3_duty){i, group->scheduler_count++};
+                *next++ = scheduler;
             }
-        group->columns = group->unit_count * config->lanes;
+        group->columns = group->scheduler_count * config->lanes;
         group->log2 = record_of(group, config);
     }
 }
@@ -95,8 +95,9 @@ int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b) {
         return 0;
     for (uint32_t i = 0; i < a->count; i++) {
         const fp3_members *x = &a->groups[i], *y = &b->groups[i];
-        if (x->objects != y->objects || x->log2 != y->log2 || x->unit_count != y->unit_count ||
-            memcmp(x->units, y->units, x->unit_count * sizeof *x->units) != 0)
+        if (x->objects != y->objects || x->log2 != y->log2 ||
+            x->scheduler_count != y->scheduler_count ||
+            memcmp(x->schedulers, y->schedulers, x->scheduler_count * sizeof *x->schedulers) != 0)
             return 0;
     }
     return 1;
@@ -112,28 +113,29 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) 
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
     const fp3_members *group = fp3_layout_group_of(layout, object);
     const uint32_t i = (uint32_t)object - group->first, column = i % group->columns;
-    return (fp3_where){group->units[column / config->lanes], column % config->lanes,
+    return (fp3_where){group->schedulers[column / config->lanes], column % config->lanes,
                        i / group->columns};
 }
 
 uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config,
                         const fp3_where *where) {
-    const fp3_duty *duty = &layout->duty[where->unit];
+    const fp3_duty *duty = &layout->duty[where->scheduler];
     const fp3_members *group = &layout->groups[duty->group];
     return group->first + where->row * group->columns + duty->rank * config->lanes + where->lane;
 }
 
-uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t unit,
+uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler,
                          uint32_t lane) {
-    const fp3_duty *duty = &layout->duty[unit];
+    const fp3_duty *duty = &layout->duty[scheduler];
     const fp3_members *group = &layout->groups[duty->group];
     const uint32_t column = duty->rank * config->lanes + lane;
     return group->objects / group->columns + (column < group->objects % group->columns);
 }
 
-uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t unit) {
+uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config,
+                            uint32_t scheduler) {
     uint32_t objects = 0;
     for (uint32_t lane = 0; lane < config->lanes; lane++)
-        objects += fp3_layout_rows(layout, config, unit, lane);
+        objects += fp3_layout_rows(layout, config, scheduler, lane);
     return objects;
 }

@@ -1,7 +1,7 @@
 /* layout.h - groups of objects, each with its program, and where each object is.
  *
  * Object i of a group is row i / columns of lane i % columns, counted through the lanes of the
- * group's units.
+ * group's schedulers.
  */
 #ifndef FP3_LAYOUT_H
 #define FP3_LAYOUT_H
@@ -17,33 +17,33 @@ typedef struct {
     fp3_program program;
     uint32_t needs; /* of words in the store, for each object: the binary logarithm */
     uint32_t first, objects;
-    uint32_t unit_count, columns;
-    const uint32_t *units; /* ascending */
-    uint64_t steps;        /* that its objects made in the last run */
-    uint32_t log2;         /* interleaved: of the words of a record, as many as fit */
+    uint32_t scheduler_count, columns;
+    const uint32_t *schedulers; /* ascending */
+    uint64_t steps;             /* that its objects made in the last run */
+    uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
 } fp3_members;
 
 typedef struct {
     uint32_t group;
-    uint32_t rank; /* among the units of the group */
+    uint32_t rank; /* among the schedulers of the group */
 } fp3_duty;
 
 typedef struct {
     fp3_members *groups;
     uint32_t count;
-    uint32_t *units; /* those of group 0, then those of group 1, ... */
-    fp3_duty *duty;  /* of each unit */
+    uint32_t *schedulers; /* those of group 0, then those of group 1, ... */
+    fp3_duty *duty;       /* of each scheduler */
 } fp3_layout;
 
 typedef struct {
-    uint32_t unit, lane, row;
+    uint32_t scheduler, lane, row;
 } fp3_where;
 
 /* Room for so many groups, all 0; the caller fills in image and visit, which the layout
  * then owns, program, needs and objects, and has them placed. The caller frees *layout. */
 fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout *layout,
                            fp3_error *error);
-/* FP3_E_PROGRAM as of fp3_place. */
+/* FP3_E_PROGRAM as of fp3_placement_make. */
 fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32_t visit,
                             fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
@@ -56,9 +56,9 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object);
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object);
 /* The inverse. */
 uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config, const fp3_where *where);
-/* How many objects a lane of a unit has, and a unit. */
-uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t unit,
+/* How many objects a lane of a scheduler has, and a scheduler. */
+uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler,
                          uint32_t lane);
-uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t unit);
+uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler);
 
 #endif

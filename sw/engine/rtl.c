@@ -3,7 +3,7 @@
  * What it tells the hardware and what it learns goes over the port: the cycles are the hardware's
  * own count. Retirements alone are watched from outside.
  */
-#include "kind.h"
+#include "backend.h"
 
 #include "fp3_rtl.h"
 
@@ -38,19 +38,21 @@ typedef struct {
 
 /* ---- the host port ---- */
 
-static uint32_t units(const fp3_engine *engine) { return fp3_config_schedulers(engine->config); }
-
-static uint32_t of_unit(uint32_t unit, uint32_t address) {
-    return unit << FP3_ADDRESS_SCHEDULER_LO | address;
+static uint32_t schedulers(const fp3_engine *engine) {
+    return fp3_config_schedulers(engine->config);
 }
 
-/* The address for all units: a write goes to all, a read gives the OR. */
+static uint32_t of_scheduler(uint32_t scheduler, uint32_t address) {
+    return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
+}
+
+/* The address for all schedulers: a write goes to all, a read gives the OR. */
 static uint32_t of_all(const fp3_engine *engine, uint32_t address) {
-    return of_unit(units(engine) > 1 ? FP3_ADDRESS_BROADCAST : 0, address);
+    return of_scheduler(schedulers(engine) > 1 ? FP3_ADDRESS_BROADCAST : 0, address);
 }
 
-static uint32_t in_space(uint32_t unit, uint32_t space, uint32_t word) {
-    return of_unit(unit, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
+    return of_scheduler(scheduler, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
 }
 
 static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data) {
@@ -102,8 +104,9 @@ static void pass_on(void *user, const fp3_retirement *retirement) {
     const fp3_engine *engine = user;
     rtl_engine *self = engine->self;
     fp3_retirement r = *retirement;
-    const uint32_t row = r.object, column = r.unit * engine->config->lanes + r.lane;
-    r.object = fp3_layout_who(&engine->layout, engine->config, &(fp3_where){r.unit, r.lane, row});
+    const uint32_t row = r.object, column = r.scheduler * engine->config->lanes + r.lane;
+    r.object =
+        fp3_layout_who(&engine->layout, engine->config, &(fp3_where){r.scheduler, r.lane, row});
     if (self->log) {
         const uint32_t words[] = {column, row, r.reg, r.bits, r.flags};
         for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -188,14 +191,14 @@ static void rtl_close(fp3_engine *engine) {
 
 /* ---- memories ---- */
 
-/* To all units of a group: to all that there are in one transfer. */
+/* To all schedulers of a group: to all that there are in one transfer. */
 static fp3_status put_group(fp3_engine *engine, uint32_t number, uint32_t address, uint32_t data) {
     const fp3_members *group = &engine->layout.groups[number];
     fp3_status status = FP3_OK;
     if (engine->layout.count == 1)
         return put(engine, of_all(engine, address), data);
-    for (uint32_t i = 0; !status && i < group->unit_count; i++)
-        status = put(engine, of_unit(group->units[i], address), data);
+    for (uint32_t i = 0; !status && i < group->scheduler_count; i++)
+        status = put(engine, of_scheduler(group->schedulers[i], address), data);
     return status;
 }
 
@@ -228,13 +231,13 @@ static fp3_where where(const fp3_engine *engine, size_t object) {
 static uint32_t cell_address(const fp3_engine *engine, size_t object, uint32_t reg) {
     const fp3_where at = where(engine, object);
     const uint32_t record = at.row << fp3_layout_group_of(&engine->layout, object)->log2;
-    return in_space(at.unit, FP3_SPACE_OBJECTS,
+    return in_space(at.scheduler, FP3_SPACE_OBJECTS,
                     at.lane * engine->config->store_words + record + reg);
 }
 
 static uint32_t status_address(const fp3_engine *engine, size_t object) {
     const fp3_where at = where(engine, object);
-    return in_space(at.unit, FP3_SPACE_STATUS, at.lane * engine->config->store_words + at.row);
+    return in_space(at.scheduler, FP3_SPACE_STATUS, at.lane * engine->config->store_words + at.row);
 }
 
 static fp3_status rtl_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
@@ -252,8 +255,8 @@ static fp3_status rtl_write_shared(fp3_engine *engine, uint32_t group, uint32_t 
 
 static fp3_status rtl_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
                                   uint32_t *bits) {
-    const uint32_t unit = engine->layout.groups[group].units[0];
-    return get(engine, of_unit(unit, FP3_ADDR_WINDOW_CONSTANTS + 4 * index), bits);
+    const uint32_t scheduler = engine->layout.groups[group].schedulers[0];
+    return get(engine, of_scheduler(scheduler, FP3_ADDR_WINDOW_CONSTANTS + 4 * index), bits);
 }
 
 static fp3_status rtl_write_status(fp3_engine *engine, size_t object, uint32_t word) {
@@ -269,14 +272,15 @@ static fp3_status rtl_list(fp3_engine *engine) {
     const fp3_config *config = engine->config;
     const fp3_layout *layout = &engine->layout;
     fp3_status status = FP3_OK;
-    for (uint32_t unit = 0; unit < units(engine); unit++)
+    for (uint32_t scheduler = 0; scheduler < schedulers(engine); scheduler++)
         for (uint32_t lane = 0; !status && lane < config->lanes; lane++)
-            status = put(engine, of_unit(unit, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
-                         config->sleep ? 0 : fp3_layout_rows(layout, config, unit, lane));
+            status = put(engine, of_scheduler(scheduler, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+                         config->sleep ? 0 : fp3_layout_rows(layout, config, scheduler, lane));
     for (uint32_t i = 0; !status && config->sleep && i < engine->objects; i++) {
         const fp3_where at = where(engine, i);
         if (fp3_engine_is_awake(engine, i))
-            status = put(engine, of_unit(at.unit, FP3_ADDR_WINDOW_WAKE + 4 * at.lane), at.row);
+            status =
+                put(engine, of_scheduler(at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane), at.row);
     }
     return status;
 }
@@ -292,7 +296,7 @@ static fp3_status start(fp3_engine *engine, uint32_t steps) {
     return put_all(engine, list + without, sizeof list / sizeof *list - without);
 }
 
-/* Clocks until no unit runs, for so many cycles at most; *outcome is the OR of all status words. */
+/* Clocks until no scheduler runs, for so many cycles at most; *outcome is the OR of all status words. */
 static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t *outcome) {
     rtl_engine *self = engine->self;
     fp3_status status;
@@ -324,7 +328,7 @@ static fp3_status wait_or_stop(fp3_engine *engine) {
     return status;
 }
 
-static fp3_status read_counters(fp3_engine *engine, uint32_t unit, uint64_t *counter) {
+static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t *counter) {
     static const uint32_t addresses[] = {
 #define X(NAME, name, address) address,
         FP3_COUNTERS(X)
@@ -333,16 +337,16 @@ static fp3_status read_counters(fp3_engine *engine, uint32_t unit, uint64_t *cou
     fp3_status status = FP3_OK;
     for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++) {
         uint32_t low = 0, high = 0;
-        status = get(engine, of_unit(unit, addresses[i]), &low);
+        status = get(engine, of_scheduler(scheduler, addresses[i]), &low);
         if (!status)
-            status = get(engine, of_unit(unit, addresses[i] + 4), &high);
+            status = get(engine, of_scheduler(scheduler, addresses[i] + 4), &high);
         counter[i] = (uint64_t)high << 32 | low;
     }
     return status;
 }
 
 /* docs/registers.md: every running cycle is an issue or a stall; all that was issued retires. */
-static fp3_status check_counters(fp3_engine *engine, uint32_t unit, const uint64_t *n,
+static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const uint64_t *n,
                                  int is_done) {
     uint64_t issued = 0, stalled = 0;
     for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
@@ -354,25 +358,27 @@ static fp3_status check_counters(fp3_engine *engine, uint32_t unit, const uint64
         (is_done ? retired == issued : retired <= issued))
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                    "the hardware's counters do not add up: unit %" PRIu32 ", %" PRIu64
+                    "the hardware's counters do not add up: scheduler %" PRIu32 ", %" PRIu64
                     " cycles, %" PRIu64 " issued, %" PRIu64 " stalled, %" PRIu64 " retired",
-                    unit, n[FP3_COUNTER_CYCLES], issued, stalled, retired);
+                    scheduler, n[FP3_COUNTER_CYCLES], issued, stalled, retired);
 }
 
-/* How a unit's run ended: its status word, and where if at an illegal word. */
-static fp3_status ask_unit(fp3_engine *engine, uint32_t unit, uint32_t *outcome, uint32_t *fault) {
-    uint64_t *counter = engine->counters[unit];
-    fp3_status status = get(engine, of_unit(unit, FP3_ADDR_STATUS), outcome);
+/* How a scheduler's run ended: its status word, and where if at an illegal word. */
+static fp3_status ask_unit(fp3_engine *engine, uint32_t scheduler, uint32_t *outcome,
+                           uint32_t *fault) {
+    uint64_t *counter = engine->counters[scheduler];
+    fp3_status status = get(engine, of_scheduler(scheduler, FP3_ADDR_STATUS), outcome);
     if (!status)
-        status = get(engine, of_unit(unit, FP3_ADDR_FAULT), fault);
+        status = get(engine, of_scheduler(scheduler, FP3_ADDR_FAULT), fault);
     if (!status)
-        status = read_counters(engine, unit, counter);
+        status = read_counters(engine, scheduler, counter);
     if (!status)
-        status = check_counters(engine, unit, counter, *outcome == BIT(STATUS_DONE));
+        status = check_counters(engine, scheduler, counter, *outcome == BIT(STATUS_DONE));
     if (!status && *outcome != BIT(STATUS_DONE) && *outcome != BIT(STATUS_ILLEGAL) &&
         *outcome != BIT(STATUS_STOPPED))
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                          "unit %" PRIu32 " ended a run with status 0x%08" PRIx32, unit, *outcome);
+                          "scheduler %" PRIu32 " ended a run with status 0x%08" PRIx32, scheduler,
+                          *outcome);
     return status;
 }
 
@@ -388,18 +394,18 @@ static fp3_status close_log_of_run(fp3_engine *engine) {
                     strerror(errno));
 }
 
-/* Asks every unit; *illegal: the first that met an illegal word, and which. */
+/* Asks every scheduler; *illegal: the first that met an illegal word, and which. */
 static fp3_status ask_units(fp3_engine *engine, fp3_stats *stats, uint32_t *all, uint32_t *illegal,
                             uint32_t *word) {
     fp3_status status = FP3_OK;
-    *illegal = units(engine);
-    for (uint32_t unit = 0; !status && unit < units(engine); unit++) {
+    *illegal = schedulers(engine);
+    for (uint32_t scheduler = 0; !status && scheduler < schedulers(engine); scheduler++) {
         uint32_t outcome = 0, fault = 0;
-        status = ask_unit(engine, unit, &outcome, &fault);
+        status = ask_unit(engine, scheduler, &outcome, &fault);
         *all |= outcome;
-        stats->units = unit + 1;
-        if (*illegal == units(engine) && FIELD(outcome, STATUS_ILLEGAL)) {
-            *illegal = unit;
+        stats->schedulers = scheduler + 1;
+        if (*illegal == schedulers(engine) && FIELD(outcome, STATUS_ILLEGAL)) {
+            *illegal = scheduler;
             *word = fault;
         }
     }
@@ -419,7 +425,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
         status = close_log_of_run(engine);
     if (status)
         return status;
-    if (illegal == units(engine))
+    if (illegal == schedulers(engine))
         return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
     const uint32_t group = engine->layout.duty[illegal].group;
     if (word < engine->layout.groups[group].program.count)
@@ -428,7 +434,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
                     "the hardware says that word %" PRIu32 " is illegal: there is none", word);
 }
 
-const fp3_engine_kind fp3_kind_rtl = {
+const fp3_backend fp3_backend_rtl = {
     .name = "rtl",
     .open = rtl_open,
     .close = rtl_close,

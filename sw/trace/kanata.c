@@ -162,13 +162,13 @@ void fp3_kanata_issue(void *kanata, const fp3_issue *issue) {
                              k->path, FP3_KANATA_LIMIT);
         return;
     }
-    if (issue->unit >= fp3_config_schedulers(k->config) || issue->context >= k->config->contexts ||
-        issue->pc >= FP3_IMAGE_CODE_LIMIT ||
+    if (issue->scheduler >= fp3_config_schedulers(k->config) ||
+        issue->context >= k->config->contexts || issue->pc >= FP3_IMAGE_CODE_LIMIT ||
         (k->count && issue->cycle < k->rows[k->count - 1].issued)) {
         k->status = fp3_fail(&k->error, FP3_E_MISMATCH,
                              "%s: cycle %" PRIu64 ": unit %" PRIu32 " issued word %" PRIu32
                              " for context %" PRIu32 ": out of range or of order",
-                             k->path, issue->cycle, issue->unit, issue->pc, issue->context);
+                             k->path, issue->cycle, issue->scheduler, issue->pc, issue->context);
         return;
     }
     row *r = grow(k);
@@ -176,12 +176,12 @@ void fp3_kanata_issue(void *kanata, const fp3_issue *issue) {
         *r = (row){.issued = issue->cycle,
                    .word = issue->word,
                    .pc = issue->pc,
-                   .unit = (uint16_t)issue->unit,
+                   .unit = (uint16_t)issue->scheduler,
                    .context = (uint16_t)issue->context};
 }
 
 static int explains(const row *r, const fp3_retirement *retirement) {
-    return !r->retired && r->issued < retirement->cycle && r->unit == retirement->unit &&
+    return !r->retired && r->issued < retirement->cycle && r->unit == retirement->scheduler &&
            r->context == retirement->context && op_of(r->word) != FP3_OP_ST &&
            d_of(r->word) == retirement->reg;
 }
@@ -242,7 +242,7 @@ void fp3_kanata_retire(void *kanata, const fp3_retirement *retirement) {
         k->status = fp3_fail(&k->error, FP3_E_MISMATCH,
                              "%s: cycle %" PRIu64 ": unit %" PRIu32 " wrote register %" PRIu32
                              " of context %" PRIu32 ": no instruction that was issued does that",
-                             k->path, retirement->cycle, retirement->unit, retirement->reg,
+                             k->path, retirement->cycle, retirement->scheduler, retirement->reg,
                              retirement->context);
         return;
     }

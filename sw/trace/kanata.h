@@ -8,7 +8,7 @@
  *     ... open the engine, run ...
  *     status = fp3_kanata_close(&kanata, &error);    or, to give up: fp3_kanata_free(&kanata);
  *
- * Of an engine of kind "rtl". One Kanata instruction for each instruction that a unit issues for a
+ * Of the engine "rtl". One Kanata instruction for each instruction that a unit issues for a
  * context, seen from lane 0; docs/tracing.md has the stages.
  */
 #ifndef FP3_KANATA_H

@@ -44,9 +44,9 @@ static void print_unit(FILE *out, const char *name, uint64_t used, uint64_t cycl
     print_row(out, name, used, (uint32_t)(1000.0 * (double)used / (double)cycles + 0.5));
 }
 
-void fp3_occupancy_print(FILE *out, uint32_t unit, const uint64_t *counter) {
+void fp3_occupancy_print(FILE *out, uint32_t scheduler, const uint64_t *counter) {
     const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
-    fprintf(out, "occupancy of unit %" PRIu32 "\n", unit);
+    fprintf(out, "occupancy of scheduler %" PRIu32 "\n", scheduler);
     if (cycles == 0) {
         print_row(out, "cycles", 0, 0);
         return;

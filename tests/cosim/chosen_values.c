@@ -1,4 +1,4 @@
-/* chosen_values.c - comparisons, selections and estimates: the hardware, the model, and what isless
+/* chosen_values.c - comparisons, selections and estimates: the hardware, the isa engine, and what isless
  * and the table say, bit for bit.
  *
  *     chosen_values [N]      every Nth of all operands (1)
@@ -41,7 +41,7 @@ static const uint32_t programs[][WORDS_MAX] = {{FP3_OP_MIN, FP3_OP_MAX, FP3_OP_A
 
 typedef struct {
     const fp3_config *config;
-    const char *kind;
+    const char *engine;
     const uint32_t *ops;
     const input *inputs; /* of the objects of this run */
     uint64_t checked;
@@ -98,7 +98,7 @@ static void compare(void *user, const fp3_retirement *r) {
         printf("FAIL %s %s: operation %" PRIu32 " of 0x%08" PRIx32 " 0x%08" PRIx32 " 0x%08" PRIx32
                ": got 0x%08" PRIx32 " flags 0x%02" PRIx32 ", expected 0x%08" PRIx32
                " flags 0x%02" PRIx32 "\n",
-               b->config->name, b->kind, op, in[0], in[1], in[2], r->bits, r->flags, bits, flags);
+               b->config->name, b->engine, op, in[0], in[1], in[2], r->bits, r->flags, bits, flags);
 }
 
 /* ---- operands ---- */
@@ -149,7 +149,7 @@ static int has(const fp3_config *config, uint32_t op) {
 }
 
 static int failed(bench *b, const fp3_error *error) {
-    printf("FAIL %s %s: %s\n", b->config->name, b->kind, error->text);
+    printf("FAIL %s %s: %s\n", b->config->name, b->engine, error->text);
     b->failed++;
     return 1;
 }
@@ -182,7 +182,7 @@ static void check(bench *b, const input *inputs, size_t count) {
     fp3_engine_def def = fp3_engine_default();
     const uint32_t columns = fp3_config_schedulers(b->config) * b->config->lanes;
     const uint32_t room = b->config->store_words / 8 * columns;
-    def.kind = b->kind;
+    def.engine = b->engine;
     def.config = b->config->name;
     def.objects = !b->config->interleave ? 1 : room < OBJECTS_MAX ? room : OBJECTS_MAX;
     def.retire = compare;
@@ -225,7 +225,7 @@ int main(int argc, char **argv) {
     uint64_t checked = 0;
     for (uint32_t i = 0; i < fp3_config_count; i++)
         for (int k = 0; k < 2; k++) {
-            bench b = {.config = &fp3_configs[i], .kind = k ? "rtl" : "model"};
+            bench b = {.config = &fp3_configs[i], .engine = k ? "rtl" : "isa"};
             if (is_for(b.config))
                 check(&b, inputs, count);
             wrong += b.failed;

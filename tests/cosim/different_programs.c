@@ -2,13 +2,13 @@
  *
  *     different_programs [SEED [ROUNDS]]
  *
- * Over the raw host port: every unit of every configuration that has more than one gets a random
+ * Over the raw host port: every scheduler of every configuration that has more than one gets a random
  * program, constants and objects of its own, another number of steps, another visit. They start
  * together or one after the other. Records, status words, flags and counters of each are then those
- * of the C model, which ran that program alone. Also listed are objects that sleep: their visit must
+ * of the isa engine, which ran that program alone. Also listed are objects that sleep: their visit must
  * do nothing.
  */
-#include "engine/kind.h"
+#include "engine/backend.h"
 #include "stream.h"
 
 #include <configs.h>
@@ -20,15 +20,15 @@
 FP3_CONFIGS(X)
 #undef X
 
-enum { UNITS_MAX = 64 };
+enum { SCHEDULERS_MAX = 64 };
 
-/* What a unit gets, and its model. */
+/* What a scheduler gets, and its isa engine. */
 typedef struct {
     stream s;
-    fp3_engine *model;
+    fp3_engine *isa;
     uint32_t objects, steps;
     fp3_stats stats;
-} unit;
+} scheduler;
 
 typedef struct {
     const fp3_rtl_ops *ops;
@@ -36,7 +36,7 @@ typedef struct {
     fp3_rtl *rtl;
     chance c;
     uint32_t log2, words;
-    unit units[UNITS_MAX];
+    scheduler schedulers[SCHEDULERS_MAX];
     fp3_error error;
     unsigned failed;
 } bench;
@@ -67,16 +67,16 @@ static void want(bench *b, const char *what, uint32_t address, uint32_t expected
         fail(b, what, address, got, expected);
 }
 
-static uint32_t of_unit(uint32_t u, uint32_t address) {
+static uint32_t of_scheduler(uint32_t u, uint32_t address) {
     return u << FP3_ADDRESS_SCHEDULER_LO | address;
 }
 
-/* A unit's objects go round its own lanes. */
+/* A scheduler's objects go round its own lanes. */
 static uint32_t row_of(const bench *b, uint32_t object) { return object / b->config->lanes; }
 static uint32_t lane_of(const bench *b, uint32_t object) { return object % b->config->lanes; }
 
 static uint32_t in_space(uint32_t u, uint32_t space, uint32_t word) {
-    return of_unit(u, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+    return of_scheduler(u, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
 }
 
 static uint32_t cell(const bench *b, uint32_t u, uint32_t object, uint32_t reg) {
@@ -90,50 +90,50 @@ static uint32_t status_of(const bench *b, uint32_t u, uint32_t object) {
                     lane_of(b, object) * b->config->store_words + row_of(b, object));
 }
 
-/* ---- what a unit gets ---- */
+/* ---- what a scheduler gets ---- */
 
-static void open_model(bench *b, unit *one) {
+static void open_isa(bench *b, scheduler *one) {
     fp3_engine_def def = fp3_engine_default();
-    def.kind = "model";
+    def.engine = "isa";
     def.config = b->config->name;
     def.objects = one->objects;
     def.visit = below(&b->c, 4);
     def.error = &b->error;
     const fp3_image image = stream_image(&one->s);
-    if (fp3_engine_open(&def, &one->model) || fp3_engine_load_unchecked(one->model, &image)) {
+    if (fp3_engine_open(&def, &one->isa) || fp3_engine_load_unchecked(one->isa, &image)) {
         printf("%s\n", b->error.text);
         exit(1);
     }
-    one->model->clock = below(&b->c, 2) ? (uint32_t)next64(&b->c) : 0;
+    one->isa->clock = below(&b->c, 2) ? (uint32_t)next64(&b->c) : 0;
 }
 
 static void write_program(bench *b, uint32_t u) {
-    const fp3_engine *model = b->units[u].model;
-    const fp3_program *p = &model->layout.groups[0].program;
+    const fp3_engine *isa = b->schedulers[u].isa;
+    const fp3_program *p = &isa->layout.groups[0].program;
     for (uint32_t i = 0; i < p->count; i++)
-        put(b, of_unit(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
-    put(b, of_unit(u, FP3_ADDR_STEP), p->step);
-    put(b, of_unit(u, FP3_ADDR_LAST), p->last);
-    put(b, of_unit(u, FP3_ADDR_SIZE), p->count);
-    put(b, of_unit(u, FP3_ADDR_RECORD), b->log2);
-    put(b, of_unit(u, FP3_ADDR_STEPS), b->units[u].steps);
-    put(b, of_unit(u, FP3_ADDR_VISIT), model->def.visit);
-    put(b, of_unit(u, FP3_ADDR_CLOCK), model->clock);
+        put(b, of_scheduler(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
+    put(b, of_scheduler(u, FP3_ADDR_STEP), p->step);
+    put(b, of_scheduler(u, FP3_ADDR_LAST), p->last);
+    put(b, of_scheduler(u, FP3_ADDR_SIZE), p->count);
+    put(b, of_scheduler(u, FP3_ADDR_RECORD), b->log2);
+    put(b, of_scheduler(u, FP3_ADDR_STEPS), b->schedulers[u].steps);
+    put(b, of_scheduler(u, FP3_ADDR_VISIT), isa->def.visit);
+    put(b, of_scheduler(u, FP3_ADDR_CLOCK), isa->clock);
 }
 
 static void write_values(bench *b, uint32_t u) {
-    unit *one = &b->units[u];
-    fp3_engine *model = one->model;
+    scheduler *one = &b->schedulers[u];
+    fp3_engine *isa = one->isa;
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
-        model->kind->write_shared(model, 0, i, bits);
-        put(b, of_unit(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
+        isa->backend->write_shared(isa, 0, i, bits);
+        put(b, of_scheduler(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
     }
     for (uint32_t object = 0; object < one->objects; object++) {
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
             const int is_slept = (int)reg == one->s.slept;
             const uint32_t bits = is_slept && below(&b->c, 4) ? 0 : value(&b->c);
-            model->kind->write(model, object, reg, bits);
+            isa->backend->write(isa, object, reg, bits);
             put(b, cell(b, u, object, reg), bits);
         }
         if (b->config->status)
@@ -143,17 +143,17 @@ static void write_values(bench *b, uint32_t u) {
 
 /* All objects, from the last to the first. */
 static void write_lists(bench *b, uint32_t u) {
-    const unit *one = &b->units[u];
+    const scheduler *one = &b->schedulers[u];
     const uint32_t lanes = b->config->lanes;
     for (uint32_t lane = 0; lane < lanes; lane++)
-        put(b, of_unit(u, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+        put(b, of_scheduler(u, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
             b->config->sleep ? 0 : (one->objects + lanes - 1 - lane) / lanes);
     for (uint32_t i = one->objects; b->config->sleep && i-- > 0;)
-        put(b, of_unit(u, FP3_ADDR_WINDOW_WAKE + 4 * lane_of(b, i)), row_of(b, i));
+        put(b, of_scheduler(u, FP3_ADDR_WINDOW_WAKE + 4 * lane_of(b, i)), row_of(b, i));
 }
 
 static void prepare(bench *b, uint32_t u) {
-    unit *one = &b->units[u];
+    scheduler *one = &b->schedulers[u];
     const uint32_t room = (b->config->store_words >> b->log2) * b->config->lanes;
     const uint32_t most = 2 * b->config->contexts * b->config->lanes;
     do
@@ -161,7 +161,7 @@ static void prepare(bench *b, uint32_t u) {
     while (one->s.illegal != NOWHERE);
     one->objects = 1 + below(&b->c, room < most ? room : most);
     one->steps = 1 + below(&b->c, 5);
-    open_model(b, one);
+    open_isa(b, one);
     write_program(b, u);
     write_values(b, u);
     write_lists(b, u);
@@ -169,13 +169,13 @@ static void prepare(bench *b, uint32_t u) {
 
 /* ---- what comes of it ---- */
 
-static void run(bench *b, uint32_t units) {
-    const uint32_t all = of_unit(FP3_ADDRESS_BROADCAST, 0), start = 1u << FP3_CONTROL_START_LO;
+static void run(bench *b, uint32_t schedulers) {
+    const uint32_t all = of_scheduler(FP3_ADDRESS_BROADCAST, 0), start = 1u << FP3_CONTROL_START_LO;
     if (below(&b->c, 2))
         put(b, all | FP3_ADDR_CONTROL, start);
     else
-        for (uint32_t u = 0; u < units; u++) {
-            put(b, of_unit(u, FP3_ADDR_CONTROL), start);
+        for (uint32_t u = 0; u < schedulers; u++) {
+            put(b, of_scheduler(u, FP3_ADDR_CONTROL), start);
             b->ops->clock(b->rtl, below(&b->c, 100), 100);
         }
     for (int i = 0; i < 1000 && get(b, all | FP3_ADDR_STATUS) & 1u << FP3_STATUS_RUNNING_LO; i++)
@@ -183,35 +183,35 @@ static void run(bench *b, uint32_t units) {
 }
 
 static void compare(bench *b, uint32_t u) {
-    unit *one = &b->units[u];
-    fp3_engine *model = one->model;
-    if (fp3_engine_run(model, one->steps, &one->stats))
-        fail(b, "the model's end of unit", u, 1, 0);
-    want(b, "status", of_unit(u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
-    want(b, "flags", of_unit(u, FP3_ADDR_FLAGS), one->stats.flags);
+    scheduler *one = &b->schedulers[u];
+    fp3_engine *isa = one->isa;
+    if (fp3_engine_run(isa, one->steps, &one->stats))
+        fail(b, "the isa engine's end of scheduler", u, 1, 0);
+    want(b, "status", of_scheduler(u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
+    want(b, "flags", of_scheduler(u, FP3_ADDR_FLAGS), one->stats.flags);
     for (uint32_t object = 0; object < one->objects; object++) {
         uint32_t bits = 0;
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
-            model->kind->read(model, object, reg, &bits);
+            isa->backend->read(isa, object, reg, &bits);
             want(b, "a word of an object", cell(b, u, object, reg), bits);
         }
-        model->kind->read_status(model, object, &bits);
+        isa->backend->read_status(isa, object, &bits);
         if (b->config->status)
             want(b, "an object's status", status_of(b, u, object), bits);
     }
     /* Without sleep, lane 0 says what is issued. */
     const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
-    if (model->layout.groups[0].program.slept < 0)
-        want(b, "counter retired", of_unit(u, FP3_ADDR_COUNTER_RETIRED),
+    if (isa->layout.groups[0].program.slept < 0)
+        want(b, "counter retired", of_scheduler(u, FP3_ADDR_COUNTER_RETIRED),
              (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows));
-    fp3_engine_close(&one->model);
+    fp3_engine_close(&one->isa);
 }
 
 /* So many as work the whole store of some, and leave it half empty in others. */
 static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
     static bench b;
     b = (bench){.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = seed}};
-    const uint32_t units = fp3_config_schedulers(b.config);
+    const uint32_t schedulers = fp3_config_schedulers(b.config);
     b.log2 = 3 + below(&b.c, 4);
     while (b.config->store_words >> b.log2 == 0)
         b.log2--;
@@ -219,10 +219,10 @@ static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
     b.rtl = ops->open(&(fp3_rtl_watch){0});
     if (!b.rtl)
         return 1;
-    for (uint32_t u = 0; u < units; u++)
+    for (uint32_t u = 0; u < schedulers; u++)
         prepare(&b, u);
-    run(&b, units);
-    for (uint32_t u = 0; u < units; u++)
+    run(&b, schedulers);
+    for (uint32_t u = 0; u < schedulers; u++)
         compare(&b, u);
     ops->close(b.rtl);
     if (b.failed)

@@ -1,8 +1,8 @@
 /* engine_promises.c - what fp3/engine.h promises about bad input and the ends of a run.
  *
- *     engine_promises [--only PROMISE] [--kind KIND]
+ *     engine_promises [--only PROMISE] [--engine ENGINE]
  *
- * Each promise is checked for every kind of engine on every configuration that it is about.
+ * Each promise is checked for every engine on every configuration that it is about.
  */
 #include <fp3/asm.h>
 #include <fp3/engine.h>
@@ -78,7 +78,7 @@ static void open_refuses_what_is_unknown(bench *b) {
     EXPECT(fp3_engine_open(&def, &engine) == FP3_E_ARGUMENT && !engine);
     EXPECT(SAYS("nonesuch") && SAYS("single"));
     def = b->def;
-    def.kind = "abacus";
+    def.engine = "abacus";
     EXPECT(fp3_engine_open(&def, &engine) == FP3_E_ARGUMENT && !engine && SAYS("abacus"));
     def = b->def;
     def.objects = UINT32_MAX;
@@ -304,10 +304,10 @@ static void the_bus_log_has_every_transfer(bench *b) {
         fclose(in);
     remove(path);
     EXPECT(!status);
-    if (strcmp(def.kind, "rtl") == 0)
+    if (strcmp(def.engine, "rtl") == 0)
         EXPECT(read && strncmp(line, "r 00000000 465033", 17) == 0);
     def.bus_log = "/nonexistent/log";
-    if (strcmp(def.kind, "rtl") == 0)
+    if (strcmp(def.engine, "rtl") == 0)
         EXPECT(fp3_engine_open(&def, &engine) == FP3_E_SYSTEM && SAYS("/nonexistent/log"));
 }
 
@@ -359,16 +359,16 @@ static void more_objects_leave_room_for_fewer_registers(bench *b) {
 static void the_counters_of_units_add_up(bench *b) {
     fp3_stats stats;
     uint64_t counter[FP3_COUNTER_COUNT], retired = 0, longest = 0;
-    EXPECT(!load(b, counting) && !fp3_engine_run(b->engine, 3, &stats) && stats.units > 0);
-    for (uint32_t unit = 0; unit < stats.units; unit++) {
-        EXPECT(!fp3_engine_unit_counters(b->engine, unit, counter));
+    EXPECT(!load(b, counting) && !fp3_engine_run(b->engine, 3, &stats) && stats.schedulers > 0);
+    for (uint32_t scheduler = 0; scheduler < stats.schedulers; scheduler++) {
+        EXPECT(!fp3_engine_scheduler_counters(b->engine, scheduler, counter));
         retired += counter[FP3_COUNTER_RETIRED];
         if (counter[FP3_COUNTER_CYCLES] > longest)
             longest = counter[FP3_COUNTER_CYCLES];
     }
     EXPECT(retired > 0 && retired == stats.counter[FP3_COUNTER_RETIRED]);
     EXPECT(longest == stats.counter[FP3_COUNTER_CYCLES]);
-    EXPECT(fp3_engine_unit_counters(b->engine, fp3_config_schedulers(b->config), counter) ==
+    EXPECT(fp3_engine_scheduler_counters(b->engine, fp3_config_schedulers(b->config), counter) ==
            FP3_E_ARGUMENT);
 }
 
@@ -506,11 +506,11 @@ static int concerns(const promise *p, const fp3_config *config) {
 }
 
 /* Whether the promise is kept. */
-static int check(const promise *p, const char *kind, const fp3_config *config,
+static int check(const promise *p, const char *engine, const fp3_config *config,
                  const char *program) {
     bench b = {.config = config, .registers = config->registers};
     b.def = fp3_engine_default();
-    b.def.kind = kind;
+    b.def.engine = engine;
     b.def.config = config->name;
     b.def.cycle_limit = 20000;
     b.def.error = &b.error;
@@ -521,8 +521,9 @@ static int check(const promise *p, const char *kind, const fp3_config *config,
     fp3_engine_close(&b.engine);
     if (b.failed)
         printf("FAIL %s, %s, %s: line %d: expected %s\n  last message: '%s'\n  replay: "
-               "%s --only %s --kind %s\n",
-               p->name, kind, config->name, b.line, b.failed, b.error.text, program, p->name, kind);
+               "%s --only %s --engine %s\n",
+               p->name, engine, config->name, b.line, b.failed, b.error.text, program, p->name,
+               engine);
     return !b.failed;
 }
 
@@ -532,22 +533,22 @@ int main(int argc, char **argv) {
         PROMISES(X)
 #undef X
     };
-    static const char *const kinds[] = {"model", "rtl"};
-    const char *only = NULL, *only_kind = NULL;
+    static const char *const engines[] = {"isa", "rtl"};
+    const char *only = NULL, *only_engine = NULL;
     for (int i = 1; i + 1 < argc; i += 2) {
         only = strcmp(argv[i], "--only") == 0 ? argv[i + 1] : only;
-        only_kind = strcmp(argv[i], "--kind") == 0 ? argv[i + 1] : only_kind;
+        only_engine = strcmp(argv[i], "--engine") == 0 ? argv[i + 1] : only_engine;
     }
     unsigned checked = 0, failed = 0;
     for (size_t p = 0; p < sizeof promises / sizeof *promises; p++)
         for (uint32_t c = 0; c < fp3_config_count; c++)
-            for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+            for (size_t k = 0; k < sizeof engines / sizeof *engines; k++) {
                 if ((only && strcmp(only, promises[p].name) != 0) ||
-                    (only_kind && strcmp(only_kind, kinds[k]) != 0) ||
+                    (only_engine && strcmp(only_engine, engines[k]) != 0) ||
                     !concerns(&promises[p], &fp3_configs[c]))
                     continue;
                 checked++;
-                failed += !check(&promises[p], kinds[k], &fp3_configs[c], argv[0]);
+                failed += !check(&promises[p], engines[k], &fp3_configs[c], argv[0]);
             }
     printf("%u checked, %u failed\n", checked, failed);
     return failed || !checked;

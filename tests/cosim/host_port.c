@@ -24,14 +24,14 @@ FP3_CONFIGS(X)
 typedef struct {
     const fp3_rtl_ops *ops;
     const fp3_config *config;
-    uint32_t units;
+    uint32_t schedulers;
     fp3_rtl *rtl;
     chance c;
     unsigned failed;
 } bench;
 
 static const uint32_t start = 1u << FP3_CONTROL_START_LO, stop = 1u << FP3_CONTROL_STOP_LO;
-static const uint32_t all_units = (uint32_t)FP3_ADDRESS_BROADCAST << FP3_ADDRESS_SCHEDULER_LO;
+static const uint32_t all_schedulers = (uint32_t)FP3_ADDRESS_BROADCAST << FP3_ADDRESS_SCHEDULER_LO;
 
 static void fail(bench *b, const char *what, uint32_t address, int64_t got, int64_t expected) {
     if (b->failed++ < 10)
@@ -64,15 +64,15 @@ static void must(bench *b, const char *what, uint32_t address, uint32_t data) {
         fail(b, what, address, answer, 0);
 }
 
-static uint32_t of_unit(uint32_t unit, uint32_t address) {
-    return unit << FP3_ADDRESS_SCHEDULER_LO | address;
+static uint32_t of_scheduler(uint32_t scheduler, uint32_t address) {
+    return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
 }
 
-static uint32_t in_space(uint32_t unit, uint32_t space, uint32_t word) {
-    return of_unit(unit, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
+    return of_scheduler(scheduler, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
 }
 
-/* Words of the two large memories of a unit. */
+/* Words of the two large memories of a scheduler. */
 static uint32_t object_words(const fp3_config *c) {
     return c->interleave ? c->store_words * c->lanes : c->registers;
 }
@@ -134,10 +134,10 @@ static int access_to_window(const fp3_config *c, uint32_t address) {
 
 static int access_to(const bench *b, uint32_t address) {
     const fp3_config *c = b->config;
-    const uint32_t unit = address >> FP3_ADDRESS_SCHEDULER_LO;
+    const uint32_t scheduler = address >> FP3_ADDRESS_SCHEDULER_LO;
     const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
     const uint32_t word = address >> FP3_ADDRESS_WORD_LO & 0xfffff;
-    if (address % 4 || (unit >= b->units && unit != FP3_ADDRESS_BROADCAST))
+    if (address % 4 || (scheduler >= b->schedulers && scheduler != FP3_ADDRESS_BROADCAST))
         return 0;
     if (space == FP3_SPACE_OBJECTS)
         return word < object_words(c) ? READ | WRITE | IDLE_ONLY : 0;
@@ -167,8 +167,8 @@ static void probe(bench *b, uint32_t address, int is_running) {
     }
 }
 
-/* All of unit 0 that has a name and as much beyond it, the ends of the memories, whatever else
- * chance finds. While unit 0 runs, only its own. */
+/* All of scheduler 0 that has a name and as much beyond it, the ends of the memories, whatever else
+ * chance finds. While scheduler 0 runs, only its own. */
 static void sweep(bench *b, int is_running) {
     const uint32_t ends[] = {object_words(b->config), status_words(b->config), 1u << 20};
     for (uint32_t address = 0; address < 0x4000; address += address < 0x100 ? 1 : 4)
@@ -184,10 +184,10 @@ static void sweep(bench *b, int is_running) {
                 probe(b, in_space(0, space, word & 0xfffff), is_running);
     for (int i = 0; i < 500; i++)
         probe(b, (uint32_t)next64(&b->c) & 0xffffff, is_running);
-    for (uint32_t unit = 1; unit < 256 && !is_running; unit++) {
-        probe(b, of_unit(unit, FP3_ADDR_ID), 0);
-        probe(b, of_unit(unit, FP3_ADDR_STEPS), 0);
-        probe(b, of_unit(unit, (uint32_t)next64(&b->c) & 0xffffff), 0);
+    for (uint32_t scheduler = 1; scheduler < 256 && !is_running; scheduler++) {
+        probe(b, of_scheduler(scheduler, FP3_ADDR_ID), 0);
+        probe(b, of_scheduler(scheduler, FP3_ADDR_STEPS), 0);
+        probe(b, of_scheduler(scheduler, (uint32_t)next64(&b->c) & 0xffffff), 0);
     }
 }
 
@@ -208,27 +208,29 @@ static void memories_keep_words_apart(bench *b) {
     const fp3_config *c = b->config;
     const uint32_t stride = object_words(c) > 10000 ? 97 : 1;
     for (int is_check = 0; is_check < 2; is_check++)
-        for (uint32_t unit = 0; unit < b->units; unit++) {
+        for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
             for (uint32_t i = 0; i < c->registers; i++)
-                put_or_want(b, is_check, of_unit(unit, FP3_ADDR_WINDOW_CONSTANTS + 4 * i));
+                put_or_want(b, is_check,
+                            of_scheduler(scheduler, FP3_ADDR_WINDOW_CONSTANTS + 4 * i));
             for (uint32_t word = 0; word < object_words(c); word += stride)
-                put_or_want(b, is_check, in_space(unit, FP3_SPACE_OBJECTS, word));
+                put_or_want(b, is_check, in_space(scheduler, FP3_SPACE_OBJECTS, word));
             for (uint32_t word = 0; word < status_words(c); word += stride)
                 if (word % c->store_words < c->store_words / 8)
-                    put_or_want(b, is_check, in_space(unit, FP3_SPACE_STATUS, word));
+                    put_or_want(b, is_check, in_space(scheduler, FP3_SPACE_STATUS, word));
         }
 }
 
 static void all_units_are_one(bench *b) {
     uint32_t or = 0;
-    for (uint32_t unit = 0; unit < b->units; unit++) {
-        must(b, "steps", of_unit(unit, FP3_ADDR_STEPS), 0x100u << unit % 8 | unit);
-        or |= 0x100u << unit % 8 | unit;
+    for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
+        must(b, "steps", of_scheduler(scheduler, FP3_ADDR_STEPS),
+             0x100u << scheduler % 8 | scheduler);
+        or |= 0x100u << scheduler % 8 | scheduler;
     }
-    want(b, "the OR of all units", all_units | FP3_ADDR_STEPS, or);
-    must(b, "steps", all_units | FP3_ADDR_STEPS, 77);
-    for (uint32_t unit = 0; unit < b->units; unit++)
-        want(b, "written to all units", of_unit(unit, FP3_ADDR_STEPS), 77);
+    want(b, "the OR of all schedulers", all_schedulers | FP3_ADDR_STEPS, or);
+    must(b, "steps", all_schedulers | FP3_ADDR_STEPS, 77);
+    for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++)
+        want(b, "written to all schedulers", of_scheduler(scheduler, FP3_ADDR_STEPS), 77);
 }
 
 static void lists_count_their_objects(bench *b) {
@@ -309,7 +311,7 @@ static void a_running_machine_guards_its_memories(bench *b) {
     if (put(b, FP3_ADDR_CONTROL, start) != 1)
         fail(b, "a start while running", FP3_ADDR_CONTROL, 0, 1);
     want(b, "still running: status", FP3_ADDR_STATUS, running);
-    want(b, "one unit runs: status of all", all_units | FP3_ADDR_STATUS, running);
+    want(b, "one scheduler runs: status of all", all_schedulers | FP3_ADDR_STATUS, running);
     must(b, "a stop", FP3_ADDR_CONTROL, stop);
     b->ops->clock(b->rtl, 10000, 100);
     want(b, "stopped: status", FP3_ADDR_STATUS, stopped);
@@ -318,10 +320,10 @@ static void a_running_machine_guards_its_memories(bench *b) {
 }
 
 static void counters_are_0_before_the_first_run(bench *b) {
-    for (uint32_t unit = 0; unit < b->units; unit++) {
+    for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
 #define X(NAME, name, address)                                                                     \
-    want(b, "counter " name, of_unit(unit, address), 0);                                           \
-    want(b, "counter " name ", high word", of_unit(unit, (address) + 4), 0);
+    want(b, "counter " name, of_scheduler(scheduler, address), 0);                                 \
+    want(b, "counter " name ", high word", of_scheduler(scheduler, (address) + 4), 0);
         FP3_COUNTERS(X)
 #undef X
     }
@@ -355,7 +357,7 @@ static void a_run_has_one_outcome(bench *b) {
             }
 }
 
-/* What the model, which takes them for illegal before they are loaded, cannot be asked. */
+/* What the isa engine, which takes them for illegal before they are loaded, cannot be asked. */
 static void what_is_left_out_is_illegal(bench *b) {
     const fp3_config *c = b->config;
     const struct {
@@ -381,7 +383,7 @@ static void what_is_left_out_is_illegal(bench *b) {
 
 static unsigned check(const fp3_rtl_ops *ops) {
     bench b = {.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = 1}};
-    b.units = fp3_config_schedulers(b.config);
+    b.schedulers = fp3_config_schedulers(b.config);
     b.rtl = ops->open(&(fp3_rtl_watch){0});
     if (!b.rtl)
         return 1;

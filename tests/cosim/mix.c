@@ -2,20 +2,20 @@
  *
  *     mix [SEED [ROUNDS]]
  *
- * Three things. Placing: random problems, against every division of the units that there is. Bits:
+ * Three things. Placing: random problems, against every division of the schedulers that there is. Bits:
  * every configuration of several schedulers runs random programs for random groups; every retirement,
- * register, constant and status must be that of the C model with the same groups, and that of a model
+ * register, constant and status must be that of the isa engine with the same groups, and that of an isa engine
  * which has one group alone; then other groups are loaded into the same engines. Cycles: what the
- * units need is what was predicted, and no other division would have ended earlier.
+ * schedulers need is what was predicted, and no other division would have ended earlier.
  */
-#include "engine/kind.h"
+#include "engine/backend.h"
 #include "stream.h"
 
 #include <fp3/asm.h>
 #include <inttypes.h>
 #include <stdlib.h>
 
-enum { GROUPS_MAX = 8, UNITS_MAX = 64 };
+enum { GROUPS_MAX = 8, SCHEDULERS_MAX = 64 };
 
 static unsigned failed;
 
@@ -47,20 +47,20 @@ typedef struct {
     size_t count;
 } problem;
 
-static uint64_t end_of(const problem *p, size_t group, uint32_t units) {
+static uint64_t end_of(const problem *p, size_t group, uint32_t schedulers) {
     const fp3_to_place *g = &p->groups[group];
     return fp3_placement_cycles(p->config, g->program, p->visit,
-                                fp3_placement_fullest(p->config, g->objects, units));
+                                fp3_placement_fullest(p->config, g->objects, schedulers));
 }
 
-/* The earliest end of groups from .. with so many units; UINT64_MAX: they do not fit. */
-static uint64_t best_end(const problem *p, size_t from, uint32_t units) {
+/* The earliest end of groups from .. with so many schedulers; UINT64_MAX: they do not fit. */
+static uint64_t best_end(const problem *p, size_t from, uint32_t schedulers) {
     uint64_t best = UINT64_MAX;
     if (from == p->count)
         return 0;
     const uint32_t rows = fp3_placement_rows(p->config, p->groups[from].log2);
-    for (uint32_t n = 1; n <= units; n++) {
-        uint64_t end = best_end(p, from + 1, units - n);
+    for (uint32_t n = 1; n <= schedulers; n++) {
+        uint64_t end = best_end(p, from + 1, schedulers - n);
         const uint64_t own = end_of(p, from, n);
         if (fp3_placement_fullest(p->config, p->groups[from].objects, n) > rows)
             continue;
@@ -71,12 +71,12 @@ static uint64_t best_end(const problem *p, size_t from, uint32_t units) {
 }
 
 static uint64_t end_of_placing(const problem *p, const uint32_t *group_of) {
-    const uint32_t units = fp3_config_schedulers(p->config);
+    const uint32_t schedulers = fp3_config_schedulers(p->config);
     uint64_t end = 0;
     for (size_t i = 0; i < p->count; i++) {
         uint32_t n = 0;
-        for (uint32_t unit = 0; unit < units; unit++)
-            n += group_of[unit] == i;
+        for (uint32_t scheduler = 0; scheduler < schedulers; scheduler++)
+            n += group_of[scheduler] == i;
         if (n == 0)
             return UINT64_MAX;
         const uint64_t own = end_of(p, i, n);
@@ -95,7 +95,7 @@ static void check_placing(chance *c) {
     config.store_words = 64u << below(c, 6);
     config.add_latency = 1 + below(c, 8);
     config.mul_latency = 2 + below(c, 8);
-    uint32_t code[20], group_of[UNITS_MAX];
+    uint32_t code[20], group_of[SCHEDULERS_MAX];
     for (size_t i = 0; i < 20; i++)
         code[i] = stream_word(below(c, 2) ? FP3_OP_MUL : FP3_OP_ADD, 0, 0, 0, 0);
     fp3_program programs[GROUPS_MAX];
@@ -113,7 +113,7 @@ static void check_placing(chance *c) {
         fp3_placement_make(&config, p.visit, groups, p.count, group_of, &error);
     EXPECT(status == (best == UINT64_MAX ? FP3_E_PROGRAM : FP3_OK));
     if (!status && end_of_placing(&p, group_of) != best)
-        FAIL("%zu groups on %" PRIu32 " units end at %" PRIu64 ", not %" PRIu64, p.count,
+        FAIL("%zu groups on %" PRIu32 " schedulers end at %" PRIu64 ", not %" PRIu64, p.count,
              fp3_config_schedulers(&config), end_of_placing(&p, group_of), best);
 }
 
@@ -164,8 +164,8 @@ typedef struct {
     fp3_stats stats;
 } machine;
 
-/* Both engines with all groups, and for each group a model with that one alone. */
-enum { RTL, MODEL, ALONE };
+/* Both engines with all groups, and for each group an isa engine with that one alone. */
+enum { RTL, ISA, ALONE };
 typedef struct {
     const fp3_config *config;
     chance c;
@@ -179,13 +179,13 @@ typedef struct {
 } bench;
 
 static uint32_t groups_most(const fp3_config *config) {
-    const uint32_t units = fp3_config_schedulers(config);
-    return units < GROUPS_MAX ? units : GROUPS_MAX;
+    const uint32_t schedulers = fp3_config_schedulers(config);
+    return schedulers < GROUPS_MAX ? schedulers : GROUPS_MAX;
 }
 
-static void open_machine(bench *b, machine *m, const char *kind, uint32_t objects) {
+static void open_machine(bench *b, machine *m, const char *engine, uint32_t objects) {
     fp3_engine_def def = fp3_engine_default();
-    def.kind = kind;
+    def.engine = engine;
     def.config = b->config->name;
     def.objects = objects;
     def.visit = b->visit;
@@ -203,7 +203,7 @@ static void close_machine(machine *m) {
     m->j.hash = NULL;
 }
 
-/* Objects for so many groups, as many in all as there are; every group has room in one unit. */
+/* Objects for so many groups, as many in all as there are; every group has room in one scheduler. */
 static void share_out(bench *b) {
     const uint32_t most = (b->config->store_words / b->words) * b->config->lanes;
     uint32_t left = b->objects;
@@ -239,7 +239,7 @@ static void load_all(bench *b) {
         if (fp3_engine_load_groups(b->m[k].engine, groups, b->count))
             die(b->m[k].error.text);
     for (size_t i = 0; i < b->count; i++) {
-        open_machine(b, &b->m[ALONE + i], "model", b->sizes[i]);
+        open_machine(b, &b->m[ALONE + i], "isa", b->sizes[i]);
         if (fp3_engine_load(b->m[ALONE + i].engine, b->images[i]))
             die(b->m[ALONE + i].error.text);
     }
@@ -265,17 +265,17 @@ static void copy_group(bench *b, size_t group) {
             for (int k = 0; k < ALONE; k++)
                 EXPECT(
                     !fp3_engine_read(b->m[k].engine, b->first[group] + object, 1, reg, &word[k]));
-            if (memcmp(&word[RTL], &word[MODEL], sizeof *word) != 0)
+            if (memcmp(&word[RTL], &word[ISA], sizeof *word) != 0)
                 FAIL("after a load: object %" PRIu32 " r%" PRIu32, b->first[group] + object, reg);
-            EXPECT(!fp3_engine_write(alone, object, 1, reg, &word[MODEL]));
+            EXPECT(!fp3_engine_write(alone, object, 1, reg, &word[ISA]));
         }
     for (uint32_t i = 0; i < b->config->registers; i++) {
         float word[2];
         for (int k = 0; k < ALONE; k++)
             EXPECT(!fp3_engine_read_shared_of(b->m[k].engine, group, i, 1, &word[k]));
-        if (memcmp(&word[RTL], &word[MODEL], sizeof *word) != 0)
+        if (memcmp(&word[RTL], &word[ISA], sizeof *word) != 0)
             FAIL("after a load: group %zu k%" PRIu32, group, i);
-        EXPECT(!fp3_engine_write_shared(alone, i, 1, &word[MODEL]));
+        EXPECT(!fp3_engine_write_shared(alone, i, 1, &word[ISA]));
     }
 }
 
@@ -295,7 +295,7 @@ static void write_values(bench *b, size_t group) {
 }
 
 static int has_sleep(const bench *b, size_t group) {
-    return b->m[MODEL].engine->layout.groups[group].program.slept >= 0;
+    return b->m[ISA].engine->layout.groups[group].program.slept >= 0;
 }
 
 /* Nobody sleeps because of what a register held before. */
@@ -355,14 +355,14 @@ static void compare_run(bench *b, const fp3_status *status) {
     for (size_t i = 0; i < b->count; i++) {
         const uint64_t steps = b->m[ALONE + i].stats.object_steps;
         if (i != b->broken) {
-            compare(b, &b->m[RTL], &b->m[MODEL], i, b->first[i]);
+            compare(b, &b->m[RTL], &b->m[ISA], i, b->first[i]);
             compare(b, &b->m[RTL], &b->m[ALONE + i], i, 0);
         }
         flags |= b->m[ALONE + i].stats.flags;
         object_steps += steps;
         EXPECT(status[RTL] || fp3_engine_group_steps(b->m[RTL].engine, i) == steps);
     }
-    EXPECT(status[RTL] == status[MODEL]);
+    EXPECT(status[RTL] == status[ISA]);
     if (status[RTL])
         object_steps = 0;
     for (int k = 0; k < ALONE; k++) {
@@ -422,14 +422,14 @@ static void check_bits(const fp3_config *config, uint64_t seed) {
     const uint32_t most = below(&b.c, 2) ? 3 * full : 2 * config->contexts * full;
     b.objects = 1 + below(&b.c, most < room ? most : room);
     open_machine(&b, &b.m[RTL], "rtl", b.objects);
-    open_machine(&b, &b.m[MODEL], "model", b.objects);
+    open_machine(&b, &b.m[ISA], "isa", b.objects);
     for (int loads = 0; loads < 3 && !failed; loads++) {
         check_groups(&b);
         if (b.broken < b.count)
             break;
     }
     close_machine(&b.m[RTL]);
-    close_machine(&b.m[MODEL]);
+    close_machine(&b.m[ISA]);
     if (failed)
         printf("  %s, seed %" PRIu64 "\n", config->name, seed);
 }
@@ -467,7 +467,7 @@ static uint64_t predicted(const fp3_engine *engine, size_t group, uint32_t rows,
 
 static uint64_t apart(uint64_t a, uint64_t b) { return a > b ? a - b : b - a; }
 
-/* Each unit ends when it was said to, within 1 %, and the last of them no later than that of the
+/* Each scheduler ends when it was said to, within 1 %, and the last of them no later than that of the
  * best division. */
 static void check_cycles(const fp3_config *config, chance *c, double *worst) {
     enum { STEPS = 24 };
@@ -493,16 +493,16 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
     const problem p = {config, def.visit ? def.visit : STEPS, list, count};
     for (size_t i = 0; i < count; i++)
         list[i] = (fp3_to_place){&engine->layout.groups[i].program, (uint32_t)groups[i].objects, 3};
-    for (uint32_t unit = 0; unit < stats.units; unit++) {
-        const uint32_t group = engine->layout.duty[unit].group;
-        const uint64_t cycles = engine->counters[unit][FP3_COUNTER_CYCLES];
-        const uint32_t rows = fp3_layout_rows(&engine->layout, config, unit, 0);
+    for (uint32_t scheduler = 0; scheduler < stats.schedulers; scheduler++) {
+        const uint32_t group = engine->layout.duty[scheduler].group;
+        const uint64_t cycles = engine->counters[scheduler][FP3_COUNTER_CYCLES];
+        const uint32_t rows = fp3_layout_rows(&engine->layout, config, scheduler, 0);
         const uint64_t said = predicted(engine, group, rows, STEPS);
         const double off = rows ? (double)apart(cycles, said) / (double)cycles : 0;
         *worst = off > *worst ? off : *worst;
         if (off > 0.01)
-            FAIL("%s, unit %" PRIu32 ": %" PRIu64 " cycles, %" PRIu64 " were predicted",
-                 config->name, unit, cycles, said);
+            FAIL("%s, scheduler %" PRIu32 ": %" PRIu64 " cycles, %" PRIu64 " were predicted",
+                 config->name, scheduler, cycles, said);
     }
     const uint64_t visits = def.visit ? 3 : 1;
     const double best = (double)(best_end(&p, 0, fp3_config_schedulers(config)) * visits);
@@ -518,13 +518,13 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
 
 #define SAYS(word) (strstr(error.text, word) != NULL)
 
-static void promises(const char *kind) {
+static void promises(const char *engine) {
     fp3_error error = {""};
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *e = NULL;
     fp3_stats stats;
     float x = 0;
-    def.kind = kind;
+    def.engine = engine;
     def.config = "array";
     def.objects = 10;
     def.error = &error;
@@ -579,7 +579,7 @@ int main(int argc, char **argv) {
     double worst = 0;
     chance c = {.state = seed};
     for (int k = 0; k < 2 && fp3_config_find("array") && fp3_config_find("single"); k++)
-        promises(k ? "model" : "rtl");
+        promises(k ? "isa" : "rtl");
     unlike_programs_share();
     for (uint64_t n = 0; n < 400 * rounds; n++)
         check_placing(&c);

@@ -1,18 +1,18 @@
-/* random_stream.c - random programs: the hardware against the model at every retirement.
+/* random_stream.c - random programs: the hardware against the isa engine at every retirement.
  *
  *     random_stream [--instructions N] [--config NAME] [--seed S] [--streams N] [--trace]
  *
  * The hardware's units finish out of order, but each register of an object is written in program
- * order: the model runs first and leaves a queue per register, from which each retirement of the
+ * order: the isa engine runs first and leaves a queue per register, from which each retirement of the
  * hardware takes one. Values, flags, final registers, the status of objects, sticky flags, steps and
  * counts must agree. A run that ends before its time, at an illegal word or because it is stopped,
- * retires the beginning of what the model does, and leaves each object as one of its visits left it.
+ * retires the beginning of what the isa engine does, and leaves each object as one of its visits left it.
  *
  * A session opens both engines for a random number of objects and runs some streams; between the
  * runs of a stream the host writes, wakes and removes objects. A session has its own seed:
  * --seed S --streams 1 repeats it alone, --trace prints what it does.
  */
-#include "engine/kind.h"
+#include "engine/backend.h"
 #include "stream.h"
 
 #include <fp3/asm.h>
@@ -28,13 +28,13 @@ enum { STREAMS = 4, RUNS_MAX = 3, STEPS_MAX = 5, OBJECTS_MAX = 200 };
 /* ---- what is compared ---- */
 
 typedef struct {
-    fp3_retirement *expected; /* the model's, in program order */
+    fp3_retirement *expected; /* the isa engine's, in program order */
     size_t *next;             /* of the same register, or 0 */
     size_t count, room;       /* entry 0 stays empty */
     size_t *head, *tail;      /* of each register of each object */
 } queues;
 
-/* What a run of the model leaves after each round of visits: one of these is what an object has
+/* What a run of the isa engine leaves after each round of visits: one of these is what an object has
  * when the hardware was stopped. */
 typedef struct {
     uint32_t *records; /* rounds + 1, each of all registers of all objects */
@@ -42,7 +42,7 @@ typedef struct {
 } history;
 
 typedef struct {
-    fp3_engine *engine[2]; /* model, rtl */
+    fp3_engine *engine[2]; /* isa, rtl */
     fp3_error error[2];
     const fp3_config *config;
     uint32_t objects, words; /* of a record that is kept */
@@ -70,9 +70,10 @@ static size_t cell_of(const bench *b, uint32_t object, uint32_t reg) {
 
 static void print(const bench *b, const char *who, const fp3_retirement *r) {
     if (b->is_trace)
-        printf("  %s %8" PRIu64 ": object %" PRIu32 " r%" PRIu32 " = 0x%08" PRIx32
-               " flags 0x%02" PRIx32 " (unit %" PRIu32 " lane %" PRIu32 " context %" PRIu32 ")\n",
-               who, r->cycle, r->object, r->reg, r->bits, r->flags, r->unit, r->lane, r->context);
+        printf(
+            "  %s %8" PRIu64 ": object %" PRIu32 " r%" PRIu32 " = 0x%08" PRIx32
+            " flags 0x%02" PRIx32 " (scheduler %" PRIu32 " lane %" PRIu32 " context %" PRIu32 ")\n",
+            who, r->cycle, r->object, r->reg, r->bits, r->flags, r->scheduler, r->lane, r->context);
 }
 
 static void fill(void *user, const fp3_retirement *r) {
@@ -86,7 +87,7 @@ static void fill(void *user, const fp3_retirement *r) {
         if (!q->expected || !q->next)
             abort();
     }
-    print(b, "model", r);
+    print(b, "isa", r);
     q->expected[i] = *r;
     q->next[i] = 0;
     if (q->head[cell])
@@ -105,11 +106,11 @@ static void take(void *user, const fp3_retirement *r) {
     print(b, "rtl  ", r);
     if (r->object >= b->objects || r->reg >= b->config->registers ||
         r->object % b->engine[1]->layout.groups[0].columns !=
-            r->unit * b->config->lanes + r->lane ||
+            r->scheduler * b->config->lanes + r->lane ||
         r->context >= b->config->contexts)
-        WRONG("cycle %" PRIu64 ": a retirement of object %" PRIu32 " r%" PRIu32 ", unit %" PRIu32
-              ", lane %" PRIu32 ", context %" PRIu32,
-              r->cycle, r->object, r->reg, r->unit, r->lane, r->context);
+        WRONG("cycle %" PRIu64 ": a retirement of object %" PRIu32 " r%" PRIu32
+              ", scheduler %" PRIu32 ", lane %" PRIu32 ", context %" PRIu32,
+              r->cycle, r->object, r->reg, r->scheduler, r->lane, r->context);
     const size_t cell = cell_of(b, r->object, r->reg), i = b->q.head[cell];
     if (!i)
         WRONG("cycle %" PRIu64 ": object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
@@ -120,7 +121,7 @@ static void take(void *user, const fp3_retirement *r) {
     if (e->bits != r->bits || e->flags != r->flags)
         WRONG("cycle %" PRIu64 ": object %" PRIu32 " r%" PRIu32 " got 0x%08" PRIx32
               " flags 0x%02" PRIx32 ", expected 0x%08" PRIx32 " flags 0x%02" PRIx32
-              " (instruction %" PRIu64 " of the model)",
+              " (instruction %" PRIu64 " of the isa engine)",
               r->cycle, r->object, r->reg, r->bits, r->flags, e->bits, e->flags, e->cycle);
 }
 
@@ -132,9 +133,9 @@ static void count_issue(void *user, const fp3_issue *issue) {
     const fp3_program *program = &b->engine[1]->layout.groups[0].program;
     if (issue->pc >= program->count || issue->word != program->code[issue->pc] ||
         issue->context >= b->config->contexts)
-        WRONG("cycle %" PRIu64 ": unit %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
+        WRONG("cycle %" PRIu64 ": scheduler %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
               " at word %" PRIu32,
-              issue->cycle, issue->unit, issue->context, issue->word, issue->pc);
+              issue->cycle, issue->scheduler, issue->context, issue->word, issue->pc);
 }
 
 /* ---- what both engines get ---- */
@@ -155,7 +156,7 @@ static void set_constants(bench *b, chance *c) {
         if (b->is_trace)
             printf("  host: k%" PRIu32 " = 0x%08" PRIx32 "\n", reg, bits);
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->kind->write_shared(b->engine[k], 0, reg, bits))
+            if (b->engine[k]->backend->write_shared(b->engine[k], 0, reg, bits))
                 b->wrong = b->error[k].text;
     }
 }
@@ -218,7 +219,7 @@ static void load(bench *b) {
 
 static uint32_t kept(bench *b, int k, uint32_t object, uint32_t reg) {
     uint32_t bits = 0;
-    if (b->engine[k]->kind->read(b->engine[k], object, reg, &bits))
+    if (b->engine[k]->backend->read(b->engine[k], object, reg, &bits))
         b->wrong = b->error[k].text;
     return bits;
 }
@@ -240,7 +241,7 @@ static void compare_constants(bench *b) {
     for (uint32_t reg = 0; reg < b->config->registers; reg++) {
         uint32_t bits[2] = {0, 0};
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->kind->read_shared(b->engine[k], 0, reg, &bits[k]))
+            if (b->engine[k]->backend->read_shared(b->engine[k], 0, reg, &bits[k]))
                 b->wrong = b->error[k].text;
         if (bits[0] != bits[1])
             WRONG("at the end: k%" PRIu32 " got 0x%08" PRIx32 ", expected 0x%08" PRIx32, reg,
@@ -248,7 +249,7 @@ static void compare_constants(bench *b) {
     }
 }
 
-/* is_part: an end before its time, when only some of what the model did was done. */
+/* is_part: an end before its time, when only some of what the isa engine did was done. */
 static void compare_status(bench *b, int is_part) {
     for (uint32_t object = 0; object < b->objects && !b->wrong; object++) {
         fp3_object_status s[2];
@@ -262,7 +263,7 @@ static void compare_status(bench *b, int is_part) {
     }
 }
 
-/* Of objects that all execute all, the hardware issues what the model does; with several lanes only
+/* Of objects that all execute all, the hardware issues what the isa engine does; with several lanes only
  * once, and lane 0 has objects wherever another lane has. */
 static void compare_counters(bench *b, const fp3_stats stats[2]) {
     const uint32_t columns = b->engine[0]->layout.groups[0].columns, lanes = b->config->lanes;
@@ -289,7 +290,7 @@ static void compare_end(bench *b, const fp3_stats stats[2]) {
         for (uint32_t reg = 0; reg < b->config->registers; reg++)
             if (b->q.head[cell_of(b, object, reg)])
                 WRONG("object %" PRIu32 " r%" PRIu32 " got too few writes: 0x%08" PRIx32
-                      " is missing (instruction %" PRIu64 " of the model)",
+                      " is missing (instruction %" PRIu64 " of the isa engine)",
                       object, reg, b->q.expected[b->q.head[cell_of(b, object, reg)]].bits,
                       b->q.expected[b->q.head[cell_of(b, object, reg)]].cycle);
     if (stats[0].flags != stats[1].flags || stats[0].object_steps != stats[1].object_steps)
@@ -315,7 +316,7 @@ static void compare_part(bench *b, const fp3_stats stats[2]) {
     compare_status(b, 1);
 }
 
-/* What the hardware retired before an illegal word, the model did as well, and nothing was stored. */
+/* What the hardware retired before an illegal word, the isa engine did as well, and nothing was stored. */
 static void end_at_illegal(bench *b, const fp3_stats stats[2]) {
     b->faults++;
     if (strcmp(b->error[0].text, b->error[1].text) != 0)
@@ -336,10 +337,10 @@ static void keep_round(bench *b) {
             to[cell_of(b, object, reg)] = kept(b, 0, object, reg);
 }
 
-/* The model makes the same rounds one by one. */
+/* The isa engine makes the same rounds one by one. */
 static fp3_status run_rounds(bench *b, uint32_t steps, fp3_stats *stats) {
-    fp3_engine *model = b->engine[0];
-    const uint32_t visit = model->def.visit ? model->def.visit : steps;
+    fp3_engine *isa = b->engine[0];
+    const uint32_t visit = isa->def.visit ? isa->def.visit : steps;
     fp3_status status = FP3_OK;
     *stats = (fp3_stats){0};
     b->past.rounds = 0;
@@ -347,7 +348,7 @@ static fp3_status run_rounds(bench *b, uint32_t steps, fp3_stats *stats) {
     for (uint32_t left = steps, now; left && !status; left -= now) {
         fp3_stats round;
         now = left < visit ? left : visit;
-        status = fp3_engine_run(model, now, &round);
+        status = fp3_engine_run(isa, now, &round);
         stats->flags |= round.flags;
         keep_round(b);
     }
@@ -432,7 +433,7 @@ static void run(bench *b, chance *c) {
         b->error[k].text[0] = '\0';
         status[k] = fp3_engine_run(b->engine[k], steps, &stats[k]);
         if (b->is_trace)
-            printf("  %s ends: status %d '%s'\n", k ? "rtl" : "model", (int)status[k],
+            printf("  %s ends: status %d '%s'\n", k ? "rtl" : "isa", (int)status[k],
                    b->error[k].text);
         if (b->wrong)
             return;
@@ -494,7 +495,7 @@ static void open_session(bench *b, chance *c) {
     b->objects = how_many(c, b->config);
     for (int k = 0; k < 2 && !b->wrong; k++) {
         fp3_engine_def def = fp3_engine_default();
-        def.kind = k ? "rtl" : "model";
+        def.engine = k ? "rtl" : "isa";
         def.config = b->config->name;
         def.objects = b->objects;
         def.cycle_limit = 10000000;

@@ -1,4 +1,4 @@
-"""The hardware under Verilator: its host port, against the model, and what the engines promise."""
+"""The hardware under Verilator: its host port, against the isa engine, and what the engines promise."""
 
 import subprocess
 

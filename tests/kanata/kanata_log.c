@@ -40,13 +40,13 @@ static int feed(fp3_kanata *kanata, const fp3_visit *visit) {
         fp3_issue i = {0};
         fp3_retirement r = {0};
         unsigned count = 0;
-        const int fields = sscanf(line, "i %" SCNu64 " %u %u %u %x", &i.cycle, &i.unit, &i.context,
-                                  &i.pc, &i.word);
+        const int fields = sscanf(line, "i %" SCNu64 " %u %u %u %x", &i.cycle, &i.scheduler,
+                                  &i.context, &i.pc, &i.word);
         if (fields == 4 || fields == 5) {
             i.word = fields == 5 ? i.word : word_at(kanata, visit, i.pc);
             fp3_kanata_issue(kanata, &i);
-        } else if (sscanf(line, "r %" SCNu64 " %u %u %u %u %u %x %u", &r.cycle, &r.unit, &r.lane,
-                          &r.context, &r.object, &r.reg, &r.bits, &r.flags) == 8) {
+        } else if (sscanf(line, "r %" SCNu64 " %u %u %u %u %u %x %u", &r.cycle, &r.scheduler,
+                          &r.lane, &r.context, &r.object, &r.reg, &r.bits, &r.flags) == 8) {
             fp3_kanata_retire(kanata, &r);
         } else if (sscanf(line, "n %u", &count) == 1) {
             for (unsigned n = 0; n < count; n++)

@@ -281,7 +281,7 @@ def occupancy(build, *counters):
 
 def test_occupancy_is_a_table_that_adds_up(build):
     assert occupancy(build, 1000, 100, 200, 300, 0, 50, 650, 10, 240, 0, 0, 0, 100) == """\
-occupancy of unit 0
+occupancy of scheduler 0
   issued_add                  100   10.0 %  ####
   issued_mul                  200   20.0 %  ########
   issued_chain                300   30.0 %  ############
@@ -306,4 +306,4 @@ def test_shares_add_up_to_100(build, parts):
 
 
 def test_a_run_of_no_cycles_has_an_occupancy_too(build):
-    assert occupancy(build, *[0] * 13) == "occupancy of unit 0\n  cycles                        0    0.0 %\n"
+    assert occupancy(build, *[0] * 13) == "occupancy of scheduler 0\n  cycles                        0    0.0 %\n"

@@ -102,7 +102,7 @@ def test_a_run_that_is_stopped_has_its_log(run):
 def test_the_occupancy_adds_up(run):
     """The table of each unit, as it is printed."""
     done, _ = run("ship_madd", "array", "--steps", "2")
-    tables = done.stdout.split("occupancy of unit ")[1:]
+    tables = done.stdout.split("occupancy of scheduler ")[1:]
     assert len(tables) == 4
     for table in tables:
         rows = [re.split(r"  +", row.strip()) for row in table.splitlines()[1:]]

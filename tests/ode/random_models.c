@@ -118,7 +118,7 @@ static fp3_status write_object(bench *b, fp3_engine *engine, size_t object, fp3_
     return status;
 }
 
-static int differs(bench *b, fp3_engine *engine, const char *kind, size_t object) {
+static int differs(bench *b, fp3_engine *engine, const char *engine_name, size_t object) {
     for (uint32_t i = 0; i < b->model->state_count; i++) {
         const char *name = b->model->states[i].name;
         const fp3_symbol *s = fp3_image_find(b->compiled->image, name, FP3_CLASS(FP3_SYMBOL_STATE));
@@ -135,20 +135,20 @@ static int differs(bench *b, fp3_engine *engine, const char *kind, size_t object
         if (bits[0] != bits[1]) {
             snprintf(b->why, sizeof b->why,
                      "bad: %s, object %zu: '%s' is %.9g %08" PRIx32 ", expected %.9g %08" PRIx32,
-                     kind, object, name, (double)found, bits[0], (double)b->wanted[object][i],
-                     bits[1]);
+                     engine_name, object, name, (double)found, bits[0],
+                     (double)b->wanted[object][i], bits[1]);
             return 1;
         }
     }
     return 0;
 }
 
-static int run_on(bench *b, const char *kind) {
+static int run_on(bench *b, const char *engine_name) {
     fp3_error error = {""};
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
     int is_bad = 0;
-    def.kind = kind;
+    def.engine = engine_name;
     def.config = b->j->config;
     def.visit = b->j->visit;
     def.error = &error;
@@ -161,7 +161,7 @@ static int run_on(bench *b, const char *kind) {
     if (!status)
         status = fp3_engine_run(engine, b->j->steps, NULL);
     for (size_t i = 0; !status && !is_bad && i < objects; i++)
-        is_bad = differs(b, engine, kind, i);
+        is_bad = differs(b, engine, engine_name, i);
     if (status)
         snprintf(b->why, sizeof b->why, "%s: %s", strstr(error.text, "finite") ? "refused" : "bad",
                  error.text);
@@ -238,7 +238,7 @@ static int run(bench *b) {
             return 1;
         }
     }
-    return check_meaning(b) || run_on(b, "model") || (b->j->has_rtl && run_on(b, "rtl"));
+    return check_meaning(b) || run_on(b, "isa") || (b->j->has_rtl && run_on(b, "rtl"));
 }
 
 int main(void) {

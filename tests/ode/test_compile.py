@@ -39,7 +39,7 @@ def report(*arguments):
 
 def final(image, params, steps, config, *settings):
     """The bits that a run ends with, by name."""
-    done = fp3("run", image, "-c", config, "--engine", "model", "--steps", steps, "--params", params,
+    done = fp3("run", image, "-c", config, "--engine", "isa", "--steps", steps, "--params", params,
                *[word for setting in settings for word in ("--set", setting)])
     found = {(name, int(number)): bits for name, bits, number
              in re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8}) +object (\d+)$", done.stdout, re.M)}
@@ -203,7 +203,7 @@ def test_a_power_of_0_is_1_below_a_line_too(tmp_path):
 
 def test_a_scene_finds_its_integrator_beside_it(tmp_path):
     (tmp_path / "own.cfg").write_text(open(os.path.join(PROGRAMS, "integrators", "rk38.cfg")).read())
-    scene = ('config = "many_full"; engine = "model"; steps = 5;\n'
+    scene = ('config = "many_full"; engine = "isa"; steps = 5;\n'
              'groups = ({ program = "%s"; integrator = "%s"; objects = 2; });\n')
     texts = []
     for name in ("own.cfg", "rk38"):

@@ -36,7 +36,7 @@ def fails(done, code, message):
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("engine", ["rtl", "model"])
+@pytest.mark.parametrize("engine", ["rtl", "isa"])
 def test_run_prints_states_and_counters(run, image, params, engine):
     done = run(image, "--engine", engine, "--steps", "10", *params)
     assert done.returncode == 0, done.stderr
@@ -46,21 +46,21 @@ def test_run_prints_states_and_counters(run, image, params, engine):
 
 def test_both_engines_print_the_same_states(run, image, params):
     states = {engine: re.findall(r"^[vs] .*0x\w+", run(image, "--engine", engine, "--steps", "99", *params).stdout, re.M)
-              for engine in ("rtl", "model")}
-    assert len(states["rtl"]) == 2 and states["rtl"] == states["model"]
+              for engine in ("rtl", "isa")}
+    assert len(states["rtl"]) == 2 and states["rtl"] == states["isa"]
 
 
 def test_many_objects_print_eight_and_the_rest_on_demand(run, image, params):
     many = ("--config", "array", "--objects", "20", "--visit", "3", "--steps", "7", *params)
     states = {}
-    for engine in ("rtl", "model"):
+    for engine in ("rtl", "isa"):
         short, whole = (run(image, "--engine", engine, *many, *more).stdout for more in ((), ("--all",)))
         states[engine] = re.findall(r"^[vs] .*object \d+$", whole, re.M)
         assert len(states[engine]) == 40
         assert re.findall(r"^[vs] .*object \d+$", short, re.M) == states[engine][:16]
         assert re.search(r"^more +12 objects", short, re.M) and not re.search("^more", whole, re.M)
         assert re.search(r"^object_steps +140$", whole, re.M)
-    assert states["rtl"] == states["model"]
+    assert states["rtl"] == states["isa"]
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def sleeper(fp3, root, tmp_path):
     return path
 
 
-@pytest.mark.parametrize("engine", ["rtl", "model"])
+@pytest.mark.parametrize("engine", ["rtl", "isa"])
 def test_who_sleeps_is_told(run, sleeper, params, engine):
     many = ("--config", "shared", "--engine", engine, *params)
     done = run(sleeper, *many, "--steps", "900", "--set", "eps=2e-3", "--visit", "100")
@@ -90,10 +90,10 @@ def test_who_failed_is_told(fp3, run, tmp_path):
     assert re.search("^failed +5 of 5: invalid or overflow, first in step 2, object 0$", done.stdout, re.M), done.stdout
 
 
-def test_the_cycles_are_told_by_unit(run, image, params):
+def test_the_cycles_are_told_by_scheduler(run, image, params):
     out = run(image, "--config", "array", "--steps", "5", *params).stdout
-    assert re.findall(r"^occupancy of unit (\d)$", out, re.M) == list("0123")
-    assert "occupancy" not in run(image, "--engine", "model", *params).stdout
+    assert re.findall(r"^occupancy of scheduler (\d)$", out, re.M) == list("0123")
+    assert "occupancy" not in run(image, "--engine", "isa", *params).stdout
 
 
 def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
@@ -102,7 +102,7 @@ def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
     check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--units", "4", "--contexts", "24"],
                            cwd=tmp_path, capture_output=True, text=True)
     assert check.returncode == 0 and f"{retired} instructions" in check.stdout, check.stdout + check.stderr
-    fails(run(image, "--engine", "model", "--kanata", "log2", *params), 2, "only the hardware")
+    fails(run(image, "--engine", "isa", "--kanata", "log2", *params), 2, "only the hardware")
     fails(run(image, "--kanata", "nonesuch/log", *params), 2, "nonesuch/log")
 
 

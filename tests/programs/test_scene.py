@@ -58,7 +58,7 @@ def states(text):
 def alone(run, fp3, folder, program, objects, config, steps, **values):
     subprocess.run([fp3, "asm", folder / program, "-o", folder / "alone.fp3"], check=True)
     sets = [f"--set={name}={value}" for name, value in {**VALUES, "h": H, **values}.items()]
-    done = run("alone.fp3", "--engine", "model", "--config", config, "--objects", str(objects), "--steps", str(steps),
+    done = run("alone.fp3", "--engine", "isa", "--config", config, "--objects", str(objects), "--steps", str(steps),
                "--all", *sets)
     assert done.returncode == 0, done.stderr
     return states(done.stdout)
@@ -76,7 +76,7 @@ def test_each_group_is_what_it_is_alone(run, scene, fp3, folder, config, groups,
                 **({"visit": visit} if visit else {}))
     expected = [state for program, objects, values in groups
                 for state in alone(run, fp3, folder, program, objects, config, 9, **values)]
-    for engine in ("rtl", "model"):
+    for engine in ("rtl", "isa"):
         done = scene(text, "--all", "--engine", engine)
         assert done.returncode == 0, done.stderr
         assert states(done.stdout) == expected
@@ -92,22 +92,22 @@ def test_what_is_printed(scene):
     assert re.findall(r"^group (\d) +(\S+), objects (\d+) to (\d+)$", out, re.M) == [
         ("0", "ship.s", "0", "99"), ("1", "ship_madd.s", "100", "159")]
     assert re.findall(r"^more +(\d+) objects", out, re.M) == ["92", "52"]
-    units = [tuple(map(int, row)) for row in re.findall(r"^  unit (\d+) +(\d+)  group (\d), (\d+) objects$", out, re.M)]
-    assert [unit for unit, *_ in units] == [0, 1, 2, 3]
+    schedulers = [tuple(map(int, row)) for row in re.findall(r"^  scheduler (\d+) +(\d+)  group (\d), (\d+) objects$", out, re.M)]
+    assert [scheduler for scheduler, *_ in schedulers] == [0, 1, 2, 3]
     for number, objects in ((0, 100), (1, 60)):
-        assert sum(n for *_, of, n in units if of == number) == objects
-    cycles = [unit[1] for unit in units]
+        assert sum(n for *_, of, n in schedulers if of == number) == objects
+    cycles = [scheduler[1] for scheduler in schedulers]
     assert f"{100 * (max(cycles) - min(cycles)) / max(cycles):.1f}" == re.search(r"^  imbalance +(\S+) %$", out, re.M)[1]
     assert int(re.search(r"^cycles +(\d+)$", out, re.M)[1]) == max(cycles)
-    assert "balance" not in scene(file("array", [group("ship.s", 4)]), "--engine", "model").stdout
+    assert "balance" not in scene(file("array", [group("ship.s", 4)]), "--engine", "isa").stdout
 
 
 def test_options_replace_settings(scene):
     text = file("array", [group("ship.s", 4)])
     assert "object_steps     20" in scene(text, "--steps", "5").stdout
     assert "object_steps     0" in scene(text, "--steps", "0").stdout
-    assert "unit 1" in scene(text, "--config", "shared").stdout
-    assert "balance" not in scene(text, "--engine", "model").stdout
+    assert "scheduler 1" in scene(text, "--config", "shared").stdout
+    assert "balance" not in scene(text, "--engine", "isa").stdout
     text = text.replace('config = "array";', "")
     assert scene(text, "--config", "array").returncode == 0
     done = scene(text)
@@ -127,7 +127,7 @@ def test_a_spread_is_even_and_reciprocals_follow(run, scene, fp3, folder):
 
 def test_sleep_is_told_by_group(scene):
     ships = [group("ship_sleep.s", 3, eps=1e9), group("ship_madd.s", 2), group("ship_sleep.s", 2, eps=0, slept=4)]
-    for engine in ("rtl", "model"):
+    for engine in ("rtl", "isa"):
         out = scene(file("array", ships), "--engine", engine).stdout
         assert re.findall(r"^asleep +(.*)$", out, re.M) == ["3 of 3, since steps 1 to 1", "2 of 2, since steps 4 to 4"]
         assert re.findall(r"^object_steps +(\d+)$", out, re.M) == ["3", "18", "0", "21"]
@@ -211,7 +211,7 @@ def test_a_scene_stands_for_itself(run, scene, folder):
     done = run("--scene", "nonesuch.scene")
     assert done.returncode == 2 and "nonesuch.scene: cannot be read" in done.stderr
     done = scene(text, "--cycle-limit", "500")
-    assert done.returncode == 1 and "limit of 500 cycles" in done.stderr and "balance of units" in done.stdout
+    assert done.returncode == 1 and "limit of 500 cycles" in done.stderr and "balance of schedulers" in done.stdout
 
 
 def test_the_bus_log_of_a_scene_names_each_scheduler(scene, folder):
@@ -227,10 +227,10 @@ def test_the_examples_run_as_printed(run, root, folder):
     assert run("--scene", "page.scene").returncode == 0
     done = run("--scene", "programs/fleet.scene", cwd=root)
     assert done.returncode == 0, done.stderr
-    printed = next(block for block in blocks if "balance of units" in block).strip("\n")
+    printed = next(block for block in blocks if "balance of schedulers" in block).strip("\n")
     assert printed in done.stdout
-    model = run("--scene", "programs/fleet.scene", "--engine", "model", cwd=root)
-    rows = [re.findall(r"^[vs] .*$", out, re.M) for out in (done.stdout, model.stdout)]
+    isa = run("--scene", "programs/fleet.scene", "--engine", "isa", cwd=root)
+    rows = [re.findall(r"^[vs] .*$", out, re.M) for out in (done.stdout, isa.stdout)]
     assert len(rows[0]) == 32 and rows[0] == rows[1]
 
 
@@ -238,9 +238,9 @@ def test_the_examples_run_as_printed(run, root, folder):
 def test_models_in_a_scene_are_compiled_for_it(run, root):
     """Planets and springs on two schedulers that share their units: each as it is alone, in C."""
     scene = run("--scene", root / "programs/mixed.scene", "--steps", "20")
-    model = run("--scene", root / "programs/mixed.scene", "--steps", "20", "--engine", "model")
-    alone = run(root / "programs/double_spring.ode", "-i", "leapfrog", "-c", "many_full", "--engine", "model", "--steps", "20")
+    isa = run("--scene", root / "programs/mixed.scene", "--steps", "20", "--engine", "isa")
+    alone = run(root / "programs/double_spring.ode", "-i", "leapfrog", "-c", "many_full", "--engine", "isa", "--steps", "20")
     states = [[line.split()[:3] for line in done.stdout.splitlines() if re.search(r"0x[0-9a-f]{8} +object", line)]
-              for done in (scene, model, alone)]
-    assert all(done.returncode == 0 for done in (scene, model, alone)) and len(states[0]) > 16
+              for done in (scene, isa, alone)]
+    assert all(done.returncode == 0 for done in (scene, isa, alone)) and len(states[0]) > 16
     assert states[0] == states[1] and states[2][0] in states[0]

@@ -126,7 +126,7 @@ def equations_1(T, C, m, h, steps):
     return bits(v), bits(s)
 
 
-@pytest.mark.parametrize("engine", ["model", "rtl"])
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
 def test_run_ends_in_the_bits_of_exact_arithmetic_rounded(fp3, root, tmp_path, engine):
     """Shares nothing with golden, which is compiled C: rationals, rounded to FP32 one by one."""
     image = tmp_path / "ship.fp3"

@@ -1,7 +1,7 @@
 /* fp3/engine.h - run a program over objects, on whichever machine.
  *
- * Every kind of engine gives the same bits for the same program: "rtl" is the hardware
- * description under Verilator, cycle by cycle; "model" executes the instruction set in C.
+ * Every engine gives the same bits for the same program: "rtl" is the hardware
+ * description under Verilator, cycle by cycle; "isa" executes the instruction set in C.
  *
  *     float v;
  *     fp3_error error;
@@ -21,7 +21,7 @@
  * steps as def.visit says, and stored. Registers that the program neither loads nor stores hold
  * what the host wrote.
  *
- * Objects of several kinds are groups, each with a program of its own (fp3_engine_load_groups), in a
+ * Objects that run different programs are groups, each with a program of its own (fp3_engine_load_groups), in a
  * configuration of several schedulers.
  *
  * After make all: compile with -Isw/include -Isw/gen, and link with
@@ -42,21 +42,21 @@ typedef struct fp3_engine fp3_engine;
 /* A result written to a register. The writes of one register come in program order, those of
  * different registers in the order of their cycles. */
 typedef struct {
-    uint64_t cycle;  /* rtl: clock cycles since open; model: instructions of this run */
+    uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */
     uint32_t reg;    /* object register */
     uint32_t bits;   /* FP32; of a sleep the number of the step */
     uint32_t flags;  /* NV DZ OF UF NX in bits 4 to 0 */
-    uint32_t context, unit, lane; /* where; model: 0 */
+    uint32_t context, scheduler, lane; /* where; isa: 0 */
 } fp3_retirement;
 typedef void fp3_retire_fn(void *user, const fp3_retirement *retirement);
 
-/* An instruction that issues, of kind "rtl": once for all lanes of a unit. What is not executed,
+/* An instruction that issues, "rtl" only: once for all lanes of a scheduler. What is not executed,
  * because the object sleeps, issues as well and has no retirement; nor has a store. */
 typedef struct {
-    uint64_t cycle;         /* as in fp3_retirement */
-    uint32_t unit, context; /* which scheduler, tile by tile, for which of its contexts */
-    uint32_t pc;            /* of the program with the loads in front */
+    uint64_t cycle;              /* as in fp3_retirement */
+    uint32_t scheduler, context; /* which scheduler, tile by tile, for which of its contexts */
+    uint32_t pc;                 /* of the program with the loads in front */
     uint32_t word;
 } fp3_issue;
 typedef void fp3_issue_fn(void *user, const fp3_issue *issue);
@@ -64,9 +64,9 @@ typedef void fp3_issue_fn(void *user, const fp3_issue *issue);
 /* What to open. Always start from fp3_engine_default(). The strings and what error, retire_user and
  * issue_user point to stay the caller's and must outlive the engine. */
 typedef struct {
-    const char *kind;     /* "rtl" (default) or "model" */
+    const char *engine;   /* "rtl" (default) or "isa" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
-    uint64_t cycle_limit; /* clock cycles (model: instructions) per run; 0 (default): none */
+    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none */
     /* How many objects; 0 (default): as many as the configuration has contexts in all lanes. One
      * that does not interleave has one object. */
     uint32_t objects;
@@ -78,7 +78,7 @@ typedef struct {
     void *issue_user;
     /* rtl: file for every transfer on the host port, as sim/replay.v reads it, or NULL:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
-     * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all units),
+     * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
      * row within the lane, register, bits, flags. */
     const char *bus_log;
     fp3_error *error; /* where this engine's calls say why they failed; NULL: nowhere */
@@ -93,11 +93,11 @@ typedef enum {
         FP3_COUNTER_COUNT
 } fp3_counter;
 
-/* What a run cost. Of each unit cycles = issued_* + stall_*; "model" issues in every cycle and never
+/* What a run cost. Of each scheduler cycles = issued_* + stall_*; "isa" issues in every cycle and never
  * stalls. With several lanes an instruction counts once. */
 typedef struct {
-    uint64_t counter[FP3_COUNTER_COUNT]; /* of all units; cycles are those of the longest */
-    uint32_t units;                      /* each with counters of its own; model: 1 */
+    uint64_t counter[FP3_COUNTER_COUNT]; /* of all schedulers; cycles are those of the longest */
+    uint32_t schedulers;                 /* each with counters of its own; isa: 1 */
     /* Steps that objects made: those of an object that fell asleep count up to then. 0 unless the
      * run came to its end. */
     uint64_t object_steps;
@@ -114,7 +114,7 @@ int fp3_counter_is_stall(fp3_counter counter);
 fp3_engine_def fp3_engine_default(void);
 
 /* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first.
- * FP3_E_ARGUMENT: no such kind or configuration, or not so many objects. */
+ * FP3_E_ARGUMENT: no such engine or configuration, or not so many objects. */
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
 /* Sets *engine to NULL; that it was NULL before does no harm. */
 void fp3_engine_close(fp3_engine **engine);
@@ -180,18 +180,19 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * executed; else objects hold what the last visit that they completed has stored. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
-/* The counters of one unit in the last run. FP3_E_ARGUMENT: it had no such unit. */
-fp3_status fp3_engine_unit_counters(fp3_engine *engine, uint32_t unit,
-                                    uint64_t counter[FP3_COUNTER_COUNT]);
+/* The counters of one scheduler in the last run. FP3_E_ARGUMENT: it had no such scheduler. */
+fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
+                                         uint64_t counter[FP3_COUNTER_COUNT]);
 
 /* Of the object-steps of the last run those of one group; 0: there is no such group. */
 uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
 
 typedef struct {
     size_t group, objects; /* whose program it runs; how many of the group's objects it has */
-} fp3_unit_place;
-/* What a unit of the configuration is for, since the last load. Of "model", what it would be for. */
-fp3_status fp3_engine_unit_place(fp3_engine *engine, uint32_t unit, fp3_unit_place *place);
+} fp3_scheduler_share;
+/* What a scheduler of the configuration is for, since the last load. Of "isa", what it would be for. */
+fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
+                                      fp3_scheduler_share *place);
 
 #define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
 

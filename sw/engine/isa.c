@@ -1,4 +1,4 @@
-/* model.c - the "model" engine: the instruction set, one instruction after the other.
+/* isa.c - the "isa" engine: the instruction set, one instruction after the other.
  *
  * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
  * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
@@ -7,7 +7,7 @@
  * It knows objects, visits and rounds of visits, but no contexts: within a round an instruction is
  * executed for all objects before the next one, as if there were a context for each.
  */
-#include "kind.h"
+#include "backend.h"
 
 #include <fenv.h>
 #include <float.h>
@@ -39,7 +39,7 @@ typedef struct {
     char *listed;  /* the next round visits the object */
     char *is_over; /* the group's run has ended before its time */
     uint64_t executed;
-} model;
+} isa;
 
 /* A round of a run, for one group. */
 typedef struct {
@@ -54,8 +54,8 @@ static size_t words(const fp3_engine *engine) {
     return (size_t)engine->objects * engine->config->registers;
 }
 
-static fp3_status model_open(fp3_engine *engine) {
-    model *self = engine->self = calloc(1, sizeof *self);
+static fp3_status isa_open(fp3_engine *engine) {
+    isa *self = engine->self = calloc(1, sizeof *self);
     if (self) {
         self->registers = calloc(words(engine), sizeof *self->registers);
         self->store = calloc(words(engine), sizeof *self->store);
@@ -74,8 +74,8 @@ static fp3_status model_open(fp3_engine *engine) {
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
 
-static void model_close(fp3_engine *engine) {
-    model *self = engine->self;
+static void isa_close(fp3_engine *engine) {
+    isa *self = engine->self;
     if (self) {
         free(self->registers);
         free(self->store);
@@ -89,56 +89,56 @@ static void model_close(fp3_engine *engine) {
     free(self);
 }
 
-static fp3_status model_load(fp3_engine *engine) {
+static fp3_status isa_load(fp3_engine *engine) {
     (void)engine; /* the programs of engine->layout are what runs */
     return FP3_OK;
 }
 
 /* Where the host finds a register of an object. */
 static uint32_t *cell(fp3_engine *engine, size_t object, uint32_t reg) {
-    const model *self = engine->self;
+    const isa *self = engine->self;
     uint32_t *cells = engine->config->interleave ? self->store : self->registers;
     return &cells[object * engine->config->registers + reg];
 }
 
-static fp3_status model_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
+static fp3_status isa_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
     *cell(engine, object, reg) = bits;
     return FP3_OK;
 }
 
-static fp3_status model_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
+static fp3_status isa_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
     *bits = *cell(engine, object, reg);
     return FP3_OK;
 }
 
 static uint32_t *constant(fp3_engine *engine, uint32_t group, uint32_t index) {
-    return &((model *)engine->self)->shared[(size_t)group * engine->config->registers + index];
+    return &((isa *)engine->self)->shared[(size_t)group * engine->config->registers + index];
 }
 
-static fp3_status model_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                     uint32_t bits) {
+static fp3_status isa_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                   uint32_t bits) {
     *constant(engine, group, index) = bits;
     return FP3_OK;
 }
 
-static fp3_status model_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                    uint32_t *bits) {
+static fp3_status isa_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                  uint32_t *bits) {
     *bits = *constant(engine, group, index);
     return FP3_OK;
 }
 
-static fp3_status model_write_status(fp3_engine *engine, size_t object, uint32_t word) {
-    ((model *)engine->self)->status[object] = word;
+static fp3_status isa_write_status(fp3_engine *engine, size_t object, uint32_t word) {
+    ((isa *)engine->self)->status[object] = word;
     return FP3_OK;
 }
 
-static fp3_status model_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
-    *word = ((model *)engine->self)->status[object];
+static fp3_status isa_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
+    *word = ((isa *)engine->self)->status[object];
     return FP3_OK;
 }
 
-static fp3_status model_list(fp3_engine *engine) {
-    model *self = engine->self;
+static fp3_status isa_list(fp3_engine *engine) {
+    isa *self = engine->self;
     for (size_t i = 0; i < engine->objects; i++)
         self->listed[i] = (char)fp3_engine_is_awake(engine, i);
     return FP3_OK;
@@ -288,7 +288,7 @@ static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, u
 
 /* ---- an instruction ---- */
 
-static uint32_t operand(const model *self, const uint32_t *object, uint32_t number) {
+static uint32_t operand(const isa *self, const uint32_t *object, uint32_t number) {
     return number >= FP3_BANK_SHARED_BASE ? self->constants[number - FP3_BANK_SHARED_BASE]
                                           : object[number];
 }
@@ -296,7 +296,7 @@ static uint32_t operand(const model *self, const uint32_t *object, uint32_t numb
 /* The flags of an object, and the step in which it went wrong. */
 static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
     const uint32_t grave = 1u << FP3_FLAGS_INVALID_LO | 1u << FP3_FLAGS_OVERFLOW_LO;
-    uint32_t *word = &((model *)r->engine->self)->status[object];
+    uint32_t *word = &((isa *)r->engine->self)->status[object];
     r->stats->flags |= flags;
     *word |= flags;
     if (flags & grave && !(*word >> FP3_STATUS_STEP_LO))
@@ -306,7 +306,7 @@ static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
 static void retire(const round_of *r, uint32_t object, uint32_t reg, uint32_t bits,
                    uint32_t flags) {
     const fp3_engine *engine = r->engine;
-    const model *self = engine->self;
+    const isa *self = engine->self;
     const fp3_retirement done = {
         .cycle = self->executed, .object = object, .reg = reg, .bits = bits, .flags = flags};
     self->registers[(size_t)object * engine->config->registers + reg] = bits;
@@ -317,7 +317,7 @@ static void retire(const round_of *r, uint32_t object, uint32_t reg, uint32_t bi
 /* An instruction that an object executes. */
 static void execute(const round_of *r, uint32_t object, const fp3_instruction *in) {
     const fp3_config *config = r->engine->config;
-    model *self = r->engine->self;
+    isa *self = r->engine->self;
     const uint32_t *registers = &self->registers[(size_t)object * config->registers];
     uint32_t *record = &self->store[(size_t)object * config->registers];
     const uint32_t a = operand(self, registers, in->a);
@@ -386,7 +386,7 @@ static const fp3_members *members(const round_of *r) { return &r->engine->layout
 
 /* One instruction for all objects that execute it. */
 static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
-    model *self = r->engine->self;
+    isa *self = r->engine->self;
     const uint64_t before = self->executed;
     const fp3_members *group = members(r);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
@@ -400,7 +400,7 @@ static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
 /* ---- a run ---- */
 
 static int is_anybody_awake(const round_of *r) {
-    const model *self = r->engine->self;
+    const isa *self = r->engine->self;
     const fp3_members *group = members(r);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
         if (self->now[i] == AWAKE)
@@ -412,7 +412,7 @@ static int is_anybody_awake(const round_of *r) {
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
     const fp3_program *program = &members(r)->program;
-    const model *self = engine->self;
+    const isa *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
     uint32_t left = r->steps;
     for (uint32_t pc = 0; pc < program->count;) {
@@ -439,7 +439,7 @@ static fp3_status make_round(round_of *r) {
 static int begin_round(const round_of *r) {
     const fp3_engine *engine = r->engine;
     const fp3_members *group = members(r);
-    model *self = engine->self;
+    isa *self = engine->self;
     const size_t words_each = engine->config->registers, first = group->first * words_each;
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
         self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
@@ -452,7 +452,7 @@ static int begin_round(const round_of *r) {
 /* Of visits that did not come to their end nothing is stored. */
 static void undo_round(const round_of *r) {
     const fp3_members *group = members(r);
-    model *self = r->engine->self;
+    isa *self = r->engine->self;
     const size_t words_each = r->engine->config->registers, first = group->first * words_each;
     memcpy(&self->store[first], &self->before[first],
            group->objects * words_each * sizeof *self->store);
@@ -462,7 +462,7 @@ static void undo_round(const round_of *r) {
  * or that finds the limit, goes on no more; *status and *why tell the first such end. */
 static void make_rounds(round_of r, fp3_status *status, fp3_error *why, int *is_any) {
     fp3_engine *engine = r.engine;
-    model *self = engine->self;
+    isa *self = engine->self;
     for (r.group = 0; r.group < engine->layout.count; r.group++) {
         round_of of_group = r;
         if (self->is_over[r.group] || !begin_round(&of_group))
@@ -485,7 +485,7 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     fp3_status status = FP3_OK;
     fp3_error why = {""};
     int is_any = 1;
-    memset(((model *)engine->self)->is_over, 0, engine->layout.count);
+    memset(((isa *)engine->self)->is_over, 0, engine->layout.count);
     for (uint32_t made = 0; made < steps && is_any;) {
         round_of r = {.engine = engine, .stats = stats, .number = engine->clock + made};
         r.steps = steps - made < visit ? steps - made : visit;
@@ -499,29 +499,29 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     return status;
 }
 
-static fp3_status model_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+static fp3_status isa_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fenv_t callers;
     fegetenv(&callers);
     fesetenv(FE_DFL_ENV); /* whatever rounding and flushing the caller has chosen */
     fesetround(engine->config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
-    stats->units = 1;
-    ((model *)engine->self)->executed = 0;
+    stats->schedulers = 1;
+    ((isa *)engine->self)->executed = 0;
     const fp3_status status = run_rounds(engine, steps, stats);
     fesetenv(&callers);
     return status;
 }
 
-const fp3_engine_kind fp3_kind_model = {
-    .name = "model",
-    .open = model_open,
-    .close = model_close,
-    .load = model_load,
-    .write = model_write,
-    .read = model_read,
-    .write_shared = model_write_shared,
-    .read_shared = model_read_shared,
-    .write_status = model_write_status,
-    .read_status = model_read_status,
-    .list = model_list,
-    .run = model_run,
+const fp3_backend fp3_backend_isa = {
+    .name = "isa",
+    .open = isa_open,
+    .close = isa_close,
+    .load = isa_load,
+    .write = isa_write,
+    .read = isa_read,
+    .write_shared = isa_write_shared,
+    .read_shared = isa_read_shared,
+    .write_status = isa_write_status,
+    .read_status = isa_read_status,
+    .list = isa_list,
+    .run = isa_run,
 };

@@ -1,10 +1,10 @@
-/* kind.h - what a kind of engine provides behind fp3/engine.h.
+/* backend.h - what an engine provides behind fp3/engine.h.
  *
- * engine.c checks every argument, so a kind sees valid ones only: objects, registers and constants
- * in range, a program that fits. To add a kind, write this table and list it in engine.c.
+ * engine.c checks every argument, so a backend sees valid ones only: objects, registers and constants
+ * in range, a program that fits. To add one, write this table and list it in engine.c.
  */
-#ifndef FP3_KIND_H
-#define FP3_KIND_H
+#ifndef FP3_BACKEND_H
+#define FP3_BACKEND_H
 
 #include "layout.h"
 #include "machine/config.h"
@@ -26,14 +26,14 @@ typedef struct {
     fp3_status (*read_status)(fp3_engine *engine, size_t object, uint32_t *word);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
-    /* Fills the counters of the units, and units and flags of stats. */
+    /* Fills the counters of the schedulers, and schedulers and flags of stats. */
     fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
-} fp3_engine_kind;
+} fp3_backend;
 
-extern const fp3_engine_kind fp3_kind_rtl, fp3_kind_model;
+extern const fp3_backend fp3_backend_rtl, fp3_backend_isa;
 
 struct fp3_engine {
-    const fp3_engine_kind *kind;
+    const fp3_backend *backend;
     const fp3_config *config;
     fp3_engine_def def;
     uint32_t objects;
@@ -44,8 +44,8 @@ struct fp3_engine {
     uint32_t *slept;
     int is_slept_known;                      /* slept is up to date */
     int is_listed;                           /* the next run begins with the right objects */
-    uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each unit */
-    void *self;                              /* the kind's own */
+    uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
+    void *self;                              /* the backend's own */
 };
 
 /* Whether a run visits the object. */
@@ -55,7 +55,7 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
  * of its own. */
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
 
-/* The two ends of a run that are not its own, in the same words from every kind; index counts in
+/* The two ends of a run that are not its own, in the same words from every engine; index counts in
  * the program of the group. */
 fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index);
 fp3_status fp3_engine_limit(fp3_engine *engine);
