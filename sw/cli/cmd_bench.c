@@ -4,12 +4,10 @@
 #include "base/file.h"
 #include "cli.h"
 #include "machine/config.h"
-#include "scene/params.h"
 #include "ship_bench.h"
 
 #include <argp.h>
 #include <errno.h>
-#include <fp3/asm.h>
 #include <glob.h>
 #include <inttypes.h>
 #include <jansson.h>
@@ -173,20 +171,14 @@ static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3
 
 /* ---- the table of runs ---- */
 
-static fp3_status assemble(const char *path, fp3_assembly **assembly, fp3_error *error) {
-    char *text;
-    size_t size;
-    fp3_status status = fp3_file_read(path, &text, &size, error);
-    if (status)
-        return status;
-    status = fp3_assemble(text, size, path, assembly, error);
-    free(text);
-    return status;
+static fp3_status open_program(const char *path, fp3_program **program, fp3_error *error) {
+    const fp3_program_def def = fp3_program_default();
+    return fp3_program_open(path, &def, program, NULL, error);
 }
 
 typedef struct {
     json_t *runs, *scenes;
-    fp3_params params;
+    fp3_params *params;
     fp3_error mismatch; /* the first of all */
 } results;
 
@@ -205,7 +197,7 @@ static uint64_t steps_for(const options *o, const fp3_config *config) {
 }
 
 /* One pair. *is_unfit: it is left out, and error says why. */
-static fp3_status bench_pair(const options *o, const fp3_image *image, const char *program,
+static fp3_status bench_pair(const options *o, const fp3_program *image, const char *program,
                              const fp3_config *config, results *to, int *is_unfit,
                              fp3_error *error) {
     outcome x = {.config = config,
@@ -213,7 +205,7 @@ static fp3_status bench_pair(const options *o, const fp3_image *image, const cha
                           .program = program,
                           .awake_of = 1,
                           .steps = steps_for(o, config) + 1}};
-    fp3_status status = fp3_ship_bench(image, &to->params, &x.what, &x.got, is_unfit, error);
+    fp3_status status = fp3_ship_bench(image, to->params, &x.what, &x.got, is_unfit, error);
     if (*is_unfit)
         return status;
     if (status) {
@@ -231,20 +223,20 @@ static fp3_status bench_program(const options *o, const char *path, results *to,
     char program[64];
     const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     snprintf(program, sizeof program, "%.*s", (int)strcspn(base, "."), base);
-    fp3_assembly *assembly = NULL;
-    fp3_status status = assemble(path, &assembly, error);
+    fp3_program *opened = NULL;
+    fp3_status status = open_program(path, &opened, error);
     for (uint32_t i = 0; i < fp3_config_count && !status; i++) {
         const fp3_config *config = &fp3_configs[i];
         int is_unfit = 0;
         if (o->config && strcmp(o->config, config->name) != 0)
             continue;
-        status = bench_pair(o, assembly->image, program, config, to, &is_unfit, error);
+        status = bench_pair(o, opened, program, config, to, &is_unfit, error);
         if (is_unfit && !(o->config && o->program)) {
             printf("%s, %s: left out: %s\n", program, config->name, error->text);
             status = FP3_OK;
         }
     }
-    fp3_assembly_free(&assembly);
+    fp3_program_close(&opened);
     return status;
 }
 
@@ -290,13 +282,13 @@ static void tell_scene(const scene *s, const outcome *o, double per, double rati
 static fp3_status bench_scene(const scene *s, double *reference, results *to, fp3_error *error) {
     char path[64];
     int is_unfit;
-    fp3_assembly *assembly = NULL;
+    fp3_program *opened = NULL;
     outcome x = {.config = fp3_config_find(SCENES),
                  .what = {SCENES, s->program, s->objects, s->visit, s->awake_of, s->steps}};
     snprintf(path, sizeof path, "programs/%s.s", s->program);
-    fp3_status status = assemble(path, &assembly, error);
+    fp3_status status = open_program(path, &opened, error);
     if (!status)
-        status = fp3_ship_bench(assembly->image, &to->params, &x.what, &x.got, &is_unfit, error);
+        status = fp3_ship_bench(opened, to->params, &x.what, &x.got, &is_unfit, error);
     if (!status) {
         const double per =
             (double)x.got.all.counter[FP3_COUNTER_CYCLES] / (double)x.got.all.object_steps;
@@ -306,7 +298,7 @@ static fp3_status bench_scene(const scene *s, double *reference, results *to, fp
         const fp3_error why = *error;
         fp3_fail(error, status, "scene '%s': %s", s->name, why.text);
     }
-    fp3_assembly_free(&assembly);
+    fp3_program_close(&opened);
     return status;
 }
 
@@ -361,7 +353,9 @@ static fp3_status bench(const options *o, fp3_error *error) {
     results to = {.runs = json_array(), .scenes = json_array()};
     fp3_status status = check_config(o, error);
     if (!status)
-        status = fp3_params_load(&to.params, o->params, error);
+        status = fp3_params_make(&to.params, error);
+    if (!status)
+        status = fp3_params_load(to.params, o->params, error);
     if (!status)
         status = bench_programs(o, &to, error);
     if (!status && o->scenes)

@@ -2,22 +2,21 @@
 #include "cli.h"
 
 #include <argp.h>
-#include <fp3/compile.h>
+#include <fp3/program.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "scene/program.h"
 
 #define OBSERVED_MAX 64
 
 typedef struct {
-    const char *model, *integrator, *assembly, *image, *values;
-    fp3_compile_def def;
+    const char *model, *assembly, *image, *values;
+    fp3_program_def def;
     const char *observed[OBSERVED_MAX];
-    fp3_params params;
+    fp3_params *params;
     int wants_report;
 } options;
 
@@ -62,15 +61,15 @@ static int list(void) {
 static void turn(struct argp_state *state, options *o, const char *name, int is_on) {
     const fp3_pass pass = fp3_pass_find(name);
     if (!is_on && strcmp(name, "all") == 0) {
-        o->def.passes = 0;
+        o->def.compile.passes = 0;
         return;
     }
     if (pass == FP3_PASS_COUNT)
         argp_error(state, "found '%s', expected a pass (fp3 compile --list names them)", name);
     else if (is_on)
-        o->def.passes |= FP3_PASS(pass);
+        o->def.compile.passes |= FP3_PASS(pass);
     else
-        o->def.passes &= ~FP3_PASS(pass);
+        o->def.compile.passes &= ~FP3_PASS(pass);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -78,19 +77,19 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     fp3_error error;
     switch (key) {
     case 'i':
-        o->integrator = text;
+        o->def.integrator = text;
         break;
     case 'c':
-        o->def.config = text;
+        o->def.compile.config = text;
         break;
     case 'k':
-        o->def.is_compensated = 1;
+        o->def.compile.is_compensated = 1;
         break;
     case KEY_OBSERVE:
-        if (o->def.observed_count == OBSERVED_MAX)
+        if (o->def.compile.observed_count == OBSERVED_MAX)
             argp_error(state, "found more than %d states", OBSERVED_MAX);
-        o->observed[o->def.observed_count++] = text;
-        o->def.observed = o->observed;
+        o->observed[o->def.compile.observed_count++] = text;
+        o->def.compile.observed = o->observed;
         break;
     case KEY_WITH:
     case KEY_WITHOUT:
@@ -106,24 +105,26 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->values = text;
         break;
     case 's':
-        if (fp3_params_set(&o->params, text, &error))
+        if (fp3_params_set(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
         break;
     case KEY_REPORT:
-        o->wants_report = o->def.finds_savings = 1;
+        o->wants_report = o->def.compile.finds_savings = 1;
         break;
     case KEY_LIST:
         exit(list());
     case ARGP_KEY_ARG:
         if (o->model)
             argp_error(state, "found '%s', expected one model", text);
+        if (!fp3_program_is_model(text))
+            argp_error(state, "found '%s', expected a model (*.ode)", text);
         o->model = text;
         break;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "expected a model (*.ode)");
         break;
     case ARGP_KEY_END:
-        if (o->params.count && !o->values)
+        if (fp3_params_count(o->params) && !o->values)
             argp_error(state, "--set: values are of the host's, and go to --params FILE");
         break;
     default:
@@ -168,15 +169,15 @@ static fp3_status print_values(const fp3_compiled *c, const float *values, char 
     return out && !fclose(out) ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
-static fp3_status write_values(options *o, const fp3_program_source *source, fp3_error *error) {
+static fp3_status write_values(const options *o, const fp3_program *program, fp3_error *error) {
     char *text = NULL;
     int is_spread;
-    float *values = calloc(source->compiled->input_count + 1u, sizeof *values);
+    float *values = calloc(program->compiled->input_count + 1u, sizeof *values);
     fp3_status status = values
-                            ? fp3_program_inputs(source, &o->params, 0, values, &is_spread, error)
+                            ? fp3_program_inputs(program, o->params, 0, values, &is_spread, error)
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = print_values(source->compiled, values, &text, error);
+        status = print_values(program->compiled, values, &text, error);
     if (!status)
         status = fp3_file_write(o->values, text, strlen(text), error);
     free(text);
@@ -184,11 +185,11 @@ static fp3_status write_values(options *o, const fp3_program_source *source, fp3
     return status;
 }
 
-static fp3_status write_outputs(options *o, const fp3_program_source *source, fp3_error *error) {
-    const fp3_compiled *c = source->compiled;
+static fp3_status write_outputs(const options *o, const fp3_program *program, fp3_error *error) {
+    const fp3_compiled *c = program->compiled;
     fp3_status status = FP3_OK;
     if (o->values)
-        status = write_values(o, source, error);
+        status = write_values(o, program, error);
     if (!status && o->image)
         status = fp3_image_save(c->image, o->image, error);
     if (!status && o->assembly)
@@ -208,29 +209,25 @@ int fp3_cmd_compile(int argc, char **argv) {
         .doc = "Compiles the equations of MODEL (*.ode) and an integrator to a program for a "
                "configuration. Prints its assembly, or writes what is asked for.",
     };
-    options o = {.integrator = "rk4", .def = fp3_compile_default()};
+    fp3_error error;
+    options o = {.def = fp3_program_default()};
+    if (fp3_params_make(&o.params, &error))
+        return fp3_cli_fail("compile", FP3_E_SYSTEM, &error);
     if (argp_parse(&argp, argc, argv, 0, NULL, &o))
         return 1;
 
-    fp3_error error, why;
-    fp3_program_source source = {0};
+    fp3_program *program = NULL;
     char *text = NULL;
-    fp3_status status = fp3_model_load(o.model, &source.model, &text, &error);
+    fp3_status status = fp3_program_open(o.model, &o.def, &program, &text, &error);
     if (!status)
-        status = fp3_integrator_find(o.integrator, &source.integrator, &error);
-    if (!status)
-        status = fp3_compile(source.model, source.integrator, &o.def, &source.compiled, &why);
-    if (status && source.integrator)
-        fp3_fail(&error, status, "%s: %s", o.model, why.text);
-    if (!status)
-        status = write_outputs(&o, &source, &error);
+        status = write_outputs(&o, program, &error);
     int exit_code = fp3_exit_code(status);
     if (status && text)
         fputs(text, stderr);
     else if (status)
         exit_code = fp3_cli_fail("compile", status, &error);
     free(text);
-    fp3_program_close(&source);
+    fp3_program_close(&program);
     fp3_params_free(&o.params);
     return fp3_cli_done("compile", exit_code);
 }

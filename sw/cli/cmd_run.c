@@ -2,15 +2,12 @@
  * final ones.
  */
 #include "cli.h"
-#include "scene/params.h"
-#include "scene/program.h"
-#include "scene/scene.h"
 #include "trace/kanata.h"
 #include "trace/occupancy.h"
 
 #include <argp.h>
 #include <errno.h>
-#include <fp3/engine.h>
+#include <fp3/scene.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +19,7 @@ typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
     uint64_t steps, cycle_limit, objects, visit;
     int all, has_steps, is_compensated;
-    fp3_params params;
+    fp3_params *params;
 } options;
 
 enum {
@@ -82,7 +79,7 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--integrator, --compensated: only a model (*.ode) is compiled");
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
-    if (o->scene && o->params.count)
+    if (o->scene && fp3_params_count(o->params))
         argp_error(state, "--scene: values are in the scene, not in --params or --set");
     if (o->scene && o->kanata)
         argp_error(state, "--kanata: a log is of one program, not of a scene");
@@ -132,11 +129,11 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->bus_log = text;
         break;
     case KEY_PARAMS:
-        if (fp3_params_load(&o->params, text, &error))
+        if (fp3_params_load(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
         break;
     case KEY_SET:
-        if (fp3_params_set(&o->params, text, &error))
+        if (fp3_params_set(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
         break;
     case ARGP_KEY_ARG:
@@ -240,8 +237,8 @@ static void print_cost(const fp3_stats *stats) {
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number, int all) {
     const fp3_scene_group *group = &scene->groups[number];
-    const part of = {group->source.image, group->first, group->objects};
-    printf("group %-10zu %s, objects %zu to %zu\n", number, group->program, group->first,
+    const part of = {group->program->image, group->first, group->objects};
+    printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
            group->first + group->objects - 1);
     print_states(engine, &of, all);
     print_status(engine, &of);
@@ -268,55 +265,45 @@ static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
            most ? 100.0 * (double)(most - least) / (double)most : 0.0);
 }
 
+/* What is run: a program, or a scene. */
+typedef struct {
+    const fp3_program *program;
+    const fp3_scene *scene;
+} task;
+
 /* A run that ended before its time has a state, too. */
-static void print(fp3_engine *engine, const fp3_image *image, const fp3_scene *scene,
-                  const fp3_stats *stats, const options *o) {
-    const int is_rtl = strcmp(o->engine, "rtl") == 0;
-    if (image) {
-        const part all = {image, 0, fp3_engine_objects(engine)};
-        print_states(engine, &all, o->all);
-        print_status(engine, &all);
+static void print(fp3_engine *engine, const task *of, const fp3_engine_def *def,
+                  const fp3_stats *stats, int all) {
+    const int is_rtl = strcmp(def->engine, "rtl") == 0;
+    if (of->program) {
+        const part objects = {of->program->image, 0, fp3_engine_objects(engine)};
+        print_states(engine, &objects, all);
+        print_status(engine, &objects);
     }
-    for (size_t i = 0; scene && i < scene->count; i++)
-        print_group(engine, scene, i, o->all);
+    for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
+        print_group(engine, of->scene, i, all);
     print_cost(stats);
     if (is_rtl)
         print_occupancy(engine, stats);
-    if (is_rtl && scene)
+    if (is_rtl && of->scene)
         print_balance(engine, stats);
 }
 
-static fp3_status prepare(options *o, const fp3_program_source *source, fp3_scene *scene,
-                          fp3_engine *engine, fp3_error *error) {
-    if (scene)
-        return fp3_scene_apply(scene, engine, error);
-    fp3_status status = fp3_engine_load(engine, source->image);
-    const fp3_params_target all = {engine, source->image, 0, 0, fp3_engine_objects(engine)};
-    return status ? status : fp3_program_apply(source, &o->params, &all, error);
-}
-
-/* Opens, runs, prints a program or a scene; def has the rest of what the options say. *has_run: it
- * came as far. */
-static fp3_status run(options *o, const fp3_program_source *source, fp3_scene *scene,
-                      fp3_engine_def *def, int *has_run, fp3_error *error) {
+/* *has_run: it came as far. */
+static fp3_status run(const options *o, const task *of, const fp3_engine_def *def, int *has_run,
+                      fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_stats stats;
-    def->engine = o->engine;
-    def->config = o->config;
-    def->cycle_limit = o->cycle_limit;
-    def->objects = (uint32_t)o->objects;
-    def->visit = (uint32_t)o->visit;
-    def->bus_log = o->bus_log;
-    def->error = error;
     fp3_status status = fp3_engine_open(def, &engine);
     if (!status)
-        status = prepare(o, source, scene, engine, error);
+        status = of->scene ? fp3_scene_load(of->scene, engine, error)
+                           : fp3_program_load(of->program, o->params, engine, error);
     if (!status) {
         status = fp3_engine_run(engine, o->steps, &stats);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            print(engine, source ? source->image : NULL, scene, &stats, o);
+            print(engine, of, def, &stats, o->all);
         *error = why;
     }
     fp3_engine_close(&engine);
@@ -324,20 +311,21 @@ static fp3_status run(options *o, const fp3_program_source *source, fp3_scene *s
 }
 
 /* With the pipeline's log, if that is asked for; of a run that ended before its time, too. */
-static fp3_status run_and_log(options *o, const fp3_program_source *source, fp3_error *error) {
-    fp3_engine_def def = fp3_engine_default();
+static fp3_status run_and_log(const options *o, const task *of, fp3_engine_def *def,
+                              fp3_error *error) {
     fp3_kanata *kanata = NULL;
     if (o->kanata) {
-        fp3_status status = fp3_kanata_open(o->kanata, o->config, source->image, &kanata, error);
+        fp3_status status =
+            fp3_kanata_open(o->kanata, def->config, of->program->image, &kanata, error);
         if (status)
             return status;
-        def.issue = fp3_kanata_issue;
-        def.retire = fp3_kanata_retire;
-        def.issue_user = def.retire_user = kanata;
+        def->issue = fp3_kanata_issue;
+        def->retire = fp3_kanata_retire;
+        def->issue_user = def->retire_user = kanata;
     }
     fp3_error other;
     int has_run = 0;
-    fp3_status status = run(o, source, NULL, &def, &has_run, error);
+    fp3_status status = run(o, of, def, &has_run, error);
     fp3_status logged = has_run ? fp3_kanata_close(&kanata, &other) : FP3_OK;
     fp3_kanata_free(&kanata);
     if (status || !logged)
@@ -346,41 +334,46 @@ static fp3_status run_and_log(options *o, const fp3_program_source *source, fp3_
     return logged;
 }
 
-static fp3_status run_program(options *o, fp3_error *error) {
-    fp3_program_source source;
-    if (!o->config)
-        o->config = fp3_program_is_model(o->program) ? "single_full" : "single";
-    if (!o->engine)
-        o->engine = "rtl";
-    const fp3_program_def def = {o->config, o->integrator, o->is_compensated};
-    fp3_status status = fp3_program_load(o->program, &def, &source, error);
+/* What both have. */
+static void define(const options *o, fp3_engine_def *def, fp3_error *error) {
+    def->engine = o->engine ? o->engine : def->engine;
+    def->visit = o->visit ? (uint32_t)o->visit : def->visit;
+    def->cycle_limit = o->cycle_limit;
+    def->bus_log = o->bus_log;
+    def->error = error;
+}
+
+static fp3_status run_program(const options *o, fp3_error *error) {
+    fp3_program_def how = fp3_program_default();
+    fp3_engine_def def = fp3_engine_default();
+    fp3_program *program = NULL;
+    def.config = o->config                          ? o->config
+                 : fp3_program_is_model(o->program) ? how.compile.config
+                                                    : def.config;
+    how.compile.config = def.config;
+    how.compile.is_compensated = o->is_compensated;
+    how.integrator = o->integrator ? o->integrator : how.integrator;
+    def.objects = (uint32_t)o->objects;
+    define(o, &def, error);
+    fp3_status status = fp3_program_open(o->program, &how, &program, NULL, error);
     if (!status)
-        status = run_and_log(o, &source, error);
-    fp3_program_close(&source);
+        status = run_and_log(o, &(task){.program = program}, &def, error);
+    fp3_program_close(&program);
     return status;
 }
 
 /* Where the options say nothing, the scene does. */
 static fp3_status run_scene(options *o, fp3_error *error) {
-    fp3_engine_def def = fp3_engine_default();
     fp3_scene *scene = NULL;
     int has_run = 0;
-    fp3_status status = fp3_scene_load(o->scene, o->config, &scene, error);
+    fp3_status status = fp3_scene_open(o->scene, o->config, &scene, error);
     if (status)
         return status;
-    o->config = o->config ? o->config : scene->config;
-    o->engine = o->engine ? o->engine : scene->engine;
+    fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
-    o->visit = o->visit ? o->visit : scene->visit;
-    o->objects = scene->objects;
-    if (!o->engine)
-        o->engine = "rtl";
-    if (o->config)
-        status = run(o, NULL, scene, &def, &has_run, error);
-    else
-        status = fp3_fail(error, FP3_E_ARGUMENT, "%s: expected config = \"...\", or --config NAME",
-                          o->scene);
-    fp3_scene_free(&scene);
+    define(o, &def, error);
+    status = run(o, &(task){.scene = scene}, &def, &has_run, error);
+    fp3_scene_close(&scene);
     return status;
 }
 
@@ -395,10 +388,12 @@ int fp3_cmd_run(int argc, char **argv) {
             "part once, its step part N times, its last part once, for every object. Prints the "
             "final states and what the run cost. A scene has several programs, each for objects of "
             "its own."};
-    argp_parse(&argp, argc, argv, 0, NULL, &o);
-
     fp3_error error = {""};
-    const fp3_status status = o.scene ? run_scene(&o, &error) : run_program(&o, &error);
+    fp3_status status = fp3_params_make(&o.params, &error);
+    if (!status) {
+        argp_parse(&argp, argc, argv, 0, NULL, &o);
+        status = o.scene ? run_scene(&o, &error) : run_program(&o, &error);
+    }
     fp3_params_free(&o.params);
     return fp3_cli_done("run", status ? fp3_cli_fail("run", status, &error) : 0);
 }

@@ -26,7 +26,8 @@ typedef struct {
 typedef struct {
     const fp3_ship_case *what;
     fp3_ship_result *result;
-    fp3_params params;     /* what this program declares */
+    const fp3_program *program;
+    fp3_params *params;    /* the host's */
     watch state[2];        /* v, s */
     const fp3_symbol *own; /* the parameter that differs from object to object: T or v ... */
     float *values;         /* ... and what it is */
@@ -124,7 +125,7 @@ typedef struct {
     double T, C, m, rm, h, v, s;
 } values;
 
-static fp3_status get_values(fp3_params *params, values *x, fp3_error *error) {
+static fp3_status get_values(const fp3_params *params, values *x, fp3_error *error) {
     const struct {
         const char *name;
         double *value;
@@ -157,7 +158,7 @@ static fp3_status expect(bench *b, fp3_error *error) {
     fp3_ship_result *r = b->result;
     const uint64_t steps = b->what->steps;
     values x;
-    fp3_status status = get_values(&b->params, &x, error);
+    fp3_status status = get_values(b->params, &x, error);
     for (uint64_t object = 0; object < r->objects && !status; object++)
         fill_golden(b, &x, object);
     double v = x.v, s = x.s;
@@ -202,13 +203,10 @@ static void count_uses(fp3_ship_result *r, const fp3_image *image) {
 
 /* Loads anew, so that steps are counted from 1 and everybody is awake; then removes those who shall
  * not be. */
-static fp3_status set_objects(bench *b, fp3_engine *engine, const fp3_image *image,
-                              fp3_error *error) {
+static fp3_status set_objects(bench *b, fp3_engine *engine, fp3_error *error) {
     fp3_ship_result *r = b->result;
-    fp3_status status = fp3_engine_load(engine, image);
-    if (!status)
-        status = fp3_params_apply(&b->params, engine, image, error);
-    if (!status && fp3_image_slept(image) >= 0)
+    fp3_status status = fp3_program_load(b->program, b->params, engine, error);
+    if (!status && fp3_image_slept(b->program->image) >= 0)
         status = fp3_engine_wake(engine, 0, r->objects);
     r->awake = 0;
     for (uint64_t i = 0; i < r->objects && !status; i++) {
@@ -222,9 +220,9 @@ static fp3_status set_objects(bench *b, fp3_engine *engine, const fp3_image *ima
     return status;
 }
 
-static fp3_status run(bench *b, fp3_engine *engine, const fp3_image *image, uint64_t steps,
-                      fp3_stats *stats, fp3_error *error) {
-    fp3_status status = set_objects(b, engine, image, error);
+static fp3_status run(bench *b, fp3_engine *engine, uint64_t steps, fp3_stats *stats,
+                      fp3_error *error) {
+    fp3_status status = set_objects(b, engine, error);
     if (!status)
         status = fp3_engine_run(engine, steps, stats);
     for (uint64_t object = 0; object < b->result->objects && !status; object++)
@@ -261,16 +259,14 @@ static fp3_status prepare(bench *b, const fp3_image *image, fp3_error *error) {
  * make all steps. */
 static fp3_status copy_params(bench *b, const fp3_image *image, const fp3_params *params,
                               fp3_error *error) {
-    b->params.list = malloc((params->count + 1) * sizeof *b->params.list);
-    if (!b->params.list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    b->params.count = params->count;
-    memcpy(b->params.list, params->list, params->count * sizeof *params->list);
     double eps;
+    fp3_status status = fp3_params_copy(params, &b->params, error);
+    if (status)
+        return status;
     if (!fp3_image_find(image, "eps", FP3_CLASS(FP3_SYMBOL_SHARED)) ||
-        !fp3_params_get(&b->params, "eps", &eps, NULL))
+        !fp3_params_get(b->params, "eps", &eps, NULL))
         return FP3_OK;
-    return fp3_params_set(&b->params, "eps=0", error);
+    return fp3_params_set(b->params, "eps=0", error);
 }
 
 static fp3_status run_both(bench *b, fp3_engine *engine, const fp3_image *image, fp3_error *error) {
@@ -278,9 +274,9 @@ static fp3_status run_both(bench *b, fp3_engine *engine, const fp3_image *image,
     if (!status)
         status = expect(b, error);
     if (!status)
-        status = run(b, engine, image, 1, &b->result->one, error);
+        status = run(b, engine, 1, &b->result->one, error);
     if (!status)
-        status = run(b, engine, image, b->what->steps, &b->result->all, error);
+        status = run(b, engine, b->what->steps, &b->result->all, error);
     return status;
 }
 
@@ -294,10 +290,11 @@ static void free_bench(bench *b) {
     fp3_params_free(&b->params);
 }
 
-fp3_status fp3_ship_bench(const fp3_image *image, const fp3_params *params,
+fp3_status fp3_ship_bench(const fp3_program *program, const fp3_params *params,
                           const fp3_ship_case *what, fp3_ship_result *result, int *is_unfit,
                           fp3_error *error) {
-    bench b = {.what = what, .result = result};
+    const fp3_image *image = program->image;
+    bench b = {.what = what, .result = result, .program = program};
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
     def.config = what->config;

@@ -11,7 +11,7 @@
 #ifndef FP3_SHIP_BENCH_H
 #define FP3_SHIP_BENCH_H
 
-#include "scene/params.h"
+#include <fp3/program.h>
 
 /* What to run; the strings stay the caller's. */
 typedef struct {
@@ -32,7 +32,7 @@ typedef struct {
 } fp3_ship_result;
 
 /* FP3_OK also with mismatches. *is_unfit: the configuration cannot execute the image. */
-fp3_status fp3_ship_bench(const fp3_image *image, const fp3_params *params,
+fp3_status fp3_ship_bench(const fp3_program *program, const fp3_params *params,
                           const fp3_ship_case *what, fp3_ship_result *result, int *is_unfit,
                           fp3_error *error);
 

@@ -244,3 +244,23 @@ def test_models_in_a_scene_are_compiled_for_it(run, root):
               for done in (scene, isa, alone)]
     assert all(done.returncode == 0 for done in (scene, isa, alone)) and len(states[0]) > 16
     assert states[0] == states[1] and states[2][0] in states[0]
+
+
+def test_a_c_program_runs_a_scene(run, root, build):
+    """The example of the page, by public headers alone: what the command prints, and its errors."""
+    source = (root / "tests/programs/scene_api.c").read_text()
+    assert set(re.findall("#include (.*)", source)) == {"<fp3/scene.h>", "<stdio.h>"}
+    assert re.sub("^(?=.)", "    ", source, flags=re.M) in (root / "docs/scenes.md").read_text()
+
+    def start(path):
+        return subprocess.run([build / "tests/scene_api", path], capture_output=True, text=True, timeout=300)
+
+    scene = root / "programs/mixed.scene"
+    done, told = start(scene), run("--scene", scene).stdout
+    assert (done.returncode, done.stderr) == (0, "")
+    firsts = re.findall(r"^group \d+ +(\S+), .*\n(\w+) +(\S+) ", told, re.M)
+    assert len(firsts) == 2
+    assert done.stdout.splitlines() == [f"{path}: {name} = {value}" for path, name, value in firsts] + [
+        re.search(r"^cycles +(\d+)$", told, re.M)[1] + " cycles"]
+    done = start("nonesuch.scene")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "nonesuch.scene: cannot be read\n")

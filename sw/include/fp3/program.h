@@ -1,0 +1,67 @@
+/* fp3/program.h - a program as a user names it: an image, assembly, or a model with an integrator.
+ *
+ *     fp3_program_def def = fp3_program_default();
+ *     def.compile.config = "many_full";
+ *     fp3_program *program = NULL;
+ *     if (fp3_program_open("kepler.ode", &def, &program, NULL, &error) ||
+ *         fp3_program_load(program, params, engine, &error) || fp3_engine_run(engine, 1000, NULL))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     fp3_program_close(&program);
+ */
+#ifndef FP3_PROGRAM_H
+#define FP3_PROGRAM_H
+
+#include <fp3/compile.h>
+#include <fp3/engine.h>
+#include <fp3/params.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How a model is compiled; of no effect on assembly and images. */
+typedef struct {
+    const char *integrator; /* a built-in table, or a file */
+    fp3_compile_def compile;
+} fp3_program_def;
+
+/* "rk4", and fp3_compile_default(). */
+fp3_program_def fp3_program_default(void);
+
+/* Read it, never change it. All that it points to belongs to it. */
+typedef struct {
+    fp3_image *image;
+    fp3_compiled *compiled; /* NULL unless it is a model, as are the next two */
+    fp3_model *model;
+    fp3_integrator *integrator;
+} fp3_program;
+
+/* Whether the name ends in .ode. */
+int fp3_program_is_model(const char *path);
+
+/* By the end of its name: .ode is a model, .s assembly, all else an image. The caller closes
+ * *program, which is NULL on failure. *report is as of fp3_model_load; report may be NULL. Messages
+ * begin with the path. */
+fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
+                            char **report, fp3_error *error);
+/* Sets *program to NULL; that it was NULL before does no harm. */
+void fp3_program_close(fp3_program **program);
+
+/* Loads the program into the engine, and gives all objects their values.
+ * params names states, params and shared constants of the program; of a model its states, its params
+ * and h, which have defaults. The register that `sleep` writes has one, too: awake.
+ * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not have.
+ * What the engine refuses is told where its definition says. */
+fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
+                            fp3_engine *engine, fp3_error *error);
+
+/* Of a model, what the program gets of an object: compiled->input_count values. share: 0 of the first
+ * object to 1 of the last. *is_spread: another share gives other values. */
+fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
+                              float *values, int *is_spread, fp3_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

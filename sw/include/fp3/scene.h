@@ -1,0 +1,67 @@
+/* fp3/scene.h - a scene: groups of objects, each with a program and values, from a file.
+ *
+ *     fp3_error error;
+ *     fp3_scene *scene = NULL;
+ *     if (fp3_scene_open("mixed.scene", NULL, &scene, &error))
+ *         return fp3_exit_code(...);
+ *     fp3_engine_def def = fp3_scene_engine(scene);
+ *     def.error = &error;
+ *     fp3_engine *engine = NULL;
+ *     float x;
+ *     if (fp3_engine_open(&def, &engine) || fp3_scene_load(scene, engine, &error) ||
+ *         fp3_engine_run(engine, scene->steps, NULL) || fp3_engine_get(engine, 0, "x", &x))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     fp3_engine_close(&engine);
+ *     fp3_scene_close(&scene);
+ *
+ * docs/scenes.md describes the file.
+ */
+#ifndef FP3_SCENE_H
+#define FP3_SCENE_H
+
+#include <fp3/program.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    char *path; /* of the program */
+    fp3_program *program;
+    /* What the file says. More may be set before fp3_scene_load. */
+    fp3_params *params;
+    size_t first, objects; /* the group is objects first .. first + objects - 1 */
+    int line;              /* of the scene file */
+} fp3_scene_group;
+
+/* Read it, never change it (but params). All that it points to belongs to it. */
+typedef struct {
+    char *path, *config, *engine;
+    uint64_t steps;
+    uint32_t visit; /* 0: all steps */
+    fp3_scene_group *groups;
+    size_t group_count, objects;
+} fp3_scene;
+
+/* Reads the file and opens all its programs. config replaces the file's unless it is NULL. What the
+ * file does not say is: engine "rtl", steps 1, visit 0. The caller closes *scene, which is NULL on
+ * failure. Messages begin with the path and the line, those about a program with its own path. */
+fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
+                          fp3_error *error);
+/* Sets *scene to NULL; that it was NULL before does no harm. */
+void fp3_scene_close(fp3_scene **scene);
+
+/* The definition of an engine for the scene: fp3_engine_default() with its engine, configuration,
+ * objects and visit. The scene must outlive the engine. */
+fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
+
+/* Loads programs and values into an engine that has as many objects as the scene. What the engine
+ * refuses is told where its definition says. */
+fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

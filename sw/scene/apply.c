@@ -1,0 +1,213 @@
+/* apply.c - the values of a program, object by object: those that an image declares, those that a
+ * compiled model computes from its own. */
+#include "apply.h"
+
+#include "values.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* 0 of the first object to 1 of the last. */
+static double share_of(const fp3_apply_to *to, size_t object) {
+    return to->objects > 1 ? (double)object / (double)(to->objects - 1) : 0;
+}
+
+/* ---- of an image ---- */
+
+static int image_has(const void *image, const char *name) {
+    return fp3_image_find(image, name, FP3_CLASSES_HOST) != NULL;
+}
+
+/* The bits of a register or constant: an FP32 number, or the number of a step. */
+static fp3_status word_of(const char *name, double value, int is_slept, uint32_t *bits,
+                          fp3_error *error) {
+    const float number = (float)value;
+    if (is_slept && !(value >= 0 && value <= UINT32_MAX && floor(value) == value))
+        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is the number of a step, not %g",
+                        name, value);
+    if (isfinite(value) && !isfinite(number))
+        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is too large: %g", name, value);
+    if (is_slept)
+        *bits = (uint32_t)value;
+    else
+        memcpy(bits, &number, sizeof *bits);
+    return FP3_OK;
+}
+
+/* What a symbol is for an object. */
+static fp3_status word_at(const fp3_params *params, const fp3_symbol *symbol, int is_slept,
+                          double share, float *word, int *is_spread, fp3_error *error) {
+    double value = 0;
+    uint32_t bits = 0;
+    fp3_status status = fp3_values_at(params, symbol->name, share, &value, is_spread, error);
+    if (!status)
+        status = word_of(symbol->name, value, is_slept, &bits, error);
+    memcpy(word, &bits, sizeof *word);
+    return status;
+}
+
+static fp3_status apply_shared(const fp3_params *params, const fp3_apply_to *to,
+                               const fp3_symbol *symbol, fp3_error *error) {
+    float word;
+    int is_spread = 0;
+    fp3_status status = word_at(params, symbol, 0, 0, &word, &is_spread, error);
+    if (!status && is_spread)
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "parameter '%s' is spread, and the program has one for all objects",
+                          symbol->name);
+    return status ? status
+                  : fp3_engine_write_shared_of(to->engine, to->group, symbol->index, 1, &word);
+}
+
+/* is_slept: the symbol is the register that sleep writes. */
+static fp3_status apply_object(const fp3_params *params, const fp3_apply_to *to,
+                               const fp3_symbol *symbol, int is_slept, fp3_error *error) {
+    float word = 0;
+    int is_spread = 1;
+    fp3_status status = FP3_OK;
+    if (is_slept && !fp3_params_has(params, symbol->name))
+        return FP3_OK;
+    for (size_t i = 0; !status && i < to->objects; i++) {
+        if (is_spread)
+            status = word_at(params, symbol, is_slept, share_of(to, i), &word, &is_spread, error);
+        if (!status)
+            status = fp3_engine_write(to->engine, to->first + i, 1, symbol->index, &word);
+    }
+    return status;
+}
+
+static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
+                              const fp3_apply_to *to, fp3_error *error) {
+    const int slept = fp3_image_slept(image);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < image->symbol_count && !status; i++) {
+        const fp3_symbol *symbol = &image->symbols[i];
+        const int is_slept =
+            symbol->symbol_class == FP3_SYMBOL_STATE && (int)symbol->index == slept;
+        if (symbol->symbol_class == FP3_SYMBOL_SHARED)
+            status = apply_shared(params, to, symbol, error);
+        else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST)
+            status = apply_object(params, to, symbol, is_slept, error);
+    }
+    return status ? status : fp3_values_check(params, image_has, image, error);
+}
+
+/* ---- of a model ---- */
+
+static int model_has(const void *model, const char *name) {
+    return strcmp(name, "h") == 0 || fp3_model_param(model, name) != FP3_NONE ||
+           fp3_model_state(model, name) != FP3_NONE;
+}
+
+/* What the inputs of an object are computed from. */
+typedef struct {
+    double *params, *initial, h;
+    int is_spread;
+} object_values;
+
+/* *value stays its default where there is no other. */
+static fp3_status take(const fp3_params *params, const char *name, double share, double *value,
+                       int *is_spread, fp3_error *error) {
+    *is_spread = 0;
+    return fp3_params_has(params, name)
+               ? fp3_values_at(params, name, share, value, is_spread, error)
+               : FP3_OK;
+}
+
+static fp3_status take_quantity(const fp3_params *params, const fp3_quantity *q, double share,
+                                double *value, int *is_any_spread, fp3_error *error) {
+    int is_spread;
+    *value = q->value;
+    fp3_status status = take(params, q->name, share, value, &is_spread, error);
+    if (!status && q->is_shared && is_spread)
+        status =
+            fp3_fail(error, FP3_E_ARGUMENT,
+                     "parameter '%s' is spread, and the model has one for all objects", q->name);
+    *is_any_spread |= is_spread;
+    return status;
+}
+
+static fp3_status take_all(const fp3_model *model, const fp3_params *params, double share,
+                           object_values *to, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    int is_spread = 0;
+    for (uint32_t i = 0; !status && i < model->param_count; i++)
+        status =
+            take_quantity(params, &model->params[i], share, &to->params[i], &to->is_spread, error);
+    for (uint32_t i = 0; !status && i < model->state_count; i++)
+        status =
+            take_quantity(params, &model->states[i], share, &to->initial[i], &to->is_spread, error);
+    /* A model's own h hides that of the integrator. */
+    to->h = model->step;
+    if (!status && fp3_model_param(model, "h") == FP3_NONE &&
+        fp3_model_state(model, "h") == FP3_NONE)
+        status = take(params, "h", share, &to->h, &is_spread, error);
+    if (!status && is_spread)
+        status = fp3_fail(error, FP3_E_ARGUMENT, "'h' is spread, and all objects have the same");
+    return status;
+}
+
+fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
+                              float *values, int *is_spread, fp3_error *error) {
+    const fp3_model *model = program->model;
+    assert(model && program->compiled);
+    object_values of = {.params = calloc(model->param_count + 1u, sizeof(double)),
+                        .initial = calloc(model->state_count + 1u, sizeof(double))};
+    fp3_status status =
+        of.params && of.initial ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = take_all(model, params, share, &of, error);
+    if (!status)
+        status = fp3_values_check(params, model_has, model, error);
+    if (!status)
+        status = fp3_compiled_inputs(program->compiled, of.params, of.initial, of.h, values, error);
+    *is_spread = of.is_spread;
+    free(of.params);
+    free(of.initial);
+    return status;
+}
+
+static fp3_status write_inputs(const fp3_compiled *c, const fp3_apply_to *to, size_t object,
+                               const float *values) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < c->input_count; i++) {
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
+        assert(s); /* the compiler declares its inputs */
+        if (s->symbol_class != FP3_SYMBOL_SHARED)
+            status = fp3_engine_write(to->engine, to->first + object, 1, s->index, &values[i]);
+        else if (object == 0)
+            status = fp3_engine_write_shared_of(to->engine, to->group, s->index, 1, &values[i]);
+    }
+    return status;
+}
+
+static fp3_status apply_model(const fp3_program *program, const fp3_params *params,
+                              const fp3_apply_to *to, fp3_error *error) {
+    float *values = calloc(program->compiled->input_count + 1u, sizeof *values);
+    fp3_status status = values ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    int is_spread = 1;
+    for (size_t i = 0; !status && i < to->objects; i++) {
+        if (is_spread)
+            status =
+                fp3_program_inputs(program, params, share_of(to, i), values, &is_spread, error);
+        if (!status)
+            status = write_inputs(program->compiled, to, i, values);
+    }
+    free(values);
+    return status;
+}
+
+fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const fp3_apply_to *to,
+                     fp3_error *error) {
+    return program->model ? apply_model(program, params, to, error)
+                          : apply_image(program->image, params, to, error);
+}
+
+fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
+                            fp3_engine *engine, fp3_error *error) {
+    const fp3_apply_to all = {engine, 0, 0, fp3_engine_objects(engine)};
+    fp3_status status = fp3_engine_load(engine, program->image);
+    return status ? status : fp3_apply(program, params, &all, error);
+}

@@ -1,0 +1,26 @@
+/* values.h - the values of fp3_params, as scenes write them and programs read them. */
+#ifndef FP3_SCENE_VALUES_H
+#define FP3_SCENE_VALUES_H
+
+#include <fp3/params.h>
+#include <libconfig.h>
+
+/* Puts the values of a group of settings in a file that has been read; path is for messages. spread:
+ * each is [FIRST, LAST], of the first and the last object; those between lie evenly between. */
+fp3_status fp3_values_read(fp3_params *params, const config_setting_t *from, const char *path,
+                           fp3_error *error);
+fp3_status fp3_values_spread(fp3_params *params, const config_setting_t *from, const char *path,
+                             fp3_error *error);
+
+/* The value of an object; share is 0 of the first to 1 of the last. *is_spread: another share gives
+ * another value. */
+fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *value,
+                         int *is_spread, fp3_error *error);
+
+/* Refuses a value that nobody asks for: has(of, name) says whether the program does; else a
+ * reciprocal does that the program asks for. */
+typedef int fp3_values_has_fn(const void *of, const char *name);
+fp3_status fp3_values_check(const fp3_params *params, fp3_values_has_fn *has, const void *of,
+                            fp3_error *error);
+
+#endif
