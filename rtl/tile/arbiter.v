@@ -2,14 +2,21 @@
 //
 // Purpose   Each request names the units that it needs. The multiplier is the scarcer one: requests
 //           for it come first, so that an addition takes the adder when another scheduler
-//           multiplies, and not from one that needs both. Within these, whose sweep has ended comes
-//           last: schedulers then stand at different instructions, which is what lets them overlap.
-// Latency   1: what is asked for in a cycle is granted in the next, if it is not over by then. A new
-//           sweep so waits for a cycle, in which the units are another scheduler's. A request
+//           multiplies, and not from a request that needs both. Among equals, the scheduler whose
+//           sweep ended last comes last: schedulers then stand at different instructions, which
+//           lets them overlap.
+// Latency   1: a request of one cycle is granted in the next, unless its sweep is over by then. So a
+//           new sweep waits for a cycle, in which the units are another scheduler's. A request
 //           that needs nothing is granted at once.
-// Promise   Nobody waits for ever: a request that was refused PATIENCE times in a row comes before
-//           all others until its sweep ends.
-// Hazard    A request stays until its sweep's last one is granted (or everything is dropped).
+// Promise   At most one grant per unit and cycle, and none to a scheduler that does not ask. A
+//           request waits only for one that comes first and takes a unit it needs.
+//           A request that was refused PATIENCE times in a row comes before all others until its
+//           sweep ends. So with sweeps of at most S requests none is refused more than
+//           PATIENCE + 1 + (N - 1) * S times in a row: 152 times with N = 2 and 24 contexts.
+//           Proved for N = 2, 3 and 4: tests/formal/arbiter_spec.v.
+// Hazard    A request stays the same until it is granted, and its sweep goes on until lasts_i is
+//           granted. Or it is dropped: then its scheduler asks for nothing in the next cycle, and
+//           the number of refusals has no bound.
 //
 //     N = 2, 0 before 1:    adds_i 11, muls_i 11  ->  grant_o 01, in the next cycle
 //                           adds_i 11, muls_i 10  ->  grant_o 10
@@ -79,5 +86,19 @@ module arbiter #(
                 else if (over[n] && !over[m])  before_q[N*m + n] <= 1'b0;
         end
     end
+
+`ifdef FP3_CHECK
+    reg [N-1:0] adds_q, muls_q, lasts_q, stays_q;
+    integer     c;
+    always @(posedge clk_i) begin
+        {adds_q, muls_q, lasts_q, stays_q} <= {adds_i, muls_i, lasts_i, rst_i ? {N{1'b0}} : stays};
+        for (c = 0; c < N; c = c + 1)
+            if (!rst_i && stays_q[c] && needs[c] && ({adds_i[c], muls_i[c]} != {adds_q[c], muls_q[c]}
+                                                     || (!grant_q[c] && lasts_i[c] != lasts_q[c]))) begin
+                $display("%m: the request of scheduler %0d changes before it is granted", c);
+                $stop;
+            end
+    end
+`endif
 endmodule
 `default_nettype wire

@@ -9,8 +9,9 @@
 //                                      └──────────── wait ────────► value_o
 //
 // Latency   1 + MUL_LATENCY + ADD_LATENCY from operands to value_o; initiation interval 1.
-// Hazard    adds_i and muls_i come in the cycle of the operands, at most one scheduler in each.
-//           Each scheduler knows when a result is its own; the unit only remembers which kind.
+// Hazard    adds_i and muls_i come in the cycle of the operands, with at most one scheduler in each.
+//           twice_i and half_i never come together.
+//           value_o has no valid bit: each scheduler knows in which cycles a result is its own.
 `default_nettype none
 module shared_arith #(
 `include "config.vh"
@@ -107,5 +108,20 @@ module shared_arith #(
                                        | (adds && !muls ? scale_flags_late : 5'd0);
         end
     endgenerate
+
+`ifdef FP3_CHECK
+    reg [15:0] clean_q = 16'd0;                           // what the delays had at power-up has left
+    always @(posedge clk_i) begin
+        clean_q <= {clean_q[14:0], 1'b1};
+        if (clean_q[15] && (|(adds_i & (adds_i - 1'b1)) || |(muls_i & (muls_i - 1'b1)))) begin
+            $display("%m: adders %b and multipliers %b for one of each", adds_i, muls_i);
+            $stop;
+        end
+        if (clean_q[15] && twice_q && half_q) begin
+            $display("%m: twice and half at once");
+            $stop;
+        end
+    end
+`endif
 endmodule
 `default_nettype wire

@@ -17,7 +17,8 @@ class Subject(NamedTuple):
     sources: tuple                       # files of ours
     title: str                           # of a shape, by its parameters
     shapes: list                         # parameter sets to prove
-    bugs: list                           # (file, name, right, wrong, parameters)
+    bugs: list                           # (name, right, wrong, parameters)
+    depth: int = 1                       # of the induction
 
     def machine(self, yosys, files, shape, lemmas):
         texts = {name: files[name] for name in self.sources}
@@ -26,7 +27,7 @@ class Subject(NamedTuple):
         return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}", self.spec, texts)
 
     def prove(self, yosys, files, shape):
-        return self.machine(yosys, files, shape, 1).prove()
+        return self.machine(yosys, files, shape, 1).prove(self.depth)
 
     def find(self, yosys, files, bug, shape):
         """A seeded bug must break a promise in a run from reset; lemmas about registers do not count."""
@@ -105,7 +106,38 @@ SCOREBOARD = Subject(
     ])
 
 
+# ---- the arbiter ---------------------------------------------------------------------------------
+
+def arbiter(n, patience, sweep, drops=0):
+    return {"N": n, "PATIENCE": patience, "SWEEP": sweep, "DROPS": drops}
+
+
+DUEL, TRIO, STOPS = arbiter(2, 5, 4), arbiter(3, 5, 4), arbiter(3, 5, 4, 1)
+
+ARBITER = Subject(
+    "arbiter_spec", ("arbiter.v",), "{N} schedulers, patience {PATIENCE}, sweeps of {SWEEP}, stops {DROPS}",
+    [arbiter(n, 127, 24) for n in (2, 3, 4)] + [arbiter(n, 127, 24, 1) for n in (2, 4)] + [TRIO], [
+        ("nobody is urgent", "urgent[i] = waited_q[8*i +: 8] == PATIENCE_8", "urgent[i] = 1'b0", DUEL),
+        ("the urgent come last", "urgent[i] ? level == 0", "urgent[i] ? level == 2", DUEL),
+        ("urgent a cycle early", "== PATIENCE_8", "== PATIENCE_8 - 8'd1", DUEL),
+        ("urgent after the sweep", "if (rst_i || over[m])", "if (rst_i)", DUEL),
+        ("a grant does not end waiting", "grant_q[m] ? 8'd0 : waited_q[8*m +: 8] + 1'b1", "waited_q[8*m +: 8] + 1'b1", DUEL),
+        ("the adder twice", "adder_free      = adder_free && !adds_i[i];", "", DUEL),
+        ("the multiplier twice", "multiplier_free = multiplier_free && !muls_i[i];", "", DUEL),
+        ("both with one of them free", "&& (multiplier_free || !muls_i[i])", "", TRIO),
+        ("additions first", "muls_i[i] ? level == 1 : level == 2", "muls_i[i] ? level == 2 : level == 1", DUEL),
+        ("the adder wasted", "adder_free && !adds_i[i]", "1'b0", DUEL),
+        ("a grant for a sweep that is over", "stays = needs & ~over", "stays = needs", DUEL),
+        ("a grant for whoever does not ask", "== rank && stays[i]", "== rank && !over[i]", DUEL),
+        ("who needs nothing waits", "grant_q | ~needs", "grant_q", DUEL),
+        ("whose sweep has ended comes first", "(over[m] && !over[n])  before_q[N*m + n] <= 1'b1", "(over[m] && !over[n])  before_q[N*m + n] <= 1'b0",
+         DUEL),
+        ("the order survives reset", "if (rst_i)                     before_q", "if (1'b0)                     before_q", DUEL),
+        ("a grant in reset", "rst_i ? {N{1'b0}} : grant", "grant", STOPS),
+    ], depth=2)
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD,):
+    for subject in (SCOREBOARD, ARBITER):
         yield from subject.cases()

@@ -26,13 +26,13 @@ class Machine:
         if not self.netlist.bad:
             raise ValueError(f"{top} asserts nothing")
 
-    def prove(self):
-        """All assertions hold in the first cycle, and in each cycle after one in which they hold."""
-        self.refute(1)
+    def prove(self, depth=1):
+        """All assertions hold in the first cycles, and in each cycle after so many in which they hold."""
+        self.refute(depth)
         run = Run(self.netlist)
         run.begin(lambda latch: run.free(f"state {latch}"))
-        holds, broken = run.cycle() ^ 1, run.cycle()
-        if Question(run.aig, [*run.assumed, holds, broken]).ask():
+        holds, broken = [run.cycle() ^ 1 for _ in range(depth)], run.cycle()
+        if Question(run.aig, [*run.assumed, *holds, broken]).ask():
             raise Unproved("the induction fails")
         return "proved by induction"
 
