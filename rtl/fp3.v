@@ -32,7 +32,9 @@ module fp3 #(
     output wire [16*TILES*SCHEDULERS-1:0]       issue_pc_o,
     output wire [16*TILES*SCHEDULERS-1:0]       issue_context_o,
     output wire [32*TILES*SCHEDULERS-1:0]       issue_word_o,
-    // Trace: results are written
+    // Trace: an instruction ends (0: none; 1: the context has no object; 2: it sleeps; 3: executed) and
+    // its result is written
+    output wire [2*TILES*SCHEDULERS*LANES-1:0]  retire_end_o,
     output wire [TILES*SCHEDULERS*LANES-1:0]    retire_valid_o,
     output wire [16*TILES*SCHEDULERS*LANES-1:0] retire_context_o,
     output wire [32*TILES*SCHEDULERS*LANES-1:0] retire_object_o,
@@ -61,6 +63,7 @@ module fp3 #(
     generate
         if (INTERLEAVE == 0) begin : g_one
             assign {issue_context_o, retire_context_o, retire_object_o} = 64'd0;
+            assign retire_end_o = {2{retire_valid_o}};
             solo #(.CONFIG(CONFIG)) u_solo (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid[0]), .req_ready_o(req_ready[0]), .req_write_i(req_write), .req_addr_i(req_addr),
@@ -79,6 +82,7 @@ module fp3 #(
                     .rsp_ready_i(rsp_ready), .rsp_rdata_o(rsp_rdata[32*S*t +: 32*S]), .rsp_error_o(rsp_error[S*t +: S]),
                     .issue_valid_o(issue_valid_o[S*t +: S]), .issue_pc_o(issue_pc_o[16*S*t +: 16*S]),
                     .issue_context_o(issue_context_o[16*S*t +: 16*S]), .issue_word_o(issue_word_o[32*S*t +: 32*S]),
+                    .retire_end_o(retire_end_o[2*L*t +: 2*L]),
                     .retire_valid_o(retire_valid_o[L*t +: L]), .retire_context_o(retire_context_o[16*L*t +: 16*L]),
                     .retire_object_o(retire_object_o[32*L*t +: 32*L]),
                     .retire_register_o(retire_register_o[6*L*t +: 6*L]),

@@ -22,6 +22,7 @@ module fp3_walk_bypass (
     output wire   [15:0] issue_context_o,
     output wire   [31:0] issue_word_o,
 
+    output wire    [1:0] retire_end_o,
     output wire          retire_valid_o,
     output wire   [15:0] retire_context_o,
     output wire   [31:0] retire_object_o,
@@ -73,6 +74,7 @@ module fp3_walk_bypass (
         .issue_context_o   (issue_context_o),
         .issue_word_o      (issue_word_o),
 
+        .retire_end_o      (retire_end_o),
         .retire_valid_o    (retire_valid_o),
         .retire_context_o  (retire_context_o),
         .retire_object_o   (retire_object_o),

@@ -64,7 +64,9 @@ module lane #(
     output wire [31:0]          z_o,
     input  wire [31:0]          value_i,
     input  wire [4:0]           value_flags_i,
-    // Trace: a register is written
+    // Trace: an instruction ends, for its object: 1 there is none, 2 it sleeps, 3 executed ...
+    output wire [1:0]            written_end_o,
+    // ... and a register is written
     output wire                  written_o,
     output wire [CONTEXT_W-1:0]  written_context_o,
     output wire [STORE_W-4:0]    written_row_o,
@@ -176,7 +178,7 @@ module lane #(
 
     // Whose turn it is -----------------------------------------------------------------------------
     wire [ROW_W-1:0] row_3, row_late, st_row;
-    wire             executed, sleeps, st_absent, st_asleep, asleep;
+    wire             executed, sleeps, absent, st_absent, st_asleep, asleep;
     wire [31:0]      stored_0;                 // the store's word
     reg              nonzero_q;                // V+1
     always @(posedge clk_i) nonzero_q <= |stored_0;
@@ -186,7 +188,7 @@ module lane #(
         .take_4_i(take_4), .context_4_i(context_4), .row_o(row_3), .row_late_o(row_late),
         .context_1_i(context_1), .valid_i(valid_0), .begins_i(begins_0), .ends_i(ends_0),
         .lasts_i(lasts_0), .lds_i(lds_0), .sleep_i(sleep_0), .context_i(context_0),
-        .less_i(less_0), .executed_o(executed), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
+        .less_i(less_0), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
         .st_context_i(st_context), .st_row_o(st_row), .st_absent_o(st_absent), .st_asleep_o(st_asleep),
         .host_count_i(mine_write && host_kind == HOST_AWAKE),
         .host_wake_i(mine_write && host_kind == HOST_WAKE),
@@ -220,9 +222,11 @@ module lane #(
     wire writes        = (executed && (arithmetic_0 || load_0)) || sleeps;
     wire raises        = FLAGS != 0 && executed && arithmetic_0;
     reg  retired_q, raises_q;
+    reg  [1:0] end_q;
     reg  [4:0] value_flags_q;
     always @(posedge clk_i) begin
         retired_q        <= !rst_i && writes;
+        end_q            <= rst_i || !valid_0 ? 2'd0 : absent ? 2'd1 : executed ? 2'd3 : 2'd2;
         write_q          <= !rst_i && (writes || host_constant);
         write_register_q <= host_constant ? {SHARED, host_address[REGISTER_W-1:0]} : {context_0, register_0};
         write_value_q    <= arithmetic_0 ? value_i : load_0 ? stored_0 : data_q;
@@ -275,6 +279,7 @@ module lane #(
         .d_i({valid_0 && (sleep_0 || lds_0), batch_0, context_0}),
         .q_o({report_o, report_batch_o, report_context_o}));
 
+    assign written_end_o     = end_q;
     assign written_o         = retired_q;
     assign written_row_o     = row_late;
     assign written_value_o   = write_value_q;

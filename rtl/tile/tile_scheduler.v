@@ -45,6 +45,7 @@ module tile_scheduler #(
     output wire [15:0]         issue_pc_o,
     output wire [15:0]         issue_context_o,
     output wire [31:0]         issue_word_o,
+    output wire [2*LANES-1:0]  retire_end_o,
     output wire [LANES-1:0]    retire_valid_o,
     output wire [16*LANES-1:0] retire_context_o,
     output wire [32*LANES-1:0] retire_object_o,
@@ -163,7 +164,7 @@ module tile_scheduler #(
                 .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(kind_o[4*l +: 4]),
                 .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
                 .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
-                .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
+                .written_end_o(retire_end_o[2*l +: 2]), .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
                 .written_register_o(written_register), .written_value_o(retire_value_o[32*l +: 32]),
                 .written_flags_o(retire_flags_o[5*l +: 5]));
             assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context};

@@ -38,6 +38,7 @@ module visits #(
     input  wire [CONTEXT_W-1:0] context_i,
     input  wire                 less_i,         // sleep found a small change
     output wire                 executed_o,
+    output wire                 absent_o,       // trace: the context has no object
     output wire                 sleeps_o,       // the object falls asleep
     // V+1, V+2
     input  wire                 nonzero_i,      // lds found an object that sleeps
@@ -161,6 +162,7 @@ module visits #(
         put_row_q            <= row_late_o;
     end
     assign executed_o  = executed;
+    assign absent_o    = absent;
     assign sleeps_o    = sleeps;
     assign asleep_o    = state_absent_q || state_asleep_q;
     assign {st_absent_o, st_asleep_o} = {st_absent_q, st_asleep_q};

@@ -92,7 +92,7 @@ def ports(row):
             ("output", 1, "rsp_error_o"), None,
             ("output", schedulers, "issue_valid_o"), ("output", 16 * schedulers, "issue_pc_o"),
             ("output", 16 * schedulers, "issue_context_o"), ("output", 32 * schedulers, "issue_word_o"), None,
-            ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
+            ("output", 2 * lanes, "retire_end_o"), ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
             ("output", 32 * lanes, "retire_object_o"), ("output", 6 * lanes, "retire_register_o"),
             ("output", 32 * lanes, "retire_value_o"), ("output", 5 * lanes, "retire_flags_o")]
 
