@@ -4,6 +4,8 @@
 #include <argp.h>
 #include <ctype.h>
 #include <fp3/engine.h>
+#include <fp3/reference.h>
+#include <fp3/start.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <machine/config.h>

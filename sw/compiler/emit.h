@@ -2,22 +2,17 @@
 #ifndef FP3_EMIT_H
 #define FP3_EMIT_H
 
-#include "convert.h"
+#include "names.h"
 
-/* Names of what the program declares. */
+/* What the first lines say beside what the program says itself. */
 typedef struct {
-    char (*object)[FP3_NAME_SIZE];   /* of each object register */
-    char (*constant)[FP3_NAME_SIZE]; /* of each shared constant; a number stands for itself */
-    uint32_t object_count, constant_count;
-} emit_names;
+    const char *integrator;
+    unsigned order;
+} fp3_title;
 
-/* FP3_E_SYSTEM, or FP3_E_PROGRAM: a number is too large for FP32. The caller closes, after a failure too. */
-fp3_status fp3_emit_names(const build *b, const conversion *c, const fp3_schedule *schedule,
-                          emit_names *names, fp3_error *error);
-void fp3_emit_names_close(emit_names *names);
-
-/* The caller frees *text. head: comment lines for the top, each beginning with '#'. */
-fp3_status fp3_emit(const build *b, const conversion *c, const fp3_schedule *schedule,
-                    const emit_names *names, const char *head, char **text, fp3_error *error);
+/* The caller frees *text. */
+fp3_status fp3_emit(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
+                    const fp3_names *names, const fp3_options *options, const fp3_title *title,
+                    char **text, fp3_error *error);
 
 #endif

@@ -50,9 +50,4 @@ int fp3_known_is(const known_table *table, uint32_t id, double number);
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error);
 
-/* As a reader would write it, cut where it is long; malloc'ed, NULL when out of memory. */
-char *fp3_known_text(const known_table *table, uint32_t id);
-/* An expression of the model likewise, with definitions by their names but for the one whose root it is. */
-char *fp3_expr_text(const fp3_model *model, uint32_t expr);
-
 #endif

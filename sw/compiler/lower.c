@@ -1,18 +1,18 @@
 /* lower.c - expressions to operations; division, roots, sine and cosine to what the machine has. */
 #include "lower.h"
 
+#include "fold.h"
+
 #include <isa.h>
 #include <stdlib.h>
 
-fp3_status fp3_lower_open(lowering *l, const fp3_model *model, graph *g, fp3_error *error) {
+fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {
     *l = (lowering){.model = model, .g = g};
     l->value = calloc(model->expr_count + 1, sizeof *l->value);
     l->is_made = calloc(model->expr_count + 1, 1);
     l->is_wanted = calloc(model->expr_count + 1, 1);
-    if (l->value && l->is_made && l->is_wanted)
-        return FP3_OK;
-    fp3_lower_close(l);
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return l->value && l->is_made && l->is_wanted ? FP3_OK
+                                                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
 void fp3_lower_close(lowering *l) {
@@ -25,48 +25,48 @@ void fp3_lower_close(lowering *l) {
 
 /* ---- the operations ---- */
 
-static uint32_t op2(graph *g, uint32_t op, uint32_t a, uint32_t b) {
-    return fp3_graph_op(g, op, a, b, FP3_NONE);
+static uint32_t op2(dag *g, uint32_t op, uint32_t a, uint32_t b) {
+    return fp3_fold(g, op, a, b, FP3_NONE);
 }
-static uint32_t add(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_ADD, a, b); }
-static uint32_t sub(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_SUB, a, b); }
-static uint32_t mul(graph *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_MUL, a, b); }
-static uint32_t num(graph *g, double number) { return fp3_graph_number(g, number); }
+static uint32_t add(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_ADD, a, b); }
+static uint32_t sub(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_SUB, a, b); }
+static uint32_t mul(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_MUL, a, b); }
+static uint32_t num(dag *g, double number) { return fp3_dag_number(g, number); }
 
-static uint32_t sel(graph *g, uint32_t condition, uint32_t then, uint32_t otherwise) {
-    return fp3_graph_op(g, FP3_OP_SEL, then, otherwise, condition);
+static uint32_t sel(dag *g, uint32_t condition, uint32_t then, uint32_t otherwise) {
+    return fp3_fold(g, FP3_OP_SEL, then, otherwise, condition);
 }
 
 /* An estimate y and a small t, so that x/b is x y (1 + t): with e = 1 - b y it is x y / (1 - e), and
- * 1/(1 - e) = 1 + e + e^2 + O(e^3), e^3 below half a unit of the last place. y is never too large, so
- * b y is in [1/2, 1], where it is rounded by 2^-25 at most and 1 - b y is exact. */
+ * 1/(1 - e) = 1 + e + e^2 + O(e^3), where e^3 is below half a unit in the last place. y is never too
+ * large, so b y is in [1/2, 1]: rounding changes it by at most 2^-25, and 1 - b y is exact. */
 typedef struct {
     uint32_t estimate, correction;
 } series;
 
-static series reciprocal(graph *g, uint32_t b) {
+static series reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op2(g, FP3_OP_RCP, b, FP3_NONE);
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
     return (series){y, add(g, e, mul(g, e, e))};
 }
 
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
-static series inverse_root(graph *g, uint32_t b) {
+static series inverse_root(dag *g, uint32_t b) {
     const uint32_t y = op2(g, FP3_OP_RSQRT, b, FP3_NONE);
     const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
     return (series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
 }
 
 /* x y (1 + t) */
-static term corrected(graph *g, term x, series s) {
-    const uint32_t q = fp3_graph_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
+static term corrected(dag *g, term x, series s) {
+    const uint32_t q = fp3_dag_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
     return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
 }
 
-static term one(graph *g) { return fp3_term(num(g, 1)); }
+static term one(dag *g) { return fp3_term(num(g, 1)); }
 
 /* x^n, n >= 0, by squares: x^3 is (x x) x. */
-static term power(graph *g, term x, unsigned n) {
+static term power(dag *g, term x, unsigned n) {
     term result = one(g);
     int is_one = 1;
     for (; n; n >>= 1) {
@@ -83,8 +83,8 @@ static term power(graph *g, term x, unsigned n) {
 /* ---- sine and cosine ---- */
 
 /* (sin(x)/x - 1)/z and (cos(x) - 1)/z for z = x^2 in [0, pi^2], interpolated at the nodes of Chebyshev:
- * highest power first. Absolute errors in FP32 over [-pi, pi]: 6.1e-7 and 3.9e-7 (tests/ode measure
- * them); outside nothing reduces x. */
+ * highest power first. Absolute errors in FP32 over [-pi, pi]: 6.1e-7 and 3.9e-7 (tests/ode measures
+ * them). There is no range reduction. */
 static const double sine[] = {1.3942344679303983e-10, -2.4822272894578905e-08,
                               2.7545680159356923e-06, -0.0001984100208558025,
                               0.008333331074231525,   -0.16666666635715308};
@@ -92,20 +92,20 @@ static const double cosine[] = {1.77299531221692e-09,   -2.7216673353840383e-07,
                                 2.4784361623782387e-05, -0.0013888492914356971,
                                 0.04166663326988213,    -0.4999999954247248};
 
-static uint32_t polynomial(graph *g, uint32_t z, const double *coefficient) {
+static uint32_t polynomial(dag *g, uint32_t z, const double *coefficient) {
     uint32_t p = num(g, coefficient[0]);
     for (int i = 1; i < 6; i++)
         p = add(g, num(g, coefficient[i]), mul(g, p, z));
     return p;
 }
 
-static term sin_of(graph *g, term x) {
+static term sin_of(dag *g, term x) {
     const uint32_t z = mul(g, x.node, x.node);
     const uint32_t p = polynomial(g, z, sine);
     return (term){add(g, x.node, mul(g, mul(g, x.node, z), p)), x.is_negative};
 }
 
-static term cos_of(graph *g, term x) {
+static term cos_of(dag *g, term x) {
     const uint32_t z = mul(g, x.node, x.node);
     return fp3_term(add(g, num(g, 1), mul(g, z, polynomial(g, z, cosine))));
 }
@@ -128,9 +128,9 @@ static unsigned exponent(const lowering *l, uint32_t expr, int *is_negative) {
     return (unsigned)(n < 0 ? -n : n);
 }
 
-/* x / base^n. A root below the line is never formed: 1/sqrt(b) is what the estimate is of. */
+/* x / base^n. A root in a denominator is never formed: the hardware estimates 1/sqrt(b). */
 static term divided(lowering *l, term x, uint32_t base, unsigned n) {
-    graph *g = l->g;
+    dag *g = l->g;
     const int is_root = is_unknown_root(l, base);
     const uint32_t below = is_root ? expr_of(l, base)->operand[0] : base;
     if (is_root) {
@@ -155,7 +155,7 @@ static term divide(lowering *l, const fp3_expr *e) {
         known_table *known = l->g->known;
         const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1),
                                              fp3_known_model(known, below));
-        return fp3_term_mul(l->g, x, fp3_term(fp3_graph_known(l->g, over)));
+        return fp3_term_mul(l->g, x, fp3_term(fp3_dag_known(l->g, over)));
     }
     const unsigned n = b->op == FP3_EXPR_POWER ? exponent(l, b->operand[1], &is_negative) : 0;
     if (b->op == FP3_EXPR_POWER && !is_negative)
@@ -189,7 +189,7 @@ static uint32_t truth(lowering *l, uint32_t expr) {
 }
 
 static term choose(lowering *l, const fp3_expr *e) {
-    graph *g = l->g;
+    dag *g = l->g;
     const uint32_t *o = e->operand;
     switch (e->op) {
     case FP3_EXPR_MIN:
@@ -218,9 +218,9 @@ static term choose(lowering *l, const fp3_expr *e) {
 
 static term lower(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
-    graph *g = l->g;
+    dag *g = l->g;
     if (e->is_known)
-        return fp3_term(fp3_graph_known(g, fp3_known_model(g->known, expr)));
+        return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
     switch (e->op) {
     case FP3_EXPR_STATE:
         return l->state(l, e->index);
@@ -247,7 +247,7 @@ static term lower(lowering *l, uint32_t expr) {
     }
 }
 
-/* The base of what stands below a line, of which a root is never formed. */
+/* The base of a denominator, of which a root is never formed. */
 static void want_base(lowering *l, uint32_t base) {
     l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
 }
@@ -281,7 +281,7 @@ static void want_operands(lowering *l, const fp3_expr *e) {
             l->is_wanted[e->operand[i]] = 1;
 }
 
-/* From the root down what is wanted is marked, and made from the leaves up: operands come first. */
+/* Marks what is wanted from the root down, then makes it from the leaves up: operands come first. */
 term fp3_lower(lowering *l, uint32_t root) {
     const uint32_t outside = l->g->note;
     l->is_wanted[root] = 1;
@@ -291,7 +291,7 @@ term fp3_lower(lowering *l, uint32_t root) {
     for (uint32_t i = 0; i <= root; i++) {
         if (!l->is_wanted[i] || l->is_made[i])
             continue;
-        l->g->note = l->note ? l->note(l, i) : FP3_NONE;
+        l->g->note = fp3_note_expr(l->notes, l->model, i, l->place);
         l->value[i] = lower(l, i);
         l->is_made[i] = 1;
     }

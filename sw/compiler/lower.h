@@ -1,29 +1,30 @@
 /* lower.h - expressions of a model to operations that the machine has.
  *
- * What is fixed here, for every integrator and pass, is what the machine computes and in which order
- * it rounds; docs/compiler.md says it in words.
+ * It fixes, for every integrator and pass, what the machine computes and in which order it rounds;
+ * docs/compiler.md says the same in words.
  */
 #ifndef FP3_LOWER_H
 #define FP3_LOWER_H
 
-#include "graph.h"
+#include "notes.h"
+#include "term.h"
 
-/* Expressions at one place: one stage of one step. */
+/* Expressions at one place: a stage or a substep of one step. */
 typedef struct lowering {
     const fp3_model *model;
-    graph *g;
-    /* The value of a state there. */
-    term (*state)(struct lowering *l, uint32_t state);
-    /* The note for an expression there. */
-    uint32_t (*note)(struct lowering *l, uint32_t expr);
-    void *user;
-    uint32_t place;
+    dag *g;
+    term (*state)(struct lowering *l, uint32_t state); /* the value of a state there */
+    void *user;                                        /* of the function above */
+    fp3_notes *notes;
+    char place[FP3_PLACE_SIZE]; /* as notes call it */
+    uint32_t index;
     term *value; /* of each expression that is_made */
     char *is_made, *is_wanted;
 } lowering;
 
-/* FP3_E_SYSTEM: out of memory. The caller closes. */
-fp3_status fp3_lower_open(lowering *l, const fp3_model *model, graph *g, fp3_error *error);
+/* FP3_E_SYSTEM: out of memory. The caller sets state, user, notes and place, and closes, after a
+ * failure too. */
+fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error);
 void fp3_lower_close(lowering *l);
 
 term fp3_lower(lowering *l, uint32_t expr);

@@ -5,6 +5,7 @@
 #include "values.h"
 
 #include <assert.h>
+#include <fp3/start.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -129,7 +129,7 @@ static fp3_status is_no_order(fp3_error *error) {
 /* Variables and params, and values that belong into a certain register. */
 static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *error) {
     const fp3_block *block = w->block;
-    const fp3_step *step = block->step;
+    const fp3_code *code = block->code;
     for (uint32_t i = 0; i < block->count; i++) {
         const uint32_t reg = block->nodes[i].fixed;
         if (reg == FP3_NONE_INDEX)
@@ -139,9 +139,9 @@ static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *erro
         places->reg[i] = reg;
         raise_to(&places->registers, reg + 1);
     }
-    for (uint32_t x = 0; x < step->variable_count; x++) {
+    for (uint32_t x = 0; x < code->variable_count; x++) {
         const int is_written = block->writer[x] != FP3_NONE_INDEX;
-        const int is_state = step->variables[x].first.at == FP3_AT_NOWHERE;
+        const int is_state = code->variables[x].first.at == FP3_AT_NOWHERE;
         const int is_loaded = block->is_first ? is_state : !block->is_cyclic || !is_written;
         uint32_t end = w->reads[x];
         if (!is_written && (is_state || block->is_cyclic))
@@ -149,8 +149,8 @@ static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *erro
         if (is_loaded && !take(w, x, 0, end))
             return is_no_order(error);
     }
-    for (uint32_t p = 0; p < step->param_count; p++)
-        take(w, step->variable_count + p, 0, w->gaps - 1);
+    for (uint32_t p = 0; p < code->param_count; p++)
+        take(w, code->variable_count + p, 0, w->gaps - 1);
     return FP3_OK;
 }
 
@@ -182,15 +182,15 @@ static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *place
 
 static fp3_status open_work(work *w, const fp3_block *block, const uint32_t *order,
                             fp3_error *error) {
-    const fp3_step *step = block->step;
-    *w = (work){.block = block, .lowest = step->variable_count + step->param_count};
+    const fp3_code *code = block->code;
+    *w = (work){.block = block, .lowest = code->variable_count + code->param_count};
     w->gaps = block->count + !block->is_cyclic;
     w->registers = FP3_REGISTERS_CEILING + FP3_BANK_OBJECT_COUNT;
     if (w->registers < w->lowest + FP3_BANK_OBJECT_COUNT)
         w->registers = w->lowest + FP3_BANK_OBJECT_COUNT;
     w->arcs = calloc(block->count + 1, sizeof *w->arcs);
     w->position = calloc(block->count + 1, sizeof *w->position);
-    w->reads = calloc(step->variable_count + 1, sizeof *w->reads);
+    w->reads = calloc(code->variable_count + 1, sizeof *w->reads);
     if (!w->arcs || !w->position || !w->reads)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t p = 0; p < block->count; p++)
@@ -235,7 +235,7 @@ static void add_arc(uint32_t *live, uint32_t gaps, uint32_t begin, uint32_t end)
 
 fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uint32_t *registers,
                               fp3_error *error) {
-    const fp3_step *step = block->step;
+    const fp3_code *code = block->code;
     work w;
     fp3_status status = open_work(&w, block, order, error);
     uint32_t *live = calloc((size_t)w.gaps + 1, sizeof *live), most = 0;
@@ -247,8 +247,8 @@ fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uin
             add_arc(live, w.gaps, w.arcs[i].begin, w.arcs[i].end);
         for (uint32_t gap = 0; gap < w.gaps; gap++)
             raise_to(&most, live[gap]);
-        most += step->param_count;
-        for (uint32_t x = 0; x < step->variable_count; x++)
+        most += code->param_count;
+        for (uint32_t x = 0; x < code->variable_count; x++)
             most += block->is_cyclic && block->writer[x] == FP3_NONE_INDEX;
         *registers = most;
     }
@@ -284,7 +284,7 @@ static uint32_t code_of(const fp3_block *block, const fp3_places *places, fp3_re
     case FP3_AT_VARIABLE:
         return operand.index;
     case FP3_AT_PARAM:
-        return block->step->variable_count + operand.index;
+        return block->code->variable_count + operand.index;
     case FP3_AT_CONSTANT:
         return FP3_BANK_SHARED_BASE + operand.index;
     default:

@@ -7,7 +7,8 @@
 #ifndef FP3_ALLOCATE_H
 #define FP3_ALLOCATE_H
 
-#include "schedule_graph.h"
+#include "block.h"
+#include "lines.h"
 
 /* In the registers of variables, while no variable is there. */
 typedef enum { FP3_LEAVE_VARIABLES, FP3_BORROW_VARIABLES } fp3_borrow;

@@ -1,8 +1,6 @@
-/* code.h - the instructions of one step, before and after they have places.
+/* code.h - the operations of one step before they have places.
  *
- * fp3_step is what the passes make: operations with operands that name values. fp3_schedule is what
- * the scheduler makes of it for a configuration: operations in order of issue, operands that name
- * registers, and how many cycles a step will take.
+ * Operands name values. The compiler makes it; the scheduler turns it into lines (lines.h).
  */
 #ifndef FP3_CODE_H
 #define FP3_CODE_H
@@ -53,47 +51,7 @@ typedef struct {
      * for it by needs_minus_zero. */
     uint32_t minus_zero;
     int allow_ahead; /* operations of the next step may be executed at the end of this one */
-} fp3_step;
+} fp3_code;
 #define FP3_NONE_INDEX UINT32_MAX
-
-typedef struct {
-    uint32_t op;
-    uint32_t d;          /* object register */
-    uint32_t operand[3]; /* as numbered in a word: constant k is FP3_BANK_SHARED_BASE + k */
-    uint32_t note;       /* of the fp3_op; FP3_NONE_INDEX: a copy */
-    uint32_t from;       /* index of the fp3_op in its part; FP3_NONE_INDEX: a copy */
-    int is_ahead;        /* of the next step: executed here, and once by the first part */
-} fp3_line;
-
-typedef struct {
-    fp3_line *first, *step, *last;
-    uint32_t first_count, step_count, last_count;
-    /* Object registers in use: variables are 0 .. variable_count-1, then params, then temps. */
-    uint32_t registers;
-    uint32_t constants;
-    int needs_minus_zero; /* a copy reads constant constant_count, which the caller adds as -0.0 */
-    uint32_t ahead;       /* operations that a step executes for the next one */
-    uint32_t copies;      /* of the step: instructions that only move a value */
-    uint32_t loads, stores; /* what a visit puts around the program (interleaved) */
-    /* Cycles per object-step when all contexts are full, steady state, loads and stores not
-     * counted: exact. 0: not known beforehand (schedulers share units). */
-    double cycles;
-    double bound;       /* the larger of the two below */
-    double bound_issue; /* issue slots, uses of a unit, write port: whatever is scarcest */
-    double bound_path;  /* the longest dependence cycle from step to step, latency over distance */
-} fp3_schedule;
-
-/* An order and registers for a configuration. FP3_E_LIMIT: too few registers: the message says how
- * many are needed at least by the best order found, and how many there are. FP3_E_ARGUMENT: a
- * reference that is none. The caller frees. */
-fp3_status fp3_schedule_make(const fp3_step *step, const fp3_config *config,
-                             fp3_schedule **schedule, fp3_error *error);
-void fp3_schedule_free(fp3_schedule **schedule);
-
-/* Exact cycles of a run of so many steps of these lines: what the hardware's counter CYCLES says,
- * for one object (solo machine), or with full contexts and one visit, its loads and stores
- * included (interleaved, one scheduler per arithmetic unit). 0: no steps, or not predictable. */
-uint64_t fp3_schedule_cycles(const fp3_schedule *schedule, const fp3_config *config,
-                             uint64_t steps);
 
 #endif

@@ -1,6 +1,9 @@
 /* convergence.c - error against time step. */
 #include "convergence.h"
 
+#include <fp3/reference.h>
+#include <fp3/truth.h>
+
 #include <math.h>
 #include <stdlib.h>
 

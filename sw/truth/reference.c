@@ -1,19 +1,21 @@
-/* reference.c - what a step means: one operation after the other, in the order of the graph.
+/* reference.c - what a step means: one operation after the other, in the order of its nodes.
  *
- * A sum or a product of two FP32 numbers, in double and then rounded to FP32, is what FP32 gives: 53 bits
- * are at least 2 * 24 + 2 (Figueroa, "When is double rounding innocuous?", 1995).
+ * A sum or a product of two FP32 numbers, in double and then rounded to FP32, is what FP32 gives: 53
+ * bits are at least 2 * 24 + 2 (Figueroa, "When is double rounding innocuous?", 1995).
  */
-#include "reference.h"
+#include <fp3/reference.h>
 
 #include <isa.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "before.h"
+#include "compiler/compiled.h"
 #include "machine/estimate.h"
 
 typedef struct {
-    const build *b;
+    const fp3_step *b;
     int is_exact;
     double *known, *variables, *next, *values;
 } runner;
@@ -58,10 +60,10 @@ static double apply(const runner *r, uint32_t op, double a, double b, double c) 
     }
 }
 
-static void evaluate(const runner *r, const graph *g) {
+static void evaluate(const runner *r, const dag *g) {
     double *values = r->values;
     for (uint32_t i = 0; i < g->count; i++) {
-        const graph_node *n = &g->nodes[i];
+        const dag_node *n = &g->nodes[i];
         if (n->op == NODE_KNOWN)
             values[i] = rounded(r, r->known[n->a]);
         else if (n->op == NODE_VARIABLE)
@@ -73,8 +75,8 @@ static void evaluate(const runner *r, const graph *g) {
 }
 
 static void step(const runner *r) {
-    const build *b = r->b;
-    evaluate(r, &b->g);
+    const fp3_step *b = r->b;
+    evaluate(r, &b->values);
     for (uint32_t i = 0; i < b->variable_count; i++)
         r->next[i] = r->values[b->variables[i].next];
     memcpy(r->variables, r->next, b->variable_count * sizeof *r->next);
@@ -82,7 +84,7 @@ static void step(const runner *r) {
 
 /* A run without a step executes no last part. */
 static void look(const runner *r, int is_run, double *states) {
-    const build *b = r->b;
+    const fp3_step *b = r->b;
     evaluate(r, &b->last);
     for (uint32_t i = 0; i < b->variable_count; i++) {
         const variable *v = &b->variables[i];
@@ -91,10 +93,13 @@ static void look(const runner *r, int is_run, double *states) {
     }
 }
 
-fp3_status fp3_reference_run(const build *b, const double *params, double h, int is_exact,
-                             double *start, const uint64_t *steps, size_t count, double *states,
-                             fp3_error *error) {
-    const uint32_t most = b->g.count > b->last.count ? b->g.count : b->last.count;
+/* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
+ * variable, its value after steps[i] steps. is_exact: nothing is rounded to FP32, and estimates are
+ * what they estimate. */
+static fp3_status run_from(const fp3_step *b, const double *params, double h, int is_exact,
+                           double *start, const uint64_t *steps, size_t count, double *states,
+                           fp3_error *error) {
+    const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
                 .is_exact = is_exact,
                 .known = calloc(b->known.count + 1u, sizeof *r.known),
@@ -114,4 +119,51 @@ fp3_status fp3_reference_run(const build *b, const double *params, double h, int
     free(r.next);
     free(r.values);
     return status;
+}
+
+static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
+                      int is_exact, const uint64_t *steps, size_t count, double *states,
+                      fp3_error *error) {
+    double *start = calloc(b->variable_count + 1u, sizeof *start);
+    fp3_status status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_before_start(b, params, initial, h, start, error);
+    for (uint32_t i = 0; !status && !is_exact && i < b->variable_count; i++)
+        start[i] = (float)start[i];
+    if (!status)
+        status = run_from(b, params, h, is_exact, start, steps, count, states, error);
+    free(start);
+    return status;
+}
+
+static float canonical(double x) {
+    const uint32_t bits = 0x7fc00000u;
+    float f = (float)x;
+    if (isnan(f))
+        memcpy(&f, &bits, sizeof f);
+    return f;
+}
+
+fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
+                                  const double *initial, double h, const uint64_t *steps,
+                                  size_t count, float *states, fp3_error *error) {
+    const fp3_compilation *k = compiled->self;
+    const size_t cells = count * k->reference.model->state_count;
+    double *wide = calloc(cells + 1u, sizeof *wide);
+    if (!wide)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; i < cells; i++)
+        wide[i] = states[i];
+    const fp3_status status = run(&k->reference, params, initial, h, 0, steps, count, wide, error);
+    for (size_t i = 0; !status && i < cells; i++)
+        states[i] = canonical(wide[i]);
+    free(wide);
+    return status;
+}
+
+fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
+                              const double *initial, double h, const uint64_t *steps, size_t count,
+                              double *states, fp3_error *error) {
+    const fp3_compilation *k = compiled->self;
+    return run(&k->reference, params, initial, h, 1, steps, count, states, error);
 }

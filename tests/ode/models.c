@@ -4,8 +4,7 @@
  *     models truth FILE TIME [NAME=VALUE]  each state and invariant at that time, from these
  *                                          params and starts
  */
-#include <fp3/compile.h>
-#include <fp3/model.h>
+#include <fp3/truth.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

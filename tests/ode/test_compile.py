@@ -16,7 +16,7 @@ BUILD = os.environ["FP3_BUILD"]
 FP3 = os.path.join(BUILD, "fp3")
 PROGRAMS = os.path.join(ROOT, "programs")
 MODELS = sorted(glob.glob(os.path.join(PROGRAMS, "*.ode")))
-KEEPING = ["common", "unit", "dead", "carry", "scale", "chain", "ahead"]
+KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "ahead"]
 CHANGING = ["fold-step", "fold-product"]
 
 
@@ -158,7 +158,7 @@ def test_a_product_that_goes_the_chains_way_keeps_the_sign_of_zero(tmp_path):
 def test_a_coefficient_0_has_no_term_whatever_the_slope(tmp_path):
     """The first slope of midpoint has the weight 0; here it is infinite."""
     path = written(tmp_path, "state v = 1e30", "v' = -v*v")
-    assert ends(path, "-i", "midpoint", steps=1) == ends(path, "-i", "midpoint", "--without", "unit", steps=1)
+    assert ends(path, "-i", "midpoint", steps=1) == ends(path, "-i", "midpoint", "--without", "identity", steps=1)
 
 
 @pytest.mark.parametrize("config", ["single_full", "many_full"])

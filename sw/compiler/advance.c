@@ -1,0 +1,55 @@
+/* advance.c - places, coefficients and updates. */
+#include "advance.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix,
+                              term (*state)(lowering *l, uint32_t state), void *user,
+                              fp3_error *error) {
+    a->places = calloc(count + 1u, sizeof *a->places);
+    if (!a->places)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < count; i++) {
+        lowering *l = &a->places[i];
+        status = fp3_lower_open(l, a->step->model, &a->step->values, error);
+        l->state = state;
+        l->user = user;
+        l->notes = &a->step->notes;
+        l->index = i;
+        snprintf(l->place, sizeof l->place, "%s%" PRIu32, prefix, i + 1);
+        a->place_count = i + 1;
+    }
+    return status;
+}
+
+term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state) {
+    return fp3_term(fp3_dag_variable(g, fp3_step_find(a->step, role, state)));
+}
+
+term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n) {
+    known_table *known = &a->step->known;
+    uint32_t made = fp3_known_number(known, fabs(coefficient));
+    for (; n; n--)
+        made = fp3_known_make(known, KNOWN_MUL, made, fp3_known_step(known));
+    return (term){fp3_dag_known(&a->step->values, made), coefficient < 0};
+}
+
+term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d) {
+    dag *g = &a->step->values;
+    fp3_notes *notes = &a->step->notes;
+    if (!a->options->is_compensated)
+        return fp3_term_add(g, base, d);
+    const uint32_t new_state = g->note;
+    g->note = fp3_note(notes, "what is added to %s, with what was lost before",
+                       fp3_advance_name(a, state));
+    const term y = fp3_term_sub(g, d, a->lost[state]);
+    g->note = new_state;
+    const term sum = fp3_term_add(g, base, y);
+    g->note = fp3_note(notes, "what is lost of %s", fp3_advance_name(a, state));
+    a->lost[state] = fp3_term_sub(g, fp3_term_sub(g, sum, base), y);
+    return sum;
+}

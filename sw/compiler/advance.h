@@ -1,0 +1,40 @@
+/* advance.h - what the three kinds of integrators share: states as a step goes on, and their updates. */
+#ifndef FP3_ADVANCE_H
+#define FP3_ADVANCE_H
+
+#include <fp3/integrator.h>
+
+#include "fit.h"
+#include "lower.h"
+#include "step.h"
+
+typedef struct {
+    fp3_step *step;
+    const fp3_integrator *integrator;
+    const fp3_options *options;
+    const fp3_fit *fit;
+    lowering *places; /* of each stage or substep, for expressions there */
+    uint32_t place_count;
+    term *now, *lost; /* of each live state; they become those after the step */
+} fp3_advance;
+
+/* Opens a step's places: `state` gives the value of a state at one of them, and gets `user`; their
+ * names are `prefix` and a number from 1 on. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix,
+                              term (*state)(lowering *l, uint32_t state), void *user,
+                              fp3_error *error);
+
+static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state) {
+    return a->step->model->states[state].name;
+}
+
+/* A variable as it was when the step began, which dag g calls it. */
+term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);
+
+/* coefficient * h^n as a known value, its sign outside. */
+term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);
+
+/* base + d. Compensated: what is rounded away is kept, and taken off the next d (Kahan, 1965). */
+term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d);
+
+#endif

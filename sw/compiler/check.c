@@ -1,0 +1,63 @@
+/* check.c - operations, constants and words against what a configuration has. */
+#include "check.h"
+
+#include <inttypes.h>
+#include <isa.h>
+
+/* The key of the configuration that the operation needs and that is 0; NULL: it has all. */
+static const char *lacks(const fp3_config *config, uint32_t op) {
+    switch (op) {
+#define X(NAME, key)                                                                               \
+    case FP3_OP_##NAME:                                                                            \
+        return config->key ? NULL : #key;
+        FP3_OP_NEEDS(X)
+#undef X
+    default:
+        return NULL;
+    }
+}
+
+static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
+                            const fp3_config *config, fp3_error *error) {
+    for (uint32_t i = 0; i < count; i++) {
+        const char *what = lacks(config, ops[i].op);
+        const char *note = fp3_note_text(&step->notes, ops[i].note);
+        if (what)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "%s%sneeds `%s`, which configuration '%s' does not have",
+                            note ? note : "the model", note ? ": " : " ", what, config->name);
+    }
+    return FP3_OK;
+}
+
+static fp3_status check_words(const fp3_config *config, uint32_t words, fp3_error *error) {
+    if (words <= config->program_words)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "the program needs %" PRIu32 " words, configuration '%s' has %" PRIu32, words,
+                    config->name, config->program_words);
+}
+
+/* The first part has no operation that the step part has not. */
+fp3_status fp3_check_code(const fp3_step *step, const fp3_code *code, const fp3_config *config,
+                          fp3_error *error) {
+    fp3_status status = check_ops(step, code->step, code->step_count, config, error);
+    if (!status)
+        status = check_ops(step, code->last, code->last_count, config, error);
+    if (!status)
+        status =
+            check_words(config, code->first_count + code->step_count + code->last_count, error);
+    return status;
+}
+
+fp3_status fp3_check_schedule(const fp3_schedule *schedule, const fp3_config *config,
+                              fp3_error *error) {
+    const fp3_schedule *s = schedule;
+    if (s->constants > config->registers)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "the step needs %" PRIu32
+                        " shared constants, configuration '%s' has %" PRIu32,
+                        s->constants, config->name, config->registers);
+    return check_words(
+        config, s->first_count + s->step_count + s->last_count + s->loads + s->stores, error);
+}

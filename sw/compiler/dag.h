@@ -1,0 +1,61 @@
+/* dag.h - the values of a step: every value once, operands before what is made of them.
+ *
+ * A node is an instruction of the machine, or a leaf: a known value, or a variable as it was when the
+ * step began.
+ */
+#ifndef FP3_DAG_H
+#define FP3_DAG_H
+
+#include "known.h"
+
+#define FP3_DAG_LIMIT 20000u /* nodes: no instruction memory holds so many */
+
+enum { NODE_KNOWN = 256, NODE_VARIABLE = 257 }; /* beside FP3_OP_... */
+
+typedef struct {
+    uint32_t op;
+    uint32_t a, b, c; /* as in the instruction; FP3_NONE: it has none. Of a leaf a is the index */
+    uint32_t note;    /* which equation it serves */
+    uint32_t next;    /* in its chain of the hash table */
+} dag_node;
+
+#define FP3_DAG_BUCKETS 4096u
+typedef struct {
+    known_table *known;
+    dag_node *nodes;
+    uint32_t count, room;
+    uint32_t bucket[FP3_DAG_BUCKETS];
+    unsigned passes; /* what fold.h may do */
+    uint32_t note;   /* of the nodes made from now on */
+    int has_failed;  /* out of memory */
+    int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
+} dag;
+
+void fp3_dag_open(dag *g, known_table *known, unsigned passes);
+void fp3_dag_close(dag *g);
+
+/* Leaves, each once. */
+uint32_t fp3_dag_known(dag *g, uint32_t known);
+uint32_t fp3_dag_number(dag *g, double number);
+uint32_t fp3_dag_variable(dag *g, uint32_t index);
+
+/* A node of its own; see fold.h for the usual way. */
+uint32_t fp3_dag_make(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
+/* A node of this operation with these operands, or FP3_NONE. a + b is b + a, a b is b a. */
+uint32_t fp3_dag_find(const dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
+
+/* FP3_NONE, or which known value the node is. */
+uint32_t fp3_dag_is_known(const dag *g, uint32_t node);
+int fp3_dag_is_number(const dag *g, uint32_t node, double number);
+
+static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
+    return g->nodes[node].op >= NODE_KNOWN;
+}
+
+/* Operand 0 .. 2 of a node. */
+static inline uint32_t fp3_dag_operand(const dag *g, uint32_t node, int i) {
+    const dag_node *n = &g->nodes[node];
+    return i == 0 ? n->a : i == 1 ? n->b : n->c;
+}
+
+#endif

@@ -1,0 +1,131 @@
+/* fit.c - positions, velocities, and what depends on what. */
+#include "fit.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <stdlib.h>
+
+#define BIT(state) (UINT64_C(1) << (state))
+
+typedef struct {
+    const fp3_model *model;
+    const fp3_integrator *integrator;
+    fp3_fit *fit;
+    uint64_t *needs; /* of each expression: the states that it depends on */
+} fitting;
+
+static uint64_t find_positions(const fp3_model *model) {
+    uint64_t found = 0;
+    for (uint32_t s = 0; s < model->state_count; s++) {
+        const uint32_t velocity = model->states[s].velocity;
+        if (velocity != FP3_NONE && model->states[velocity].velocity == FP3_NONE)
+            found |= BIT(s);
+    }
+    return found;
+}
+
+uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_t velocity) {
+    for (uint32_t s = 0; s < model->state_count; s++)
+        if (fp3_fit_is_position(fit, s) && model->states[s].velocity == velocity)
+            return s;
+    return FP3_NONE;
+}
+
+static void find_needs(const fitting *f) {
+    for (uint32_t i = 0; i < f->model->expr_count; i++) {
+        const fp3_expr *e = &f->model->exprs[i];
+        f->needs[i] = e->op == FP3_EXPR_STATE ? BIT(e->index) : 0;
+        for (int j = 0; j < 3; j++)
+            if (e->operand[j] != FP3_NONE)
+                f->needs[i] |= f->needs[e->operand[j]];
+    }
+}
+
+static uint64_t needs_of(const fitting *f, uint32_t state) {
+    return f->needs[f->model->states[state].derivative];
+}
+
+/* Stoermer finds a velocity by its position. */
+static uint64_t found_by(const fitting *f, uint32_t state) {
+    const uint32_t position = fp3_fit_position_of(f->fit, f->model, state);
+    return f->integrator->kind == FP3_STOERMER && position != FP3_NONE ? BIT(position) : 0;
+}
+
+static void find_live(const fitting *f, const fp3_options *options) {
+    const uint32_t count = f->model->state_count;
+    const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
+    uint64_t *live = &f->fit->live;
+    *live = fp3_has_pass(options, FP3_PASS_DEAD) ? options->observed : all;
+    for (uint64_t before = ~*live; before != *live;) {
+        before = *live;
+        for (uint32_t s = 0; s < count; s++)
+            if (before & BIT(s))
+                *live |= needs_of(f, s) | found_by(f, s);
+    }
+}
+
+static fp3_status check_splitting(const fitting *f, fp3_error *error) {
+    if (f->fit->positions)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "integrator '%s' moves positions: found no state whose derivative is another "
+                    "state (as in s' = v), expected one",
+                    f->integrator->name);
+}
+
+static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
+    for (uint32_t s = 0; s < f->model->state_count; s++) {
+        const fp3_quantity *q = &f->model->states[s];
+        if (!fp3_fit_is_live(f->fit, s) || fp3_fit_is_position(f->fit, s))
+            continue;
+        if (fp3_fit_position_of(f->fit, f->model, s) == FP3_NONE)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "line %" PRIu32 ": integrator '%s' has positions and their "
+                            "accelerations: found state '%s', which is neither",
+                            q->line, f->integrator->name, q->name);
+        if (needs_of(f, s) & ~f->fit->positions)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "line %" PRIu32
+                            ": integrator '%s' has no velocity within a step: found "
+                            "'%s', whose derivative depends on more than positions",
+                            q->line, f->integrator->name, q->name);
+    }
+    return FP3_OK;
+}
+
+static fp3_status check(const fitting *f, fp3_error *error) {
+    if (f->integrator->kind == FP3_RUNGE_KUTTA)
+        return FP3_OK;
+    fp3_status status = check_splitting(f, error);
+    return status || f->integrator->kind == FP3_SPLITTING ? status : check_stoermer(f, error);
+}
+
+static unsigned order_of(const fitting *f) {
+    const fp3_integrator *integrator = f->integrator;
+    if (integrator->kind == FP3_RUNGE_KUTTA)
+        return integrator->is_position_late && f->fit->live & f->fit->positions
+                   ? integrator->position_order
+                   : integrator->order;
+    for (uint32_t s = 0; s < f->model->state_count; s++)
+        if (fp3_fit_is_live(f->fit, s) && !fp3_fit_is_position(f->fit, s) &&
+            needs_of(f, s) & ~f->fit->positions)
+            return 1;
+    return integrator->order;
+}
+
+fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator,
+                        const fp3_options *options, fp3_fit *fit, fp3_error *error) {
+    fitting f = {.model = model, .integrator = integrator, .fit = fit};
+    assert(model->state_count <= FP3_STATES_MAX);
+    *fit = (fp3_fit){.positions = find_positions(model)};
+    f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);
+    if (!f.needs)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    find_needs(&f);
+    find_live(&f, options);
+    const fp3_status status = check(&f, error);
+    if (!status)
+        fit->order = order_of(&f);
+    free(f.needs);
+    return status;
+}

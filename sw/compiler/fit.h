@@ -1,0 +1,31 @@
+/* fit.h - whether an integrator fits a model, and which states have to be computed. */
+#ifndef FP3_FIT_H
+#define FP3_FIT_H
+
+#include <fp3/integrator.h>
+
+#include "options.h"
+
+/* Sets of states of the model. */
+typedef struct {
+    uint64_t live;      /* what somebody observes, and what that depends on */
+    uint64_t positions; /* states whose derivative is another state, alone, that is no position */
+    unsigned order;     /* theoretical, of the worst live state */
+} fp3_fit;
+
+/* FP3_E_PROGRAM: the model has not the positions and velocities that the integrator moves. */
+fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator,
+                        const fp3_options *options, fp3_fit *fit, fp3_error *error);
+
+/* The first position that this state is the velocity of, or FP3_NONE. */
+uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_t velocity);
+
+static inline int fp3_fit_is_live(const fp3_fit *fit, uint32_t state) {
+    return (int)(fit->live >> state & 1);
+}
+
+static inline int fp3_fit_is_position(const fp3_fit *fit, uint32_t state) {
+    return (int)(fit->positions >> state & 1);
+}
+
+#endif

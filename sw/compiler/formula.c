@@ -1,0 +1,176 @@
+/* formula.c - infix notation, with as few parentheses as the rounding allows. */
+#include "formula.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Binding strength of what is written around an operand. */
+enum { LOOSE, EITHER, BOTH, COMPARED, SUM, PRODUCT, UNARY, RAISED };
+
+#define DEPTH_LIMIT 24 /* of what is written out; a chain of additions may be thousands deep */
+#define TEXT_LIMIT 72  /* bytes, about: a comment stays on its line */
+
+typedef struct {
+    const fp3_model *model;
+    uint32_t root; /* its own name does not stand for it */
+    FILE *out;
+    unsigned depth;
+} printer;
+
+static const struct {
+    const char *text;
+    int level;
+} infix[FP3_EXPR_OP_COUNT] = {
+    [FP3_EXPR_ADD] = {" + ", SUM},
+    [FP3_EXPR_SUB] = {" - ", SUM},
+    [FP3_EXPR_MUL] = {"*", PRODUCT},
+    [FP3_EXPR_DIV] = {"/", PRODUCT},
+    [FP3_EXPR_POWER] = {"^", RAISED},
+    [FP3_EXPR_LESS] = {" < ", COMPARED},
+    [FP3_EXPR_LESS_EQUAL] = {" <= ", COMPARED},
+    [FP3_EXPR_EQUAL] = {" == ", COMPARED},
+    [FP3_EXPR_AND] = {" and ", BOTH},
+    [FP3_EXPR_OR] = {" or ", EITHER},
+};
+
+static const char *function_name(fp3_expr_op op) {
+    switch (op) {
+#define X(NAME, operands, host)                                                                    \
+    case FP3_EXPR_##NAME:                                                                          \
+        return #NAME;
+        FP3_EXPR_OPS(X)
+#undef X
+    default:
+        return "?";
+    }
+}
+
+static const char *definition_of(printer *p, uint32_t expr) {
+    for (uint32_t i = 0; expr != p->root && i < p->model->definition_count; i++)
+        if (p->model->definitions[i].expr == expr)
+            return p->model->definitions[i].name;
+    return NULL;
+}
+
+static int is_long(const printer *p) { return ftell(p->out) > TEXT_LIMIT; }
+
+/* Nothing more, once it is long. */
+static void put(printer *p, const char *text) {
+    if (!is_long(p))
+        fputs(text, p->out);
+}
+
+static void put_number(printer *p, double number, int around) {
+    char text[32];
+    snprintf(text, sizeof text, signbit(number) && around > SUM ? "(%.9g)" : "%.9g", number);
+    put(p, text);
+}
+
+static void print(printer *p, uint32_t expr, int around);
+
+static void print_call(printer *p, const fp3_expr *e) {
+    char name[16] = "";
+    for (const char *c = function_name(e->op); *c && strlen(name) + 1 < sizeof name; c++)
+        name[strlen(name)] = (char)tolower((unsigned char)*c);
+    put(p, name);
+    for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++) {
+        put(p, i ? ", " : "(");
+        print(p, e->operand[i], LOOSE);
+    }
+    put(p, ")");
+}
+
+/* As it is rounded: a + (b + c) is not a + b + c. */
+static void print_infix(printer *p, const fp3_expr *e, int around) {
+    const int level = infix[e->op].level;
+    const int is_chain = level != COMPARED && level != RAISED; /* a op b op c is (a op b) op c */
+    put(p, level < around ? "(" : "");
+    print(p, e->operand[0], is_chain ? level : level + 1);
+    put(p, infix[e->op].text);
+    print(p, e->operand[1], level == RAISED ? level : level + 1);
+    put(p, level < around ? ")" : "");
+}
+
+static void print(printer *p, uint32_t expr, int around) {
+    const fp3_expr *e = &p->model->exprs[expr];
+    if (is_long(p))
+        return;
+    if (p->depth == DEPTH_LIMIT) {
+        put(p, "..");
+        return;
+    }
+    p->depth++;
+    const char *name = definition_of(p, expr);
+    if (name)
+        put(p, name);
+    else if (e->op == FP3_EXPR_NUMBER)
+        put_number(p, e->number, around);
+    else if (e->op == FP3_EXPR_STATE)
+        put(p, p->model->states[e->index].name);
+    else if (e->op == FP3_EXPR_PARAM)
+        put(p, p->model->params[e->index].name);
+    else if (e->op == FP3_EXPR_NEGATE) {
+        put(p, around > SUM ? "(-" : "-");
+        print(p, e->operand[0], UNARY);
+        put(p, around > SUM ? ")" : "");
+    } else if (infix[e->op].text)
+        print_infix(p, e, around);
+    else
+        print_call(p, e);
+    p->depth--;
+}
+
+static void print_known(const known_table *table, printer *p, uint32_t id, int around) {
+    static const char *const sign[] = {
+        [KNOWN_ADD] = " + ", [KNOWN_SUB] = " - ", [KNOWN_MUL] = "*", [KNOWN_DIV] = "/"};
+    const known *k = &table->list[id];
+    const int level = k->op == KNOWN_ADD || k->op == KNOWN_SUB ? SUM : PRODUCT;
+    if (is_long(p))
+        return;
+    if (k->op == KNOWN_NUMBER)
+        put_number(p, k->number, around);
+    else if (k->op == KNOWN_STEP)
+        put(p, "h");
+    else if (k->op == KNOWN_MODEL)
+        print(p, k->a, around);
+    else if (k->op == KNOWN_NEGATE) {
+        put(p, around > SUM ? "(-" : "-");
+        print_known(table, p, k->a, UNARY);
+        put(p, around > SUM ? ")" : "");
+    } else {
+        put(p, level < around ? "(" : "");
+        print_known(table, p, k->a, level);
+        put(p, sign[k->op]);
+        print_known(table, p, k->b, level + 1);
+        put(p, level < around ? ")" : "");
+    }
+}
+
+static char *text_of(const known_table *table, const fp3_model *model, uint32_t id) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    printer p = {.model = model, .root = table ? FP3_NONE : id, .out = out};
+    if (table)
+        print_known(table, &p, id, LOOSE);
+    else
+        print(&p, id, LOOSE);
+    if (is_long(&p))
+        fputs(" ...", out);
+    if (fclose(out)) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+char *fp3_formula_known(const known_table *table, uint32_t id) {
+    return text_of(table, table->model, id);
+}
+
+char *fp3_formula_expr(const fp3_model *model, uint32_t expr) { return text_of(NULL, model, expr); }

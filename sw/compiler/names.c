@@ -1,0 +1,153 @@
+/* names.c - registers and constants by names that stand once. */
+#include "names.h"
+
+#include <fp3/asm.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int is_taken(const fp3_names *names, const fp3_model *model, const char *name) {
+    for (uint32_t i = 0; i < names->object_count; i++)
+        if (strcmp(names->object[i], name) == 0)
+            return 1;
+    for (uint32_t i = 0; i < names->constant_count; i++)
+        if (strcmp(names->constant[i], name) == 0)
+            return 1;
+    for (uint32_t i = 0; i < model->state_count; i++)
+        if (strcmp(model->states[i].name, name) == 0)
+            return 1;
+    return 0;
+}
+
+/* `wanted`, or that with a number behind it, so that nothing else has the name. */
+static void name_it(const fp3_names *names, const fp3_model *model, const char *wanted,
+                    char name[FP3_NAME_SIZE]) {
+    char made[FP3_NAME_SIZE];
+    snprintf(made, sizeof made, "%.*s", FP3_NAME_SIZE - 6, wanted);
+    if (fp3_name_valid(wanted))
+        snprintf(made, sizeof made, "%s", wanted);
+    for (unsigned i = 2; is_taken(names, model, made); i++)
+        snprintf(made, sizeof made, "%.*s%u", FP3_NAME_SIZE - 6, wanted, i % 100000);
+    memcpy(name, made, sizeof made);
+}
+
+static const char *definition_name(const fp3_model *model, uint32_t expr) {
+    for (uint32_t i = 0; i < model->definition_count; i++)
+        if (model->definitions[i].expr == expr)
+            return model->definitions[i].name;
+    return NULL;
+}
+
+static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
+                        char wanted[FP3_NAME_SIZE + 16]) {
+    const known *k = &step->known.list[id];
+    const known *below = k->op == KNOWN_DIV ? &step->known.list[k->b] : NULL;
+    const fp3_model *model = step->model;
+    const size_t size = FP3_NAME_SIZE + 16;
+    if (k->op == KNOWN_STEP)
+        snprintf(wanted, size, "h");
+    else if (k->op == KNOWN_MODEL && model->exprs[k->a].op == FP3_EXPR_PARAM)
+        snprintf(wanted, size, "%s", model->params[model->exprs[k->a].index].name);
+    else if (k->op == KNOWN_MODEL && definition_name(model, k->a))
+        snprintf(wanted, size, "%s", definition_name(model, k->a));
+    else if (below && fp3_known_is(&step->known, k->a, 1) && below->op == KNOWN_STEP)
+        snprintf(wanted, size, "over_h");
+    else if (below && fp3_known_is(&step->known, k->a, 1) && below->op == KNOWN_MODEL &&
+             model->exprs[below->a].op == FP3_EXPR_PARAM)
+        snprintf(wanted, size, "over_%s", model->params[model->exprs[below->a].index].name);
+    else
+        snprintf(wanted, size, "%s%" PRIu32, prefix, id);
+}
+
+/* What the first operation that reads a constant is for. */
+static const char *reader_of(const fp3_step *step, const fp3_code *code, uint32_t constant) {
+    const fp3_op *parts[] = {code->first, code->step, code->last};
+    const uint32_t counts[] = {code->first_count, code->step_count, code->last_count};
+    for (int part = 0; part < 3; part++)
+        for (uint32_t i = 0; i < counts[part]; i++) {
+            const fp3_op *op = &parts[part][i];
+            const fp3_ref *refs[] = {&op->a, &op->b, &op->c};
+            for (int j = 0; j < 3; j++)
+                if (refs[j]->at == FP3_AT_CONSTANT && refs[j]->index == constant &&
+                    fp3_note_text(&step->notes, op->note))
+                    return fp3_note_text(&step->notes, op->note);
+        }
+    return "the model";
+}
+
+static fp3_status number_name(const fp3_step *step, const fp3_code *code, uint32_t constant,
+                              double number, char name[FP3_NAME_SIZE], fp3_error *error) {
+    const float f = (float)number;
+    uint32_t bits;
+    if (!isfinite(f))
+        return fp3_fail(error, FP3_E_PROGRAM, "%s: found %.9g, expected a finite FP32 number",
+                        reader_of(step, code, constant), number);
+    memcpy(&bits, &f, sizeof bits);
+    fp3_number_text(bits, name);
+    return FP3_OK;
+}
+
+static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t i,
+                          char name[FP3_NAME_SIZE]) {
+    static const char *const suffix[] = {
+        [ROLE_LOST] = "_lost", [ROLE_BEFORE] = "_before", [ROLE_LOST_BEFORE] = "_lost_before"};
+    const variable *v = &step->variables[i];
+    char wanted[FP3_NAME_SIZE + 16];
+    if (v->role == ROLE_CARRIED)
+        snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
+    else
+        snprintf(wanted, sizeof wanted, "%s%s", step->model->states[v->state].name,
+                 suffix[v->role]);
+    name_it(names, step->model, wanted, name);
+}
+
+static fp3_status name_constants(const fp3_step *step, const conversion *c, fp3_names *names,
+                                 fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < c->code.constant_count; i++) {
+        const uint32_t id = c->constants[i];
+        char wanted[FP3_NAME_SIZE + 16], *name = names->constant[names->constant_count];
+        wanted_name(step, id, "c", wanted);
+        if (step->known.list[id].op == KNOWN_NUMBER)
+            status = number_name(step, &c->code, i, step->known.list[id].number, name, error);
+        else
+            name_it(names, step->model, wanted, name);
+        names->constant_count++;
+    }
+    if (!status) /* what copies add, if any */
+        snprintf(names->constant[names->constant_count++], FP3_NAME_SIZE, "-0.0");
+    return status;
+}
+
+fp3_status fp3_names_make(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
+                          fp3_names *names, fp3_error *error) {
+    *names = (fp3_names){.object = calloc(schedule->registers + 1u, sizeof *names->object),
+                         .constant = calloc(c->code.constant_count + 2u, sizeof *names->constant)};
+    if (!names->object || !names->constant)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < schedule->registers; i++) {
+        char *name = names->object[i], wanted[FP3_NAME_SIZE + 16];
+        const uint32_t param = i - step->variable_count;
+        if (i < step->variable_count && step->variables[i].role == ROLE_STATE)
+            memcpy(name, step->model->states[step->variables[i].state].name, FP3_NAME_SIZE);
+        else if (i < step->variable_count)
+            variable_name(step, names, i, name);
+        else if (param < c->code.param_count) {
+            wanted_name(step, c->params[param], "p", wanted);
+            name_it(names, step->model, wanted, name);
+        } else {
+            snprintf(wanted, sizeof wanted, "t%" PRIu32, param - c->code.param_count);
+            name_it(names, step->model, wanted, name);
+        }
+        names->object_count++;
+    }
+    return name_constants(step, c, names, error);
+}
+
+void fp3_names_close(fp3_names *names) {
+    free(names->object);
+    free(names->constant);
+    *names = (fp3_names){0};
+}

@@ -1,0 +1,25 @@
+/* notes.h - what each operation is for, in words: the comments of the assembly. */
+#ifndef FP3_NOTES_H
+#define FP3_NOTES_H
+
+#include <fp3/model.h>
+
+#define FP3_PLACE_SIZE 24
+
+typedef struct {
+    char **list;
+    uint32_t count, room;
+    int is_on;      /* else every note is FP3_NONE */
+    int has_failed; /* out of memory */
+} fp3_notes;
+
+void fp3_notes_close(fp3_notes *notes);
+
+__attribute__((format(printf, 2, 3))) uint32_t fp3_note(fp3_notes *notes, const char *format, ...);
+/* For an expression at this place ("k2"). FP3_NONE: it needs no words. */
+uint32_t fp3_note_expr(fp3_notes *notes, const fp3_model *model, uint32_t expr, const char *place);
+
+/* NULL: there is none. */
+const char *fp3_note_text(const fp3_notes *notes, uint32_t note);
+
+#endif

@@ -1,0 +1,30 @@
+/* options.h - what is asked of the passes. Each of them gets the same options and changes none. */
+#ifndef FP3_OPTIONS_H
+#define FP3_OPTIONS_H
+
+#include <fp3/model.h>
+#include <fp3/passes.h>
+#include <machine/config.h>
+
+#define FP3_STATES_MAX 64 /* a set of states is the bits of a uint64_t */
+
+typedef struct {
+    const fp3_config *config;
+    unsigned passes;    /* a set of FP3_PASS(...) */
+    uint64_t observed;  /* the states that somebody reads */
+    int is_compensated; /* what an update loses is added to the next one */
+    int has_notes;      /* the assembly gets comments */
+} fp3_options;
+
+static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {
+    return (options->passes & FP3_PASS(pass)) != 0;
+}
+
+/* The passes that the configuration can use, and whose own needs are met. */
+unsigned fp3_options_usable(unsigned passes, const fp3_config *config);
+
+/* The set of these states of the model; names == NULL: all. FP3_E_ARGUMENT: no such state. */
+fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,
+                               uint64_t *observed, fp3_error *error);
+
+#endif

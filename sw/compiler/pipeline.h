@@ -1,0 +1,26 @@
+/* pipeline.h - the passes in a row: a model and an integrator to a schedule.
+ *
+ *     model, integrator -> fit -> integrate -> carry -> choose, convert -> schedule
+ */
+#ifndef FP3_PIPELINE_H
+#define FP3_PIPELINE_H
+
+#include <fp3/integrator.h>
+
+#include "convert.h"
+#include "schedule/lines.h"
+
+typedef struct {
+    fp3_step step;
+    conversion code;
+    fp3_schedule *schedule;
+    unsigned order; /* theoretical */
+} fp3_pipeline;
+
+/* The caller closes, after a failure too. */
+fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
+                            const fp3_integrator *integrator, const fp3_options *options,
+                            fp3_error *error);
+void fp3_pipeline_close(fp3_pipeline *p);
+
+#endif

@@ -1,0 +1,217 @@
+/* runge_kutta.c - stages, and sums of slopes. */
+#include "runge_kutta.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A row of the table without its zeros. */
+typedef struct {
+    double c;
+    term slope;
+} summand;
+
+typedef struct {
+    fp3_advance *a;
+    term *stage, *slope; /* [place * state_count + state], where has_... */
+    char *has_stage, *has_slope;
+} runge_kutta;
+
+static dag *values(const runge_kutta *r) { return &r->a->step->values; }
+static fp3_notes *notes(const runge_kutta *r) { return &r->a->step->notes; }
+
+static const char *name_of(const runge_kutta *r, uint32_t state) {
+    return fp3_advance_name(r->a, state);
+}
+
+static uint32_t cell(const runge_kutta *r, uint32_t place, uint32_t state) {
+    return place * r->a->step->model->state_count + state;
+}
+
+static term held(const runge_kutta *r, uint32_t state) {
+    return fp3_advance_held(r->a, values(r), ROLE_STATE, state);
+}
+
+static int is_folded(const runge_kutta *r) {
+    return fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP);
+}
+
+/* A number of the table; where h is folded in, times h. */
+static term coefficient(const runge_kutta *r, double c) {
+    return fp3_advance_scaled_step(r->a, c, is_folded(r) ? 1 : 0);
+}
+
+/* ---- sums of slopes ---- */
+
+static term sum_of(const runge_kutta *r, const summand *list, unsigned count, int is_scaled) {
+    dag *g = values(r);
+    term sum = {0};
+    for (unsigned i = 0; i < count; i++) {
+        const double c = list[i].c;
+        term factor = is_scaled ? fp3_term(fp3_dag_number(g, fabs(c))) : coefficient(r, fabs(c));
+        term t = fp3_term_mul(g, factor, list[i].slope);
+        if (c < 0)
+            t = fp3_term_negated(t);
+        sum = i ? fp3_term_add(g, sum, t) : t;
+    }
+    return sum;
+}
+
+static unsigned factors(const summand *list, unsigned count, double unit) {
+    unsigned found = 0;
+    for (unsigned i = 0; i < count; i++)
+        found += fabs(list[i].c) != unit;
+    return found;
+}
+
+/* The smallest coefficient, if all others are whole multiples of it and taking it out leaves fewer
+ * products: (k1 + 2 k2 + 2 k3 + k4)/6. Else 0. */
+static double common_factor(const runge_kutta *r, summand *list, unsigned count) {
+    double unit = INFINITY;
+    for (unsigned i = 0; i < count; i++)
+        if (fabs(list[i].c) < unit)
+            unit = fabs(list[i].c);
+    if (count < 2 || !isfinite(unit))
+        return 0;
+    for (unsigned i = 0; i < count; i++)
+        if (fabs(list[i].c / unit - round(list[i].c / unit)) > 1e-9)
+            return 0;
+    const unsigned plain = is_folded(r) ? factors(list, count, INFINITY) : factors(list, count, 1);
+    if (factors(list, count, unit) + (unit != 1 || is_folded(r)) >= plain)
+        return 0;
+    for (unsigned i = 0; i < count; i++)
+        list[i].c = round(list[i].c / unit) * unit;
+    return unit;
+}
+
+/* What a row of the table adds to the state. */
+static term increment(const runge_kutta *r, summand *list, unsigned count) {
+    const double unit = common_factor(r, list, count);
+    if (unit == 0)
+        return sum_of(r, list, count, 0);
+    for (unsigned i = 0; i < count; i++)
+        list[i].c = round(list[i].c / unit);
+    return fp3_term_mul(values(r), coefficient(r, unit), sum_of(r, list, count, 1));
+}
+
+/* base + c1 k1 + c2 k2 + ..., from the left, or with the common factor taken out. */
+static term stage_sum(const runge_kutta *r, uint32_t state, uint32_t place, summand *list,
+                      unsigned count) {
+    dag *g = values(r);
+    const char *name = name_of(r, state);
+    term sum = held(r, state);
+    summand copy[FP3_STAGES_MAX];
+    memcpy(copy, list, count * sizeof *list);
+    const int has_factor = common_factor(r, copy, count) != 0;
+    const uint32_t whole = fp3_note(notes(r), "%s at stage %" PRIu32, name, place + 1);
+    g->note = has_factor || count > 1
+                  ? fp3_note(notes(r), "%s at stage %" PRIu32 ", in part", name, place + 1)
+                  : whole;
+    if (has_factor) {
+        const term d = increment(r, list, count);
+        g->note = whole;
+        return fp3_term_add(g, sum, d);
+    }
+    for (unsigned i = 0; i < count; i++) {
+        if (i + 1 == count)
+            g->note = whole;
+        sum = fp3_term_add(g, sum, fp3_term_mul(g, coefficient(r, list[i].c), list[i].slope));
+    }
+    return sum;
+}
+
+/* ---- stages ---- */
+
+static term slope_of(runge_kutta *r, uint32_t place, uint32_t state);
+
+/* A coefficient 0 has no term: 0 k is not 0 where k is infinite. */
+static unsigned row(runge_kutta *r, const double *c, unsigned count, uint32_t state,
+                    summand *list) {
+    unsigned n = 0;
+    for (unsigned j = 0; j < count; j++)
+        if (c[j] != 0)
+            list[n++] = (summand){c[j], slope_of(r, j, state)};
+    return n;
+}
+
+static int is_late(const runge_kutta *r, uint32_t state) {
+    return r->a->integrator->is_position_late && fp3_fit_is_position(r->a->fit, state);
+}
+
+static term state_at(lowering *l, uint32_t state) {
+    runge_kutta *r = l->user;
+    const uint32_t i = cell(r, l->index, state);
+    if (l->index == 0 || is_late(r, state))
+        return held(r, state);
+    if (!r->has_stage[i]) {
+        const uint32_t outside = values(r)->note;
+        summand list[FP3_STAGES_MAX];
+        const unsigned n = row(r, r->a->integrator->a[l->index], l->index, state, list);
+        r->stage[i] = stage_sum(r, state, l->index, list, n);
+        r->has_stage[i] = 1;
+        values(r)->note = outside;
+    }
+    return r->stage[i];
+}
+
+static term slope_of(runge_kutta *r, uint32_t place, uint32_t state) {
+    const uint32_t i = cell(r, place, state);
+    if (!r->has_slope[i]) {
+        const uint32_t derivative = r->a->step->model->states[state].derivative;
+        const term f = fp3_lower(&r->a->places[place], derivative);
+        const uint32_t outside = values(r)->note;
+        values(r)->note = fp3_note(notes(r), "k%" PRIu32 " of %s = h*%s'", place + 1,
+                                   name_of(r, state), name_of(r, state));
+        r->slope[i] =
+            is_folded(r) ? f : fp3_term_mul(values(r), fp3_advance_scaled_step(r->a, 1, 1), f);
+        r->has_slope[i] = 1;
+        values(r)->note = outside;
+    }
+    return r->slope[i];
+}
+
+/* ---- the step ---- */
+
+static void advance_early(runge_kutta *r, uint32_t s) {
+    const fp3_integrator *integrator = r->a->integrator;
+    summand list[FP3_STAGES_MAX];
+    const unsigned n = row(r, integrator->b, integrator->stages, s, list);
+    values(r)->note = fp3_note(notes(r), "what is added to %s", name_of(r, s));
+    const term d = increment(r, list, n);
+    values(r)->note = fp3_note(notes(r), "new %s", name_of(r, s));
+    r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
+}
+
+/* A late position moves by the new velocity: s + h v1. */
+static void advance_late(runge_kutta *r, uint32_t s) {
+    const uint32_t v = r->a->step->model->states[s].velocity;
+    values(r)->note =
+        fp3_note(notes(r), "new %s = %s + h*%s", name_of(r, s), name_of(r, s), name_of(r, v));
+    const term d = fp3_term_mul(values(r), fp3_advance_scaled_step(r->a, 1, 1), r->a->now[v]);
+    r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
+}
+
+fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
+    const uint32_t states = a->step->model->state_count;
+    const size_t cells = (size_t)a->integrator->stages * states + 1u;
+    runge_kutta r = {.a = a,
+                     .stage = calloc(cells, sizeof *r.stage),
+                     .slope = calloc(cells, sizeof *r.slope),
+                     .has_stage = calloc(cells, 1),
+                     .has_slope = calloc(cells, 1)};
+    fp3_status status = r.stage && r.slope && r.has_stage && r.has_slope
+                            ? FP3_OK
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_advance_places(a, a->integrator->stages, "k", state_at, &r, error);
+    for (int late = 0; !status && late < 2; late++)
+        for (uint32_t s = 0; s < states; s++)
+            if (fp3_fit_is_live(a->fit, s) && is_late(&r, s) == late)
+                (late ? advance_late : advance_early)(&r, s);
+    free(r.stage);
+    free(r.slope);
+    free(r.has_stage);
+    free(r.has_slope);
+    return status;
+}

@@ -1,0 +1,42 @@
+/* splitting.c - substeps, each of which moves all positions or all velocities. */
+#include "splitting.h"
+
+static term state_now(lowering *l, uint32_t state) {
+    const fp3_advance *a = l->user;
+    return a->now[state];
+}
+
+static int is_moved(const fp3_advance *a, const fp3_substep *substep, uint32_t state) {
+    return fp3_fit_is_live(a->fit, state) &&
+           fp3_fit_is_position(a->fit, state) != (substep->is_kick != 0);
+}
+
+/* All increments come from the states before the substep. */
+static void advance(const fp3_advance *a, unsigned i, const fp3_substep *substep) {
+    const fp3_model *model = a->step->model;
+    dag *g = &a->step->values;
+    fp3_notes *notes = &a->step->notes;
+    term d[FP3_STATES_MAX];
+    for (uint32_t s = 0; s < model->state_count; s++) {
+        if (!is_moved(a, substep, s))
+            continue;
+        const term f = substep->is_kick ? fp3_lower(&a->places[i], model->states[s].derivative)
+                                        : a->now[model->states[s].velocity];
+        g->note =
+            fp3_note(notes, "%u: %s of %s by %.6g h", i + 1, substep->is_kick ? "kick" : "drift",
+                     fp3_advance_name(a, s), substep->coefficient);
+        d[s] = fp3_term_mul(g, fp3_advance_scaled_step(a, substep->coefficient, 1), f);
+    }
+    for (uint32_t s = 0; s < model->state_count; s++)
+        if (is_moved(a, substep, s)) {
+            g->note = fp3_note(notes, "%u: new %s", i + 1, fp3_advance_name(a, s));
+            a->now[s] = fp3_advance_update(a, s, a->now[s], d[s]);
+        }
+}
+
+fp3_status fp3_splitting(fp3_advance *a, fp3_error *error) {
+    const fp3_status status = fp3_advance_places(a, a->integrator->stages, "", state_now, a, error);
+    for (unsigned i = 0; !status && i < a->integrator->stages; i++)
+        advance(a, i, &a->integrator->substeps[i]);
+    return status;
+}

@@ -1,0 +1,15 @@
+/* fp3/inputs.h - what the host writes before a run of a compiled program. */
+#ifndef FP3_INPUTS_H
+#define FP3_INPUTS_H
+
+#include <fp3/image.h>
+#include <stdint.h>
+
+typedef struct {
+    char name[FP3_NAME_SIZE];
+    int is_shared;  /* a .shared; else a .state or .param of each object */
+    uint32_t state; /* start of this state of the model; FP3_NONE: another value */
+    char *formula;  /* as a reader sees it, "1/m" */
+} fp3_input;
+
+#endif

@@ -1,0 +1,21 @@
+/* fp3/reference.h - the steps of a compiled program, straight from the equations. */
+#ifndef FP3_REFERENCE_H
+#define FP3_REFERENCE_H
+
+#include <fp3/compile.h>
+
+/* Without any pass that keeps the bits, in FP32: what every engine must equal bit for bit. params,
+ * initial and h as in fp3/start.h. states has count rows of model->state_count floats. Row i gets,
+ * after steps[i] steps (none less than the one before), the states that are computed (observed, or
+ * needed by what is), a NaN as 7FC00000; others are unchanged. */
+fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
+                                  const double *initial, double h, const uint64_t *steps,
+                                  size_t count, float *states, fp3_error *error);
+
+/* The same steps in double, with quotients and roots in double: the integrator without FP32. Sines and cosines
+ * are the same polynomials. */
+fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
+                              const double *initial, double h, const uint64_t *steps, size_t count,
+                              double *states, fp3_error *error);
+
+#endif

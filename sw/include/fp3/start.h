@@ -1,0 +1,17 @@
+/* fp3/start.h - what the inputs of a compiled program are for an object.
+ *
+ *     float values[...];   program->input_count of them
+ *     fp3_compiled_inputs(program, params, initial, h, values, &error);
+ *     ... write each: program->inputs[i].name ...
+ */
+#ifndef FP3_START_H
+#define FP3_START_H
+
+#include <fp3/compile.h>
+
+/* values[i] of inputs[i] for an object with these params and start (model->param_count and
+ * state_count numbers) and time step h: computed in double, rounded once. FP3_E_ARGUMENT: a value is not finite. */
+fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
+                               const double *initial, double h, float *values, fp3_error *error);
+
+#endif

@@ -1,0 +1,129 @@
+/* cost.c - loads and stores of a visit, cycles, and what no order can beat. */
+#include "cost.h"
+
+#include "machine/cycles.h"
+#include "path.h"
+#include "timing.h"
+
+#include <assert.h>
+#include <isa.h>
+#include <machine/operation.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- loads and stores of a visit ---- */
+
+#define BIT(reg) (UINT64_C(1) << (reg))
+
+/* As in lib/visit.c: what is read before it is written, if after is read after the end. */
+static uint64_t live(const fp3_line *lines, uint32_t count, uint64_t after) {
+    while (count-- > 0) {
+        const fp3_operation *operation = fp3_operation_find(lines[count].op);
+        after &= ~BIT(lines[count].d);
+        for (size_t k = 0; operation && k + 1 < strlen(operation->operands); k++)
+            if (lines[count].operand[k] < FP3_BANK_SHARED_BASE)
+                after |= BIT(lines[count].operand[k]);
+    }
+    return after;
+}
+
+static uint64_t written(const fp3_line *lines, uint32_t count) {
+    uint64_t set = 0;
+    for (uint32_t i = 0; i < count; i++)
+        set |= BIT(lines[i].d);
+    return set;
+}
+
+static uint32_t size_of(uint64_t set) {
+    uint32_t bits = 0;
+    for (; set; set &= set - 1)
+        bits++;
+    return bits;
+}
+
+/* States are named as such, what the first part makes is a .temp. A visit has one of each at
+ * least. */
+static void find_visit(const fp3_code *code, fp3_schedule *s) {
+    uint64_t states = 0, stored = written(s->first, s->first_count);
+    stored |= written(s->step, s->step_count) | written(s->last, s->last_count);
+    for (uint32_t x = 0; x < code->variable_count; x++)
+        if (code->variables[x].first.at == FP3_AT_NOWHERE)
+            states |= BIT(x);
+    stored &= states;
+    const uint64_t loaded =
+        live(s->first, s->first_count,
+             live(s->step, s->step_count, live(s->last, s->last_count, stored)));
+    s->loads = loaded ? size_of(loaded) : 1;
+    s->stores = stored ? size_of(stored) : 1;
+}
+
+/* ---- cycles and bounds ---- */
+
+static double per_sweep(const fp3_config *config) {
+    return (double)fp3_cycles_sweep(config, config->contexts) / config->contexts;
+}
+
+/* Objects that the whole configuration advances at a time. */
+static double parts(const fp3_config *config) {
+    return (double)config->tiles * config->schedulers * config->lanes;
+}
+
+static fp3_status find_cycles(const fp3_config *config, fp3_schedule *made, fp3_error *error) {
+    fp3_timed *code;
+    fp3_timed_program program;
+    if (config->interleave) {
+        if (config->schedulers == 1)
+            made->cycles = made->step_count * per_sweep(config) / parts(config);
+        return FP3_OK;
+    }
+    if (!fp3_time_schedule(made, config, &code, &program))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    made->cycles = fp3_cycles_solo_step(config, &program);
+    free(code);
+    return FP3_OK;
+}
+
+/* No order takes fewer: issue slots, and uses of a unit where schedulers share it. */
+static double issue_bound(const fp3_code *code, const fp3_config *config) {
+    const double count = (double)code->step_count;
+    uint32_t adds = 0, muls = 0;
+    if (!config->interleave)
+        return config->writeback_stall ? 2 * count : count;
+    for (uint32_t i = 0; i < code->step_count; i++) {
+        adds += (uint32_t)fp3_cycles_adds(code->step[i].op);
+        muls += (uint32_t)fp3_cycles_multiplies(code->step[i].op);
+    }
+    const double issue = count * per_sweep(config) / parts(config);
+    const double use = (adds > muls ? adds : muls) / (double)config->tiles;
+    return config->schedulers > 1 && use > issue ? use : issue;
+}
+
+fp3_status fp3_cost_find(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+                         fp3_error *error) {
+    if (config->interleave)
+        find_visit(code, made);
+    fp3_status status = find_cycles(config, made, error);
+    made->bound_issue = issue_bound(code, config);
+    if (!status && !config->interleave)
+        status = fp3_path_longest(code, config, &made->bound_path, error);
+    made->bound = made->bound_issue > made->bound_path ? made->bound_issue : made->bound_path;
+    assert(status || !made->cycles || made->cycles >= made->bound - 1e-6);
+    return status;
+}
+
+uint64_t fp3_cost_cycles(const fp3_schedule *schedule, const fp3_config *config, uint64_t steps) {
+    const fp3_schedule *s = schedule;
+    fp3_timed *code;
+    fp3_timed_program program;
+    if (config->interleave) {
+        const uint64_t once = (uint64_t)s->loads + s->first_count + s->last_count + s->stores;
+        if (config->schedulers > 1 || !steps)
+            return 0;
+        return fp3_cycles_interleaved(config, config->contexts, once + s->step_count * steps);
+    }
+    if (!fp3_time_schedule(s, config, &code, &program))
+        return 0;
+    const uint64_t cycles = fp3_cycles_solo(config, &program, steps);
+    free(code);
+    return cycles;
+}

@@ -1,0 +1,15 @@
+/* ends.h - the parts that run once: before the steps, and after them. */
+#ifndef FP3_ENDS_H
+#define FP3_ENDS_H
+
+#include "search.h"
+
+/* Each fills its lines in made, and raises made->registers. FP3_E_LIMIT: too few registers.
+ * step, best: the step part as it was scheduled. What it executes ahead the first part executes for
+ * the first step. */
+fp3_status fp3_ends_first(const fp3_block *step, const fp3_choice *best, fp3_schedule *made,
+                          fp3_error *error);
+fp3_status fp3_ends_last(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+                         fp3_error *error);
+
+#endif

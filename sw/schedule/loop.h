@@ -1,0 +1,34 @@
+/* loop.h - the step part of the solo machine, filled cycle by cycle.
+ *
+ * The list goes through the step as the issue stage does, and lets issue in every cycle what can
+ * and is most urgent, beginning with the results that the step before left on their way. Which
+ * nodes are executed ahead is given.
+ */
+#ifndef FP3_SCHEDULE_LOOP_H
+#define FP3_SCHEDULE_LOOP_H
+
+#include "dependences.h"
+
+#define FP3_NO_GUARD INT32_MAX
+
+typedef struct {
+    const fp3_dependences
+        *graph;             /* with an edge from each reader of a value to its next computation */
+    const char *is_ahead;   /* of each node */
+    const int32_t *urgency; /* larger ones first; an ahead node is an interval less urgent */
+    uint32_t interval;
+    /* Urgency that a node loses by taking the write cycle of one with a shorter latency. */
+    int32_t loss;
+    /* A node waits rather than take the write cycle of one that is so much more urgent, or more. */
+    int32_t guard;
+    /* A node is more urgent by chance, by less than noise; 0: by nothing. */
+    uint32_t noise, seed;
+    /* With so many temporary values or more, whoever ends most of them comes first. */
+    uint32_t limit;
+} fp3_loop;
+
+/* order has room for block->count nodes. */
+fp3_status fp3_loop_order(const fp3_block *block, const fp3_loop *loop, uint32_t *order,
+                          fp3_error *error);
+
+#endif

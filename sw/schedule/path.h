@@ -1,0 +1,11 @@
+/* path.h - how long a step must take on the solo machine, from its data alone. */
+#ifndef FP3_PATH_H
+#define FP3_PATH_H
+
+#include "code.h"
+
+/* Cycles per step of the longest dependence from step to step. */
+fp3_status fp3_path_longest(const fp3_code *code, const fp3_config *config, double *cycles,
+                            fp3_error *error);
+
+#endif

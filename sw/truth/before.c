@@ -1,0 +1,28 @@
+/* before.c - states at the start, and one step before it. */
+#include "before.h"
+
+#include <fp3/truth.h>
+#include <stdlib.h>
+
+static int needs_truth(const fp3_step *step) {
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        if (step->variables[i].role == ROLE_BEFORE)
+            return 1;
+    return 0;
+}
+
+fp3_status fp3_before_start(const fp3_step *step, const double *params, const double *initial,
+                            double h, double *start, fp3_error *error) {
+    double *before = calloc(step->model->state_count + 1u, sizeof *before);
+    fp3_status status = before ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status && needs_truth(step))
+        status = fp3_model_truth(step->model, params, initial, -h, before, error);
+    for (uint32_t i = 0; !status && i < step->variable_count; i++) {
+        const variable *v = &step->variables[i];
+        start[i] = v->role == ROLE_STATE    ? initial[v->state]
+                   : v->role == ROLE_BEFORE ? before[v->state]
+                                            : 0;
+    }
+    free(before);
+    return status;
+}

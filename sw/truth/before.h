@@ -1,0 +1,12 @@
+/* before.h - what the variables of a step are when a run begins. */
+#ifndef FP3_BEFORE_H
+#define FP3_BEFORE_H
+
+#include "compiler/step.h"
+
+/* start: of each variable, carried ones excepted. A state one step before the start is where the
+ * truth says that it was at -h. */
+fp3_status fp3_before_start(const fp3_step *step, const double *params, const double *initial,
+                            double h, double *start, fp3_error *error);
+
+#endif
