@@ -3,22 +3,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
 #include "machine/operation.h"
-
-enum { REGISTERS = FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT };
+#include "operand.h"
 
 /* How one image is written. */
 typedef struct {
     const fp3_image *image;
-    const char *names[REGISTERS];       /* by operand */
-    const uint32_t *numbers[REGISTERS]; /* the bits of what has a value and no name */
-    int write_numbers;                  /* as numbers; otherwise by register */
+    const char *names[ASM_REGISTERS];       /* by operand */
+    const uint32_t *numbers[ASM_REGISTERS]; /* bits of the constants with a value and no name */
+    int write_numbers; /* constants without a name as numbers, else as registers */
 } view;
 
 static view view_of(const fp3_image *image) {
     view v = {.image = image, .write_numbers = 1};
-    for (uint32_t i = 0; image && i < REGISTERS; i++)
+    for (uint32_t i = 0; image && i < ASM_REGISTERS; i++)
         v.names[i] = fp3_image_name(image, i);
     for (uint32_t i = 0; image && i < image->constant_count; i++) {
         uint32_t operand = FP3_BANK_SHARED_BASE + image->constants[i].index;
@@ -29,16 +27,14 @@ static view view_of(const fp3_image *image) {
 }
 
 static void register_text(const view *v, uint32_t operand, char text[FP3_NAME_SIZE]) {
-    int object = operand < FP3_BANK_SHARED_BASE;
-    text[0] = '%';
-    snprintf(text + 1, FP3_NAME_SIZE - 1, "%c%u",
-             object ? FP3_BANK_OBJECT_PREFIX : FP3_BANK_SHARED_PREFIX,
-             object ? operand - FP3_BANK_OBJECT_BASE : operand - FP3_BANK_SHARED_BASE);
-    /* The % is needed only where a name is spelled like this register. */
-    for (uint32_t i = 0; i < REGISTERS; i++)
-        if (v->names[i] && !strcmp(v->names[i], text + 1))
+    fp3_asm_register_text(operand, text);
+    for (uint32_t i = 0; i < ASM_REGISTERS; i++)
+        if (v->names[i] && !strcmp(v->names[i], text)) {
+            /* A name hides the register that is spelled like it: %r5 always means the register. */
+            memmove(text + 1, text, strlen(text) + 1);
+            *text = '%';
             return;
-    memmove(text, text + 1, strlen(text));
+        }
 }
 
 static void operand_text(const view *v, uint32_t operand, char text[FP3_NAME_SIZE]) {
@@ -73,17 +69,18 @@ fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WO
     return word_text(&v, word, text, error);
 }
 
-/* Whether the assembler, given numbers for all constants without a name, would put each where the
- * image has it: in the order of their first use, each in the lowest place that is not taken. */
+/* Constants without a name can be written as numbers if the assembler would put each of them where
+ * the image has it. It allocates them in the order of their first use, each in the lowest register
+ * that is not taken. */
 static int numbers_fall_into_place(const view *v) {
     const fp3_image *image = v->image;
-    uint8_t taken[REGISTERS] = {0}, seen[REGISTERS] = {0};
+    uint8_t taken[ASM_REGISTERS] = {0}, seen[ASM_REGISTERS] = {0};
     for (uint32_t i = 0; i < image->constant_count; i++)
         for (uint32_t j = 0; j < image->constant_count; j++)
             if (i != j && image->constants[i].bits == image->constants[j].bits &&
                 v->numbers[FP3_BANK_SHARED_BASE + image->constants[i].index])
                 return 0; /* the same bits twice: a number does not say which */
-    /* First what names and register numbers take, then the numbers. */
+    /* Pass 0 finds what names and register numbers take, pass 1 allocates the numbers. */
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t i = 0; i < image->code_count; i++) {
             fp3_instruction word;
@@ -103,7 +100,7 @@ static int numbers_fall_into_place(const view *v) {
                 taken[place] = seen[place] = 1;
             }
         }
-    for (uint32_t i = 0; i < REGISTERS; i++)
+    for (uint32_t i = 0; i < ASM_REGISTERS; i++)
         if (v->numbers[i] && !seen[i])
             return 0;
     return 1;
@@ -124,12 +121,12 @@ static void write_declarations(const view *v, FILE *out) {
         }
         fputc('\n', out);
     }
-    for (uint32_t i = 0; !v->write_numbers && i < REGISTERS; i++) {
+    for (uint32_t i = 0; !v->write_numbers && i < ASM_REGISTERS; i++) {
         if (!v->numbers[i])
             continue;
         fp3_number_text(*v->numbers[i], text);
-        register_text(v, i, place);
-        fprintf(out, ".const  %%%s %s\n", place + (*place == '%'), text);
+        fp3_asm_register_text(i, place);
+        fprintf(out, ".const  %%%s %s\n", place, text);
     }
 }
 

@@ -1,29 +1,17 @@
-/* The first pass of the assembler: lines into declarations, labels and instructions. */
-#include "assembler.h"
+#include "parse.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const declaration *fp3_asm_find(const assembler *a, token name) {
-    for (uint32_t i = 0; i < a->declaration_count; i++)
-        if (a->declarations[i].at.kind == TOKEN_NAME && fp3_token_same(a->declarations[i].at, name))
-            return &a->declarations[i];
-    return NULL;
-}
+#include "lexer.h"
+#include "text/nearest.h"
 
-const token *fp3_asm_find_label(const assembler *a, token name) {
-    for (uint32_t i = 0; i < a->label_count; i++)
-        if (fp3_token_same(a->label_tokens[i], name))
-            return &a->label_tokens[i];
-    return NULL;
-}
+static void advance(asm_source *a) { a->next = fp3_asm_next(&a->scanner); }
 
-static void advance(assembler *a) { a->next = fp3_lexer_next(&a->lexer); }
-
-/* Room for one element behind the first count; NULL when out of memory. Arrays double: their
- * capacity is the next power of two. */
-static void *grown(assembler *a, void *array, uint32_t count, size_t element) {
+/* The array with room for one element behind the first count; NULL when out of memory. The capacity
+ * is not stored: it is count rounded up to a power of two. */
+static void *grown(asm_source *a, void *array, uint32_t count, size_t element) {
     if (count & (count - 1) || a->out_of_memory) /* count is no power of two: there is room */
         return a->out_of_memory ? NULL : array;
     void *more = realloc(array, (count ? 2 * (size_t)count : 1) * element);
@@ -42,8 +30,8 @@ static void *grown(assembler *a, void *array, uint32_t count, size_t element) {
     } while (0)
 
 /* Whether the token can be a new name; reports if not. */
-static int new_name(assembler *a, token name) {
-    if (name.kind != TOKEN_NAME) {
+static int new_name(asm_source *a, fp3_token name) {
+    if (name.kind != FP3_TOKEN_NAME) {
         fp3_report_expected(&a->report, name, "a name");
         return 0;
     }
@@ -57,25 +45,25 @@ static int new_name(assembler *a, token name) {
         fp3_report_expected(&a->report, name, "a name ('%s' has a meaning of its own)", text);
         return 0;
     }
-    const declaration *other = fp3_asm_find(a, name);
-    const token *label = fp3_asm_find_label(a, name);
+    const asm_declaration *other = fp3_asm_find(a, name);
+    const fp3_token *label = fp3_asm_find_label(a, name);
     if (other || label) {
         fp3_report_expected(&a->report, name, "a new name (line %u declares this one)",
-                            other ? other->at.line : label->line);
+                            other ? other->at.location.line : label->location.line);
         return 0;
     }
     return 1;
 }
 
-/* "= r5" after a name. Returns 0 after reporting what the line cannot go on from. */
-static int parse_fixed(assembler *a, declaration *made) {
+/* "= r5" after a name. 0 after an error that ends the line. */
+static int parse_fixed(asm_source *a, asm_declaration *made) {
     advance(a);
     int object = fp3_class_is_object(made->symbol_class);
     char prefix = object ? FP3_BANK_OBJECT_PREFIX : FP3_BANK_SHARED_PREFIX;
     int count = object ? FP3_BANK_OBJECT_COUNT : FP3_BANK_SHARED_COUNT;
     uint32_t operand;
-    if (!fp3_token_register(a->next, &operand) || operand == UINT32_MAX ||
-        is_object(operand) != object) {
+    if (!fp3_asm_register(a->next, &operand) || operand == ASM_NOWHERE ||
+        fp3_asm_is_object(operand) != object) {
         fp3_report_expected(&a->report, a->next, "a register %c0 to %c%d for a .%s", prefix, prefix,
                             count - 1, fp3_class_name(made->symbol_class));
         return 0;
@@ -84,14 +72,14 @@ static int parse_fixed(assembler *a, declaration *made) {
     return 1;
 }
 
-static int parse_declaration(assembler *a, fp3_symbol_class symbol_class) {
-    declaration made = {.at = a->next, .symbol_class = symbol_class, .operand = NOWHERE};
-    int unnamed = symbol_class == FP3_SYMBOL_CONST && made.at.kind == TOKEN_RAW;
+static int parse_declaration(asm_source *a, fp3_symbol_class symbol_class) {
+    asm_declaration made = {.at = a->next, .symbol_class = symbol_class, .operand = ASM_NOWHERE};
+    int unnamed = symbol_class == FP3_SYMBOL_CONST && made.at.kind == FP3_TOKEN_RAW;
     int good = 1, readable = 1;
-    token fixed_at = made.at;
+    fp3_token fixed_at = made.at;
     if (unnamed) {
-        if (!fp3_token_register(made.at, &made.operand) || made.operand == UINT32_MAX ||
-            is_object(made.operand)) {
+        if (!fp3_asm_register(made.at, &made.operand) || made.operand == ASM_NOWHERE ||
+            fp3_asm_is_object(made.operand)) {
             fp3_report_expected(&a->report, made.at, "a shared constant %%k0 to %%k%d",
                                 FP3_BANK_SHARED_COUNT - 1);
             return 0;
@@ -99,10 +87,10 @@ static int parse_declaration(assembler *a, fp3_symbol_class symbol_class) {
         advance(a);
     } else {
         good = new_name(a, made.at);
-        if (made.at.kind != TOKEN_NAME)
+        if (made.at.kind != FP3_TOKEN_NAME)
             return 0;
         advance(a);
-        if (a->next.kind == TOKEN_EQUALS) {
+        if (fp3_token_is(a->next, "=")) {
             if (!parse_fixed(a, &made))
                 return 0;
             fixed_at = a->next;
@@ -110,32 +98,32 @@ static int parse_declaration(assembler *a, fp3_symbol_class symbol_class) {
         }
     }
     if (symbol_class == FP3_SYMBOL_CONST) {
-        const char *expected = fp3_token_number(a->next, &made.bits);
-        if (expected) /* the name counts all the same: its uses are right */
+        const char *expected = fp3_asm_number(a->next, &made.bits);
+        if (expected) /* the name is declared nevertheless, so its uses are right */
             fp3_report_expected(&a->report, a->next, "%s", expected);
         else
             advance(a);
         readable = !expected;
     }
-    for (uint32_t i = 0; good && made.operand != NOWHERE && i < a->declaration_count; i++)
+    for (uint32_t i = 0; good && made.operand != ASM_NOWHERE && i < a->declaration_count; i++)
         if (a->declarations[i].operand == made.operand) {
             fp3_report_expected(&a->report, fixed_at,
                                 "a register that is free (line %u takes this one)",
-                                a->declarations[i].at.line);
+                                a->declarations[i].at.location.line);
             good = 0;
         }
-    if (good && a->declaration_count < REGISTERS) {
+    if (good && a->declaration_count < ASM_REGISTERS) {
         PUSH(a, a->declarations, a->declaration_count, made);
         a->declaration_count += !a->out_of_memory;
     } else if (good) {
-        fp3_report_expected(&a->report, made.at, "no more than %d names", REGISTERS);
+        fp3_report_expected(&a->report, made.at, "no more than %d names", ASM_REGISTERS);
         return 0;
     }
     return readable;
 }
 
-static void parse_directive(assembler *a) {
-    token directive = a->next;
+static void parse_directive(asm_source *a) {
+    fp3_token directive = a->next;
     advance(a);
     for (fp3_symbol_class symbol_class = 0; symbol_class < FP3_SYMBOL_LABEL; symbol_class++) {
         char text[16];
@@ -145,21 +133,21 @@ static void parse_directive(assembler *a) {
         do
             if (!parse_declaration(a, symbol_class))
                 return;
-        while (a->next.kind != TOKEN_END && !fp3_report_full(&a->report) && !a->out_of_memory);
+        while (a->next.kind != FP3_TOKEN_END && !fp3_report_full(&a->report) && !a->out_of_memory);
         return;
     }
     fp3_report_expected(&a->report, directive, ".state, .param, .temp, .shared or .const");
 }
 
-static void parse_label(assembler *a, token name) {
+static void parse_label(asm_source *a, fp3_token name) {
     static const char *const words[] = {"first", "step", "last"};
-    token *const marks[] = {&a->first, &a->step, &a->last};
+    fp3_token *const marks[] = {&a->first, &a->step, &a->last};
     for (int i = 0; i < 3; i++) {
         if (!fp3_token_is(name, words[i]))
             continue;
-        if (marks[i]->line) {
+        if (fp3_token_exists(*marks[i])) {
             fp3_report_expected(&a->report, name, "one '%s:' only (line %u has it)", words[i],
-                                marks[i]->line);
+                                marks[i]->location.line);
             return;
         }
         *marks[i] = name;
@@ -168,9 +156,9 @@ static void parse_label(assembler *a, token name) {
         if (i == 2)
             a->last_index = a->statement_count;
         for (int later = i + 1; later < 3; later++)
-            if (marks[later]->line) {
+            if (fp3_token_exists(*marks[later])) {
                 fp3_report_expected(&a->report, name, "it before '%s:' (line %u)", words[later],
-                                    marks[later]->line);
+                                    marks[later]->location.line);
                 return;
             }
         if (i == 0 && a->statement_count > 0)
@@ -199,19 +187,19 @@ static const char *usage(const fp3_operation *operation, char text[32]) {
     return text;
 }
 
-static int begins_operand(token t) {
-    return t.kind == TOKEN_NAME || t.kind == TOKEN_RAW || t.kind == TOKEN_NUMBER;
+static int begins_operand(fp3_token t) {
+    return t.kind == FP3_TOKEN_NAME || t.kind == FP3_TOKEN_RAW || t.kind == FP3_TOKEN_NUMBER;
 }
 
-static void parse_instruction(assembler *a, token mnemonic) {
-    statement made = {0};
+static void parse_instruction(asm_source *a, fp3_token mnemonic) {
+    asm_statement made = {0};
     for (unsigned i = 0; i < fp3_operation_count; i++)
         if (fp3_token_is(mnemonic, fp3_operations[i].name))
             made.operation = &fp3_operations[i];
     if (!made.operation) {
         const char *near = NULL;
         for (unsigned i = 0; i < fp3_operation_count; i++)
-            fp3_report_nearest(mnemonic, fp3_operations[i].name, &near);
+            fp3_nearest(mnemonic, fp3_operations[i].name, &near);
         if (near)
             fp3_report_expected(&a->report, mnemonic, "an instruction; is it '%s'?", near);
         else
@@ -223,7 +211,7 @@ static void parse_instruction(assembler *a, token mnemonic) {
     unsigned count = (unsigned)strlen(made.operation->operands);
     for (unsigned i = 0; i < count; i++) {
         if (i > 0) {
-            if (a->next.kind != TOKEN_COMMA) {
+            if (!fp3_token_is(a->next, ",")) {
                 fp3_report_expected(&a->report, a->next, "',' and operand %c: %s",
                                     made.operation->operands[i], text);
                 return;
@@ -238,53 +226,52 @@ static void parse_instruction(assembler *a, token mnemonic) {
         made.operands[i] = a->next;
         advance(a);
     }
-    if (a->next.kind != TOKEN_END) {
+    if (a->next.kind != FP3_TOKEN_END) {
         fp3_report_expected(&a->report, a->next, "end of line: %s", text);
         return;
     }
     if (a->statement_count == FP3_IMAGE_CODE_LIMIT) {
         fp3_report_expected(&a->report, mnemonic, "no more than %u instructions",
                             FP3_IMAGE_CODE_LIMIT);
-        a->lexer.next = a->lexer.end; /* every line to come is one too many */
+        a->scanner.next = a->scanner.end; /* reads no further: every line would be one too many */
         return;
     }
     PUSH(a, a->statements, a->statement_count, made);
     a->statement_count += !a->out_of_memory;
 }
 
-static void parse_line(assembler *a) {
+static void parse_line(asm_source *a) {
     advance(a);
-    while (a->next.kind == TOKEN_NAME) {
-        token name = a->next;
+    while (a->next.kind == FP3_TOKEN_NAME) {
+        fp3_token name = a->next;
         advance(a);
-        if (a->next.kind != TOKEN_COLON) {
+        if (!fp3_token_is(a->next, ":")) {
             parse_instruction(a, name);
             return;
         }
         parse_label(a, name);
         advance(a);
     }
-    if (a->next.kind == TOKEN_DIRECTIVE)
+    if (a->next.kind == FP3_TOKEN_DIRECTIVE)
         parse_directive(a);
-    else if (a->next.kind != TOKEN_END)
+    else if (a->next.kind != FP3_TOKEN_END)
         fp3_report_expected(&a->report, a->next, "an instruction, a label or a directive");
 }
 
-void fp3_asm_parse(assembler *a) {
+void fp3_asm_parse(asm_source *a) {
     do
         parse_line(a);
-    while (!fp3_report_full(&a->report) && !a->out_of_memory && fp3_lexer_next_line(&a->lexer));
+    while (!fp3_report_full(&a->report) && !a->out_of_memory && fp3_asm_next_line(&a->scanner));
     if (fp3_report_full(&a->report))
         return;
-    const token end = {.text = a->lexer.end,
-                       .line = a->lexer.line,
-                       .column = (unsigned)(a->lexer.end - a->lexer.line_start) + 1,
-                       .kind = TOKEN_END_OF_FILE};
-    if (!a->last.line)
+    a->scanner.next = a->scanner.end;
+    fp3_token end = fp3_scanner_token(&a->scanner);
+    end.kind = FP3_TOKEN_END_OF_FILE;
+    if (!fp3_token_exists(a->last))
         a->last_index = a->statement_count;
-    if (!a->step.line)
+    if (!fp3_token_exists(a->step))
         fp3_report_expected(&a->report, end, "the label 'step:' somewhere");
     else if (a->step_index == a->last_index && a->report.count == 0)
-        fp3_report_expected(&a->report, a->last.line ? a->last : end,
-                            "an instruction after 'step:' (line %u)", a->step.line);
+        fp3_report_expected(&a->report, fp3_token_exists(a->last) ? a->last : end,
+                            "an instruction after 'step:' (line %u)", a->step.location.line);
 }

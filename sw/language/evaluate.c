@@ -1,7 +1,6 @@
-/* evaluate.c - the value of each expression of a model, in double. */
-#include <math.h>
+#include "evaluate.h"
 
-#include "parse.h"
+#include <math.h>
 
 unsigned fp3_ode_operands(fp3_expr_op op) {
     static const unsigned char operands[] = {

@@ -1,11 +1,13 @@
-/* read.c - models: read, copied out of the parser, freed. */
-#include <locale.h>
+/* read.c - sources become models, and constant expressions numbers. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "parse.h"
+#include "constant.h"
+#include "finish.h"
+#include "statement.h"
+#include "text/number.h"
 
 enum { DEFAULT_STEPS = 1000 }; /* of the span, where a model has none */
 
@@ -48,12 +50,12 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     if (!m)
         return NULL;
     memcpy(m->name, p->model_name, sizeof m->name);
-    if (!p->model_at.line)
+    if (!fp3_token_exists(p->model_at))
         default_name(path, m->name);
     m->doc = p->model_doc ? p->model_doc : calloc(1, 1);
     p->model_doc = NULL;
     m->step = p->step.value;
-    m->span = p->span.at.line ? p->span.value : DEFAULT_STEPS * m->step;
+    m->span = fp3_token_exists(p->span.at) ? p->span.value : DEFAULT_STEPS * m->step;
     m->state_count = p->state_count;
     m->param_count = p->param_count;
     m->definition_count = p->definition_count;
@@ -69,45 +71,24 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     return m;
 }
 
-static void free_quantities(fp3_quantity *quantities, uint32_t count) {
-    for (uint32_t i = 0; quantities && i < count; i++) {
-        free(quantities[i].unit);
-        free(quantities[i].doc);
+static void free_texts(ode_quantity *quantities, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        free(quantities[i].quantity.unit);
+        free(quantities[i].quantity.doc);
     }
-    free(quantities);
-}
-
-void fp3_model_free(fp3_model **model) {
-    fp3_model *m = *model;
-    if (!m)
-        return;
-    free_quantities(m->states, m->state_count);
-    free_quantities(m->params, m->param_count);
-    free(m->definitions);
-    free(m->invariants);
-    free(m->exprs);
-    free(m->doc);
-    free(m);
-    *model = NULL;
 }
 
 static void free_parser(ode_parser *p) {
-    for (uint32_t i = 0; i < p->state_count; i++) {
-        free(p->states[i].quantity.unit);
-        free(p->states[i].quantity.doc);
-    }
-    for (uint32_t i = 0; i < p->param_count; i++) {
-        free(p->params[i].quantity.unit);
-        free(p->params[i].quantity.doc);
-    }
+    free_texts(p->states, p->state_count);
+    free_texts(p->params, p->param_count);
     free(p->model_doc);
     free(p);
 }
 
 static fp3_status take_result(ode_parser *p, const char *name, fp3_model **model, char **report,
                               fp3_error *error) {
-    if (!p->out_of_memory && p->report.count > 0) {
-        *report = fp3_report_text(&p->report);
+    if (!p->out_of_memory && p->in.report.count > 0) {
+        *report = fp3_report_text(&p->in.report);
         if (*report)
             return fp3_fail(error, FP3_E_PROGRAM, "%.*s", (int)strcspn(*report, "\n"), *report);
     } else if (!p->out_of_memory && (*model = take_model(p, name))) {
@@ -129,16 +110,21 @@ static fp3_status too_long(const char *name, size_t size, char **report, fp3_err
     return fp3_fail(error, FP3_E_PROGRAM, "%s", made.text);
 }
 
-/* The program may have set a locale that reads 0.5 as 0. "C" is built in: no failure. */
-static locale_t plain_numbers(locale_t *before) {
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    *before = uselocale(c);
-    return c;
-}
-
-static void restore_numbers(locale_t c, locale_t before) {
-    uselocale(before);
-    freelocale(c);
+static void parse(ode_parser *p) {
+    while (p->in.next.kind != FP3_TOKEN_END_OF_FILE && !fp3_report_full(&p->in.report)) {
+        if (fp3_ode_at_end(&p->in)) {
+            fp3_ode_advance(&p->in);
+            continue;
+        }
+        const unsigned line = p->in.next.location.line;
+        fp3_ode_statement(p);
+        if (p->in.is_over)
+            return;
+        if (p->in.is_lost)
+            fp3_ode_recover(&p->in, line);
+    }
+    if (!fp3_report_full(&p->in.report))
+        fp3_ode_finish(p);
 }
 
 fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3_model **model,
@@ -150,10 +136,10 @@ fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3
     ode_parser *p = calloc(1, sizeof *p);
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    locale_t before, c = plain_numbers(&before);
-    fp3_ode_start(p, source, size, name);
-    fp3_ode_parse(p);
-    restore_numbers(c, before);
+    const fp3_number_locale locale = fp3_number_locale_enter();
+    fp3_ode_open(&p->in, source, size, name);
+    parse(p);
+    fp3_number_locale_leave(locale);
     fp3_status status = take_result(p, name, model, report, error);
     free_parser(p);
     return status;
@@ -176,33 +162,18 @@ fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error) 
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     ode_constant constant;
-    locale_t before, c = plain_numbers(&before);
-    fp3_ode_start(p, text, strlen(text), "");
-    int is_good = fp3_ode_constant(p, ODE_IN_CONSTANT, 1, ODE_WITHOUT_UNIT, &constant);
-    if (p->next.kind != TOKEN_END_OF_FILE)
-        fp3_ode_lost(p, "an operator or the end");
-    restore_numbers(c, before);
+    const fp3_number_locale locale = fp3_number_locale_enter();
+    fp3_ode_open(&p->in, text, strlen(text), "");
+    int is_good = fp3_ode_constant(p, ODE_IN_CONSTANT, 1, &constant);
+    if (p->in.next.kind != FP3_TOKEN_END_OF_FILE)
+        fp3_ode_lost(&p->in, "an operator or the end");
+    fp3_number_locale_leave(locale);
     fp3_status status = FP3_OK;
-    if (p->report.count > 0)
-        status = fp3_fail(error, FP3_E_PROGRAM, "column %u: %s", p->report.entry[0].column,
-                          p->report.entry[0].text);
+    if (p->in.report.count > 0)
+        status = fp3_fail(error, FP3_E_PROGRAM, "column %u: %s",
+                          p->in.report.entry[0].location.column, p->in.report.entry[0].text);
     else if (is_good)
         *value = constant.value[0];
     free_parser(p);
     return status;
-}
-
-static uint32_t find(const fp3_quantity *quantities, uint32_t count, const char *name) {
-    for (uint32_t i = 0; i < count; i++)
-        if (!strcmp(quantities[i].name, name))
-            return i;
-    return FP3_NONE;
-}
-
-uint32_t fp3_model_state(const fp3_model *model, const char *name) {
-    return find(model->states, model->state_count, name);
-}
-
-uint32_t fp3_model_param(const fp3_model *model, const char *name) {
-    return find(model->params, model->param_count, name);
 }

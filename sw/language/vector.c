@@ -1,36 +1,40 @@
-/* vector.c - operations on numbers and vectors. A vector is nothing but its components: what is
- * done to it becomes an expression for each. */
+/* vector.c - a vector is only its components: an operation on it becomes one expression for each. */
+#include "vector.h"
+
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "parse.h"
+#include "evaluate.h"
 
 const char *fp3_ode_shape(unsigned size) {
     return size == 1 ? "a number" : size == 2 ? "a vector of 2" : "a vector of 3";
 }
 
-static const ode_value wrong = {0};
+static const ode_value nothing = {0};
 
-static int shown(token t) { return t.length < 20 ? (int)t.length : 20; }
+static int shown(fp3_token t) { return t.length < 20 ? (int)t.length : 20; }
 
-/* Room for one more expression; NULL after a report. */
-static fp3_expr *new_expr(ode_parser *p, token at, fp3_expr_op op) {
+/* NULL after an error. */
+static fp3_expr *new_expr(ode_parser *p, fp3_token at, fp3_expr_op op) {
     if (p->expr_count == ODE_EXPRS) {
-        fp3_ode_over(p, at, "a model of at most %d numbers, names and operations", ODE_EXPRS);
+        fp3_ode_over(&p->in, at, "a model of at most %d numbers, names and operations", ODE_EXPRS);
         return NULL;
     }
     uint32_t i = p->expr_count++;
     p->expr_at[i] = at;
     p->has_state[i] = 0;
-    p->exprs[i] = (fp3_expr){
-        .op = op, .operand = {FP3_NONE, FP3_NONE, FP3_NONE}, .line = at.line, .column = at.column};
+    p->exprs[i] = (fp3_expr){.op = op,
+                             .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
+                             .line = at.location.line,
+                             .column = at.location.column};
     return &p->exprs[i];
 }
 
-ode_value fp3_ode_leaf(ode_parser *p, token at, fp3_expr_op op, uint32_t index, double number) {
+ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t index, double number) {
     fp3_expr *e = new_expr(p, at, op);
     if (!e)
-        return wrong;
+        return nothing;
     e->index = index;
     e->number = number;
     e->is_known = op == FP3_EXPR_NUMBER || op == FP3_EXPR_PARAM;
@@ -42,17 +46,17 @@ static int is_small_integer(const fp3_expr *e) {
     return e->op == FP3_EXPR_NUMBER && fabs(e->number) <= 8 && e->number == floor(e->number);
 }
 
-/* What the hardware could not do. */
-static int possible(ode_parser *p, token at, fp3_expr_op op, const uint32_t operand[3],
+/* Whether the hardware can compute it. Reports it if not. */
+static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t operand[3],
                     int has_state) {
     if (!has_state)
         return 1;
     if (op == FP3_EXPR_POWER && !is_small_integer(&p->exprs[operand[1]])) {
-        fp3_ode_wrong(p, at, "an integer from -8 to 8 as the power of a state");
+        fp3_ode_wrong(&p->in, at, "an integer from -8 to 8 as the power of a state");
         return 0;
     }
     if (fp3_ode_is_host_only(op) && p->context == ODE_IN_EQUATION) {
-        fp3_ode_wrong(p, at,
+        fp3_ode_wrong(&p->in, at,
                       "a function of states that the hardware has: sqrt, sin, cos, min, max or abs "
                       "(%.*s may stand where no state is, or in an invariant)",
                       shown(at), at.text);
@@ -61,13 +65,14 @@ static int possible(ode_parser *p, token at, fp3_expr_op op, const uint32_t oper
     return 1;
 }
 
-static uint32_t operation(ode_parser *p, token at, fp3_expr_op op, uint32_t a, uint32_t b,
+static uint32_t operation(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t a, uint32_t b,
                           uint32_t c) {
     const uint32_t operand[3] = {a, b, c};
     int has_state = 0, is_known = 1;
-    if (p->is_over)
+    if (p->in.is_over)
         return FP3_NONE;
     for (unsigned i = 0; i < fp3_ode_operands(op); i++) {
+        assert(operand[i] < p->expr_count); /* operands stand before the operation */
         has_state |= p->has_state[operand[i]];
         is_known &= p->exprs[operand[i]].is_known;
     }
@@ -81,7 +86,7 @@ static uint32_t operation(ode_parser *p, token at, fp3_expr_op op, uint32_t a, u
 }
 
 /* The operation on each component; an operand of size 1 is the same for all. */
-static ode_value each(ode_parser *p, token at, fp3_expr_op op, const ode_value operand[3],
+static ode_value each(ode_parser *p, fp3_token at, fp3_expr_op op, const ode_value operand[3],
                       unsigned size) {
     ode_value result = {.size = size};
     for (unsigned i = 0; i < size; i++) {
@@ -90,104 +95,104 @@ static ode_value each(ode_parser *p, token at, fp3_expr_op op, const ode_value o
             of[j] = operand[j].expr[operand[j].size > 1 ? i : 0];
         result.expr[i] = operation(p, at, op, of[0], of[1], of[2]);
         if (result.expr[i] == FP3_NONE)
-            return wrong;
+            return nothing;
     }
     return result;
 }
 
-ode_value fp3_ode_unary(ode_parser *p, token at, fp3_expr_op op, ode_value a) {
+ode_value fp3_ode_unary(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a) {
     const ode_value operand[3] = {a};
     if (!a.size)
-        return wrong;
+        return nothing;
     if (a.size == 1 || op == FP3_EXPR_NEGATE)
         return each(p, at, op, operand, a.size);
-    fp3_ode_wrong(p, at, "a number for '%.*s' (this is %s)", shown(at), at.text,
+    fp3_ode_wrong(&p->in, at, "a number for '%.*s' (this is %s)", shown(at), at.text,
                   fp3_ode_shape(a.size));
-    return wrong;
+    return nothing;
 }
 
-/* 0 after a report. */
-static unsigned common_size(ode_parser *p, token at, fp3_expr_op op, ode_value a, ode_value b) {
+/* The size of the result; 0 after an error. */
+static unsigned common_size(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a, ode_value b) {
     switch (op) {
     case FP3_EXPR_ADD:
     case FP3_EXPR_SUB:
         if (a.size == b.size)
             return a.size;
-        fp3_ode_wrong(p, at, "two numbers, or two vectors of one size (these are %s and %s)",
+        fp3_ode_wrong(&p->in, at, "two numbers, or two vectors of one size (these are %s and %s)",
                       fp3_ode_shape(a.size), fp3_ode_shape(b.size));
         return 0;
     case FP3_EXPR_MUL:
         if (a.size == 1 || b.size == 1)
             return a.size > b.size ? a.size : b.size;
-        fp3_ode_wrong(p, at, "a number on one side (dot and cross multiply vectors)");
+        fp3_ode_wrong(&p->in, at, "a number on one side (dot and cross multiply vectors)");
         return 0;
     case FP3_EXPR_DIV:
         if (b.size == 1)
             return a.size;
-        fp3_ode_wrong(p, at, "a number to divide by (this is %s)", fp3_ode_shape(b.size));
+        fp3_ode_wrong(&p->in, at, "a number to divide by (this is %s)", fp3_ode_shape(b.size));
         return 0;
     default:
         if (a.size == 1 && b.size == 1)
             return 1;
-        fp3_ode_wrong(p, at, "numbers for '%.*s' (these are %s and %s)", shown(at), at.text,
+        fp3_ode_wrong(&p->in, at, "numbers for '%.*s' (these are %s and %s)", shown(at), at.text,
                       fp3_ode_shape(a.size), fp3_ode_shape(b.size));
         return 0;
     }
 }
 
-ode_value fp3_ode_binary(ode_parser *p, token at, fp3_expr_op op, ode_value a, ode_value b) {
+ode_value fp3_ode_binary(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a, ode_value b) {
     const ode_value operand[3] = {a, b};
     unsigned size = a.size && b.size ? common_size(p, at, op, a, b) : 0;
-    return size ? each(p, at, op, operand, size) : wrong;
+    return size ? each(p, at, op, operand, size) : nothing;
 }
 
-ode_value fp3_ode_select(ode_parser *p, token at, ode_value c, ode_value a, ode_value b) {
+ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, ode_value b) {
     const ode_value operand[3] = {c, a, b};
     if (!a.size || !b.size || !c.size)
-        return wrong;
+        return nothing;
     if (c.size == 1 && a.size == b.size)
         return each(p, at, FP3_EXPR_SELECT, operand, a.size);
-    fp3_ode_wrong(p, at, "a number and two choices of one size (these are %s, %s and %s)",
+    fp3_ode_wrong(&p->in, at, "a number and two choices of one size (these are %s, %s and %s)",
                   fp3_ode_shape(c.size), fp3_ode_shape(a.size), fp3_ode_shape(b.size));
-    return wrong;
+    return nothing;
 }
 
-static int two_vectors(ode_parser *p, token at, ode_value a, ode_value b) {
+static int two_vectors(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     if (!a.size || !b.size)
         return 0;
     if (a.size == b.size && a.size > 1)
         return 1;
-    fp3_ode_wrong(p, at, "two vectors of one size for '%.*s' (these are %s and %s)", shown(at),
+    fp3_ode_wrong(&p->in, at, "two vectors of one size for '%.*s' (these are %s and %s)", shown(at),
                   at.text, fp3_ode_shape(a.size), fp3_ode_shape(b.size));
     return 0;
 }
 
 static ode_value component(ode_value a, unsigned i) { return (ode_value){1, {a.expr[i]}}; }
 
-static ode_value product(ode_parser *p, token at, ode_value a, unsigned i, ode_value b,
+static ode_value product(ode_parser *p, fp3_token at, ode_value a, unsigned i, ode_value b,
                          unsigned j) {
     return fp3_ode_binary(p, at, FP3_EXPR_MUL, component(a, i), component(b, j));
 }
 
-ode_value fp3_ode_dot(ode_parser *p, token at, ode_value a, ode_value b) {
+ode_value fp3_ode_dot(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     if (!two_vectors(p, at, a, b))
-        return wrong;
+        return nothing;
     ode_value sum = product(p, at, a, 0, b, 0);
     for (unsigned i = 1; i < a.size; i++)
         sum = fp3_ode_binary(p, at, FP3_EXPR_ADD, sum, product(p, at, a, i, b, i));
     return sum;
 }
 
-ode_value fp3_ode_cross(ode_parser *p, token at, ode_value a, ode_value b) {
+ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     if (!two_vectors(p, at, a, b))
-        return wrong;
+        return nothing;
     ode_value result = {.size = a.size == 2 ? 1 : 3};
     for (unsigned k = 0; k < result.size; k++) {
         unsigned i = a.size == 2 ? 0 : (k + 1) % 3, j = a.size == 2 ? 1 : (k + 2) % 3;
         ode_value left = product(p, at, a, i, b, j), right = product(p, at, a, j, b, i);
         ode_value difference = fp3_ode_binary(p, at, FP3_EXPR_SUB, left, right);
         if (!difference.size)
-            return wrong;
+            return nothing;
         result.expr[k] = difference.expr[0];
     }
     return result;

@@ -1,9 +1,29 @@
+#include "number.h"
+
 #include <fp3/asm.h>
-#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+fp3_number_locale fp3_number_locale_enter(void) {
+    /* "C" is built in: newlocale cannot fail. */
+    const locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    return (fp3_number_locale){c, uselocale(c)};
+}
+
+void fp3_number_locale_leave(fp3_number_locale locale) {
+    uselocale(locale.before);
+    freelocale(locale.c);
+}
+
+const char *fp3_number_copy(fp3_token t, char text[FP3_NUMBER_SIZE]) {
+    if (t.length >= FP3_NUMBER_SIZE)
+        return "a number of fewer than 256 characters";
+    memcpy(text, t.text, t.length);
+    text[t.length] = 0;
+    return strlen(text) == t.length ? NULL : "a number";
+}
 
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
     float value;
@@ -20,16 +40,14 @@ void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "bits:0x%08x", bits);
         return;
     }
-    /* The program may have set a locale that writes commas. "C" is built in: no failure. */
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before = uselocale(c);
+    const fp3_number_locale locale = fp3_number_locale_enter();
     for (int digits = 1; digits <= 9; digits++) { /* nine always suffice */
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%.*g", digits, (double)value);
         float again = strtof(text, NULL);
         if (!memcmp(&again, &value, sizeof value))
             break;
     }
-    uselocale(before);
-    freelocale(c);
+    fp3_number_locale_leave(locale);
     if (!strpbrk(text, ".e"))
         strcat(text, ".0");
 }

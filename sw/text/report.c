@@ -1,35 +1,39 @@
 #include "report.h"
 
-#include <stdarg.h>
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-void fp3_report_expected(report *r, token found, const char *format, ...) {
+void fp3_report_vexpected(fp3_report *r, fp3_token found, const char *format, va_list arguments) {
     if (fp3_report_full(r))
         return;
-    char shown[TOKEN_SHOWN_SIZE];
-    r->entry[r->count].line = found.line;
-    r->entry[r->count].column = found.column;
+    assert(found.text >= r->source && found.text <= r->source + r->size);
+    char shown[FP3_TOKEN_SHOWN_SIZE];
+    r->entry[r->count].location = found.location;
     r->entry[r->count].at = found.text;
     char *text = r->entry[r->count].text;
-    size_t room = sizeof r->entry[r->count].text;
-    size_t used =
+    const size_t room = sizeof r->entry[r->count].text;
+    const size_t used =
         (size_t)snprintf(text, room, "found %s, expected ", fp3_token_shown(found, shown));
-    va_list arguments;
-    va_start(arguments, format);
     vsnprintf(text + used, room - used, format, arguments);
-    va_end(arguments);
     r->count++;
 }
 
-int fp3_report_full(const report *r) { return r->count == REPORT_LIMIT; }
+void fp3_report_expected(fp3_report *r, fp3_token found, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fp3_report_vexpected(r, found, format, arguments);
+    va_end(arguments);
+}
 
-/* Each byte takes one column and none drives the terminal. */
+int fp3_report_full(const fp3_report *r) { return r->count == FP3_REPORT_LIMIT; }
+
+/* Each byte takes one column, and no byte may control the terminal. */
 static char printable(char c) { return c == '\t' ? ' ' : c >= ' ' && c < 0x7f ? c : '?'; }
 
-/* The line around the place, and a caret under it. */
-static void show_line(FILE *out, const report *r, const char *at) {
+/* The line around this byte of the source, and a caret under the byte. */
+static void show_line(FILE *out, const fp3_report *r, const char *at) {
     enum { BEFORE = 60, AFTER = 40 };
     const char *start = at, *end = at, *source_end = r->source + r->size;
     while (start > r->source && start[-1] != '\n' && at - start < BEFORE)
@@ -44,22 +48,21 @@ static void show_line(FILE *out, const report *r, const char *at) {
     fprintf(out, "\n    %*s^\n", (int)(at - start), "");
 }
 
-static int by_place(const report *r, unsigned a, unsigned b) {
-    if (r->entry[a].line != r->entry[b].line)
-        return r->entry[a].line < r->entry[b].line;
-    if (r->entry[a].column != r->entry[b].column)
-        return r->entry[a].column < r->entry[b].column;
-    return a < b;
-}
-
-char *fp3_report_text(report *r) {
-    unsigned order[REPORT_LIMIT];
+/* Errors at one location stay in the order in which they were found. */
+static void sort(const fp3_report *r, unsigned order[FP3_REPORT_LIMIT]) {
     for (unsigned i = 0; i < r->count; i++) {
         unsigned to = i;
-        for (; to > 0 && by_place(r, i, order[to - 1]); to--)
+        for (;
+             to > 0 && fp3_location_before(r->entry[i].location, r->entry[order[to - 1]].location);
+             to--)
             order[to] = order[to - 1];
         order[to] = i;
     }
+}
+
+char *fp3_report_text(const fp3_report *r) {
+    unsigned order[FP3_REPORT_LIMIT];
+    sort(r, order);
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -68,60 +71,15 @@ char *fp3_report_text(report *r) {
     for (unsigned i = 0; i < r->count; i++) {
         for (const char *c = r->name; *c; c++)
             fputc((unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c, out);
-        fprintf(out, ":%u:%u: error: %s\n", r->entry[order[i]].line, r->entry[order[i]].column,
-                r->entry[order[i]].text);
+        fprintf(out, ":%u:%u: error: %s\n", r->entry[order[i]].location.line,
+                r->entry[order[i]].location.column, r->entry[order[i]].text);
         show_line(out, r, r->entry[order[i]].at);
     }
     if (fp3_report_full(r))
-        fprintf(out, "%d errors; there may be more\n", REPORT_LIMIT);
+        fprintf(out, "%d errors; there may be more\n", FP3_REPORT_LIMIT);
     if (fclose(out)) {
         free(text);
         return NULL;
     }
     return text;
-}
-
-static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c + 'a' - 'A') : c; }
-
-/* Edits (insert, delete, change, swap neighbours) between two words, whatever their case. */
-static unsigned distance(const char *a, size_t a_length, const char *b, size_t b_length) {
-    unsigned row[3][FP3_NAME_SIZE + 1]; /* of b, for the last two letters of a and this one */
-    unsigned *before = row[0], *last = row[1], *now = row[2];
-    for (unsigned j = 0; j <= b_length; j++)
-        before[j] = last[j] = j;
-    for (size_t i = 1; i <= a_length; i++) {
-        now[0] = (unsigned)i;
-        for (size_t j = 1; j <= b_length; j++) {
-            unsigned best = last[j - 1] + (lower(a[i - 1]) != lower(b[j - 1]));
-            if (best > last[j] + 1)
-                best = last[j] + 1;
-            if (best > now[j - 1] + 1)
-                best = now[j - 1] + 1;
-            if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
-                lower(a[i - 2]) == lower(b[j - 1]) && best > before[j - 2] + 1)
-                best = before[j - 2] + 1;
-            now[j] = best;
-        }
-        unsigned *free_row = before;
-        before = last;
-        last = now;
-        now = free_row;
-    }
-    return last[b_length];
-}
-
-void fp3_report_nearest(token wanted, const char *candidate, const char **best) {
-    size_t length = strlen(candidate);
-    if (wanted.length >= FP3_NAME_SIZE || length >= FP3_NAME_SIZE)
-        return;
-    unsigned edits = distance(wanted.text, wanted.length, candidate, length);
-    unsigned allowed = wanted.length < 2 ? 0 : 1 + (unsigned)wanted.length / 4;
-    if (*best) {
-        unsigned best_edits = distance(wanted.text, wanted.length, *best, strlen(*best));
-        allowed = best_edits == 0 ? 0 : best_edits - 1;
-        if (best_edits == 0)
-            return;
-    }
-    if (edits <= allowed)
-        *best = candidate;
 }

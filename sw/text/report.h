@@ -1,32 +1,31 @@
-/* report.h - the errors of one source, shown with their lines. */
+/* report.h - the errors of one source, each shown with its line and a caret. */
 #ifndef FP3_REPORT_H
 #define FP3_REPORT_H
 
-#include <stddef.h>
+#include <stdarg.h>
 
 #include "token.h"
 
-enum { REPORT_LIMIT = 20 };
+enum { FP3_REPORT_LIMIT = 20 };
 
 typedef struct {
     const char *name, *source;
     size_t size;
     unsigned count;
     struct {
-        unsigned line, column;
+        fp3_location location;
         const char *at; /* into source, for the line shown */
         char text[256];
-    } entry[REPORT_LIMIT];
-} report;
+    } entry[FP3_REPORT_LIMIT];
+} fp3_report;
 
-/* "found 'token', expected ...". */
-__attribute__((format(printf, 3, 4))) void fp3_report_expected(report *report, token found,
+/* "found 'token', expected ...". A full report takes no more. */
+__attribute__((format(printf, 3, 4))) void fp3_report_expected(fp3_report *report, fp3_token found,
                                                                const char *format, ...);
-int fp3_report_full(const report *report);
-/* All of it in the order of the source; malloc'ed, or NULL when out of memory. */
-char *fp3_report_text(report *report);
-
-/* Keeps in *best the candidate that wanted is most likely a slip of. Start with *best NULL. */
-void fp3_report_nearest(token wanted, const char *candidate, const char **best);
+__attribute__((format(printf, 3, 0))) void
+fp3_report_vexpected(fp3_report *report, fp3_token found, const char *format, va_list arguments);
+int fp3_report_full(const fp3_report *report);
+/* The whole report in the order of the source; malloc'ed, or NULL when out of memory. */
+char *fp3_report_text(const fp3_report *report);
 
 #endif

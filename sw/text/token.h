@@ -1,56 +1,38 @@
-/* token.h - the words of a source, with their places, and the lexer of the assembly language. */
+/* token.h - the words of a source, with their locations. Each language has a lexer of its own. */
 #ifndef FP3_TOKEN_H
 #define FP3_TOKEN_H
 
-#include <fp3/image.h>
 #include <stddef.h>
-#include <stdint.h>
+
+#include "location.h"
 
 typedef enum {
-    TOKEN_END,         /* of the line */
-    TOKEN_END_OF_FILE, /* only in messages */
-    TOKEN_NAME,
-    TOKEN_RAW,       /* %r5: a register by its number */
-    TOKEN_NUMBER,    /* what should be one: it is not checked yet */
-    TOKEN_DIRECTIVE, /* .state */
-    TOKEN_COMMA,
-    TOKEN_COLON,
-    TOKEN_EQUALS,
-    TOKEN_SYMBOL, /* of the model language: an operator, a bracket */
-    TOKEN_TEXT,   /* likewise: "a text", with its quotes */
-    TOKEN_BAD     /* bytes that begin nothing */
-} token_kind;
+    FP3_TOKEN_END, /* of a line */
+    FP3_TOKEN_END_OF_FILE,
+    FP3_TOKEN_NAME,
+    FP3_TOKEN_NUMBER,    /* looks like one; it is not checked yet */
+    FP3_TOKEN_SYMBOL,    /* an operator, a bracket, a comma ... */
+    FP3_TOKEN_TEXT,      /* "a text", with its quotes: models only */
+    FP3_TOKEN_RAW,       /* %r5, a register by its number: assembly only */
+    FP3_TOKEN_DIRECTIVE, /* .state: assembly only */
+    FP3_TOKEN_BAD        /* bytes that begin nothing */
+} fp3_token_kind;
 
 typedef struct {
     const char *text; /* within the source, no NUL after it */
     size_t length;
-    unsigned line, column; /* from 1 */
-    token_kind kind;
-} token;
+    fp3_location location;
+    fp3_token_kind kind;
+} fp3_token;
 
-typedef struct {
-    const char *next, *end, *line_start;
-    unsigned line;
-} lexer;
+/* A token of zeros stands for none. */
+static inline int fp3_token_exists(fp3_token token) { return token.location.line > 0; }
 
-void fp3_lexer_open(lexer *lexer, const char *source, size_t size);
-/* The next token of this line; TOKEN_END as often as asked at its end. */
-token fp3_lexer_next(lexer *lexer);
-/* To the next line; 0 if there is none. */
-int fp3_lexer_next_line(lexer *lexer);
+int fp3_token_is(fp3_token token, const char *text);
+int fp3_token_same(fp3_token a, fp3_token b);
 
-int fp3_token_is(token token, const char *text);
-int fp3_token_same(token a, token b);
-/* As shown in a message: quoted, printable, not too long. */
-#define TOKEN_SHOWN_SIZE 64
-const char *fp3_token_shown(token token, char text[TOKEN_SHOWN_SIZE]);
-
-/* NULL, or why the token is no number: "a number" and so on, to follow "expected". *bits is FP32.
- * Needs the C locale. */
-const char *fp3_token_number(token token, uint32_t *bits);
-
-/* Whether the token is spelled like a register: r or k (after % in a raw one) and a number without
- * leading zeros. *operand is as in a word, or UINT32_MAX when the number is out of range. */
-int fp3_token_register(token token, uint32_t *operand);
+/* As a message shows it: quoted, printable, not too long. */
+enum { FP3_TOKEN_SHOWN_SIZE = 64 };
+const char *fp3_token_shown(fp3_token token, char text[FP3_TOKEN_SHOWN_SIZE]);
 
 #endif

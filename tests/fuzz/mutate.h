@@ -3,7 +3,7 @@
 #ifndef FP3_FUZZ_MUTATE_H
 #define FP3_FUZZ_MUTATE_H
 
-#include <language/lex.h>
+#include <language/lexer.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,9 +29,9 @@ static unsigned mutate_random(unsigned *state, unsigned limit) {
 }
 
 /* A word of the same kind as words[i]; its own if none is found. */
-static token mutate_other(const token *words, unsigned count, unsigned i, unsigned *state) {
+static fp3_token mutate_other(const fp3_token *words, unsigned count, unsigned i, unsigned *state) {
     for (unsigned tries = 0; tries < 20; tries++) {
-        token other = words[mutate_random(state, count)];
+        fp3_token other = words[mutate_random(state, count)];
         if (other.kind == words[i].kind)
             return other;
     }
@@ -55,16 +55,16 @@ static const char *mutate_number(unsigned *state) {
     return numbers[mutate_random(state, sizeof numbers / sizeof *numbers)];
 }
 
-static void mutate_word(const token *words, unsigned count, unsigned i, unsigned *state,
+static void mutate_word(const fp3_token *words, unsigned count, unsigned i, unsigned *state,
                         char text[MUTATE_WORD_SIZE]) {
-    token a = words[i], b = mutate_other(words, count, i, state);
+    fp3_token a = words[i], b = mutate_other(words, count, i, state);
     int a_size = a.length < 40 ? (int)a.length : 40, b_size = b.length < 40 ? (int)b.length : 40;
     unsigned how = mutate_random(state, 6);
-    if (a.kind == TOKEN_NUMBER && how < 2)
+    if (a.kind == FP3_TOKEN_NUMBER && how < 2)
         snprintf(text, MUTATE_WORD_SIZE, "%s", mutate_number(state));
-    else if (a.kind == TOKEN_SYMBOL && strchr("+-*/<>", *a.text))
+    else if (a.kind == FP3_TOKEN_SYMBOL && strchr("+-*/<>", *a.text))
         snprintf(text, MUTATE_WORD_SIZE, "%s", mutate_operator(state));
-    else if (a.kind == TOKEN_SYMBOL || how < 3)
+    else if (a.kind == FP3_TOKEN_SYMBOL || how < 3)
         snprintf(text, MUTATE_WORD_SIZE, "%.*s", b_size, b.text);
     else if (how < 4)
         snprintf(text, MUTATE_WORD_SIZE, "%s(%.*s)", mutate_function(state), a_size, a.text);
@@ -76,14 +76,14 @@ static void mutate_word(const token *words, unsigned count, unsigned i, unsigned
 /* The new size. copy is what data was. */
 static size_t mutate_model(unsigned char *data, const char *copy, size_t size, size_t room,
                            unsigned state) {
-    static token words[MUTATE_WORDS];
+    static fp3_token words[MUTATE_WORDS];
     unsigned count = 0;
     char text[MUTATE_WORD_SIZE];
     ode_lexer lexer;
-    fp3_ode_open(&lexer, copy, size);
-    for (token t = fp3_ode_next(&lexer); t.kind != TOKEN_END_OF_FILE && count < MUTATE_WORDS;
-         t = fp3_ode_next(&lexer))
-        if (t.kind == TOKEN_NAME || t.kind == TOKEN_NUMBER || t.kind == TOKEN_SYMBOL)
+    fp3_ode_lexer_open(&lexer, copy, size);
+    for (fp3_token t = fp3_ode_next(&lexer);
+         t.kind != FP3_TOKEN_END_OF_FILE && count < MUTATE_WORDS; t = fp3_ode_next(&lexer))
+        if (t.kind == FP3_TOKEN_NAME || t.kind == FP3_TOKEN_NUMBER || t.kind == FP3_TOKEN_SYMBOL)
             words[count++] = t;
     if (!count)
         return size;

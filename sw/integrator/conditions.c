@@ -1,4 +1,4 @@
-/* integrator_conditions.c - order conditions of Runge-Kutta methods and of splittings.
+/* conditions.c - order conditions of Runge-Kutta methods and of splittings.
  *
  * A method has order p if the elementary weight of every rooted tree with at most p vertices is
  * 1/gamma: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, theorem II.2.13.
@@ -6,11 +6,11 @@
  * two colours in turn, and one for a position has one child at most, since x' is linear: Hairer,
  * Lubich and Wanner, Geometric Numerical Integration, chapter III.2.
  */
-#include "integrator_conditions.h"
+#include "conditions.h"
 
 #include <math.h>
 
-/* A residual, if it is the largest so far (or NaN). */
+/* Keeps the residual of a tree if it is the largest so far, or NaN. */
 static void keep(const fp3_tree *trees, unsigned tree, double weight, int is_kick,
                  fp3_condition *worst) {
     const double residual = weight - 1 / trees[tree].gamma;
@@ -23,7 +23,7 @@ static void keep(const fp3_tree *trees, unsigned tree, double weight, int is_kic
 
 static void of_runge_kutta(const fp3_integrator *method, const fp3_tree *trees,
                            fp3_condition *worst) {
-    double inner[FP3_TREE_COUNT][FP3_STAGES_MAX]; /* of a tree as a child, in each stage */
+    double inner[FP3_TREE_COUNT][FP3_STAGES_MAX]; /* weight of each tree as a child, by stage */
     for (unsigned tree = 0; tree < FP3_TREE_COUNT; tree++) {
         double weight = 0, at[FP3_STAGES_MAX];
         for (unsigned i = 0; i < method->stages; i++) {
@@ -39,10 +39,11 @@ static void of_runge_kutta(const fp3_integrator *method, const fp3_tree *trees,
     }
 }
 
-/* Trees by the colour of their root: 0 a drift, 1 a kick. */
+/* The second index is the colour of a tree's root: 0 a drift, 1 a kick. */
 typedef struct {
     int exists[FP3_TREE_COUNT][2];
-    double before[FP3_TREE_COUNT][2][FP3_STAGES_MAX + 1]; /* summed over the substeps before one */
+    double before[FP3_TREE_COUNT][2]
+                 [FP3_STAGES_MAX + 1]; /* sums over the substeps before each one */
 } coloured;
 
 static int exists(const coloured *c, const fp3_tree *tree, int is_kick) {
@@ -88,4 +89,23 @@ void fp3_conditions(const fp3_integrator *integrator, fp3_condition worst[FP3_TR
 
 int fp3_condition_holds(const fp3_condition *condition) {
     return fabs(condition->residual) <= FP3_CONDITION_TOLERANCE;
+}
+
+unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, double *next) {
+    fp3_condition conditions[FP3_TREE_ORDER + 1];
+    *worst = *next = 0;
+    if (integrator->kind == FP3_STOERMER) {
+        /* The local error is h^4 x''''/12, and two integrations of it are of second order. */
+        *next = 1.0 / 12;
+        return 2;
+    }
+    fp3_conditions(integrator, conditions);
+    unsigned order = 0;
+    while (order < FP3_TREE_ORDER && fp3_condition_holds(&conditions[order + 1])) {
+        order++;
+        *worst = fmax(*worst, fabs(conditions[order].residual));
+    }
+    if (order < FP3_TREE_ORDER)
+        *next = fabs(conditions[order + 1].residual);
+    return order;
 }

@@ -1,13 +1,10 @@
-/* integrator.c - integrators by name, and the order of one. */
+/* find.c - integrators by name: those that are built in, and files. */
 #include <fp3/integrator.h>
 
 #include <base/file.h>
 #include <gen/integrators.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "integrator_conditions.h"
 
 static const struct {
     const char *name, *path, *text;
@@ -52,32 +49,4 @@ fp3_status fp3_integrator_find(const char *name, fp3_integrator **integrator, fp
     }
     return fp3_fail(error, FP3_E_ARGUMENT,
                     "no integrator '%s': there are %s, and files that end in .cfg", name, names);
-}
-
-void fp3_integrator_free(fp3_integrator **integrator) {
-    if (!*integrator)
-        return;
-    free((*integrator)->doc);
-    free((*integrator)->source);
-    free(*integrator);
-    *integrator = NULL;
-}
-
-unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, double *next) {
-    fp3_condition conditions[FP3_TREE_ORDER + 1];
-    *worst = *next = 0;
-    if (integrator->kind == FP3_STOERMER) {
-        /* The local error is h^4 x''''/12, and two integrations of it are of second order. */
-        *next = 1.0 / 12;
-        return 2;
-    }
-    fp3_conditions(integrator, conditions);
-    unsigned order = 0;
-    while (order < FP3_TREE_ORDER && fp3_condition_holds(&conditions[order + 1])) {
-        order++;
-        *worst = fmax(*worst, fabs(conditions[order].residual));
-    }
-    if (order < FP3_TREE_ORDER)
-        *next = fabs(conditions[order + 1].residual);
-    return order;
 }

@@ -1,12 +1,12 @@
-/* integrator_conditions.h - how far an integrator is from the conditions of each order. */
-#ifndef FP3_INTEGRATOR_CONDITIONS_H
-#define FP3_INTEGRATOR_CONDITIONS_H
+/* conditions.h - how far an integrator is from the conditions of each order. */
+#ifndef FP3_CONDITIONS_H
+#define FP3_CONDITIONS_H
 
 #include <fp3/integrator.h>
 
 #include "trees.h"
 
-/* Coefficients are sums and products of doubles, and published ones have 14 digits or more. */
+/* Residuals are sums and products of doubles, and published coefficients have 14 digits or more. */
 #define FP3_CONDITION_TOLERANCE 1e-10
 
 typedef struct {
@@ -15,11 +15,11 @@ typedef struct {
     int is_kick;              /* splitting: the tree's root is a velocity, else a position */
 } fp3_condition;
 
-/* worst[n] is of order n, 1 .. FP3_TREE_ORDER; worst[0] is not written. For Runge-Kutta and
- * splittings. */
+/* Of a Runge-Kutta method or a splitting. worst[n] is the condition of order n that is furthest off,
+ * n = 1 .. FP3_TREE_ORDER; worst[0] is not written. */
 void fp3_conditions(const fp3_integrator *integrator, fp3_condition worst[FP3_TREE_ORDER + 1]);
 
-/* NaN is no zero either. */
+/* A residual that is NaN does not hold. */
 int fp3_condition_holds(const fp3_condition *condition);
 
 #endif

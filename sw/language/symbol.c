@@ -1,31 +1,16 @@
-/* parse_name.c - names: what they may be, and what they stand for. */
+#include "symbol.h"
+
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "parse.h"
+#include "function.h"
+#include "keyword.h"
+#include "text/nearest.h"
 
-static const char *const words[] = {"model", "param", "shared",    "state", "step",
-                                    "span",  "exact", "invariant", "and",   "or",
-                                    "not",   "t",     "pi"};
-enum { WORDS = sizeof words / sizeof *words, STATEMENTS = 8 };
-
-static int is_one_of(token name, unsigned count) {
-    for (unsigned i = 0; i < count; i++)
-        if (fp3_token_is(name, words[i]))
-            return 1;
-    return 0;
-}
-
-int fp3_ode_begins_statement(token name) { return is_one_of(name, STATEMENTS); }
-
-int fp3_ode_is_keyword(token name) { return is_one_of(name, WORDS); }
-
-void fp3_ode_nearest_statement(token name, const char **best) {
-    for (unsigned i = 0; i < STATEMENTS; i++)
-        fp3_report_nearest(name, words[i], best);
-}
-
-token fp3_ode_base(token name, int *component) {
+/* The name alone. *component is 0 to 2, -1 without one, ODE_VECTOR for anything else behind the
+ * dot. */
+static fp3_token base_of(fp3_token name, int *component) {
     const char *dot = memchr(name.text, '.', name.length);
     *component = -1;
     if (!dot)
@@ -36,19 +21,28 @@ token fp3_ode_base(token name, int *component) {
     return name;
 }
 
-ode_symbol *fp3_ode_find(ode_parser *p, token base) {
+ode_symbol *fp3_ode_find(ode_parser *p, fp3_token name) {
+    int component;
+    const fp3_token base = base_of(name, &component);
     for (uint32_t i = 0; i < p->symbol_count; i++)
         if (fp3_token_same(p->symbols[i].at, base))
             return &p->symbols[i];
     return NULL;
 }
 
-void fp3_ode_scalar_name(token base, unsigned size, unsigned i, char name[FP3_NAME_SIZE]) {
+void fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
+                     ode_value value) {
+    assert(p->symbol_count < ODE_SYMBOLS); /* the limits of what is declared see to it */
+    p->symbols[p->symbol_count++] =
+        (ode_symbol){.at = name, .class = class, .first = first, .value = value};
+}
+
+void fp3_ode_scalar_name(fp3_token base, unsigned size, unsigned i, char name[FP3_NAME_SIZE]) {
     snprintf(name, FP3_NAME_SIZE, size > 1 ? "%.*s_%c" : "%.*s", (int)base.length, base.text,
              'x' + (int)i);
 }
 
-/* Whether a symbol occupies this name: r, and r_x and r_y if it is a vector. */
+/* Whether a symbol has this name: a vector r of two has r, r_x and r_y. */
 static int occupies(const ode_symbol *s, const char *name) {
     char own[FP3_NAME_SIZE];
     if (fp3_token_is(s->at, name))
@@ -61,7 +55,8 @@ static int occupies(const ode_symbol *s, const char *name) {
     return 0;
 }
 
-static const ode_symbol *occupied(const ode_parser *p, token name, unsigned size) {
+/* A symbol that shares a name with the new one, or NULL. */
+static const ode_symbol *occupied(const ode_parser *p, fp3_token name, unsigned size) {
     char text[1 + ODE_VECTOR][FP3_NAME_SIZE];
     unsigned count = 1;
     fp3_ode_scalar_name(name, 1, 0, text[0]);
@@ -74,62 +69,64 @@ static const ode_symbol *occupied(const ode_parser *p, token name, unsigned size
     return NULL;
 }
 
-int fp3_ode_is_new_name(ode_parser *p, token name, unsigned size) {
+int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size) {
     char text[FP3_NAME_SIZE];
     unsigned room = FP3_NAME_SIZE - (size > 1 ? 3 : 1);
     if (name.length > room) {
-        fp3_ode_wrong(p, name, "a name of at most %u characters", room);
+        fp3_ode_wrong(&p->in, name, "a name of at most %u characters", room);
         return 0;
     }
     fp3_ode_scalar_name(name, 1, 0, text);
     if (memchr(name.text, '.', name.length)) {
-        fp3_ode_wrong(p, name, "a name without a '.'");
+        fp3_ode_wrong(&p->in, name, "a name without a '.'");
         return 0;
     }
-    if (!fp3_name_valid(text) || fp3_ode_is_keyword(name) || fp3_ode_is_function(name)) {
-        fp3_ode_wrong(p, name, "a name ('%s' has a meaning of its own)", text);
+    if (!fp3_name_valid(text) || fp3_ode_is_keyword(name) || fp3_ode_function(name)) {
+        fp3_ode_wrong(&p->in, name, "a name ('%s' has a meaning of its own)", text);
         return 0;
     }
     const ode_symbol *other = occupied(p, name, size);
     if (!other)
         return 1;
     if (fp3_token_same(other->at, name))
-        fp3_ode_wrong(p, name, "a new name (line %u declares this one)", other->at.line);
+        fp3_ode_wrong(&p->in, name, "a new name (line %u declares this one)",
+                      other->at.location.line);
     else
-        fp3_ode_wrong(p, name, "a new name (the components of '%.*s', line %u, would share it)",
+        fp3_ode_wrong(&p->in, name,
+                      "a new name (the components of '%.*s', line %u, would share it)",
                       (int)(size > 1 ? name.length : other->at.length),
-                      size > 1 ? name.text : other->at.text, other->at.line);
+                      size > 1 ? name.text : other->at.text, other->at.location.line);
     return 0;
 }
 
-static void undefined(ode_parser *p, token name) {
+static void undefined(ode_parser *p, fp3_token name) {
     for (unsigned i = 0; i < p->undefined_count; i++)
         if (fp3_token_same(p->undefined[i], name))
             return;
-    if (p->undefined_count < REPORT_LIMIT)
+    if (p->undefined_count < FP3_REPORT_LIMIT)
         p->undefined[p->undefined_count++] = name;
     if (p->context == ODE_IN_CONSTANT) {
-        fp3_ode_wrong(p, name, "a number or a function");
+        fp3_ode_wrong(&p->in, name, "a number or a function");
         return;
     }
     char best[FP3_NAME_SIZE] = "", candidate[FP3_NAME_SIZE];
     for (uint32_t i = 0; i < p->symbol_count; i++) {
         const char *near = *best ? best : NULL;
         fp3_ode_scalar_name(p->symbols[i].at, 1, 0, candidate);
-        fp3_report_nearest(name, candidate, &near);
+        fp3_nearest(name, candidate, &near);
         if (near == candidate)
             memcpy(best, candidate, sizeof best);
     }
     if (*best)
-        fp3_ode_wrong(p, name, "a name that is defined (did you mean '%s'?)", best);
+        fp3_ode_wrong(&p->in, name, "a name that is defined (did you mean '%s'?)", best);
     else
-        fp3_ode_wrong(p, name, "a name that is defined above");
+        fp3_ode_wrong(&p->in, name, "a name that is defined above");
 }
 
-ode_symbol *fp3_ode_resolve(ode_parser *p, token name, unsigned *start, unsigned *size) {
+ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
     int component;
-    token base = fp3_ode_base(name, &component);
-    ode_symbol *s = fp3_ode_find(p, base);
+    const fp3_token base = base_of(name, &component);
+    ode_symbol *s = fp3_ode_find(p, name);
     if (!s) {
         undefined(p, base);
         return NULL;
@@ -139,9 +136,9 @@ ode_symbol *fp3_ode_resolve(ode_parser *p, token name, unsigned *start, unsigned
     if (component < 0 || !s->value.size || (s->value.size > 1 && *start < s->value.size))
         return s;
     if (s->value.size > 1)
-        fp3_ode_wrong(p, name, "a component .x%s or .%c of it", s->value.size == 3 ? ", .y" : "",
-                      s->value.size == 3 ? 'z' : 'y');
+        fp3_ode_wrong(&p->in, name, "a component .x%s or .%c of it",
+                      s->value.size == 3 ? ", .y" : "", s->value.size == 3 ? 'z' : 'y');
     else
-        fp3_ode_wrong(p, name, "'%.*s' alone (it is no vector)", (int)base.length, base.text);
+        fp3_ode_wrong(&p->in, name, "'%.*s' alone (it is no vector)", (int)base.length, base.text);
     return NULL;
 }

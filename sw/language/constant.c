@@ -1,0 +1,75 @@
+#include "constant.h"
+
+#include <math.h>
+
+#include "dimension_check.h"
+#include "evaluate.h"
+#include "expression.h"
+#include "vector.h"
+
+/* Values of the expressions from .. expr_count-1. */
+static void compute(ode_parser *p, uint32_t from) {
+    double params[ODE_QUANTITIES];
+    for (uint32_t i = 0; i < p->param_count; i++)
+        params[i] = p->params[i].quantity.value;
+    const fp3_point point = {.params = params};
+    for (uint32_t i = from; i < p->expr_count; i++)
+        p->values[i] = fp3_ode_compute(&p->exprs[i], &point, p->values);
+}
+
+/* The value of the expression as a constant. 0 after an error. */
+static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
+                ode_constant *constant) {
+    char is[ODE_DIMENSION_TEXT_SIZE], wanted[ODE_DIMENSION_TEXT_SIZE];
+    if (value.size != size) {
+        fp3_ode_wrong(&p->in, at, "%s (this is %s)",
+                      size == 1   ? "a number"
+                      : size == 2 ? "a vector, as (1, 0)"
+                                  : "a vector, as (1, 0, 0)",
+                      fp3_ode_shape(value.size));
+        return 0;
+    }
+    for (unsigned i = 0; i < size; i++) {
+        const ode_dimension *dimension = &p->dimensions[value.expr[i]];
+        constant->value[i] = p->values[value.expr[i]];
+        if (!fp3_ode_dimension_fits(dimension, &constant->dimension)) {
+            fp3_ode_wrong(&p->in, at, "a value in %s (this is in %s)",
+                          fp3_ode_dimension_text(&p->dimension_names, &constant->dimension, wanted),
+                          fp3_ode_dimension_text(&p->dimension_names, dimension, is));
+            return 0;
+        }
+        if (!isfinite(constant->value[i])) {
+            fp3_ode_wrong(&p->in, at, "a finite value (this is %s)",
+                          isnan(constant->value[i]) ? "not a number" : "infinite");
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The expressions of a constant are forgotten once it is computed. */
+static int read(ode_parser *p, ode_context context, unsigned size, int may_have_unit,
+                ode_constant *constant) {
+    fp3_token at = p->in.next;
+    const uint32_t from = p->expr_count;
+    *constant = (ode_constant){.dimension = {.kind = ODE_DIMENSION_ANY}};
+    const ode_value value = fp3_ode_expression(p, context);
+    if (may_have_unit)
+        fp3_ode_dimension_read(p, &constant->dimension, constant->dimension_text);
+    int is_good = 0;
+    if (value.size && !p->in.is_lost) {
+        compute(p, from);
+        fp3_ode_check_dimensions(p, from);
+        is_good = take(p, at, value, size, constant);
+    }
+    p->expr_count = from;
+    return is_good;
+}
+
+int fp3_ode_constant(ode_parser *p, ode_context context, unsigned size, ode_constant *constant) {
+    return read(p, context, size, 0, constant);
+}
+
+int fp3_ode_measured(ode_parser *p, ode_context context, unsigned size, ode_constant *constant) {
+    return read(p, context, size, 1, constant);
+}

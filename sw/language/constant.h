@@ -1,0 +1,18 @@
+/* constant.h - values that are known before a run. */
+#ifndef FP3_ODE_CONSTANT_H
+#define FP3_ODE_CONSTANT_H
+
+#include "dimension_read.h"
+
+typedef struct {
+    double value[ODE_VECTOR];
+    ode_dimension dimension;
+    char dimension_text[ODE_DIMENSION_SOURCE_SIZE];
+} ode_constant;
+
+/* Reads a number, or a vector of this size. 0 after an error. */
+int fp3_ode_constant(ode_parser *p, ode_context context, unsigned size, ode_constant *constant);
+/* Reads one with its unit in brackets, if that is there. */
+int fp3_ode_measured(ode_parser *p, ode_context context, unsigned size, ode_constant *constant);
+
+#endif

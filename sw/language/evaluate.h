@@ -1,0 +1,12 @@
+/* evaluate.h - the operations of expressions, and their values in double. */
+#ifndef FP3_ODE_EVALUATE_H
+#define FP3_ODE_EVALUATE_H
+
+#include <fp3/model.h>
+
+/* The value of an expression, from those of its operands. */
+double fp3_ode_compute(const fp3_expr *expr, const fp3_point *point, const double *values);
+unsigned fp3_ode_operands(fp3_expr_op op);
+int fp3_ode_is_host_only(fp3_expr_op op);
+
+#endif

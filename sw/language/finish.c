@@ -1,0 +1,58 @@
+#include "finish.h"
+
+#include "dimension_check.h"
+
+/* The state that alone is the derivative of a state, or FP3_NONE. */
+static uint32_t bare_state(const ode_parser *p, const ode_equation *e) {
+    if (!fp3_token_exists(e->at) || e->expr == FP3_NONE || p->exprs[e->expr].op != FP3_EXPR_STATE)
+        return FP3_NONE;
+    return p->exprs[e->expr].index;
+}
+
+/* s'' = e where s' = v: v' = e. */
+static void resolve_second(ode_parser *p, ode_quantity *s) {
+    uint32_t v = bare_state(p, &s->first);
+    if (v == FP3_NONE) {
+        if (!fp3_token_exists(s->first.at) || s->first.expr != FP3_NONE)
+            fp3_ode_wrong(&p->in, s->second.at,
+                          "an equation %s' = v as well, where v is a state: %s'' is then v'",
+                          s->quantity.name, s->quantity.name);
+    } else if (fp3_token_exists(p->states[v].first.at)) {
+        fp3_ode_wrong(&p->in, s->second.at, "no second equation for '%s' (line %u has one)",
+                      p->states[v].quantity.name, p->states[v].first.at.location.line);
+    } else {
+        p->states[v].first = s->second;
+    }
+}
+
+static void finish_states(ode_parser *p) {
+    const char *last_missing = NULL;
+    for (uint32_t i = 0; i < p->state_count; i++)
+        if (fp3_token_exists(p->states[i].second.at))
+            resolve_second(p, &p->states[i]);
+    for (uint32_t i = 0; i < p->state_count; i++) {
+        ode_quantity *s = &p->states[i];
+        if (!fp3_token_exists(s->first.at) && s->at.text != last_missing) {
+            fp3_ode_wrong(&p->in, s->at, "an equation for this state, %s' = ...", s->quantity.name);
+            last_missing = s->at.text;
+        }
+        uint32_t v = bare_state(p, &s->first);
+        s->quantity.derivative = s->first.expr;
+        s->quantity.velocity = v == i ? FP3_NONE : v;
+        s->quantity.exact = fp3_token_exists(s->exact.at) ? s->exact.expr : FP3_NONE;
+    }
+}
+
+void fp3_ode_finish(ode_parser *p) {
+    fp3_ode_check_dimensions(p, 0);
+    fp3_ode_check_equations(p);
+    finish_states(p);
+    if (!p->state_count)
+        fp3_ode_wrong(&p->in, p->in.next, "a state, as in: state v = 0");
+    if (!fp3_token_exists(p->step.at))
+        fp3_ode_wrong(&p->in, p->in.next, "a time step, as in: step 0.01");
+    if (fp3_token_exists(p->span.at) &&
+        !fp3_ode_dimension_fits(&p->step.dimension, &p->span.dimension))
+        fp3_ode_wrong(&p->in, p->span.at, "the unit of the step (line %u)",
+                      p->step.at.location.line);
+}

@@ -1,0 +1,49 @@
+#include "function.h"
+
+#include "text/nearest.h"
+#include "vector.h"
+
+static const ode_function functions[] = {
+    {"sqrt", 1, ODE_OF_NUMBERS, FP3_EXPR_SQRT},  {"sin", 1, ODE_OF_NUMBERS, FP3_EXPR_SIN},
+    {"cos", 1, ODE_OF_NUMBERS, FP3_EXPR_COS},    {"min", 2, ODE_OF_NUMBERS, FP3_EXPR_MIN},
+    {"max", 2, ODE_OF_NUMBERS, FP3_EXPR_MAX},    {"abs", 1, ODE_OF_NUMBERS, FP3_EXPR_ABS},
+    {"exp", 1, ODE_OF_NUMBERS, FP3_EXPR_EXP},    {"log", 1, ODE_OF_NUMBERS, FP3_EXPR_LOG},
+    {"tan", 1, ODE_OF_NUMBERS, FP3_EXPR_TAN},    {"asin", 1, ODE_OF_NUMBERS, FP3_EXPR_ASIN},
+    {"acos", 1, ODE_OF_NUMBERS, FP3_EXPR_ACOS},  {"atan2", 2, ODE_OF_NUMBERS, FP3_EXPR_ATAN2},
+    {"sinh", 1, ODE_OF_NUMBERS, FP3_EXPR_SINH},  {"cosh", 1, ODE_OF_NUMBERS, FP3_EXPR_COSH},
+    {"tanh", 1, ODE_OF_NUMBERS, FP3_EXPR_TANH},  {"select", 3, ODE_OF_CHOICE, FP3_EXPR_SELECT},
+    {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},   {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT},
+    {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
+};
+enum { FUNCTIONS = sizeof functions / sizeof *functions };
+
+const ode_function *fp3_ode_function(fp3_token name) {
+    for (unsigned i = 0; i < FUNCTIONS; i++)
+        if (fp3_token_is(name, functions[i].name))
+            return &functions[i];
+    return NULL;
+}
+
+const char *fp3_ode_nearest_function(fp3_token name) {
+    const char *near = NULL;
+    for (unsigned i = 0; i < FUNCTIONS; i++)
+        fp3_nearest(name, functions[i].name, &near);
+    return near;
+}
+
+ode_value fp3_ode_apply(ode_parser *p, fp3_token at, const ode_function *f,
+                        const ode_value argument[ODE_ARGUMENTS]) {
+    switch (f->rule) {
+    case ODE_OF_CHOICE:
+        return fp3_ode_select(p, at, argument[0], argument[1], argument[2]);
+    case ODE_OF_DOT:
+        return fp3_ode_dot(p, at, argument[0], argument[1]);
+    case ODE_OF_CROSS:
+        return fp3_ode_cross(p, at, argument[0], argument[1]);
+    case ODE_OF_NORM:
+        return fp3_ode_unary(p, at, FP3_EXPR_SQRT, fp3_ode_dot(p, at, argument[0], argument[0]));
+    default:
+        return f->arguments == 1 ? fp3_ode_unary(p, at, f->op, argument[0])
+                                 : fp3_ode_binary(p, at, f->op, argument[0], argument[1]);
+    }
+}

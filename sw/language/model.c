@@ -1,0 +1,42 @@
+/* model.c - models that have been read. */
+#include <fp3/model.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+static void free_quantities(fp3_quantity *quantities, uint32_t count) {
+    for (uint32_t i = 0; quantities && i < count; i++) {
+        free(quantities[i].unit);
+        free(quantities[i].doc);
+    }
+    free(quantities);
+}
+
+void fp3_model_free(fp3_model **model) {
+    fp3_model *m = *model;
+    if (!m)
+        return;
+    free_quantities(m->states, m->state_count);
+    free_quantities(m->params, m->param_count);
+    free(m->definitions);
+    free(m->invariants);
+    free(m->exprs);
+    free(m->doc);
+    free(m);
+    *model = NULL;
+}
+
+static uint32_t find(const fp3_quantity *quantities, uint32_t count, const char *name) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!strcmp(quantities[i].name, name))
+            return i;
+    return FP3_NONE;
+}
+
+uint32_t fp3_model_state(const fp3_model *model, const char *name) {
+    return find(model->states, model->state_count, name);
+}
+
+uint32_t fp3_model_param(const fp3_model *model, const char *name) {
+    return find(model->params, model->param_count, name);
+}

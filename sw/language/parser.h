@@ -1,0 +1,102 @@
+/* parser.h - one model while it is read. Each file below fills in its part and stands on those
+ * above it.
+ *
+ *     cursor             the source, token by token, and errors
+ *     symbol             what names stand for
+ *     vector             operations on numbers and vectors, which become scalar expressions
+ *     expression         expressions; function has the functions they call
+ *     dimension_read     units in brackets; dimension_check compares them in all expressions
+ *     constant           values that are known before a run
+ *     statement          what each statement says
+ *     read               the source from statement to statement, and the calls of fp3/model.h
+ */
+#ifndef FP3_ODE_PARSER_H
+#define FP3_ODE_PARSER_H
+
+#include <fp3/model.h>
+
+#include "cursor.h"
+#include "dimension.h"
+
+enum {
+    ODE_SOURCE_MAX = 1 << 20,
+    ODE_QUANTITIES = 64, /* states, and as many params */
+    ODE_EXPRS = 4096,
+    ODE_DEFINITIONS = 1024, /* and as many invariants */
+    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS,
+    ODE_DEPTH = 200,
+    ODE_VECTOR = 3
+};
+
+typedef struct {
+    unsigned size; /* 1: a number, 2 or 3: a vector, 0: wrong, and reported */
+    uint32_t expr[ODE_VECTOR];
+} ode_value;
+
+/* What an expression may be made of. */
+typedef enum {
+    ODE_IN_CONSTANT,  /* numbers */
+    ODE_IN_START,     /* numbers and params */
+    ODE_IN_EQUATION,  /* what the hardware can compute from states, and anything of params */
+    ODE_IN_EXACT,     /* numbers, params, t and v(0) */
+    ODE_IN_INVARIANT, /* numbers, params and states */
+} ode_context;
+
+typedef enum { ODE_STATE, ODE_PARAM, ODE_DEFINITION, ODE_INVARIANT } ode_class;
+
+typedef struct {
+    fp3_token at;
+    ode_class class;
+    uint32_t first;  /* of a state or param: its first component */
+    ode_value value; /* of a definition or invariant; of a state or param only the size */
+} ode_symbol;
+
+typedef struct {
+    fp3_token at;  /* if the equation exists */
+    uint32_t expr; /* FP3_NONE: its right side is wrong, and reported */
+} ode_equation;
+
+typedef struct {
+    fp3_quantity quantity;
+    fp3_token at;
+    ode_dimension dimension;
+    ode_equation first, second, exact; /* of a state: its derivatives, its closed form */
+} ode_quantity;
+
+typedef struct {
+    double value;
+    ode_dimension dimension;
+    fp3_token at; /* if the source says it */
+} ode_time;
+
+typedef struct {
+    ode_cursor in;
+    ode_context context; /* of the expression that is read */
+    unsigned depth;      /* of that expression */
+    int out_of_memory;
+
+    fp3_token model_at; /* if the source names the model */
+    char model_name[FP3_NAME_SIZE];
+    char *model_doc;
+    ode_time step, span;
+    ode_dimension_names dimension_names;
+    ode_quantity states[ODE_QUANTITIES], params[ODE_QUANTITIES];
+    fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
+    uint32_t state_count, param_count, definition_count, invariant_count;
+
+    ode_symbol symbols[ODE_SYMBOLS];
+    uint32_t symbol_count;
+    fp3_token undefined[FP3_REPORT_LIMIT]; /* each is reported once */
+    unsigned undefined_count;
+
+    uint32_t expr_count;
+    fp3_expr exprs[ODE_EXPRS];
+    /* Of each expression: where it is written, its dimension once checked, whether it depends on a
+     * state. */
+    fp3_token expr_at[ODE_EXPRS];
+    ode_dimension dimensions[ODE_EXPRS];
+    char has_state[ODE_EXPRS];
+    double values[ODE_EXPRS]; /* while a constant is read */
+} ode_parser;
+
+#endif

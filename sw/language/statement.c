@@ -1,0 +1,272 @@
+#include "statement.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "constant.h"
+#include "expression.h"
+#include "keyword.h"
+#include "symbol.h"
+#include "utf8.h"
+#include "vector.h"
+
+/* Reads a name; 0 if there is none, after an error that says what is expected. */
+static int name_here(ode_parser *p, const char *expected, fp3_token *name) {
+    *name = p->in.next;
+    if (name->kind != FP3_TOKEN_NAME) {
+        fp3_ode_lost(&p->in, "%s", expected);
+        return 0;
+    }
+    fp3_ode_advance(&p->in);
+    return 1;
+}
+
+/* The text behind a statement, malloc'ed; "" if there is none. */
+static char *doc_here(ode_parser *p) {
+    fp3_token t = p->in.next;
+    size_t size = 0;
+    if (t.kind == FP3_TOKEN_BAD && t.length && *t.text == '"') {
+        fp3_ode_lost(&p->in, "a text that ends with '\"' on its line");
+    } else if (t.kind == FP3_TOKEN_TEXT) {
+        if (fp3_ode_is_utf8(t))
+            size = t.length - 2;
+        else
+            fp3_ode_wrong(&p->in, t, "a text in UTF-8 without control characters");
+        fp3_ode_advance(&p->in);
+    }
+    char *doc = calloc(size + 1, 1);
+    if (!doc)
+        p->out_of_memory = 1;
+    else if (size)
+        memcpy(doc, t.text + 1, size);
+    return doc;
+}
+
+static void model_statement(ode_parser *p, fp3_token keyword) {
+    fp3_token name;
+    char text[FP3_NAME_SIZE] = "";
+    if (fp3_token_exists(p->model_at))
+        fp3_ode_wrong(&p->in, keyword, "no second name of the model (line %u has one)",
+                      p->model_at.location.line);
+    if (!name_here(p, "the name of the model", &name))
+        return;
+    if (name.length < sizeof text)
+        memcpy(text, name.text, name.length);
+    if (!fp3_name_valid(text))
+        fp3_ode_wrong(&p->in, name, "a name of at most %d letters, digits and _",
+                      FP3_NAME_SIZE - 1);
+    char *doc = doc_here(p);
+    if (fp3_token_exists(p->model_at)) {
+        free(doc);
+        return;
+    }
+    p->model_at = keyword;
+    memcpy(p->model_name, text, sizeof text);
+    p->model_doc = doc;
+}
+
+/* "[2]" behind the name of a vector. */
+static unsigned size_here(ode_parser *p) {
+    unsigned size = 1;
+    if (!fp3_ode_accept(&p->in, "["))
+        return size;
+    if (fp3_ode_accept(&p->in, "2"))
+        size = 2;
+    else if (fp3_ode_accept(&p->in, "3"))
+        size = 3;
+    else
+        fp3_ode_lost(&p->in, "2 or 3, the size of a vector (a unit stands behind the value)");
+    fp3_ode_expect(&p->in, "]", "']'");
+    return size;
+}
+
+static char *copied(ode_parser *p, const char *text) {
+    char *copy = strdup(text);
+    p->out_of_memory |= !copy;
+    return copy;
+}
+
+static void add_quantity(ode_parser *p, fp3_token at, ode_class class, unsigned size, int is_shared,
+                         const ode_constant *constant, const char *doc) {
+    ode_quantity *array = class == ODE_STATE ? p->states : p->params;
+    uint32_t *count = class == ODE_STATE ? &p->state_count : &p->param_count;
+    if (*count + size > ODE_QUANTITIES) {
+        fp3_ode_over(&p->in, at, "at most %d %s", ODE_QUANTITIES,
+                     class == ODE_STATE ? "states" : "params, shared ones included");
+        return;
+    }
+    fp3_ode_declare(p, at, class, *count, (ode_value){.size = size});
+    for (unsigned i = 0; i < size; i++) {
+        ode_quantity *q = &array[(*count)++];
+        *q = (ode_quantity){.at = at, .dimension = constant->dimension};
+        fp3_ode_scalar_name(at, size, i, q->quantity.name);
+        q->quantity.unit = copied(p, constant->dimension_text);
+        q->quantity.doc = copied(p, doc);
+        q->quantity.value = constant->value[i];
+        q->quantity.is_shared = is_shared;
+        q->quantity.derivative = q->quantity.velocity = q->quantity.exact = FP3_NONE;
+        q->quantity.line = at.location.line;
+    }
+}
+
+static void quantity_statement(ode_parser *p, ode_class class, int is_shared) {
+    fp3_token name;
+    if (!name_here(p, "a name", &name))
+        return;
+    unsigned size = size_here(p);
+    int is_new = fp3_ode_is_new_name(p, name, size);
+    ode_constant constant;
+    fp3_ode_expect(&p->in, "=", "'=' and %s",
+                   class == ODE_STATE ? "where the state starts" : "its value");
+    ode_context context = class == ODE_STATE ? ODE_IN_START : ODE_IN_CONSTANT;
+    fp3_ode_measured(p, context, size, &constant);
+    char *doc = doc_here(p);
+    if (is_new && doc)
+        add_quantity(p, name, class, size, is_shared, &constant, doc);
+    free(doc);
+}
+
+static void time_statement(ode_parser *p, fp3_token keyword, ode_time *time) {
+    ode_constant constant;
+    fp3_token value_at = p->in.next;
+    int length = (int)keyword.length;
+    if (fp3_token_exists(time->at))
+        fp3_ode_wrong(&p->in, keyword, "no second '%.*s' (line %u has one)", length, keyword.text,
+                      time->at.location.line);
+    if (fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant) && constant.value[0] <= 0)
+        fp3_ode_wrong(&p->in, value_at, "a %.*s above 0", length, keyword.text);
+    if (!fp3_token_exists(time->at))
+        *time = (ode_time){constant.value[0], constant.dimension, keyword};
+}
+
+/* "= expression" of this size (0: of any); a value of size 0 after an error. */
+static ode_value right_side(ode_parser *p, ode_context context, unsigned size) {
+    fp3_token equals = p->in.next;
+    fp3_ode_expect(&p->in, "=", "'='");
+    ode_value value = fp3_ode_expression(p, context);
+    if (p->in.is_lost)
+        return (ode_value){0}; /* half of it was read */
+    if (!value.size || !size || value.size == size)
+        return value;
+    fp3_ode_wrong(&p->in, equals, "%s on both sides (on the right is %s)", fp3_ode_shape(size),
+                  fp3_ode_shape(value.size));
+    return (ode_value){0};
+}
+
+/* The state, or component of one, that an equation is for. NULL after an error. */
+static const ode_symbol *target_of(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
+    if (s && s->class == ODE_STATE)
+        return s;
+    if (s)
+        fp3_ode_wrong(&p->in, name, "a state (line %u declares something else)",
+                      s->at.location.line);
+    *size = 0;
+    return NULL;
+}
+
+/* Which of a state's equations. */
+typedef enum { FIRST, SECOND, CLOSED } which_equation;
+
+static void equation(ode_parser *p, fp3_token name, which_equation which) {
+    unsigned start = 0, size = 0;
+    const ode_symbol *s = target_of(p, name, &start, &size);
+    ode_value value = right_side(p, which == CLOSED ? ODE_IN_EXACT : ODE_IN_EQUATION, size);
+    for (unsigned i = 0; s && i < size; i++) {
+        ode_quantity *q = &p->states[s->first + start + i];
+        ode_equation *e = which == FIRST ? &q->first : which == SECOND ? &q->second : &q->exact;
+        if (fp3_token_exists(e->at)) {
+            fp3_ode_wrong(&p->in, name, "one such equation of it (line %u has another)",
+                          e->at.location.line);
+            return;
+        }
+        *e = (ode_equation){name, value.size ? value.expr[i] : FP3_NONE};
+    }
+}
+
+static void exact_statement(ode_parser *p) {
+    fp3_token name;
+    if (name_here(p, "the name of a state", &name))
+        equation(p, name, CLOSED);
+}
+
+static void definition(ode_parser *p, fp3_token name, ode_class class) {
+    fp3_definition *array = class == ODE_INVARIANT ? p->invariants : p->definitions;
+    uint32_t *count = class == ODE_INVARIANT ? &p->invariant_count : &p->definition_count;
+    int is_new = fp3_ode_is_new_name(p, name, 1);
+    ode_value value = right_side(p, class == ODE_INVARIANT ? ODE_IN_INVARIANT : ODE_IN_EQUATION, 0);
+    if (is_new && value.size > 1)
+        is_new = fp3_ode_is_new_name(p, name, value.size);
+    if (!is_new)
+        return;
+    if (*count + ODE_VECTOR > ODE_DEFINITIONS) {
+        fp3_ode_over(&p->in, name, "fewer than %d %s", ODE_DEFINITIONS,
+                     class == ODE_INVARIANT ? "invariants" : "definitions");
+        return;
+    }
+    fp3_ode_declare(p, name, class, 0, value);
+    for (unsigned i = 0; i < value.size; i++) {
+        fp3_definition *d = &array[(*count)++];
+        *d = (fp3_definition){.expr = value.expr[i], .line = name.location.line};
+        fp3_ode_scalar_name(name, value.size, i, d->name);
+    }
+}
+
+static void invariant_statement(ode_parser *p) {
+    fp3_token name;
+    if (name_here(p, "a name for the invariant", &name))
+        definition(p, name, ODE_INVARIANT);
+}
+
+/* A statement that begins with a name of its own. */
+static void named_statement(ode_parser *p, fp3_token name) {
+    const char *near = NULL;
+    if (fp3_ode_at(&p->in, "'") || fp3_ode_at(&p->in, "''")) {
+        which_equation which = fp3_ode_at(&p->in, "'") ? FIRST : SECOND;
+        fp3_ode_advance(&p->in);
+        equation(p, name, which);
+        return;
+    }
+    if (fp3_ode_at(&p->in, "=")) {
+        definition(p, name, ODE_DEFINITION);
+        return;
+    }
+    fp3_ode_nearest_statement(name, &near);
+    if (near) {
+        fp3_ode_wrong(&p->in, name, "a statement (did you mean '%s'?)", near);
+        fp3_ode_give_up(&p->in, name);
+    } else {
+        fp3_ode_lost(&p->in, "=, ' or '' after '%.*s'", name.length < 32 ? (int)name.length : 32,
+                     name.text);
+    }
+}
+
+void fp3_ode_statement(ode_parser *p) {
+    fp3_token first = p->in.next;
+    if (first.kind != FP3_TOKEN_NAME) {
+        fp3_ode_lost(&p->in,
+                     "a statement: model, param, shared, state, step, span, exact, invariant, "
+                     "or an equation");
+        return;
+    }
+    p->context = ODE_IN_EQUATION;
+    fp3_ode_advance(&p->in);
+    if (fp3_token_is(first, "model"))
+        model_statement(p, first);
+    else if (fp3_token_is(first, "param") || fp3_token_is(first, "shared"))
+        quantity_statement(p, ODE_PARAM, fp3_token_is(first, "shared"));
+    else if (fp3_token_is(first, "state"))
+        quantity_statement(p, ODE_STATE, 0);
+    else if (fp3_token_is(first, "step"))
+        time_statement(p, first, &p->step);
+    else if (fp3_token_is(first, "span"))
+        time_statement(p, first, &p->span);
+    else if (fp3_token_is(first, "exact"))
+        exact_statement(p);
+    else if (fp3_token_is(first, "invariant"))
+        invariant_statement(p);
+    else
+        named_statement(p, first);
+    if (!fp3_ode_at_end(&p->in))
+        fp3_ode_lost(&p->in, "an operator or the end of the line");
+}

@@ -1,0 +1,21 @@
+/* symbol.h - names: what they may be, and what they stand for. A name may carry a component, r.x;
+ * its base is the name alone. */
+#ifndef FP3_ODE_SYMBOL_H
+#define FP3_ODE_SYMBOL_H
+
+#include "parser.h"
+
+ode_symbol *fp3_ode_find(ode_parser *p, fp3_token name); /* NULL if there is none; by the base */
+/* What a name, or a component of it, stands for; *start is its first component. NULL after an
+ * error. */
+ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size);
+
+/* Whether the token can be a new name, of a vector of this size. Reports it if not. */
+int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size);
+void fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
+                     ode_value value);
+
+/* The name of component i: "r", or "r_x" if it is a vector. */
+void fp3_ode_scalar_name(fp3_token base, unsigned size, unsigned i, char name[FP3_NAME_SIZE]);
+
+#endif

@@ -1,0 +1,10 @@
+/* utf8.h - whether a text is readable. */
+#ifndef FP3_ODE_UTF8_H
+#define FP3_ODE_UTF8_H
+
+#include "text/token.h"
+
+/* Whether the token is UTF-8 without control characters. */
+int fp3_ode_is_utf8(fp3_token token);
+
+#endif

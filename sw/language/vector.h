@@ -1,0 +1,18 @@
+/* vector.h - operations on numbers and vectors. Each takes the token of the operation, and returns a
+ * value of size 0 after an error, or if an operand is such a value. */
+#ifndef FP3_ODE_VECTOR_H
+#define FP3_ODE_VECTOR_H
+
+#include "parser.h"
+
+ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t index, double number);
+ode_value fp3_ode_unary(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a);
+ode_value fp3_ode_binary(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a, ode_value b);
+ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, ode_value b);
+ode_value fp3_ode_dot(ode_parser *p, fp3_token at, ode_value a, ode_value b);
+ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b);
+
+/* "a number", "a vector of 2". */
+const char *fp3_ode_shape(unsigned size);
+
+#endif
