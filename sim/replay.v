@@ -196,5 +196,6 @@ module replay;
         $finish;
     end
 `include "gen/mnemonic.vh"
+`include "gen/operands.vh"
 endmodule
 `default_nettype wire

@@ -8,7 +8,7 @@ programs/integrators/*.cfg into a C header.
 rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not write is removed
 (with --check: reported). Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs), then writes (verilog, parameters, c, pages, fusesoc).
+fp3gen/ does the work: it reads and checks (isa, registers, configs), then writes (verilog, parameters, decode, c, pages, fusesoc).
 """
 
 import argparse
@@ -17,7 +17,7 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, fusesoc, pages, parameters, verilog
+from fp3gen import c, decode, fusesoc, pages, parameters, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 
@@ -29,6 +29,9 @@ def outputs(root):
         "rtl/gen/mnemonic.vh": verilog.mnemonic_verilog(isa),
         "rtl/gen/registers.vh": verilog.registers_verilog(regs),
         "rtl/gen/configs.vh": verilog.configs_verilog(configs),
+        "rtl/gen/operands.vh": decode.operands_verilog(isa),
+        "rtl/gen/choices.vh": decode.choices_verilog(isa),
+        "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(root),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(root),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs),

@@ -124,15 +124,15 @@ def lane(row):
         f"module lane_alone (input wire clk_i, input wire rst_i, "
         + ", ".join(f"input wire [{w - 1}:0] {n}_i, output wire [{w - 1}:0] {n}_o" for n, w in ports) + ", "
         + ", ".join(f"output wire [{w - 1}:0] {n}_o" for n, w in heard) + ");",
-        "    wire subtract; wire [3:0] kind; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
+        "    wire subtract; wire [3:0] choice; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
         f"    lane #(.REGISTER_W({register_w}), .CONTEXTS({row['contexts']}), .CONTEXT_W({context_w}), .STORE_W({store_w}),",
         f"           .LANE_W({lane_w}), .CHAIN({row['chain']}), .SLEEP({row['sleep']}), .FLAGS({row['flags']}),",
         f"           .STATUS({row['status']}), .LATENCY({row['add_latency'] + row['mul_latency']}), .ISSUE_W({issue_w}),",
         f"           .RETIRE_W({retire_w}), .HOST_W({host_w})) u_lane (.clk_i(clk_i), .rst_i(rst_i),",
         "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
         "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
-        "        .subtract_o(subtract), .kind_o(kind), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
-        f"    lane_arith #(.CONFIG({parameters.config_word(row)})) u_arith (.clk_i(clk_i), .subtract_i(subtract), .kind_i(kind), .x_i(x), .y_i(y), .z_i(z),",
+        "        .subtract_o(subtract), .kind_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
+        f"    lane_arith #(.CONFIG({parameters.config_word(row)})) u_arith (.clk_i(clk_i), .subtract_i(subtract), .choice_i(choice), .x_i(x), .y_i(y), .z_i(z),",
         "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
     top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
                      [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")

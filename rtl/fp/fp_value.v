@@ -4,35 +4,35 @@
 //           sum of z_o and -0 is the instruction's result, with its flags.
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           alone_o comes a cycle before z_o: the product beside it is to be -0.
-// Hazard    kind_i as in value.vh, and VALUE_PLAIN where neither SELECT nor ESTIMATE is built: then
+// Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where neither SELECT nor ESTIMATE is built: then
 //           all of this is a delay.
 //
-//     kind_i VALUE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
+//     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
 `default_nettype none
 module fp_value #(
 `include "config.vh"
 ) (
     input  wire        clk_i,
-    input  wire [3:0]  kind_i,
+    input  wire [CHOICE_W-1:0] choice_i,
     input  wire [31:0] a_i,
     input  wire [31:0] b_i,
     input  wire        true_i,         // sel: a
     output wire [31:0] z_o,
     output wire        alone_o
 );
-`include "fp/value.vh"
+`include "gen/choices.vh"
     localparam STAGES = MUL_LATENCY < 3 ? MUL_LATENCY : 3;
 
     generate
         if (SELECT == 0 && ESTIMATE == 0) begin : g_plain
-            wire unused = &{kind_i, b_i, true_i};
+            wire unused = &{choice_i, b_i, true_i};
             assign alone_o = 1'b0;
             delay #(.W(32), .N(MUL_LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
-            wire plain = kind_i == VALUE_PLAIN;
-            wire minimum = kind_i == VALUE_MIN, maximum = kind_i == VALUE_MAX, sel = kind_i == VALUE_SEL;
-            wire lt = kind_i == VALUE_LT, le = kind_i == VALUE_LE;
-            wire root = kind_i == VALUE_RSQRT, estimated = root || kind_i == VALUE_RCP;
+            wire plain = choice_i == CHOICE_NONE;
+            wire minimum = choice_i == CHOICE_MIN, maximum = choice_i == CHOICE_MAX, sel = choice_i == CHOICE_SEL;
+            wire lt = choice_i == CHOICE_LT, le = choice_i == CHOICE_LE;
+            wire root = choice_i == CHOICE_RSQRT, estimated = root || choice_i == CHOICE_RCP;
             delay #(.W(1), .N(MUL_LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
 
             // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
@@ -49,7 +49,7 @@ module fp_value #(
                 {minimum_q, maximum_q, sel_q, lt_q, le_q} <= {minimum, maximum, sel, lt, le} & {5{SELECT != 0}};
                 estimated_q <= ESTIMATE != 0 && estimated;
                 made_q      <= (SELECT != 0 && (lt || le)) || (ESTIMATE != 0 && estimated && !a_nan);
-                a_q         <= {a_i[31] && !(SELECT != 0 && kind_i == VALUE_ABS), a_i[30:0]};
+                a_q         <= {a_i[31] && !(SELECT != 0 && choice_i == CHOICE_ABS), a_i[30:0]};
                 b_q         <= b_i;
             end
             wire        a_less  = !nan_q && (a_q[31] ? (b_q[31] ? b_lower_q : !zeros_q) : !b_q[31] && a_lower_q);

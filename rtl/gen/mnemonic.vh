@@ -26,12 +26,3 @@ function [8*5-1:0] mnemonic(input [4:0] code);
         default: mnemonic = "?    ";
     endcase
 endfunction
-function has_a(input [4:0] code);
-    has_a = code == 5'd1 || code == 5'd2 || code == 5'd3 || code == 5'd4 || code == 5'd5 || code == 5'd6 || code == 5'd10 || code == 5'd11 || code == 5'd12 || code == 5'd13 || code == 5'd14 || code == 5'd15 || code == 5'd16 || code == 5'd17 || code == 5'd18 || code == 5'd19 || code == 5'd20 || code == 5'd21;
-endfunction
-function has_b(input [4:0] code);
-    has_b = code == 5'd1 || code == 5'd2 || code == 5'd3 || code == 5'd4 || code == 5'd5 || code == 5'd6 || code == 5'd10 || code == 5'd11 || code == 5'd12 || code == 5'd13 || code == 5'd14 || code == 5'd15 || code == 5'd17 || code == 5'd18 || code == 5'd19;
-endfunction
-function has_c(input [4:0] code);
-    has_c = code == 5'd4 || code == 5'd5 || code == 5'd19;
-endfunction

@@ -52,7 +52,7 @@ module solo #(
     wire [3:0]                      counters_index;
     wire [63:0]                     counters_value;
     wire                            chain, chain_soon, subtract;
-    wire [3:0]                      value_kind;
+    wire [CHOICE_W-1:0]            choice;
     wire [31:0]                     a, b, c, add_value, mul_value;
     wire [4:0]                      add_flags, mul_flags, retire_flags;
 
@@ -80,7 +80,7 @@ module solo #(
         .host_program_addr_i(program_addr),
         .host_addr_i({kind == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
         .host_rdata_o(host_rdata),
-        .chain_o(chain), .subtract_o(subtract), .kind_o(value_kind), .a_o(a), .b_o(b), .c_o(c),
+        .chain_o(chain), .subtract_o(subtract), .choice_o(choice), .a_o(a), .b_o(b), .c_o(c),
         .chain_soon_i(chain_soon), .add_value_i(add_value), .add_flags_i(add_flags),
         .mul_value_i(mul_value), .mul_flags_i(mul_flags),
         .issue_o(issue_valid_o), .issue_add_o(issue_add), .issue_mul_o(issue_mul),
@@ -93,7 +93,7 @@ module solo #(
 
     solo_arith #(.CONFIG(CONFIG)) u_arith (
         .clk_i(clk_i), .rst_i(rst_i),
-        .chain_i(chain), .subtract_i(subtract), .kind_i(value_kind), .add_a_i(a), .add_b_i(b),
+        .chain_i(chain), .subtract_i(subtract), .choice_i(choice), .add_a_i(a), .add_b_i(b),
         .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon),
         .add_value_o(add_value), .add_flags_o(add_flags),
         .mul_value_o(mul_value), .mul_flags_o(mul_flags));

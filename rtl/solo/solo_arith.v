@@ -20,7 +20,7 @@ module solo_arith #(
     // Operands
     input  wire        chain_i,        // the product goes on to the adder: c +/- a * b
     input  wire        subtract_i,
-    input  wire [3:0]  kind_i,         // value.vh: of c, b, and of whether a is 0; chain_i is 1 then
+    input  wire [CHOICE_W-1:0] choice_i, // gen/choices.vh: what is made of c, b, and of whether a is 0; chain_i is 1 then
     input  wire [31:0] add_a_i,
     input  wire [31:0] add_b_i,
     input  wire [31:0] mul_a_i,
@@ -49,13 +49,13 @@ module solo_arith #(
             delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(subtract_i), .q_o(chain_subtract));
             fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
-                .kind_i(kind_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
+                .choice_i(choice_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
                 .z_o(chain_c), .alone_o(alone));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
-            wire unused = |{chain_i, kind_i, mul_c_i, rst_i};
+            wire unused = |{chain_i, choice_i, mul_c_i, rst_i};
             assign {chain_soon_o, chained, chain_subtract, chain_c, chain_flags, alone} = 41'd0;
         end
     endgenerate

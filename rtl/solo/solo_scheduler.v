@@ -15,6 +15,7 @@
 //           read from the register file two cycles later.
 // Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
 `default_nettype none
+`include "front/decoded.vh"
 module solo_scheduler #(
 `include "config.vh"
 ) (
@@ -39,7 +40,7 @@ module solo_scheduler #(
     // The arithmetic unit
     output wire                            chain_o,
     output wire                            subtract_o,
-    output wire [3:0]                      kind_o,          // value.vh
+    output wire [CHOICE_W-1:0]            choice_o,        // gen/choices.vh
     output wire [31:0]                     a_o,
     output wire [31:0]                     b_o,
     output wire [31:0]                     c_o,
@@ -65,7 +66,7 @@ module solo_scheduler #(
     output wire [31:0]                     retire_value_o,
     output wire [4:0]                      retire_flags_o
 );
-`include "fp/value.vh"
+`include "gen/choices.vh"
 
     // Fetch and decode ------------------------------------------------------------------------
     wire                 advance;
@@ -84,23 +85,12 @@ module solo_scheduler #(
         .begins_o(unused_fetch[3]), .ends_o(unused_fetch[2]), .steps_o(unused_fetch[1]), .lasts_o(unused_fetch[0]),
         .empty_o(fetch_empty));
 
-    localparam DECODED_W = 9 + REGISTER_W + 3*(REGISTER_W+1);
-    wire [DECODED_W-1:0] decoded;
-    wire [5:0]           unused_decode;
-    reg  [DECODED_W-1:0] decoded_q;
+    wire [`DECODED_W-1:0] decoded;
+    reg  [`DECODED_W-1:0] decoded_q;
+    decode #(.CONFIG(CONFIG)) u_decode (.word_i(fetch_word), .decoded_o(decoded));
     reg                  valid_q;
     reg  [PROGRAM_W-1:0] pc_q;
     reg  [31:0]          word_q;
-
-    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SELECT(SELECT), .ESTIMATE(ESTIMATE)) u_decode (
-        .word_i(fetch_word),
-        .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
-        .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
-        .to_sleep_o(unused_decode[3]), .to_memory_o(unused_decode[2]), .st_o(unused_decode[1]),
-        .lds_o(unused_decode[0]), .twice_o(unused_decode[4]), .half_o(unused_decode[5]), .subtract_o(decoded[DECODED_W-5]),
-        .kind_o(decoded[DECODED_W-6 -: 4]), .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]),
-        .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
-        .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
 
     always @(posedge clk_i) begin
         if (rst_i || stop_i || illegal_o) valid_q <= 1'b0;
@@ -112,16 +102,14 @@ module solo_scheduler #(
         end
     end
 
-    wire legal, to_add, to_mul, to_chain, subtract;
-    wire [REGISTER_W-1:0] d;
-    wire [REGISTER_W:0]   a, b, c;
-    wire [3:0]            kind;
-    assign {legal, to_add, to_mul, to_chain, subtract, kind, d, a, b, c} = decoded_q;
+    `DECODED_FIELDS
+    assign `DECODED = decoded_q;
+    wire unused_fields = &{to_sleep, to_memory, st, lds, twice, half};      // for many objects
 
     // What fp_value makes reaches the adder where a product would.
-    wire value  = kind != VALUE_PLAIN;
-    wire sums   = to_add && !value;
-    wire chains = to_chain || value;
+    wire valued = choice != CHOICE_NONE;
+    wire sums   = to_add && !valued;
+    wire chains = to_chain || valued;
 
     // Issue -----------------------------------------------------------------------------------
     wire             blocked, taken, in_flight_none, write, write_mul;
@@ -148,7 +136,7 @@ module solo_scheduler #(
     wire [31:0] result = write_mul ? mul_value_i : add_value_i;
     reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
     reg         chain_q, subtract_q;
-    reg  [3:0]  kind_q;
+    reg  [CHOICE_W-1:0] choice_q;
 
     regfile #(.ADDR_W(REG_W)) u_regfile (
         .clk_i(clk_i),
@@ -165,12 +153,12 @@ module solo_scheduler #(
         c_bypass_q <= c_bypass;
         subtract_q <= subtract;
         chain_q    <= !rst_i && issue && chains;
-        kind_q     <= kind;
+        choice_q   <= choice;
     end
 
     assign chain_o    = chain_q;
     assign subtract_o = subtract_q;
-    assign kind_o     = kind_q;
+    assign choice_o   = choice_q;
     assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
     assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
     assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;

@@ -58,7 +58,7 @@ module lane #(
     output wire                 subtract_o,
     output wire                 twice_o,        // what x is multiplied with, where y is not in the way
     output wire                 half_o,
-    output wire [3:0]           kind_o,         // value.vh: z is what it makes of z, x and y
+    output wire [3:0]           kind_o,         // gen/choices.vh: z is what fp_value makes of z, x and y
     output wire [31:0]          x_o,
     output wire [31:0]          y_o,
     output wire [31:0]          z_o,

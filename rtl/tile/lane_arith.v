@@ -7,7 +7,7 @@
 // Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
 // Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
 //
-//     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(1'b1), .kind_i(VALUE_PLAIN),
+//     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(1'b1), .choice_i(CHOICE_NONE),
 //         .x_i(x), .y_i(y), .z_i(z), .value_o(d), .flags_o(flags));
 //     // with 8 and 8, sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000
 `default_nettype none
@@ -16,7 +16,7 @@ module lane_arith #(
 ) (
     input  wire        clk_i,
     input  wire        subtract_i,         // 1: z - x * y
-    input  wire [3:0]  kind_i,             // value.vh: of z, x, and of whether y is 0
+    input  wire [CHOICE_W-1:0] choice_i,   // gen/choices.vh: what is made of z, x, and of whether y is 0
     input  wire [31:0] x_i,
     input  wire [31:0] y_i,
     input  wire [31:0] z_i,
@@ -41,7 +41,7 @@ module lane_arith #(
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(subtract_i), .q_o(subtract));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i),
-        .kind_i(kind_i), .a_i(z_i), .b_i(x_i), .true_i(|y_i[30:0]), .z_o(z), .alone_o(alone));
+        .choice_i(choice_i), .a_i(z_i), .b_i(x_i), .true_i(|y_i[30:0]), .z_o(z), .alone_o(alone));
 
     wire [31:0] sum;
     wire [4:0]  sum_flags, sum_flags_q, earlier_flags;

@@ -16,22 +16,12 @@
 //           A report that a context's objects sleep comes late. Until then its instructions are
 //           issued in vain; no lane executes them.
 `default_nettype none
+`include "front/decoded.vh"
 module sequencer #(
-    parameter REGISTER_W = 5,          // 2^REGISTER_W registers per context, as many constants
-    parameter CONTEXTS   = 24,
-    parameter CONTEXT_W  = 5,          // bits that count 0 .. CONTEXTS (the constants')
-    parameter PROGRAM_W  = 9,          // 2^PROGRAM_W instruction words
-    parameter STORE_W    = 10,         // 2^STORE_W words of store
-    parameter LANES      = 1,
-    parameter CHAIN      = 1,
-    parameter SCALE      = 0,
-    parameter SELECT     = 0,
-    parameter ESTIMATE   = 0,
-    parameter SLEEP      = 1,
-    parameter LATENCY    = 12,         // see lane
     parameter ISSUE_W    = 1,
     parameter RETIRE_W   = 1,
-    parameter HOST_W     = 1
+    parameter HOST_W     = 1,
+`include "config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
@@ -82,8 +72,7 @@ module sequencer #(
     output wire [CONTEXT_W-1:0] trace_context_o,
     output wire [31:0]          trace_word_o
 );
-`include "fp/value.vh"
-    localparam ROW_W  = STORE_W - 3;
+`include "gen/choices.vh"
     localparam GAP    = LATENCY + 5;
     localparam GAP_W  = $clog2(GAP + CONTEXTS + 1);
     localparam SETTLE = LATENCY + LANES + 14;             // from an issue to the last report of it
@@ -165,22 +154,13 @@ module sequencer #(
         end
 
     // Decode, and which contexts the instruction is for ---------------------------------------------
-    localparam DECODED_W = 15 + REGISTER_W + 3*(REGISTER_W+1);
-    wire [DECODED_W-1:0] decoded;
-    decode #(.REGISTER_W(REGISTER_W), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT),
-             .ESTIMATE(ESTIMATE), .SLEEP(SLEEP), .STORE(1)) u_decode (
-        .word_i(fetch_word), .legal_o(decoded[DECODED_W-1]), .to_add_o(decoded[DECODED_W-2]),
-        .to_mul_o(decoded[DECODED_W-3]), .to_chain_o(decoded[DECODED_W-4]),
-        .to_sleep_o(decoded[DECODED_W-5]), .to_memory_o(decoded[DECODED_W-6]),
-        .subtract_o(decoded[DECODED_W-7]), .st_o(decoded[DECODED_W-8]), .lds_o(decoded[DECODED_W-9]),
-        .twice_o(decoded[DECODED_W-10]), .half_o(decoded[DECODED_W-11]), .kind_o(decoded[DECODED_W-12 -: 4]),
-        .d_o(decoded[3*(REGISTER_W+1) +: REGISTER_W]), .a_o(decoded[2*(REGISTER_W+1) +: REGISTER_W+1]),
-        .b_o(decoded[REGISTER_W+1 +: REGISTER_W+1]), .c_o(decoded[0 +: REGISTER_W+1]));
+    wire [`DECODED_W-1:0] decoded;
+    decode #(.CONFIG(CONFIG)) u_decode (.word_i(fetch_word), .decoded_o(decoded));
 
     reg                  d_valid_q;
     reg                  d_seen_q;     // valid for a cycle: what follows is known
     reg                  d_goes_q, d_drops_q, d_traps_q;  // to the sweep, nowhere (nobody is awake), illegal
-    reg  [DECODED_W-1:0] d_decoded_q;
+    reg  [`DECODED_W-1:0] d_decoded_q;
     reg  [3:0]           d_marks_q;    // begins, ends, newstep, lasts
     reg  [PROGRAM_W-1:0] d_pc_q;
     reg  [31:0]          d_word_q;
@@ -191,7 +171,7 @@ module sequencer #(
     wire                 d_take;       // it goes on, to the sweep or nowhere
     assign d_ready = !d_valid_q;       // a sweep is long enough for the gap
     wire   d_entry = d_ready && fetched;
-    wire   d_legal = d_decoded_q[DECODED_W-1];
+    wire   d_legal = d_decoded_q[`DECODED_W-1];
     wire   d_empty = d_mask_q == {CONTEXTS{1'b0}};
 
     wire [CONTEXTS-1:0] reported = {{CONTEXTS-1{1'b0}}, 1'b1} << report_context_i;
@@ -227,7 +207,7 @@ module sequencer #(
     end
 
     // The sweep -----------------------------------------------------------------------------------
-    reg  [DECODED_W-1:0] s_decoded_q;
+    reg  [`DECODED_W-1:0] s_decoded_q;
     reg  [3:0]           s_marks_q;
     reg  [PROGRAM_W-1:0] s_pc_q;
     reg  [31:0]          s_word_q;
@@ -260,12 +240,9 @@ module sequencer #(
     assign issuing = !fetch_empty || d_valid_q || s_busy;
     assign storing = (d_valid_q && d_marks_q[0]) || (s_busy && s_marks_q[0]);
 
-    wire legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half;
-    wire [3:0]            kind;
-    wire [REGISTER_W-1:0] d;
-    wire [REGISTER_W:0]   a, b, c;
-    assign {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, twice, half, kind, d, a, b, c} = s_decoded_q;
-    wire value = kind != VALUE_PLAIN;
+    `DECODED_FIELDS
+    assign `DECODED = s_decoded_q;
+    wire value = choice != CHOICE_NONE;
     assign adds_o = s_busy && (to_add || to_chain);
     assign muls_o = s_busy && (to_mul || to_chain);
     assign lasts_o = s_last;
@@ -290,7 +267,7 @@ module sequencer #(
         o_kind_q    <= {lds, to_sleep, to_memory && !st, to_add || to_mul || to_chain, st, subtract}
                      & {6{s_issue && legal && !rst_i}};
         o_one_q     <= to_add && !value;
-        o_value_q   <= kind;
+        o_value_q   <= choice;
         o_zero_q    <= to_mul;
         o_twice_q   <= twice;
         o_half_q    <= half;

@@ -23,21 +23,23 @@ module shared_arith #(
     input  wire [SCHEDULERS-1:0]    subtract_i,
     input  wire [SCHEDULERS-1:0]    twice_i,    // z +/- 2 * x, z +/- x / 2: rounded as a product would be
     input  wire [SCHEDULERS-1:0]    half_i,
-    input  wire [4*SCHEDULERS-1:0]  kind_i,     // value.vh: of z, x, and of whether y is 0; then z takes -0
+    input  wire [CHOICE_W*SCHEDULERS-1:0] choice_i, // gen/choices.vh: what is made of z, x, and of whether y is 0;
+                                                    // then z takes -0
     input  wire [32*SCHEDULERS-1:0] x_i,
     input  wire [32*SCHEDULERS-1:0] y_i,
     input  wire [32*SCHEDULERS-1:0] z_i,
     output wire [32*SCHEDULERS-1:0] value_o,
     output wire [5*SCHEDULERS-1:0]  flags_o
 );
-`include "fp/value.vh"
+`include "gen/choices.vh"
     // The operands of those who were granted a unit
     reg  [31:0] mul_x, mul_y, add_x, add_z;
     reg         subtract, twice, half, true;
-    reg  [3:0]  kind;
+    reg  [CHOICE_W-1:0] choice;
     integer     k;
     always @* begin
-        {mul_x, mul_y, add_x, add_z, subtract, twice, half, true, kind} = 136'd0;
+        {mul_x, mul_y, add_x, add_z, subtract, twice, half, true} = 132'd0;
+        choice = CHOICE_NONE;
         for (k = 0; k < SCHEDULERS; k = k + 1) begin
             mul_x    = mul_x | (x_i[32*k +: 32] & {32{muls_i[k]}});
             mul_y    = mul_y | (y_i[32*k +: 32] & {32{muls_i[k]}});
@@ -47,21 +49,21 @@ module shared_arith #(
             twice    = twice | (twice_i[k] & adds_i[k]);
             half     = half | (half_i[k] & adds_i[k]);
             true     = true | (|y_i[32*k +: 31] & adds_i[k]);
-            kind     = kind | (kind_i[4*k +: 4] & {4{adds_i[k]}});
+            choice   = choice | (choice_i[CHOICE_W*k +: CHOICE_W] & {CHOICE_W{adds_i[k]}});
         end
     end
     reg  [31:0] mul_x_q, mul_y_q, add_x_q, add_z_q;
     reg         subtract_q, chain_q, twice_q, half_q, true_q;
-    reg  [3:0]  kind_q;
+    reg  [CHOICE_W-1:0] choice_q;
     always @(posedge clk_i) begin
         {mul_x_q, mul_y_q, add_x_q, add_z_q} <= {mul_x, mul_y, add_x, add_z};
         {subtract_q, chain_q, twice_q, half_q} <= {subtract, |(adds_i & muls_i), twice, half};
-        {true_q, kind_q} <= {true, kind};
+        {true_q, choice_q} <= {true, choice};
     end
 
     // Beside the multiplier
     wire [31:0] scaled, x_late, z_late;
-    wire [31:0] x_beside = kind_q != VALUE_PLAIN ? 32'h80000000 : scaled;
+    wire [31:0] x_beside = choice_q != CHOICE_NONE ? 32'h80000000 : scaled;
     wire        unused_alone;
     wire [4:0]  scale_flags, scale_flags_late;
     wire        subtract_late, chain_late;
@@ -77,7 +79,7 @@ module shared_arith #(
     delay #(.W(34), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({x_beside, subtract_q, chain_q}), .q_o({x_late, subtract_late, chain_late}));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i),
-        .kind_i(kind_q), .a_i(add_z_q), .b_i(add_x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
+        .choice_i(choice_q), .a_i(add_z_q), .b_i(add_x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
     delay #(.W(5), .N(MUL_LATENCY + ADD_LATENCY)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0),
         .d_i(scale_flags), .q_o(scale_flags_late));
 

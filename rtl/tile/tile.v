@@ -42,7 +42,7 @@ module tile #(
 
     wire [SCHEDULERS-1:0] adds, muls, lasts, grant;
     wire [N-1:0]          subtract, twice, half;
-    wire [4*N-1:0]        kind;
+    wire [CHOICE_W*N-1:0] choice;
     wire [32*N-1:0]       xs, ys, zs, value;
     wire [5*N-1:0]        flags;
 
@@ -57,7 +57,7 @@ module tile #(
                 .rsp_error_o(rsp_error_o[s]),
                 .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
                 .subtract_o(subtract[LANES*s +: LANES]),
-                .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .kind_o(kind[4*LANES*s +: 4*LANES]),
+                .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .choice_o(choice[CHOICE_W*LANES*s +: CHOICE_W*LANES]),
                 .x_o(xs[32*LANES*s +: 32*LANES]),
                 .y_o(ys[32*LANES*s +: 32*LANES]), .z_o(zs[32*LANES*s +: 32*LANES]),
                 .value_i(value[32*LANES*s +: 32*LANES]), .value_flags_i(flags[5*LANES*s +: 5*LANES]),
@@ -77,7 +77,7 @@ module tile #(
             wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
                 lane_arith #(.CONFIG(CONFIG)) u_arith (
-                    .clk_i(clk_i), .subtract_i(subtract[l]), .kind_i(kind[4*l +: 4]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
+                    .clk_i(clk_i), .subtract_i(subtract[l]), .choice_i(choice[CHOICE_W*l +: CHOICE_W]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
                     .z_i(zs[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
             end
         end else begin : g_shared
@@ -88,7 +88,7 @@ module tile #(
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
             shared_arith #(.CONFIG(CONFIG)) u_arith (
                 .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),
-                .twice_i(twice), .half_i(half), .kind_i(kind),
+                .twice_i(twice), .half_i(half), .choice_i(choice),
                 .x_i(xs), .y_i(ys), .z_i(zs), .value_o(value), .flags_o(flags));
         end
     endgenerate

@@ -34,7 +34,7 @@ module tile_scheduler #(
     output wire [LANES-1:0]    subtract_o,
     output wire [LANES-1:0]    twice_o,
     output wire [LANES-1:0]    half_o,
-    output wire [4*LANES-1:0]  kind_o,
+    output wire [CHOICE_W*LANES-1:0] choice_o,
     output wire [32*LANES-1:0] x_o,
     output wire [32*LANES-1:0] y_o,
     output wire [32*LANES-1:0] z_o,
@@ -116,9 +116,7 @@ module tile_scheduler #(
     wire                          stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
     wire [PROGRAM_W-1:0]          trace_pc;
     wire [CONTEXT_W-1:0]          trace_context;
-    sequencer #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .PROGRAM_W(PROGRAM_W),
-                .STORE_W(STORE_W), .LANES(LANES), .CHAIN(CHAIN), .SCALE(SCALE), .SELECT(SELECT), .ESTIMATE(ESTIMATE), .SLEEP(SLEEP),
-                .LATENCY(LATENCY), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_sequencer (
+    sequencer #(.CONFIG(CONFIG), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
         .step_i(step), .step_end_i(step_end), .end_i(last_end),
@@ -161,7 +159,7 @@ module tile_scheduler #(
                 .answer_i(answers[32*l +: 32]), .answer_o(answers[32*(l+1) +: 32]),
                 .report_o(report[l]), .report_batch_o(report_batch[l]),
                 .report_context_o(report_context[CONTEXT_W*l +: CONTEXT_W]),
-                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(kind_o[4*l +: 4]),
+                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(choice_o[CHOICE_W*l +: CHOICE_W]),
                 .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
                 .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
                 .written_end_o(retire_end_o[2*l +: 2]), .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),

@@ -35,18 +35,14 @@ def isa_verilog(isa):
 
 
 def mnemonic_verilog(isa):
-    """For benches: an opcode as text, padded with blanks, and which sources it has."""
+    """For benches: an opcode as text, padded with blanks."""
     hi, lo = isa["field"]["op"]
     bits, width = hi - lo + 1, max(len(op["name"]) for op in isa["op"])
     rows = [(f"        {bits}'d{op['code']}: ", f'mnemonic = "{op["name"]:<{width}}";') for op in isa["op"]]
     rows.append(("        default: ", f'mnemonic = "{"?":<{width}}";'))
     return [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module.",
             f"function [8*{width}-1:0] mnemonic(input [{bits - 1}:0] code);",
-            "    case (code)", *columns(rows), "    endcase", "endfunction",
-            *[line for letter in "abc" for line in (
-                f"function has_{letter}(input [{bits - 1}:0] code);", f"    has_{letter} = "
-                + " || ".join(f"code == {bits}'d{op['code']}" for op in isa["op"] if letter in op["operands"])
-                + ";", "endfunction")]]
+            "    case (code)", *columns(rows), "    endcase", "endfunction"]
 
 
 def estimates_verilog():

@@ -1,0 +1,42 @@
+"""What hardware decodes by table: which operands an instruction has, and what fp_value does for it."""
+
+from .text import MARK, columns
+from .verilog import verilog_header
+
+
+def choices(isa):
+    """The instructions of fp_value; the number of each is its place here, from 1 on."""
+    return [op for op in isa["op"] if op.get("needs") in ("select", "estimate")]
+
+
+def op_bits(isa):
+    hi, lo = isa["field"]["op"]
+    return hi - lo + 1
+
+
+def operands_verilog(isa):
+    """For each operand, whether an instruction has it."""
+    out = [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module that includes isa.vh."]
+    for letter in "abc":
+        codes = [f"op == OP_{op['name'].upper()}" for op in isa["op"] if letter in op["operands"]]
+        out += [f"function has_{letter}(input [{op_bits(isa) - 1}:0] op);", f"    has_{letter} =",
+                " ||\n".join(f"        {code}" for code in codes) + ";", "endfunction"]
+    return out
+
+
+def choices_verilog(isa):
+    """The numbers that decode gives and fp_value takes."""
+    names = ["none", *(op["name"] for op in choices(isa))]
+    return verilog_header("isa/isa.toml", [
+        ("What fp_value does: nothing, or what these instructions say. Parameter CHOICE_W: rtl/config.vh.",
+         [("[CHOICE_W-1:0] ", f"CHOICE_{name.upper()}", i) for i, name in enumerate(names)])])
+
+
+def choice_of_verilog(isa):
+    rows = [(f"        OP_{op['name'].upper()}: ", f"choice_of = {op['needs'].upper()} != 0 ? ",
+             f"CHOICE_{op['name'].upper()} ", ": CHOICE_NONE;") for op in choices(isa)]
+    return [f"// {MARK.format(source='isa/isa.toml')}",
+            "// Included inside a module that includes config.vh, isa.vh and choices.vh: what fp_value does for an",
+            "// instruction, as far as this build has it.",
+            f"function [CHOICE_W-1:0] choice_of(input [{op_bits(isa) - 1}:0] op);", "    case (op)",
+            *columns([*rows, ("        default: ", "choice_of = CHOICE_NONE;", "", "")]), "    endcase", "endfunction"]
