@@ -7,13 +7,14 @@
 //           A pause of 3, GAP = 5:    A0 A1  .  .  .  B0 B1      n = m = 2: B0 issues 5 cycles after A0
 //
 // Promise   Between two issues of one context at least GAP cycles pass, whichever sweeps and stalls
-//           lie between them.
+//           lie between them; and no sweep waits longer than that asks for. Proved for the contexts
+//           and latencies of every configuration: tests/formal/pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
 // Hazard    mask_i stays while valid_i is high. take_i ends it: valid_i is low in the next cycle.
 //           take_i comes with may_o if the mask has a context (a sweep begins), else with known_o
 //           (nothing issues).
 //           Of two sweeps in a row, one has all contexts of the other; empty masks do not count.
-//           start_i comes when nothing has issued for GAP cycles.
+//           start_i comes with valid_i low, when nothing has issued for GAP cycles.
 //
 //     cycle     0     1     2     3     4     5     6
 //     valid_i   1     1     1     1     1     1     0        mask_i 0111
@@ -103,8 +104,8 @@ module pace #(
             if (sweeps && |swept_q && |(mask_i & ~swept_q) && |(swept_q & ~mask_i)) begin
                 $display("%m: neither of the contexts %b and %b contains the other", swept_q, mask_i); $stop;
             end
-            if (start_i && (busy_i || idle_q < GAP_32[15:0])) begin
-                $display("%m: a start %0d cycles after an issue, %0d are needed", idle_q, GAP); $stop;
+            if (start_i && (busy_i || valid_i || idle_q < GAP_32[15:0])) begin
+                $display("%m: a start with a mask, or %0d cycles after an issue, %0d are needed", idle_q, GAP); $stop;
             end
         end
     end

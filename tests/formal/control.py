@@ -137,7 +137,36 @@ ARBITER = Subject(
     ], depth=2)
 
 
+# ---- the pause rule ------------------------------------------------------------------------------
+
+def pace(contexts, gap):
+    return {"CONTEXTS": contexts, "GAP": gap}
+
+
+TAKES_TURNS = {(row["contexts"], latency(row, "add") + latency(row, "mul") + int(row["schedulers"] > 1) + 5)
+               for row in configurations(interleave=1)}
+FEW, MANY = pace(4, 6), pace(4, 3)
+
+PACE = Subject(
+    "pace_spec", ("pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
+    [pace(*shape) for shape in sorted(TAKES_TURNS)] + [pace(2, 9), pace(5, 4)], [
+        ("a pause too short", "GAP_C - least_q", "GAP_C - least_q - 1'b1", FEW),
+        ("a pause too long", "GAP_C - least_q", "GAP_C - least_q + 1'b1", FEW),
+        ("half of the contexts counted", "count_q    <= low_q + high_q", "count_q    <= low_q", MANY),
+        ("the greater of two sweeps", "count_q < before_q ? count_q : before_q", "count_q < before_q ? before_q : count_q", FEW),
+        ("the sweep before forgotten", "else if (take_i) before_q <= count_q;", "", FEW),
+        ("a pause that a long sweep has", "over_i && unpaused_q", "over_i", FEW),
+        ("no sweep follows without a gap", "over_i && unpaused_q", "1'b0", MANY),
+        ("one context short of enough", "least_q >= GAP_C", "least_q + 1'b1 >= GAP_C", pace(4, 5)),
+        ("a pause counted a cycle too soon", "(busy_i ? ZERO : since_q) + 1'b1", "since_q + 1'b1", FEW),
+        ("may before the pause is known", "known_o = valid_i && age_q[4]", "known_o = valid_i && age_q[3]", FEW),
+        ("a mask that has gone is known", "age_q      <= valid_i && !rst_i ?", "age_q      <= !rst_i ?", FEW),
+        ("the first sweep pauses", "else if (start_i)          since_q <= GAP_C;", "", FEW),
+        ("nothing ever starts", "rested_q   <= (busy_i ? ZERO : since_q) + 1'b1 >= pause_q", "rested_q   <= 1'b0", FEW),
+    ])
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER):
+    for subject in (SCOREBOARD, ARBITER, PACE):
         yield from subject.cases()
