@@ -14,13 +14,25 @@ extern "C" {
 
 typedef struct fp3_rtl fp3_rtl;
 
-/* Who watches, NULL where nobody does. In a retirement `object` is the object's number within its
- * lane; those of one cycle come lane by lane. */
+/* An instruction issues, once for all lanes of its scheduler. */
 typedef struct {
-    fp3_retire_fn *retire;
-    void *retire_user;
-    fp3_issue_fn *issue;
-    void *issue_user;
+    uint64_t cycle;
+    uint32_t scheduler, context, pc, word;
+} fp3_rtl_issue;
+
+/* An instruction ends in a lane. Of `result` register, bits and flags mean something only if
+ * has_result; object is the number within the lane. */
+typedef struct {
+    fp3_retirement result;
+    fp3_outcome outcome;
+    int has_result;
+} fp3_rtl_end;
+
+/* Who watches, NULL where nobody does. The ends of one cycle come lane by lane, after its issues. */
+typedef struct {
+    void (*issue)(void *user, const fp3_rtl_issue *issue);
+    void (*end)(void *user, const fp3_rtl_end *end);
+    void *user;
 } fp3_rtl_watch;
 
 typedef struct {

@@ -83,22 +83,25 @@ void tell_issues(const fp3_rtl *rtl) {
     for (unsigned scheduler = 0; scheduler < SHAPE.schedulers; scheduler++) {
         if (!part<1>(top->issue_valid_o, scheduler))
             continue;
-        fp3_issue what = {};
+        fp3_rtl_issue what = {};
         what.cycle = rtl->cycle;
         what.scheduler = scheduler;
         what.context = part<16>(top->issue_context_o, scheduler);
         what.pc = part<16>(top->issue_pc_o, scheduler);
         what.word = part<32>(top->issue_word_o, scheduler);
-        rtl->watch.issue(rtl->watch.issue_user, &what);
+        rtl->watch.issue(rtl->watch.user, &what);
     }
 }
 
-void tell_retirements(const fp3_rtl *rtl) {
+void tell_ends(const fp3_rtl *rtl) {
     const MODEL *top = rtl->top.get();
     for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.lanes; n++) {
-        if (!part<1>(top->retire_valid_o, n))
+        fp3_rtl_end end = {};
+        end.outcome = static_cast<fp3_outcome>(part<2>(top->retire_end_o, n));
+        if (!end.outcome)
             continue;
-        fp3_retirement what = {};
+        end.has_result = part<1>(top->retire_valid_o, n);
+        fp3_retirement &what = end.result;
         what.cycle = rtl->cycle;
         what.object = part<32>(top->retire_object_o, n);
         what.reg = part<6>(top->retire_register_o, n);
@@ -107,7 +110,7 @@ void tell_retirements(const fp3_rtl *rtl) {
         what.context = part<16>(top->retire_context_o, n);
         what.scheduler = n / SHAPE.lanes;
         what.lane = n % SHAPE.lanes;
-        rtl->watch.retire(rtl->watch.retire_user, &what);
+        rtl->watch.end(rtl->watch.user, &end);
     }
 }
 
@@ -118,8 +121,8 @@ bool edge(fp3_rtl *rtl) {
     const bool retired = !is_zero(top->retire_valid_o) && !top->rst_i;
     if (issued && rtl->watch.issue)
         tell_issues(rtl);
-    if (retired && rtl->watch.retire)
-        tell_retirements(rtl);
+    if (rtl->watch.end && !is_zero(top->retire_end_o) && !top->rst_i)
+        tell_ends(rtl);
     top->clk_i = 1;
     top->eval();
     rtl->cycle++;

@@ -2,12 +2,11 @@
  * final ones.
  */
 #include "cli.h"
-#include "trace/kanata.h"
-#include "trace/occupancy.h"
 
 #include <argp.h>
 #include <errno.h>
 #include <fp3/scene.h>
+#include <fp3/trace.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -319,9 +318,8 @@ static fp3_status run_and_log(const options *o, const task *of, fp3_engine_def *
             fp3_kanata_open(o->kanata, def->config, of->program->image, &kanata, error);
         if (status)
             return status;
-        def->issue = fp3_kanata_issue;
-        def->retire = fp3_kanata_retire;
-        def->issue_user = def->retire_user = kanata;
+        def->trace = fp3_kanata_trace;
+        def->trace_user = kanata;
     }
     fp3_error other;
     int has_run = 0;

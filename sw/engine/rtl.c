@@ -6,6 +6,7 @@
 #include "backend.h"
 
 #include "fp3_rtl.h"
+#include "in_flight.h"
 
 #include <configs.h>
 #include <errno.h>
@@ -28,7 +29,8 @@ typedef struct {
     const fp3_rtl_ops *ops;
     fp3_rtl *rtl;
     FILE *log;
-    uint64_t hash; /* FNV-1a of all retirements: the log ends each run with it */
+    fp3_in_flight *in_flight; /* NULL unless somebody traces */
+    uint64_t hash;            /* FNV-1a of all retirements: the log ends each run with it */
 } rtl_engine;
 
 #define BIT(field) (1u << FP3_##field##_LO)
@@ -99,14 +101,26 @@ static uint64_t fnv(uint64_t hash, uint32_t word) {
     return hash;
 }
 
-/* Between the hardware, which numbers objects within their lane, and whom the caller named. */
-static void pass_on(void *user, const fp3_retirement *retirement) {
+static void note_issue(void *user, const fp3_rtl_issue *issue) {
+    const fp3_engine *engine = user;
+    fp3_in_flight_issue(((rtl_engine *)engine->self)->in_flight, issue);
+}
+
+/* The hardware numbers objects within their lane, the caller all of them. */
+static void note_end(void *user, const fp3_rtl_end *end) {
     const fp3_engine *engine = user;
     rtl_engine *self = engine->self;
-    fp3_retirement r = *retirement;
+    fp3_retirement r = end->result;
     const uint32_t row = r.object, column = r.scheduler * engine->config->lanes + r.lane;
     r.object =
         fp3_layout_who(&engine->layout, engine->config, &(fp3_where){r.scheduler, r.lane, row});
+    fp3_traced traced;
+    if (self->in_flight && fp3_in_flight_end(self->in_flight, end, &traced)) {
+        traced.object = r.object;
+        engine->def.trace(engine->def.trace_user, &traced);
+    }
+    if (!end->has_result)
+        return;
     if (self->log) {
         const uint32_t words[] = {column, row, r.reg, r.bits, r.flags};
         for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -171,7 +185,9 @@ static fp3_status rtl_open(fp3_engine *engine) {
         if (strcmp(builds[i]->config, engine->config->name) == 0)
             self->ops = builds[i];
     self->hash = 0xcbf29ce484222325u;
-    const fp3_rtl_watch watch = {pass_on, engine, engine->def.issue, engine->def.issue_user};
+    if (engine->def.trace && !(self->in_flight = fp3_in_flight_make(engine->config)))
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    const fp3_rtl_watch watch = {self->in_flight ? note_issue : NULL, note_end, engine};
     if (!(self->rtl = self->ops->open(&watch)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (engine->def.bus_log && !(self->log = fopen(engine->def.bus_log, "w")))
@@ -186,6 +202,8 @@ static void rtl_close(fp3_engine *engine) {
         self->ops->close(self->rtl);
     if (self && self->log)
         fclose(self->log);
+    if (self)
+        fp3_in_flight_free(self->in_flight);
     free(self);
 }
 
@@ -413,6 +431,7 @@ static fp3_status ask_units(fp3_engine *engine, fp3_stats *stats, uint32_t *all,
 }
 
 static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    const rtl_engine *self = engine->self;
     uint32_t all = 0, illegal = 0, word = 0;
     fp3_status status = start(engine, steps);
     if (!status)
@@ -423,6 +442,9 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
         status = get(engine, of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
     if (!status)
         status = close_log_of_run(engine);
+    if (!status && self->in_flight && fp3_in_flight_is_lost(self->in_flight))
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                          "the hardware ended an instruction that it had not issued");
     if (status)
         return status;
     if (illegal == schedulers(engine))

@@ -172,6 +172,9 @@ static uint32_t latency_of(const fp3_config *config) {
     return config->mul_latency + config->add_latency + (config->schedulers > 1);
 }
 
+/* rtl/tile/lane.v draws it; a shared pair takes its operands a cycle later. */
+uint32_t fp3_cycles_operands(const fp3_config *config) { return 3u + (config->schedulers > 1); }
+
 uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n) {
     const uint32_t gap = latency_of(config) + 5;
     return n > gap ? n : gap;

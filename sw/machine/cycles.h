@@ -45,6 +45,8 @@ double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *p
  * needs; and the counter CYCLES of a run that visits each object once, `rows` of them in each
  * lane, with so many instructions in a visit: loads, first part, all steps, last part, stores. */
 uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n);
+/* Likewise, of one instruction: cycles from where its context is named to its operands. */
+uint32_t fp3_cycles_operands(const fp3_config *config);
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions);
 
 #endif

@@ -1,4 +1,5 @@
-#include "occupancy.h"
+/* occupancy.c - where the cycles of a run went, as text. */
+#include <fp3/trace.h>
 
 #include <inttypes.h>
 #include <string.h>

@@ -125,8 +125,11 @@ static void take(void *user, const fp3_retirement *r) {
               r->cycle, r->object, r->reg, r->bits, r->flags, e->bits, e->flags, e->cycle);
 }
 
-static void count_issue(void *user, const fp3_issue *issue) {
+/* What lane 0 ends: all that was issued, as the program has it. */
+static void count_issue(void *user, const fp3_traced *issue) {
     bench *b = user;
+    if (issue->lane)
+        return;
     b->issued++;
     if (b->wrong)
         return;
@@ -135,7 +138,7 @@ static void count_issue(void *user, const fp3_issue *issue) {
         issue->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": scheduler %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
               " at word %" PRIu32,
-              issue->cycle, issue->scheduler, issue->context, issue->word, issue->pc);
+              issue->issued, issue->scheduler, issue->context, issue->word, issue->pc);
 }
 
 /* ---- what both engines get ---- */
@@ -500,8 +503,8 @@ static void open_session(bench *b, chance *c) {
         def.objects = b->objects;
         def.cycle_limit = 10000000;
         def.retire = k ? take : fill;
-        def.issue = count_issue;
-        def.retire_user = def.issue_user = b;
+        def.trace = k ? count_issue : NULL;
+        def.retire_user = def.trace_user = b;
         def.error = &b->error[k];
         if (fp3_engine_open(&def, &b->engine[k]))
             b->wrong = b->error[k].text;

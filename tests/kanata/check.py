@@ -1,10 +1,10 @@
 """A strict reader of Kanata logs, the format of the pipeline viewer Konata (docs/tracing.md says where it is described).
 
-    python3 tests/kanata/check.py FILE [--units N] [--contexts N]
+    python3 tests/kanata/check.py FILE [--schedulers N] [--contexts N]
 
 Refuses, with the line, all that the format forbids, and more: what it leaves open is one way here. Every stage is ended,
 takes a cycle at least and follows the one before it in its lane; every instruction has one label, a stage and an end;
-with --units and --contexts a thread is unit * contexts + context, and a unit starts one instruction in a cycle at most.
+with --schedulers and --contexts a thread is scheduler * contexts + context, and a scheduler starts one instruction in a cycle at most.
 """
 
 import argparse
@@ -64,8 +64,8 @@ def split(number, line):
 class Reader:
     """A method for each command; what it returns is why the command is refused."""
 
-    def __init__(self, units, contexts):
-        self.units, self.contexts = units, contexts
+    def __init__(self, schedulers, contexts):
+        self.schedulers, self.contexts = schedulers, contexts
         self.instructions, self.retired, self.cycle, self.started = [], 0, None, set()
 
     def read(self, text):
@@ -107,12 +107,12 @@ class Reader:
     def start(self, i, _, thread):
         if i != len(self.instructions):
             return f"instruction {i}, expected {len(self.instructions)}"
-        if self.units and thread >= self.units * self.contexts:
-            return f"thread {thread} of {self.units * self.contexts}"
-        unit = thread // self.contexts if self.units else None
-        if self.units and unit in self.started:
-            return f"unit {unit} starts a second instruction in cycle {self.cycle}"
-        self.started.add(unit)
+        if self.schedulers and thread >= self.schedulers * self.contexts:
+            return f"thread {thread} of {self.schedulers * self.contexts}"
+        scheduler = thread // self.contexts if self.schedulers else None
+        if self.schedulers and scheduler in self.started:
+            return f"scheduler {scheduler} starts a second instruction in cycle {self.cycle}"
+        self.started.add(scheduler)
         self.instructions.append(Instruction(thread, self.cycle))
         return None
 
@@ -188,9 +188,9 @@ class Reader:
         return None
 
 
-def read(text, units=0, contexts=0):
-    """The instructions of a log, or Refused. units = 0: threads may have any number."""
-    reader = Reader(units, contexts)
+def read(text, schedulers=0, contexts=0):
+    """The instructions of a log, or Refused. schedulers = 0: threads may have any number."""
+    reader = Reader(schedulers, contexts)
     reader.read(text)
     return reader.instructions
 
@@ -198,11 +198,11 @@ def read(text, units=0, contexts=0):
 def main():
     parser = argparse.ArgumentParser(description="Checks a Kanata log.")
     parser.add_argument("file", type=pathlib.Path)
-    parser.add_argument("--units", type=int, default=0)
+    parser.add_argument("--schedulers", type=int, default=0)
     parser.add_argument("--contexts", type=int, default=1)
     options = parser.parse_args()
     try:
-        found = read(options.file.read_bytes().decode("latin-1"), options.units, options.contexts)
+        found = read(options.file.read_bytes().decode("latin-1"), options.schedulers, options.contexts)
     except Refused as why:
         sys.exit(f"FAIL {options.file}:{why}")
     flushed = sum(one.flushed for one in found)

@@ -1,56 +1,51 @@
 /* kanata_log.c - feeds the writer of Kanata logs with what a test says, without any hardware.
  *
  *     kanata_log SOURCE CONFIG LOG < EVENTS       assembles SOURCE, writes LOG; says why not
- *         i CYCLE UNIT CONTEXT PC [WORD]     an instruction issues, of the program unless WORD is given
- *         r CYCLE UNIT LANE CONTEXT OBJECT REGISTER BITS FLAGS    one retires; BITS as hexadecimal
- *         n COUNT                            so many issue, in cycles 0, 1, ..
+ *         t ISSUED ENDED SCHEDULER LANE CONTEXT PC OUTCOME OBJECT RESULT BITS FLAGS [WORD]
+ *                            an instruction ends, of the program unless WORD is given; BITS, WORD as
+ *                            hexadecimal
+ *         n COUNT            so many end, issued in cycles 0, 1, ..
  *     kanata_log occupancy COUNTER ...            the table of these counters
  */
-#include "trace/kanata.c"
-#include "trace/occupancy.c"
+#include <fp3/asm.h>
+#include <fp3/program.h>
+#include <fp3/trace.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-static fp3_assembly *assemble(const char *path) {
-    fp3_error error;
-    char *text;
-    size_t size;
-    fp3_assembly *assembly = NULL;
-    if (fp3_file_read(path, &text, &size, &error)) {
-        fprintf(stderr, "%s\n", error.text);
-        return NULL;
-    }
-    if (fp3_assemble(text, size, path, &assembly, &error)) {
-        fprintf(stderr, "%s\n", error.text);
-        fp3_assembly_free(&assembly);
-    }
-    free(text);
-    return assembly;
-}
+#include "image/visit.h"
+#include "machine/config.h"
 
-static uint32_t word_at(const fp3_kanata *kanata, const fp3_visit *visit, uint32_t pc) {
-    const int is_composed = kanata->config->interleave;
-    const uint32_t count = is_composed ? visit->code_count : kanata->image->code_count;
-    const uint32_t *code = is_composed ? visit->code : kanata->image->code;
-    return pc < count ? code[pc] : UINT32_MAX;
+/* The words that a scheduler has: the program, where there is a store with loads and stores. */
+typedef struct {
+    const fp3_image *image;
+    fp3_visit *visit; /* NULL without a store */
+} code;
+
+static uint32_t word_at(const code *of, uint32_t pc) {
+    if (of->visit)
+        return pc < of->visit->code_count ? of->visit->code[pc] : UINT32_MAX;
+    return pc < of->image->code_count ? of->image->code[pc] : UINT32_MAX;
 }
 
 /* 0, or 1: a line that is none of the above. */
-static int feed(fp3_kanata *kanata, const fp3_visit *visit) {
+static int feed(fp3_kanata *kanata, const code *of) {
     char line[256];
     while (fgets(line, sizeof line, stdin)) {
-        fp3_issue i = {0};
-        fp3_retirement r = {0};
-        unsigned count = 0;
-        const int fields = sscanf(line, "i %" SCNu64 " %u %u %u %x", &i.cycle, &i.scheduler,
-                                  &i.context, &i.pc, &i.word);
-        if (fields == 4 || fields == 5) {
-            i.word = fields == 5 ? i.word : word_at(kanata, visit, i.pc);
-            fp3_kanata_issue(kanata, &i);
-        } else if (sscanf(line, "r %" SCNu64 " %u %u %u %u %u %x %u", &r.cycle, &r.scheduler,
-                          &r.lane, &r.context, &r.object, &r.reg, &r.bits, &r.flags) == 8) {
-            fp3_kanata_retire(kanata, &r);
+        fp3_traced t = {0};
+        unsigned outcome = 0, count = 0;
+        const int fields = sscanf(line, "t %" SCNu64 " %" SCNu64 " %u %u %u %u %u %u %d %x %u %x",
+                                  &t.issued, &t.ended, &t.scheduler, &t.lane, &t.context, &t.pc,
+                                  &outcome, &t.object, &t.has_result, &t.bits, &t.flags, &t.word);
+        if (fields == 11 || fields == 12) {
+            t.outcome = (fp3_outcome)outcome;
+            t.word = fields == 12 ? t.word : word_at(of, t.pc);
+            fp3_kanata_trace(kanata, &t);
         } else if (sscanf(line, "n %u", &count) == 1) {
             for (unsigned n = 0; n < count; n++)
-                fp3_kanata_issue(kanata, &(fp3_issue){.cycle = n});
+                fp3_kanata_trace(kanata, &(fp3_traced){.issued = n, .ended = n + 1});
         } else {
             fprintf(stderr, "no event: %s", line);
             return 1;
@@ -61,23 +56,26 @@ static int feed(fp3_kanata *kanata, const fp3_visit *visit) {
 
 static int write_kanata(const char *source, const char *config, const char *path) {
     fp3_error error = {""};
-    fp3_assembly *assembly = assemble(source);
-    if (!assembly)
-        return 2;
-    fp3_visit *visit = NULL;
+    fp3_program *program = NULL;
     fp3_kanata *kanata = NULL;
-    fp3_status status = fp3_visit_make(assembly->image, &visit, &error);
-    if (!status)
-        status = fp3_kanata_open(path, config, assembly->image, &kanata, &error);
-    fp3_assembly_free(&assembly); /* the writer has its own copy of the image */
+    code of = {0};
+    const fp3_program_def def = fp3_program_default();
+    const fp3_config *found = fp3_config_find(config);
     int failed = 0;
-    if (!status && (failed = feed(kanata, visit)))
+    fp3_status status = fp3_program_open(source, &def, &program, NULL, &error);
+    if (!status && found && found->interleave)
+        status = fp3_visit_make(program->image, &of.visit, &error);
+    if (!status)
+        status = fp3_kanata_open(path, config, program->image, &kanata, &error);
+    of.image = status ? NULL : program->image;
+    if (!status && (failed = feed(kanata, &of)))
         fp3_kanata_free(&kanata);
+    fp3_program_close(&program); /* the writer has its own copy of the image */
     if (!status)
         status = fp3_kanata_close(&kanata, &error);
     if (status)
         fprintf(stderr, "%s\n", error.text);
-    fp3_visit_free(&visit);
+    fp3_visit_free(&of.visit);
     return failed ? 2 : (int)status;
 }
 

@@ -33,7 +33,7 @@ R	1	1	1
 
 
 def test_a_good_log_is_understood():
-    one, two = check.read(GOOD, units=1, contexts=2)
+    one, two = check.read(GOOD, schedulers=1, contexts=2)
     assert (one.thread, one.issued, one.ended, one.flushed) == (1, 7, 10, False)
     assert one.stages == [(0, "Is", 7, 8), (0, "Mu", 8, 10)]
     assert (one.label, one.detail) == ("3: mul a, b, c", "object 0\n")
@@ -66,7 +66,7 @@ BAD = {
     "id left out": ("I\t1\t9\t0", "I\t2\t9\t0", 10, "instruction 2, expected 1"),
     "id twice": ("I\t1\t9\t0", "I\t0\t9\t0", 10, "instruction 0, expected 1"),
     "thread out of range": ("I\t0\t0\t1", "I\t0\t0\t2", 3, "thread 2 of 2"),
-    "two in one cycle": ("W\t1\t0\t0\n", "I\t2\t2\t1\n", 13, "unit 0 starts a second instruction"),
+    "two in one cycle": ("W\t1\t0\t0\n", "I\t2\t2\t1\n", 13, "scheduler 0 starts a second instruction"),
     "label before I": ("I\t0\t0\t1\nL\t0\t0", "L\t0\t0\tx\nI\t0\t0", 3, "instruction 0 has no I"),
     "label of a stage": ("L\t0\t1", "L\t0\t2", 5, "label of type 2"),
     "two labels": ("L\t0\t1", "L\t0\t0", 5, "has a label already"),
@@ -107,13 +107,13 @@ def test_a_bad_log_is_refused_in_its_line(name):
     old, new, line, said = BAD[name]
     assert old in GOOD
     with pytest.raises(check.Refused) as refused:
-        check.read(GOOD.replace(old, new, 1), units=1, contexts=2)
+        check.read(GOOD.replace(old, new, 1), schedulers=1, contexts=2)
     assert refused.value.line == line and said in refused.value.why, refused.value
 
 
 @pytest.mark.parametrize("text, code, said", [(GOOD, 0, "PASS"), (GOOD.replace("C\t2", "C\t-2"), 1, ":15: field 1")])
 def test_the_command_says_what_it_found(root, tmp_path, text, code, said):
     (tmp_path / "x.kanata").write_text(text)
-    done = subprocess.run([sys.executable, root / "tests/kanata/check.py", tmp_path / "x.kanata", "--units", "1",
+    done = subprocess.run([sys.executable, root / "tests/kanata/check.py", tmp_path / "x.kanata", "--schedulers", "1",
                            "--contexts", "2"], capture_output=True, text=True)
     assert done.returncode == code and said in done.stdout + done.stderr

@@ -7,7 +7,7 @@ import subprocess
 import check
 import pytest
 
-# Program, configuration, units, contexts, and how it is run.
+# Program, configuration, schedulers, contexts, and how it is run.
 RUNS = [("ship", "paper", 1, 1, ["--steps", "20"]),
         ("ship", "single", 1, 1, ["--steps", "20"]),
         ("ship_madd", "single", 1, 1, ["--steps", "20"]),
@@ -41,8 +41,8 @@ def counters(done):
         r"^(cycles|retired|issued_\w+|stall_\w+) +(\d+)$", done.stdout, re.M)}
 
 
-def compare(log, counted, units, contexts):
-    found = check.read(log.read_text(), units, contexts)
+def compare(log, counted, schedulers, contexts):
+    found = check.read(log.read_text(), schedulers, contexts)
     assert len(found) == counted["retired"] > 0
     issued = collections.Counter(UNIT_OF[one.label.split()[1]] for one in found)
     assert {name: issued[name] for name in set(UNIT_OF.values())} == {
@@ -51,14 +51,14 @@ def compare(log, counted, units, contexts):
     return found
 
 
-@pytest.mark.parametrize("program, config, units, contexts, options", RUNS)
-def test_the_log_counts_what_the_hardware_counted(run, program, config, units, contexts, options):
+@pytest.mark.parametrize("program, config, schedulers, contexts, options", RUNS)
+def test_the_log_counts_what_the_hardware_counted(run, program, config, schedulers, contexts, options):
     done, log = run(program, config, *options)
     assert done.returncode == 0, done.stderr
-    found = compare(log, counters(done), units, contexts)
+    found = compare(log, counters(done), schedulers, contexts)
     assert not any(one.flushed for one in found)
-    objects = int(options[options.index("--objects") + 1]) if "--objects" in options else units * contexts
-    assert len({one.thread for one in found}) == min(objects, units * contexts)
+    objects = int(options[options.index("--objects") + 1]) if "--objects" in options else schedulers * contexts
+    assert len({one.thread for one in found}) == min(objects, schedulers * contexts)
     assert all(re.search(r"object \d+: (\w+ = \S+ \(0x[0-9a-f]{8}\)|stored)", one.detail) for one in found)
 
 
@@ -100,7 +100,7 @@ def test_a_run_that_is_stopped_has_its_log(run):
 
 
 def test_the_occupancy_adds_up(run):
-    """The table of each unit, as it is printed."""
+    """The table of each scheduler, as it is printed."""
     done, _ = run("ship_madd", "array", "--steps", "2")
     tables = done.stdout.split("occupancy of scheduler ")[1:]
     assert len(tables) == 4

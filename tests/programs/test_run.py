@@ -99,7 +99,7 @@ def test_the_cycles_are_told_by_scheduler(run, image, params):
 def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
     done = run(image, "--config", "array", "--objects", "8", "--steps", "3", "--kanata", "log", *params)
     retired = re.search(r"^retired +(\d+)$", done.stdout, re.M)[1]
-    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--units", "4", "--contexts", "24"],
+    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--schedulers", "4", "--contexts", "24"],
                            cwd=tmp_path, capture_output=True, text=True)
     assert check.returncode == 0 and f"{retired} instructions" in check.stdout, check.stdout + check.stderr
     fails(run(image, "--engine", "isa", "--kanata", "log2", *params), 2, "only the hardware")

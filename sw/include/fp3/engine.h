@@ -51,18 +51,29 @@ typedef struct {
 } fp3_retirement;
 typedef void fp3_retire_fn(void *user, const fp3_retirement *retirement);
 
-/* An instruction that issues, "rtl" only: once for all lanes of a scheduler. What is not executed,
- * because the object sleeps, issues as well and has no retirement; nor has a store. */
+/* What became of an instruction that issued. */
+typedef enum {
+    FP3_NO_OBJECT = 1, /* not executed: the context has no object, or its object slept before */
+    FP3_ASLEEP,        /* not executed: the object fell asleep in this visit */
+    FP3_EXECUTED
+} fp3_outcome;
+
+/* An instruction of "rtl", told when it ends in a lane. Each lane ends what its scheduler issues in
+ * the order of issue; a configuration that does not interleave may overtake. */
 typedef struct {
-    uint64_t cycle;              /* as in fp3_retirement */
-    uint32_t scheduler, context; /* which scheduler, tile by tile, for which of its contexts */
-    uint32_t pc;                 /* of the program with the loads in front */
+    uint64_t issued, ended; /* cycles, as in fp3_retirement */
+    uint32_t scheduler, lane, context;
+    uint32_t pc; /* of the program with the loads in front */
     uint32_t word;
-} fp3_issue;
-typedef void fp3_issue_fn(void *user, const fp3_issue *issue);
+    fp3_outcome outcome;
+    uint32_t object;      /* unless FP3_NO_OBJECT */
+    int has_result;       /* it retired in cycle `ended`, with ... */
+    uint32_t bits, flags; /* ... these, as in fp3_retirement */
+} fp3_traced;
+typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
 
 /* What to open. Always start from fp3_engine_default(). The strings and what error, retire_user and
- * issue_user point to stay the caller's and must outlive the engine. */
+ * trace_user point to stay the caller's and must outlive the engine. */
 typedef struct {
     const char *engine;   /* "rtl" (default) or "isa" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
@@ -74,8 +85,8 @@ typedef struct {
     uint32_t visit;
     fp3_retire_fn *retire; /* called for every retirement, or NULL; must not call the engine */
     void *retire_user;
-    fp3_issue_fn *issue; /* called for every issued instruction, or NULL; likewise */
-    void *issue_user;
+    fp3_trace_fn *trace; /* called for every instruction in every lane, or NULL; likewise */
+    void *trace_user;
     /* rtl: file for every transfer on the host port, as sim/replay.v reads it, or NULL:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
      * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),

@@ -1,0 +1,99 @@
+/* stages.c - see stages.h. */
+#include "stages.h"
+
+#include "machine/cycles.h"
+
+#include <assert.h>
+#include <isa.h>
+
+/* Schedulers take turns at one adder and one multiplier. */
+static int is_shared(const fp3_config *config) { return config->schedulers > 1; }
+
+/* The units that an instruction goes through. */
+enum { ADDER = 1, MULTIPLIER = 2, VALUE = 4, STORE = 8, COMPARISON = 16 };
+
+static unsigned path_of(uint32_t word) {
+    fp3_instruction in;
+    if (fp3_word_decode(word, &in, NULL))
+        return 0;
+    switch (in.op) {
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+    case FP3_OP_ABS:
+    case FP3_OP_LT:
+    case FP3_OP_LE:
+    case FP3_OP_SEL:
+    case FP3_OP_RCP:
+    case FP3_OP_RSQRT:
+        return VALUE | ADDER;
+    case FP3_OP_MUL:
+        return MULTIPLIER;
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return MULTIPLIER | ADDER;
+    case FP3_OP_LD:
+    case FP3_OP_LDS:
+    case FP3_OP_ST:
+        return STORE;
+    case FP3_OP_SLEEP:
+        return COMPARISON;
+    default:
+        return ADDER;
+    }
+}
+
+static void add(fp3_stages *s, const char *name, uint64_t from, uint64_t until) {
+    if (from >= until)
+        return;
+    assert(s->count < FP3_STAGES_MOST);
+    s->stages[s->count++] = (fp3_stage){name, from};
+}
+
+/* One object: issue, its unit from the next cycle on, and the write. */
+static void of_one(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
+    const unsigned before = path & (VALUE | MULTIPLIER);
+    const uint64_t from = t->issued + 1;
+    add(s, "Is", t->issued, t->ended);
+    if (before)
+        add(s, path & VALUE ? "Va" : "Mu", from, t->ended);
+    if (path & ADDER)
+        add(s, "Ad", before ? from + config->mul_latency : from, t->ended);
+    add(s, "Wb", t->ended, s->end);
+}
+
+/* What an instruction does while others multiply, and while others add. A sum and a product go
+ * through both units, unless schedulers share these. */
+static const char *while_multiplied(const fp3_config *config, unsigned path) {
+    return path & VALUE ? "Va" : path & MULTIPLIER || !is_shared(config) ? "Mu" : "Wa";
+}
+
+static const char *while_added(const fp3_config *config, unsigned path) {
+    return path & ADDER || !is_shared(config) ? "Ad" : "Wa";
+}
+
+/* Contexts in turn: all are equally late, counted back from the write. */
+static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
+    const uint64_t chosen = t->ended - 1; /* the result is chosen, then written */
+    const uint64_t late = t->ended - t->issued;
+    const uint64_t arithmetic = config->mul_latency + config->add_latency;
+    const uint64_t operands = late > arithmetic + 1 ? chosen - arithmetic : t->issued;
+    const uint64_t reading = fp3_cycles_operands(config);
+    const uint64_t read = operands > t->issued + reading ? operands - reading : t->issued;
+    add(s, "Is", t->issued, read);
+    add(s, "Rd", read, operands);
+    if (path & (STORE | COMPARISON)) {
+        add(s, path & STORE ? "Me" : "Cm", operands, chosen);
+    } else {
+        add(s, while_multiplied(config, path), operands, chosen);
+        add(s, while_added(config, path), operands + config->mul_latency, chosen);
+    }
+    add(s, "Wb", chosen, s->end);
+}
+
+fp3_stages fp3_stages_of(const fp3_config *config, const fp3_traced *traced) {
+    fp3_stages s = {.end = traced->ended + 1};
+    assert(traced->ended > traced->issued);
+    (config->interleave ? of_many : of_one)(config, traced, path_of(traced->word), &s);
+    assert(s.count && s.stages[0].from == traced->issued);
+    return s;
+}
