@@ -150,7 +150,7 @@ static prefix prefix_of(size_t group, size_t count) {
 }
 
 fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index) {
-    const fp3_program *program = &engine->layout.groups[group].program;
+    const fp3_code *program = &engine->layout.groups[group].program;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                     "%sword %" PRIu32 " is 0x%08" PRIx32 ", no instruction of configuration '%s'",
                     prefix_of(group, engine->layout.count).text, index - program->in_front,
@@ -234,11 +234,11 @@ static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit, size_t
     return FP3_OK;
 }
 
-static fp3_program program_of(const fp3_image *image, const fp3_visit *visit) {
+static fp3_code program_of(const fp3_image *image, const fp3_visit *visit) {
     if (visit)
-        return (fp3_program){visit->code, visit->code_count,     visit->step,
-                             visit->last, visit->loads_in_front, visit->slept};
-    return (fp3_program){image->code, image->code_count, image->step, image->last, 0, -1};
+        return (fp3_code){visit->code, visit->code_count,     visit->step,
+                          visit->last, visit->loads_in_front, visit->slept};
+    return (fp3_code){image->code, image->code_count, image->step, image->last, 0, -1};
 }
 
 /* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */

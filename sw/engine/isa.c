@@ -411,7 +411,7 @@ static int is_anybody_awake(const round_of *r) {
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
-    const fp3_program *program = &members(r)->program;
+    const fp3_code *program = &members(r)->program;
     const isa *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
     uint32_t left = r->steps;

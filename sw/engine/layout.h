@@ -14,7 +14,7 @@
 typedef struct {
     fp3_image *image; /* NULL before the first load, as is visit */
     fp3_visit *visit; /* NULL if not interleaved */
-    fp3_program program;
+    fp3_code program;
     uint32_t needs; /* of words in the store, for each object: the binary logarithm */
     uint32_t first, objects;
     uint32_t scheduler_count, columns;

@@ -222,7 +222,7 @@ static fp3_status put_group(fp3_engine *engine, uint32_t number, uint32_t addres
 
 static fp3_status load_group(fp3_engine *engine, uint32_t number) {
     const fp3_members *group = &engine->layout.groups[number];
-    const fp3_program *p = &group->program;
+    const fp3_code *p = &group->program;
     const request shape[] = {{FP3_ADDR_STEP, p->step},
                              {FP3_ADDR_LAST, p->last},
                              {FP3_ADDR_SIZE, p->count},

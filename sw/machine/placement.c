@@ -33,7 +33,7 @@ typedef struct {
     uint64_t issues, adds, muls;
 } uses;
 
-static uses uses_of(const fp3_program *program, uint32_t visit) {
+static uses uses_of(const fp3_code *program, uint32_t visit) {
     enum { ADD = 1, MUL = 2, CHAIN = ADD | MUL, SLEEP = 0, MEMORY = 0 };
     static const unsigned needs[] = {
 #define X(NAME, code, name, operands, unit) [FP3_OP_##NAME] = unit,
@@ -74,7 +74,7 @@ static uint64_t cycles_of(const fp3_config *config, const uses *of, uint32_t row
            (rows ? drain : 0);
 }
 
-uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,
                               uint32_t rows) {
     const uses of = uses_of(program, visit);
     return cycles_of(config, &of, rows);

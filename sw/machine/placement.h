@@ -17,11 +17,11 @@ typedef struct {
     uint32_t count, step, last;
     uint32_t in_front; /* words before the image's own */
     int slept;         /* the register that `sleep` writes; -1: none does */
-} fp3_program;
+} fp3_code;
 
 /* A group to be placed. */
 typedef struct {
-    const fp3_program *program;
+    const fp3_code *program;
     uint32_t objects; /* at least 1 */
     uint32_t log2;    /* interleaved: of the words that the program needs of each in the store */
 } fp3_to_place;
@@ -36,7 +36,7 @@ uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint3
 /* Cycles that a unit needs for one round of visits to so many objects in its fullest lane, if
  * nobody sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of a
  * run, taken to be many. Never falls with rows. */
-uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_program *program, uint32_t visit,
+uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,
                               uint32_t rows);
 
 /* group_of[unit] for each unit of the configuration. FP3_E_PROGRAM: there are too few units, or

@@ -109,7 +109,7 @@ static void open_isa(bench *b, scheduler *one) {
 
 static void write_program(bench *b, uint32_t u) {
     const fp3_engine *isa = b->schedulers[u].isa;
-    const fp3_program *p = &isa->layout.groups[0].program;
+    const fp3_code *p = &isa->layout.groups[0].program;
     for (uint32_t i = 0; i < p->count; i++)
         put(b, of_scheduler(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
     put(b, of_scheduler(u, FP3_ADDR_STEP), p->step);

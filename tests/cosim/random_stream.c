@@ -133,7 +133,7 @@ static void count_issue(void *user, const fp3_traced *issue) {
     b->issued++;
     if (b->wrong)
         return;
-    const fp3_program *program = &b->engine[1]->layout.groups[0].program;
+    const fp3_code *program = &b->engine[1]->layout.groups[0].program;
     if (issue->pc >= program->count || issue->word != program->code[issue->pc] ||
         issue->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": scheduler %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
@@ -206,7 +206,7 @@ static void load(bench *b) {
     for (int k = 0; k < 2 && !b->wrong; k++)
         if (fp3_engine_load_unchecked(b->engine[k], &image))
             b->wrong = b->error[k].text;
-    const fp3_program *program = &b->engine[0]->layout.groups[0].program;
+    const fp3_code *program = &b->engine[0]->layout.groups[0].program;
     for (uint32_t i = 0; b->is_trace && !b->wrong && i < program->count; i++) {
         char text[FP3_WORD_TEXT_SIZE] = "illegal";
         fp3_word_text(program->code[i], NULL, text, NULL);
