@@ -3,6 +3,7 @@
 
 #include <argp.h>
 #include <ctype.h>
+#include <fp3/convergence.h>
 #include <fp3/engine.h>
 #include <fp3/reference.h>
 #include <fp3/start.h>
@@ -15,7 +16,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "truth/convergence.h"
 
 #define INTEGRATORS_MAX 64
 #define SHORT_RUN 3 /* steps of the runs that agreement and cycles are measured by */
@@ -53,7 +53,7 @@ typedef struct {
 
 typedef struct {
     cost on[MACHINES];
-    convergence c;
+    fp3_convergence c;
     unsigned order;
     uint64_t mismatches, compared;
 } row;
@@ -61,7 +61,7 @@ typedef struct {
 typedef struct {
     const options *o;
     const fp3_model *model;
-    ladder l;
+    fp3_ladder *ladder;
     fp3_engine *rtl[MACHINES], *model_engine[MACHINES];
     json_t *rows, *left_out;
     unsigned wrong;
@@ -202,7 +202,7 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int 
                           .operations = c->operations};
         r->order = c->order;
         if (i == 0)
-            status = fp3_converge(&k->l, c, c->order, &r->c, error);
+            status = fp3_converge(k->ladder, c, c->order, &r->c, error);
         if (!status && !k->o->is_quick)
             status = measure(k, c, i, r, error);
         fp3_compiled_free(&c);
@@ -215,8 +215,8 @@ static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(
 /* Steps over the span, and the error of each, up to where only noise is left. */
 static json_t *errors_of(const comparison *k, const row *r) {
     json_t *steps = json_array(), *errors = json_array();
-    for (unsigned i = 0; i < k->l.count && !isnan(r->c.noise[i]); i++) {
-        json_array_append_new(steps, json_integer((json_int_t)k->l.steps[i]));
+    for (unsigned i = 0; i < k->ladder->count && !isnan(r->c.noise[i]); i++) {
+        json_array_append_new(steps, json_integer((json_int_t)k->ladder->steps[i]));
         json_array_append_new(errors, number(r->c.error[i]));
     }
     return json_pack("{s:o, s:o}", "steps", steps, "error", errors);
@@ -231,7 +231,7 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
                   number(r->on[0].cycles), "bound", number(r->on[0].bound), "order",
                   (json_int_t)r->order, "measured_order", number(r->c.order), "method_order",
                   number(r->c.method_order), "finest_order", number(r->c.finest_order), "floor",
-                  number(r->c.floor), "floor_h", number(k->l.h[r->c.best]), "mismatches",
+                  number(r->c.floor), "floor_h", number(k->ladder->h[r->c.best]), "mismatches",
                   (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     for (int i = 0; i < MACHINES; i++)
         json_object_set_new(o, machines[i],
@@ -293,7 +293,7 @@ static fp3_status write_json(const comparison *k, fp3_error *error) {
 
 static fp3_status compare(comparison *k, fp3_error *error) {
     const options *o = k->o;
-    fp3_status status = fp3_ladder_open(&k->l, k->model, o->span, o->most_steps, error);
+    fp3_status status = fp3_ladder_open(k->model, o->span, o->most_steps, &k->ladder, error);
     if (!status && !o->is_quick)
         status = open_engines(k, error);
     if (!status)
@@ -307,7 +307,7 @@ static fp3_status compare(comparison *k, fp3_error *error) {
     if (!status && o->json)
         status = write_json(k, error);
     close_engines(k);
-    fp3_ladder_close(&k->l);
+    fp3_ladder_close(&k->ladder);
     if (!status && k->wrong)
         status = fp3_fail(error, FP3_E_MISMATCH, "%u rows do not agree bit for bit", k->wrong);
     return status;
@@ -350,9 +350,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_STEPS:
         o->most_steps = strtoull(text, &end, 10);
-        if (*end || !isdigit((unsigned char)*text) || o->most_steps < LADDER_LOOKS)
-            argp_error(state, "found '%s', expected a number of steps from %d on", text,
-                       LADDER_LOOKS);
+        if (*end || !isdigit((unsigned char)*text) || o->most_steps < FP3_LOOKS)
+            argp_error(state, "found '%s', expected a number of steps from %d on", text, FP3_LOOKS);
         break;
     case KEY_QUICK:
         o->is_quick = 1;

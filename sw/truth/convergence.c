@@ -1,5 +1,5 @@
 /* convergence.c - error against time step. */
-#include "convergence.h"
+#include <fp3/convergence.h>
 
 #include <fp3/reference.h>
 #include <fp3/truth.h>
@@ -16,7 +16,7 @@
 #define ERROR_MOST 0.2 /* of the scale: beyond it there is no order to see */
 
 /* The largest magnitude of each state along the truth. */
-static fp3_status find_scale(ladder *l, double span, fp3_error *error) {
+static fp3_status find_scale(fp3_ladder *l, double span, fp3_error *error) {
     const uint32_t states = l->model->state_count;
     double *at = calloc(states + 1u, sizeof *at);
     fp3_status status = at ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -32,17 +32,17 @@ static fp3_status find_scale(ladder *l, double span, fp3_error *error) {
     return status;
 }
 
-static uint64_t steps_at(const ladder *l, unsigned rung, unsigned look) {
-    return l->steps[rung] * (look + 1) / LADDER_LOOKS;
+static uint64_t steps_at(const fp3_ladder *l, unsigned rung, unsigned look) {
+    return l->steps[rung] * (look + 1) / FP3_LOOKS;
 }
 
-static fp3_status find_truth(ladder *l, unsigned rung, fp3_error *error) {
+static fp3_status find_truth(fp3_ladder *l, unsigned rung, fp3_error *error) {
     const uint32_t states = l->model->state_count;
     fp3_status status = FP3_OK;
-    l->truth[rung] = calloc((size_t)LADDER_LOOKS * states + 1u, sizeof(double));
+    l->truth[rung] = calloc((size_t)FP3_LOOKS * states + 1u, sizeof(double));
     if (!l->truth[rung])
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (unsigned i = 0; !status && i < LADDER_LOOKS; i++)
+    for (unsigned i = 0; !status && i < FP3_LOOKS; i++)
         status = fp3_model_truth(l->model, l->params, l->initial,
                                  (double)l->h[rung] * (double)steps_at(l, rung, i),
                                  l->truth[rung] + (size_t)i * states, error);
@@ -50,10 +50,10 @@ static fp3_status find_truth(ladder *l, unsigned rung, fp3_error *error) {
 }
 
 /* Each rung has about 1.4 times the steps of the one before. */
-static fp3_status climb(ladder *l, double span, uint64_t most, fp3_error *error) {
+static fp3_status climb(fp3_ladder *l, double span, uint64_t most, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (unsigned k = 0; !status && l->count < LADDER_MAX; k++) {
-        const double steps = LADDER_LOOKS * round(pow(2, k / 2.0));
+    for (unsigned k = 0; !status && l->count < FP3_RUNGS_MOST; k++) {
+        const double steps = FP3_LOOKS * round(pow(2, k / 2.0));
         if (steps > (double)most)
             break;
         if (l->count && steps == (double)l->steps[l->count - 1])
@@ -66,40 +66,53 @@ static fp3_status climb(ladder *l, double span, uint64_t most, fp3_error *error)
     return status;
 }
 
-fp3_status fp3_ladder_open(ladder *l, const fp3_model *model, double span, uint64_t most_steps,
-                           fp3_error *error) {
-    *l = (ladder){.model = model,
-                  .params = calloc(model->param_count + 1u, sizeof(double)),
-                  .initial = calloc(model->state_count + 1u, sizeof(double)),
-                  .scale = calloc(model->state_count + 1u, sizeof(double))};
+static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_error *error) {
+    const fp3_model *model = l->model;
+    l->params = calloc(model->param_count + 1u, sizeof(double));
+    l->initial = calloc(model->state_count + 1u, sizeof(double));
+    l->scale = calloc(model->state_count + 1u, sizeof(double));
     if (!l->params || !l->initial || !l->scale)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    /* The object that is integrated begins at FP32 numbers: what they are rounded from is another. */
+    /* The object starts at FP32 numbers: what they are rounded from would be another object. */
     for (uint32_t i = 0; i < model->param_count; i++)
         l->params[i] = (float)model->params[i].value;
     for (uint32_t i = 0; i < model->state_count; i++)
         l->initial[i] = (float)model->states[i].value;
-    if (span == 0)
-        span = model->span;
     fp3_status status = find_scale(l, span, error);
     return status ? status : climb(l, span, most_steps, error);
 }
 
-void fp3_ladder_close(ladder *l) {
+fp3_status fp3_ladder_open(const fp3_model *model, double span, uint64_t most_steps,
+                           fp3_ladder **ladder, fp3_error *error) {
+    *ladder = calloc(1, sizeof **ladder);
+    if (!*ladder)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    (*ladder)->model = model;
+    fp3_status status = fill(*ladder, span == 0 ? model->span : span, most_steps, error);
+    if (status)
+        fp3_ladder_close(ladder);
+    return status;
+}
+
+void fp3_ladder_close(fp3_ladder **ladder) {
+    fp3_ladder *l = *ladder;
+    if (!l)
+        return;
     free(l->params);
     free(l->initial);
     free(l->scale);
     for (unsigned i = 0; i < l->count; i++)
         free(l->truth[i]);
-    *l = (ladder){0};
+    free(l);
+    *ladder = NULL;
 }
 
 /* The distance of two runs, in units of how large each state gets. */
-static double distance(const ladder *l, const double *one, const double *other) {
+static double distance(const fp3_ladder *l, const double *one, const double *other) {
     const uint32_t count = l->model->state_count;
     double sum = 0;
     unsigned terms = 0;
-    for (uint32_t i = 0; i < LADDER_LOOKS * count; i++)
+    for (uint32_t i = 0; i < FP3_LOOKS * count; i++)
         if (l->scale[i % count] > 0) {
             const double d = (one[i] - other[i]) / l->scale[i % count];
             sum += d * d;
@@ -109,7 +122,7 @@ static double distance(const ladder *l, const double *one, const double *other) 
 }
 
 /* Slope of log(error) over log(h) from rung a to rung b, by least squares. */
-static double slope(const ladder *l, const double *error, unsigned a, unsigned b) {
+static double slope(const fp3_ladder *l, const double *error, unsigned a, unsigned b) {
     double n = b - a + 1, x = 0, y = 0, xx = 0, xy = 0;
     for (unsigned i = a; i <= b; i++) {
         const double u = log(l->h[i]), v = log(error[i]);
@@ -122,8 +135,8 @@ static double slope(const ladder *l, const double *error, unsigned a, unsigned b
 static unsigned width_for(unsigned order) { return order > 4 ? 2 : order > 2 ? 3 : 4; }
 
 /* The finest window in which each error is above its limit; 0: there is none. */
-static int find_window(const ladder *l, const double *error, const double *limit, unsigned order,
-                       unsigned *from, unsigned *to) {
+static int find_window(const fp3_ladder *l, const double *error, const double *limit,
+                       unsigned order, unsigned *from, unsigned *to) {
     const unsigned width = width_for(order);
     unsigned run = 0;
     int is_found = 0;
@@ -146,8 +159,8 @@ static int has_polynomials(const fp3_model *model) {
     return 0;
 }
 
-static void measure(const ladder *l, unsigned order, convergence *c) {
-    double limit[LADDER_MAX];
+static void measure(const fp3_ladder *l, unsigned order, fp3_convergence *c) {
+    double limit[FP3_RUNGS_MOST];
     unsigned from, to;
     c->order = c->method_order = c->finest_order = NAN;
     for (unsigned i = 0; i < l->count; i++)
@@ -162,17 +175,17 @@ static void measure(const ladder *l, unsigned order, convergence *c) {
         c->finest_order = slope(l, c->method, from, to);
 }
 
-static fp3_status converge_at(const ladder *l, const fp3_compiled *compiled, unsigned i,
-                              float *rounded, double *fp32, double *exact, convergence *c,
+static fp3_status converge_at(const fp3_ladder *l, const fp3_compiled *compiled, unsigned i,
+                              float *rounded, double *fp32, double *exact, fp3_convergence *c,
                               fp3_error *error) {
-    const size_t cells = (size_t)LADDER_LOOKS * l->model->state_count;
-    uint64_t steps[LADDER_LOOKS];
-    for (unsigned j = 0; j < LADDER_LOOKS; j++)
+    const size_t cells = (size_t)FP3_LOOKS * l->model->state_count;
+    uint64_t steps[FP3_LOOKS];
+    for (unsigned j = 0; j < FP3_LOOKS; j++)
         steps[j] = steps_at(l, i, j);
     fp3_status status = fp3_compiled_reference(compiled, l->params, l->initial, l->h[i], steps,
-                                               LADDER_LOOKS, rounded, error);
+                                               FP3_LOOKS, rounded, error);
     if (!status)
-        status = fp3_compiled_exact(compiled, l->params, l->initial, l->h[i], steps, LADDER_LOOKS,
+        status = fp3_compiled_exact(compiled, l->params, l->initial, l->h[i], steps, FP3_LOOKS,
                                     exact, error);
     for (size_t j = 0; j < cells; j++)
         fp32[j] = rounded[j];
@@ -186,14 +199,14 @@ static fp3_status converge_at(const ladder *l, const fp3_compiled *compiled, uns
     return status;
 }
 
-fp3_status fp3_converge(const ladder *l, const fp3_compiled *compiled, unsigned order,
-                        convergence *c, fp3_error *error) {
-    const size_t cells = (size_t)LADDER_LOOKS * l->model->state_count + 1u;
+fp3_status fp3_converge(const fp3_ladder *l, const fp3_compiled *compiled, unsigned order,
+                        fp3_convergence *c, fp3_error *error) {
+    const size_t cells = (size_t)FP3_LOOKS * l->model->state_count + 1u;
     float *rounded = calloc(cells, sizeof *rounded);
     double *fp32 = calloc(cells, sizeof *fp32), *exact = calloc(cells, sizeof *exact);
     fp3_status status =
         rounded && fp32 && exact ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    *c = (convergence){.floor = INFINITY};
+    *c = (fp3_convergence){.floor = INFINITY};
     for (unsigned i = 0; i < l->count; i++)
         c->error[i] = c->method[i] = c->noise[i] = NAN;
     for (unsigned i = 0; !status && i < l->count; i++) {
