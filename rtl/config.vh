@@ -23,6 +23,7 @@ parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
 parameter integer REG_W      = CONTEXT_W + REGISTER_W,
 // Of the number of what fp_value does (gen/choices.vh).
 parameter integer CHOICE_W   = 4,
+`include "gen/config_values.vh"
 // Plain registers behind a core: what its latency has more than its cuts.
 parameter integer ADD_SPARE = ADD_LATENCY -
     ({31'd0, ADD_CUTS[0]} + {31'd0, ADD_CUTS[1]} + {31'd0, ADD_CUTS[2]} + {31'd0, ADD_CUTS[3]}

@@ -31,6 +31,7 @@ def outputs(root):
         "rtl/gen/configs.vh": verilog.configs_verilog(configs),
         "rtl/gen/operands.vh": decode.operands_verilog(isa),
         "rtl/gen/choices.vh": decode.choices_verilog(isa),
+        "rtl/gen/config_values.vh": decode.config_values_verilog(isa),
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(root),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(root),

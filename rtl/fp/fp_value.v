@@ -4,7 +4,7 @@
 //           sum of z_o and -0 is the instruction's result, with its flags.
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           alone_o comes a cycle before z_o: the product beside it is to be -0.
-// Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where neither SELECT nor ESTIMATE is built: then
+// Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
 //           all of this is a delay.
 //
 //     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
@@ -24,7 +24,7 @@ module fp_value #(
     localparam STAGES = MUL_LATENCY < 3 ? MUL_LATENCY : 3;
 
     generate
-        if (SELECT == 0 && ESTIMATE == 0) begin : g_plain
+        if (VALUES == 0) begin : g_plain
             wire unused = &{choice_i, b_i, true_i};
             assign alone_o = 1'b0;
             delay #(.W(32), .N(MUL_LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));

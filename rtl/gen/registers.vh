@@ -108,6 +108,21 @@ localparam [15:0] ADDR_COUNTER_STALL_WRITEBACK  = 16'h00d0;
 localparam [15:0] ADDR_COUNTER_STALL_ASLEEP     = 16'h00d8;
 localparam [15:0] ADDR_COUNTER_STALL_DRAIN      = 16'h00e0;
 
+// Counters: the bit of each among the events of a cycle.
+localparam EVENT_CYCLES           = 0;
+localparam EVENT_ISSUED_ADD       = 1;
+localparam EVENT_ISSUED_MUL       = 2;
+localparam EVENT_ISSUED_CHAIN     = 3;
+localparam EVENT_ISSUED_SLEEP     = 4;
+localparam EVENT_ISSUED_MEMORY    = 5;
+localparam EVENT_RETIRED          = 6;
+localparam EVENT_STALL_FETCH      = 7;
+localparam EVENT_STALL_DEPENDENCY = 8;
+localparam EVENT_STALL_UNIT       = 9;
+localparam EVENT_STALL_WRITEBACK  = 10;
+localparam EVENT_STALL_ASLEEP     = 11;
+localparam EVENT_STALL_DRAIN      = 12;
+
 // Windows onto the memories.
 localparam [15:0] ADDR_WINDOW_CONSTANTS = 16'h2000;
 localparam [15:0] ADDR_WINDOW_AWAKE     = 16'h3000;

@@ -98,11 +98,22 @@ module solo #(
         .add_value_o(add_value), .add_flags_o(add_flags),
         .mul_value_o(mul_value), .mul_flags_o(mul_flags));
 
-    // In the order of isa/registers.toml, the first counter in bit 0.
+    reg [COUNTERS-1:0] events;
+    always @* begin
+        events = {COUNTERS{1'b0}};
+        events[EVENT_CYCLES]           = running;
+        events[EVENT_ISSUED_ADD]       = issue_add;
+        events[EVENT_ISSUED_MUL]       = issue_mul;
+        events[EVENT_ISSUED_CHAIN]     = issue_chain;
+        events[EVENT_RETIRED]          = retire_valid_o;
+        events[EVENT_STALL_FETCH]      = stall_fetch;
+        events[EVENT_STALL_DEPENDENCY] = stall_dependency;
+        events[EVENT_STALL_UNIT]       = stall_unit;
+        events[EVENT_STALL_WRITEBACK]  = stall_writeback;
+        events[EVENT_STALL_DRAIN]      = stall_drain;
+    end
     counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(rst_i || counters_clear),
-        .event_i({stall_drain, 1'b0, stall_writeback, stall_unit, stall_dependency, stall_fetch,
-                  retire_valid_o, 2'b00, issue_chain, issue_mul, issue_add, running}),
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .index_i(counters_index), .value_o(counters_value));
 
     assign issue_pc_o        = {{16-PROGRAM_W{1'b0}}, issue_pc};

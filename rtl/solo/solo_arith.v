@@ -40,7 +40,7 @@ module solo_arith #(
     wire [4:0]  chain_flags;
     wire        alone;                 // no product in the next cycle
     generate
-        if (CHAIN != 0 || ESTIMATE != 0) begin : g_chain
+        if (CHAIN != 0 || VALUES != 0) begin : g_chain
             wire soon;
             delay #(.W(1), .N(MUL_LATENCY-1)) u_soon (.clk_i(clk_i), .rst_i(rst_i),
                 .d_i(chain_i), .q_o(soon));

@@ -122,7 +122,7 @@ module solo_scheduler #(
     assign advance   = !valid_q || issue;
     assign illegal_o = valid_q && !legal;
 
-    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN != 0 || ESTIMATE != 0),
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN != 0 || VALUES != 0),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i),
         .issue_i(issue), .to_add_i(sums), .to_mul_i(to_mul), .to_chain_i(chains),

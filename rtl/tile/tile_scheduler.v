@@ -171,11 +171,21 @@ module tile_scheduler #(
         end
     endgenerate
 
-    // In the order of isa/registers.toml, the first counter in bit 0.
+    reg [COUNTERS-1:0] events;
+    always @* begin
+        events = {COUNTERS{1'b0}};
+        events[EVENT_CYCLES]           = running;
+        {events[EVENT_ISSUED_MEMORY], events[EVENT_ISSUED_SLEEP], events[EVENT_ISSUED_CHAIN],
+         events[EVENT_ISSUED_MUL], events[EVENT_ISSUED_ADD]} = issued;
+        events[EVENT_RETIRED]          = retired;
+        events[EVENT_STALL_FETCH]      = stall_fetch;
+        events[EVENT_STALL_DEPENDENCY] = stall_dependency;
+        events[EVENT_STALL_UNIT]       = stall_unit;
+        events[EVENT_STALL_ASLEEP]     = stall_asleep;
+        events[EVENT_STALL_DRAIN]      = stall_drain;
+    end
     counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(rst_i || counters_clear),
-        .event_i({stall_drain, stall_asleep, 1'b0, stall_unit, stall_dependency, stall_fetch,
-                  retired, issued[4], issued[3], issued[2], issued[1], issued[0], running}),
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .index_i(counters_index), .value_o(counters_value));
 
     // The last lane has no next one, and only its reports are heard.

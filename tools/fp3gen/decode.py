@@ -32,6 +32,14 @@ def choices_verilog(isa):
          [("[CHOICE_W-1:0] ", f"CHOICE_{name.upper()}", i) for i, name in enumerate(names)])])
 
 
+def config_values_verilog(isa):
+    """Whether a build has an instruction of fp_value."""
+    needed = dict.fromkeys(op["needs"].upper() for op in choices(isa))
+    return [f"// {MARK.format(source='isa/isa.toml')}",
+            "// Included by rtl/config.vh: not 0 where there is an instruction of fp_value.",
+            f"parameter integer VALUES = {' | '.join(needed)},"]
+
+
 def choice_of_verilog(isa):
     rows = [(f"        OP_{op['name'].upper()}: ", f"choice_of = {op['needs'].upper()} != 0 ? ",
              f"CHOICE_{op['name'].upper()} ", ": CHOICE_NONE;") for op in choices(isa)]

@@ -67,6 +67,8 @@ def registers_verilog(regs):
         ("Counters: 64 bits in two words each.",
          [("", "COUNTERS", len(regs["counter"])), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
          + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
+        ("Counters: the bit of each among the events of a cycle.",
+         [("", f"EVENT_{row['name'].upper()}", i) for i, row in enumerate(regs["counter"])]),
         ("Windows onto the memories.", [("[15:0] ", f"ADDR_WINDOW_{row['name'].upper()}", at(row["at"]))
                                         for row in regs["window"]]),
         ("The parts of an address, and what they say.",
