@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* NUL is in every string, so strchr finds it: see fp3_asm_next. */
+/* strchr finds NUL in every string; fp3_asm_next knows. */
 static int is_bad(char c) { return !fp3_is_word(c) && !strchr(" \t\r\n#;,:=.%+-", c); }
 
 static const char *word_end(const fp3_scanner *s, const char *p) {

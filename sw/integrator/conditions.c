@@ -95,7 +95,7 @@ unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, d
     fp3_condition conditions[FP3_TREE_ORDER + 1];
     *worst = *next = 0;
     if (integrator->kind == FP3_STOERMER) {
-        /* The local error is h^4 x''''/12, and two integrations of it are of second order. */
+        /* The local error is h^4 x''''/12; summed twice, it gives a second-order error. */
         *next = 1.0 / 12;
         return 2;
     }

@@ -22,7 +22,7 @@ enum { KINDS = sizeof kind_names / sizeof *kind_names };
 #define EVERY_KIND (KIND(KINDS) - 1)
 static const struct {
     const char *key;
-    unsigned kinds; /* that have it */
+    unsigned kinds; /* a set: those that have the key */
 } keys[] = {
     {"name", EVERY_KIND},
     {"doc", EVERY_KIND},
@@ -89,7 +89,7 @@ static fp3_status read_order(const reader *r) {
     return FP3_OK;
 }
 
-/* Optional. */
+/* The key is optional. */
 static fp3_status read_late(const reader *r) {
     const config_setting_t *setting = config_setting_get_member(r->in.root, "late_position");
     if (!setting)
@@ -103,7 +103,7 @@ static fp3_status read_late(const reader *r) {
 
 /* ---- tables ---------------------------------------------------------------------------------- */
 
-/* The length of a list of 1 .. FP3_STAGES_MAX members, into stages. */
+/* A list of 1 .. FP3_STAGES_MAX members; its length is the number of stages. */
 static fp3_status read_list(const reader *r, const char *key, const char *what,
                             const config_setting_t **list) {
     *list = fp3_setting_need(&r->in, key);
@@ -219,8 +219,8 @@ static fp3_status read_splitting(const reader *r) {
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-/* A table may promise less than it has, and says so then. */
-static fp3_status promise_less(const reader *r, unsigned order) {
+/* A table may claim a lower order than it has. Its doc then says so. */
+static fp3_status claims_less(const reader *r, unsigned order) {
     fp3_integrator *table = r->table;
     char *doc = NULL;
     if (asprintf(&doc, "%s (the conditions of order %u hold, too)", table->doc, order) < 0)
@@ -235,7 +235,7 @@ static fp3_status check_order(const reader *r) {
     double worst = 0, next = 0;
     const unsigned order = fp3_integrator_order(table, &worst, &next);
     if (order > table->order)
-        return promise_less(r, order);
+        return claims_less(r, order);
     if (order == table->order)
         return FP3_OK;
     if (table->kind == FP3_STOERMER)
@@ -264,8 +264,8 @@ static fp3_status check_keys(const reader *r) {
         if (k == KEYS)
             return fp3_setting_wrong(&r->in, setting, "found '%s', expected one of %s", key, known);
         if (!(keys[k].kinds & KIND(r->table->kind)))
-            return fp3_setting_wrong(&r->in, setting, "found '%s', which kind %s has not", key,
-                                     kind_names[r->table->kind]);
+            return fp3_setting_wrong(&r->in, setting, "found '%s', which kind %s does not have",
+                                     key, kind_names[r->table->kind]);
     }
     return FP3_OK;
 }

@@ -1,15 +1,17 @@
-/* trees.c - rooted trees up to a number of vertices. */
 #include "trees.h"
+
+#include <assert.h>
 
 typedef struct {
     fp3_tree *trees;
     unsigned count;
 } forest;
 
-/* Completes the draft by children that have `left` vertices together and stand at most at `limit`:
- * so each set of children comes once. */
+/* Completes the draft in every way by children with `left` vertices in all. Children are chosen in
+ * falling order, below `limit`, so each set of children is found once. */
 static void grow(forest *f, const fp3_tree *draft, unsigned left, unsigned limit) {
     if (left == 0) {
+        assert(f->count < FP3_TREE_COUNT);
         f->trees[f->count++] = *draft;
         return;
     }

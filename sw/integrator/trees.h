@@ -14,7 +14,7 @@ enum {
 typedef struct {
     unsigned order; /* vertices */
     unsigned child_count;
-    unsigned child[FP3_TREE_ORDER - 1]; /* trees that stand before this one, the largest first */
+    unsigned child[FP3_TREE_ORDER - 1]; /* indices of smaller trees, in falling order */
     double gamma;                       /* density: order times the gammas of the children */
 } fp3_tree;
 

@@ -2,14 +2,14 @@
 
 #include "dimension_check.h"
 
-/* The state that alone is the derivative of a state, or FP3_NONE. */
+/* The state that is the right side of the equation, all by itself; or FP3_NONE. */
 static uint32_t bare_state(const ode_parser *p, const ode_equation *e) {
     if (!fp3_token_exists(e->at) || e->expr == FP3_NONE || p->exprs[e->expr].op != FP3_EXPR_STATE)
         return FP3_NONE;
     return p->exprs[e->expr].index;
 }
 
-/* s'' = e where s' = v: v' = e. */
+/* From s'' = e and s' = v follows v' = e. */
 static void resolve_second(ode_parser *p, ode_quantity *s) {
     uint32_t v = bare_state(p, &s->first);
     if (v == FP3_NONE) {

@@ -1,4 +1,4 @@
-/* keyword.h - the words that the language takes for itself. Functions are in function.h. */
+/* keyword.h - the reserved words of the language. Functions are in function.h. */
 #ifndef FP3_ODE_KEYWORD_H
 #define FP3_ODE_KEYWORD_H
 

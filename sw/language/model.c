@@ -6,7 +6,7 @@
 
 static void free_quantities(fp3_quantity *quantities, uint32_t count) {
     for (uint32_t i = 0; quantities && i < count; i++) {
-        free(quantities[i].unit);
+        free(quantities[i].dimension);
         free(quantities[i].doc);
     }
     free(quantities);

@@ -2,12 +2,15 @@
  * above it.
  *
  *     cursor             the source, token by token, and errors
- *     symbol             what names stand for
  *     vector             operations on numbers and vectors, which become scalar expressions
- *     expression         expressions; function has the functions they call
- *     dimension_read     units in brackets; dimension_check compares them in all expressions
+ *     function           the table of functions, which are made of those operations
+ *     symbol             what names stand for
+ *     expression         from tokens to operations
+ *     dimension_read     units of measurement in brackets
+ *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
  *     statement          what each statement says
+ *     finish             what only the end of the source can tell
  *     read               the source from statement to statement, and the calls of fp3/model.h
  */
 #ifndef FP3_ODE_PARSER_H

@@ -9,11 +9,11 @@
 #include "statement.h"
 #include "text/number.h"
 
-enum { DEFAULT_STEPS = 1000 }; /* of the span, where a model has none */
+enum { DEFAULT_STEPS = 1000 }; /* in the span of a model that does not say it */
 
 static const char name_bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
 
-/* A model that has no name is called like its file. */
+/* The name of a model that does not say it: that of its file. */
 static void default_name(const char *path, char name[FP3_NAME_SIZE]) {
     const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     size_t length = strcspn(base, ".");
@@ -28,7 +28,7 @@ static void default_name(const char *path, char name[FP3_NAME_SIZE]) {
     name[0] = '_';
 }
 
-/* A copy of an array, one element long at least; NULL when out of memory. */
+/* A copy of an array, with room for at least one element; NULL when out of memory. */
 static void *copy(const void *array, uint32_t count, size_t element) {
     void *made = calloc((size_t)count + 1, element);
     if (made)
@@ -40,7 +40,7 @@ static fp3_quantity *take_quantities(ode_quantity *from, uint32_t count) {
     fp3_quantity *made = calloc((size_t)count + 1, sizeof *made);
     for (uint32_t i = 0; made && i < count; i++) {
         made[i] = from[i].quantity;
-        from[i].quantity.unit = from[i].quantity.doc = NULL;
+        from[i].quantity.dimension = from[i].quantity.doc = NULL;
     }
     return made;
 }
@@ -73,7 +73,7 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
 
 static void free_texts(ode_quantity *quantities, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
-        free(quantities[i].quantity.unit);
+        free(quantities[i].quantity.dimension);
         free(quantities[i].quantity.doc);
     }
 }

@@ -100,7 +100,7 @@ static void add_quantity(ode_parser *p, fp3_token at, ode_class class, unsigned 
         ode_quantity *q = &array[(*count)++];
         *q = (ode_quantity){.at = at, .dimension = constant->dimension};
         fp3_ode_scalar_name(at, size, i, q->quantity.name);
-        q->quantity.unit = copied(p, constant->dimension_text);
+        q->quantity.dimension = copied(p, constant->dimension_text);
         q->quantity.doc = copied(p, doc);
         q->quantity.value = constant->value[i];
         q->quantity.is_shared = is_shared;
@@ -145,7 +145,7 @@ static ode_value right_side(ode_parser *p, ode_context context, unsigned size) {
     fp3_ode_expect(&p->in, "=", "'='");
     ode_value value = fp3_ode_expression(p, context);
     if (p->in.is_lost)
-        return (ode_value){0}; /* half of it was read */
+        return (ode_value){0}; /* only a part of it was read */
     if (!value.size || !size || value.size == size)
         return value;
     fp3_ode_wrong(&p->in, equals, "%s on both sides (on the right is %s)", fp3_ode_shape(size),

@@ -1,4 +1,4 @@
-/* utf8.h - whether a text is readable. */
+/* utf8.h - a check of texts that are shown to users. */
 #ifndef FP3_ODE_UTF8_H
 #define FP3_ODE_UTF8_H
 

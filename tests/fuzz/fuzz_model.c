@@ -75,7 +75,8 @@ static void check_expressions(const fp3_model *m, unsigned char *has) {
 static void check_quantities(const fp3_quantity *q, uint32_t count) {
     REQUIRE(count <= 64);
     for (; count-- > 0; q++)
-        REQUIRE(fp3_name_valid(q->name) && q->unit && q->doc && isfinite(q->value) && q->line > 0);
+        REQUIRE(fp3_name_valid(q->name) && q->dimension && q->doc && isfinite(q->value) &&
+                q->line > 0);
 }
 
 static void check_states(const fp3_model *m, const unsigned char *has) {

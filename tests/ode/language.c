@@ -26,11 +26,12 @@ static json_t *index_of(uint32_t index) {
 static json_t *quantities(const fp3_quantity *q, uint32_t count) {
     json_t *array = json_array();
     for (; count-- > 0; q++)
-        json_array_append_new(
-            array, json_pack("{ss ss ss sf sb so so so si}", "name", q->name, "unit", q->unit,
-                             "doc", q->doc, "value", q->value, "shared", q->is_shared, "derivative",
-                             index_of(q->derivative), "velocity", index_of(q->velocity), "exact",
-                             index_of(q->exact), "line", (int)q->line));
+        json_array_append_new(array,
+                              json_pack("{ss ss ss sf sb so so so si}", "name", q->name,
+                                        "dimension", q->dimension, "doc", q->doc, "value", q->value,
+                                        "shared", q->is_shared, "derivative",
+                                        index_of(q->derivative), "velocity", index_of(q->velocity),
+                                        "exact", index_of(q->exact), "line", (int)q->line));
     return array;
 }
 

@@ -169,7 +169,7 @@ WRONG = [
     (RK4, "order = 4", "order = 0", 1, "order: found 0, expected an integer from 1 to 8"),
     (RK4, "order = 4", "order = 9", 1, "order: found 9, expected an integer from 1 to 8"),
     (RK4, "b = (", "B = (", 6, "found 'B', expected one of name, doc, source, kind, order, late_position, A, b, substeps"),
-    (RK4, "b = (", "substeps = (); b = (", 6, "found 'substeps', which kind runge-kutta has not"),
+    (RK4, "b = (", "substeps = (); b = (", 6, "found 'substeps', which kind runge-kutta does not have"),
     (RK4, "b = (", "late_position = 1; b = (", 6, "late_position: found an integer, expected true or false"),
     (RK4, "A = (", "X = (", 2, "found 'X'"),
     (RK4, '     ("1/2"),\n', '     "1/2",\n', 3, "A[2]: found a string, expected a list ( )"),
@@ -192,7 +192,7 @@ WRONG = [
     (RK4, "A = (", "A = (" + "(), " * 13, 2, "A: found 17 rows, expected 1 to 16"),
     (RK4, "b = (", "b = (\n,", 7, "syntax error"),
     (RK4, "A = (", "order = 3; A = (", 2, "duplicate setting name"),
-    (VERLET, '"splitting"', '"stoermer"', 2, "found 'substeps', which kind stoermer has not"),
+    (VERLET, '"splitting"', '"stoermer"', 2, "found 'substeps', which kind stoermer does not have"),
     (VERLET, "{ drift = 1; }", "{ drift = 1; kick = 0; }", 3,
      "substeps[2]: found a group { } of several or none, expected { kick = number; } or { drift = number; }"),
     (VERLET, "{ drift = 1; }", "{ }", 3, "substeps[2]: found a group { } of several or none"),
@@ -207,7 +207,7 @@ WRONG = [
      "order 2 claimed: the condition of the tree [t], for positions, is off by 0.001"),
     (VERLET, "substeps = (", "substeps = ( ); x = (", 2, "found 'x'"),
     (STOERMER, "order = 2", "order = 4", 1, "order 4 claimed: this method has order 2"),
-    (STOERMER, ";\n", ";\nA = ( );", 2, "found 'A', which kind stoermer has not"),
+    (STOERMER, ";\n", ";\nA = ( );", 2, "found 'A', which kind stoermer does not have"),
 ]
 
 

@@ -121,11 +121,11 @@ def test_a_whole_model(model):
     assert (m["step"], m["span"]) == (0.0078125, 60)
     assert [p["name"] for p in m["params"]] == ["m", "T", "C", "g"]
     assert [p["value"] for p in m["params"]] == [8.7e5, 1.2e6, 5e4, 9.81]
-    assert [p["unit"] for p in m["params"]] == ["kg", "N", "N*s/m", "m/s^2"]
+    assert [p["dimension"] for p in m["params"]] == ["kg", "N", "N*s/m", "m/s^2"]
     assert [p["doc"] for p in m["params"]] == ["mass", "thrust", "", "gravity"]
     assert [p["shared"] for p in m["params"]] == [False, False, False, True]
     v, s = m["states"]
-    assert (v["name"], v["value"], v["unit"], v["doc"], v["line"]) == ("v", 0, "m/s", "speed", 6)
+    assert (v["name"], v["value"], v["dimension"], v["doc"], v["line"]) == ("v", 0, "m/s", "speed", 6)
     assert (s["name"], s["value"], s["doc"]) == ("s", -0.25, "Ort, größer")
     assert m.derivative("v") == "(DIV (SUB T (MUL C v)) m)"
     assert m.derivative("s") == "v"
@@ -279,7 +279,7 @@ def test_vectors_become_scalars(model):
     assert [s["velocity"] for s in m["states"]] == [2, 3] + [None] * 5
     assert [p["name"] for p in m["params"]] == "w_x w_y w_z mu b_x b_y".split()
     assert [p["value"] for p in m["params"]] == [5, 0, -1, 2, 0, 1]
-    assert {p["unit"] for p in m["params"][:3]} == {"1/s"} and m["params"][2]["doc"] == "rate"
+    assert {p["dimension"] for p in m["params"][:3]} == {"1/s"} and m["params"][2]["doc"] == "rate"
     norm = "(SQRT (ADD (MUL r_x r_x) (MUL r_y r_y)))"
     for x in "xy":
         assert m.derivative(f"r_{x}") == f"v_{x}"

@@ -17,21 +17,22 @@
 typedef struct {
     fp3_image *image;     /* NULL when the source has errors */
     uint32_t *lines;      /* the source line of each code word, from 1 */
-    unsigned error_count; /* assembly ends at the 20th */
-    /* Of each error "name:line:column: error: found 'x', expected y", the line and a caret. */
+    unsigned error_count; /* assembly stops at the 20th */
+    /* For each error "name:line:column: error: found 'x', expected y", the line and a caret. */
     char *report;
 } fp3_assembly;
 
-/* source is size bytes, needs no NUL and may be anything at all; name is for the report. The caller
- * frees *result, and with it all that it holds. FP3_E_PROGRAM: the source is wrong, *result holds
- * the report and error the first line of it; after any other failure *result is NULL. */
+/* source has size bytes, needs no NUL and may hold any bytes; name is for the report. The caller
+ * frees *result, and with it all that it holds. FP3_E_PROGRAM: the source is wrong; *result holds the
+ * report, and error the report's first line. After any other failure *result is NULL. */
 fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_assembly **result,
                         fp3_error *error);
-/* Sets *result to NULL; that it was NULL before does no harm. */
+/* Sets *result to NULL, which it may be already. */
 void fp3_assembly_free(fp3_assembly **result);
 
-/* The source beside indices and words, then what each register stands for. The assembly must have
- * an image, and source be what it was made from. The caller frees *text, which ends with a NUL. */
+/* The source with the index and the word of each instruction, then what each register stands for. The
+ * assembly must have an image, made from this source. The caller frees *text, which ends with a
+ * NUL. */
 fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t size, char **text,
                        fp3_error *error);
 
@@ -39,8 +40,8 @@ fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t 
  * NUL. FP3_E_PROGRAM: a word is illegal. */
 fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error);
 
-/* One instruction, as in "madd r3, k1, r2, r0"; by the names of image unless that is NULL.
- * FP3_E_PROGRAM: it is none; text is unchanged. */
+/* One instruction, as in "madd r3, k1, r2, r0", with the names of image unless that is NULL.
+ * FP3_E_PROGRAM: the word is illegal; text is unchanged. */
 #define FP3_WORD_TEXT_SIZE 160
 fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WORD_TEXT_SIZE],
                          fp3_error *error);

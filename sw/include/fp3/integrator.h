@@ -32,8 +32,8 @@ typedef struct {
     char *doc;
     char *source; /* of the table: author, year */
     fp3_integrator_kind kind;
-    unsigned order;  /* that its conditions hold for; checked */
-    unsigned stages; /* of Runge-Kutta; substeps of a splitting */
+    unsigned order;  /* checked: its conditions hold */
+    unsigned stages; /* of Runge-Kutta; of a splitting, its substeps */
     double a[FP3_STAGES_MAX][FP3_STAGES_MAX], b[FP3_STAGES_MAX], c[FP3_STAGES_MAX];
     /* Runge-Kutta: a state whose derivative is another state v is advanced by h times the new v,
      * as in the paper's Equations (1), and has no stages: first order in that state. */
@@ -42,23 +42,22 @@ typedef struct {
     fp3_substep substeps[FP3_STAGES_MAX];
 } fp3_integrator;
 
-/* A table as text in libconfig's syntax; name is for messages ("name:line: found ..., expected ...").
- * FP3_E_PROGRAM: malformed, not explicit, or the order conditions do not hold for the order it claims
- * (the message says which condition fails, by how much). */
+/* text is a table in libconfig's syntax; name is for messages ("name:line: found ..., expected ...").
+ * FP3_E_PROGRAM: the table is malformed or not explicit, or its order conditions do not hold for the
+ * order that it claims (the message says which one fails, and by how much). */
 fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrator **integrator,
                                fp3_error *error);
 /* The built-in table of this name, or, if name contains a '/' or ends in ".cfg", the table in that file.
  * FP3_E_ARGUMENT: there is none; the message lists those that there are. */
 fp3_status fp3_integrator_find(const char *name, fp3_integrator **integrator, fp3_error *error);
-/* Sets *integrator to NULL; that it was NULL before does no harm. */
+/* Sets *integrator to NULL, which it may be already. */
 void fp3_integrator_free(fp3_integrator **integrator);
 
 /* Names of the built-in tables, by number; NULL beyond the last. */
 const char *fp3_integrator_name(unsigned number);
 
-/* The order up to which the conditions hold, whatever the table claims: rooted trees for Runge-Kutta
- * (up to order 8), the composition's conditions for a splitting. worst is the largest residual
- * below that order, next the largest of the next order. */
+/* The order up to which the order conditions hold (at most 8), whatever the table claims. worst is
+ * the largest residual up to that order, next the largest of the next order. */
 unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, double *next);
 
 #endif

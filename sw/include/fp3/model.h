@@ -1,4 +1,4 @@
-/* fp3/model.h - a model: the equations of motion of one kind of object, read from a .ode text.
+/* fp3/model.h - a model: the equations of motion of an object, read from a .ode text.
  *
  *     fp3_model *model = NULL;
  *     char *report = NULL;
@@ -9,7 +9,7 @@
  *     fp3_model_free(&model);
  *
  * docs/models.md describes the language. A model that the library hands out has passed every check
- * there and is never changed again. Vectors are scalars by now: a state r of two is r_x and r_y.
+ * there and never changes. It has only scalars: a vector r of two has become r_x and r_y.
  */
 #ifndef FP3_MODEL_H
 #define FP3_MODEL_H
@@ -21,9 +21,8 @@
 
 #define FP3_NONE UINT32_MAX /* no expression, no quantity */
 
-/* X(NAME, operands, is for the host only): a host-only operation may stand where no state is
- * involved, or in `exact` and `invariant`. Truth values are 1 and 0; any other number than 0 is
- * true. */
+/* X(NAME, operands, is for the host only): a host-only operation is allowed if no operand depends on
+ * a state, and in `exact` and `invariant`. Comparisons give 1 or 0; every number but 0 is true. */
 #define FP3_EXPR_OPS(X)                                                                            \
     X(NUMBER, 0, 0)                                                                                \
     X(STATE, 0, 0)   /* index: of states */                                                        \
@@ -66,26 +65,26 @@ typedef enum {
         FP3_EXPR_OP_COUNT
 } fp3_expr_op;
 
-/* One operation. Operands stand before the operation in fp3_model.exprs; those that it does not
- * have are FP3_NONE. A long sum is as deep as it is long (4096 at most): better to go through the
- * array than down the operands. */
+/* One operation. Its operands stand before it in fp3_model.exprs; an operand that it does not have is
+ * FP3_NONE. A long sum is as deep as it is long (up to 4096), so walk the array rather than recurse
+ * into the operands. */
 typedef struct {
     fp3_expr_op op;
     uint32_t operand[3];
     uint32_t index;        /* of STATE, PARAM and INITIAL */
     double number;         /* of NUMBER */
     uint32_t line, column; /* where it is written, from 1 */
-    int is_known;          /* made of params and numbers alone: the host knows it before a run */
+    int is_known; /* depends only on params and numbers, which the host knows before a run */
 } fp3_expr;
 
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char *unit;          /* as written, without brackets and blanks; "" without one */
-    char *doc;           /* "" without one */
+    char *dimension;     /* unit of measurement as written, without brackets and blanks, or "" */
+    char *doc;           /* or "" */
     double value;        /* default of a param, start of a state */
     int is_shared;       /* param: the same for all objects */
     uint32_t derivative; /* state: expression of its derivative */
-    uint32_t velocity;   /* state: the other state that alone is its derivative, or FP3_NONE */
+    uint32_t velocity;   /* state: the other state that is its derivative, or FP3_NONE */
     uint32_t exact;      /* state: closed form of t, or FP3_NONE */
     uint32_t line;
 } fp3_quantity;
@@ -101,31 +100,31 @@ typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
     double step, span; /* the default time step, and the time that benchmarks integrate (1000 steps
-                          where the text has none) */
+                          if the text does not say it) */
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;
     fp3_quantity *states, *params;
     fp3_definition *definitions, *invariants;
     fp3_expr *exprs;
 } fp3_model;
 
-/* source is size bytes, needs no NUL and may be anything at all; name is for the report.
- * FP3_E_PROGRAM: the source is wrong, *model is NULL, *report holds "name:line:column: error: found
- * 'x', expected y", the line and a caret, of each error (20 at most), and error the first line of
- * it. The caller frees *report, which is NULL after success and after any other failure. */
+/* source has size bytes, needs no NUL and may hold any bytes; name is for the report.
+ * FP3_E_PROGRAM: the source is wrong and *model is NULL. *report then holds, for each error (at most
+ * 20), "name:line:column: error: found 'x', expected y", the line and a caret; error holds its first
+ * line. The caller frees *report, which is NULL after success and after any other failure. */
 fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3_model **model,
                           char **report, fp3_error *error);
 /* The same with a file. */
 fp3_status fp3_model_load(const char *path, fp3_model **model, char **report, fp3_error *error);
-/* Sets *model to NULL; that it was NULL before does no harm. */
+/* Sets *model to NULL, which it may be already. */
 void fp3_model_free(fp3_model **model);
 
 /* What an expression is evaluated at, in double. */
 typedef struct {
-    const double *states, *params, *initial; /* as many as the model has; initial may be NULL, */
-    double t;                                /* if nothing asks for it */
+    const double *states, *params, *initial; /* as many as the model has; initial may be NULL */
+    double t;
 } fp3_point;
-/* values[i] of expression i for all expressions 0 .. expr_count-1. Those that need initial are NaN
- * where it is NULL. */
+/* Sets values[i] to the value of expression i, for all expr_count expressions. If initial is NULL,
+ * those that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
 /* Index by name, or FP3_NONE. */
