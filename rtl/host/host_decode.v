@@ -15,7 +15,7 @@ module host_decode #(
     output wire        program_o,
     output wire        memory_o,
     output wire [3:0]  counter_o,      // which one
-    output wire [2:0]  kind_o,         // which memory: lane_host.vh
+    output wire [2:0]  space_o,        // which memory: lane_host.vh
     output wire [19:0] address_o       // its word
 );
 `include "gen/registers.vh"
@@ -27,10 +27,10 @@ module host_decode #(
     localparam [31:0] LANES_32      = STORE_WORDS != 0 ? LANES : 0;
     localparam [1:0]  OBJECTS = SPACE_OBJECTS, STATUSES = SPACE_STATUS;
 
-    wire [1:0]  space = addr_i[ADDRESS_SPACE_HI:ADDRESS_SPACE_LO];
+    wire [1:0]  part  = addr_i[ADDRESS_SPACE_HI:ADDRESS_SPACE_LO];
     wire [31:0] word  = {12'd0, addr_i[ADDRESS_WORD_HI:ADDRESS_WORD_LO]};
     wire [31:0] index = {26'd0, addr_i[7:2]};
-    wire        low   = space == 2'd0 && addr_i[21:16] == 6'd0;
+    wire        low   = part == 2'd0 && addr_i[21:16] == 6'd0;
     wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
@@ -39,11 +39,11 @@ module host_decode #(
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
     wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && index + 32'd1 <= LANES_32
                     && write_i && SLEEP != 0;
-    wire objects_d   = space == OBJECTS && word < OBJECT_WORDS;
-    wire status_d    = space == STATUSES && word + 32'd1 <= STATUS_WORDS;
+    wire objects_d   = part == OBJECTS && word < OBJECT_WORDS;
+    wire status_d    = part == STATUSES && word + 32'd1 <= STATUS_WORDS;
 
     reg        registers_q, counters_q, program_q, memory_q;
-    reg [2:0]  kind_q;
+    reg [2:0]  space_q;
     reg [3:0]  counter_q;
     reg [19:0] address_q;
     always @(posedge clk_i) begin
@@ -51,12 +51,12 @@ module host_decode #(
         counters_q  <= low && addr_i[15:0] >= ADDR_COUNTERS && from_counters < 8 * COUNTERS;
         program_q   <= program_d;
         memory_q    <= constants_d || awake_d || wake_d || objects_d || status_d;
-        kind_q      <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
+        space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
                      : status_d ? HOST_STATUS : HOST_OBJECT;
         counter_q   <= from_counters[6:3];
         address_q   <= low ? {14'd0, addr_i[7:2]} : word[19:0];
     end
     assign {registers_o, counters_o, program_o, memory_o} = {registers_q, counters_q, program_q, memory_q};
-    assign {counter_o, kind_o, address_o}                 = {counter_q, kind_q, address_q};
+    assign {counter_o, space_o, address_o}                = {counter_q, space_q, address_q};
 endmodule
 `default_nettype wire

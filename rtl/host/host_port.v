@@ -48,7 +48,7 @@ module host_port #(
     output wire [PROGRAM_W-1:0] program_addr_o,
     output wire                 access_o,                 // a write: one cycle; a read: until the answer is taken
     output wire                 write_o,
-    output wire [2:0]           kind_o,                   // see lane_host.vh
+    output wire [2:0]           space_o,                  // see lane_host.vh
     output wire [19:0]          addr_o,
     output wire [31:0]          wdata_o,
     input  wire [31:0]          rdata_i,
@@ -95,7 +95,7 @@ module host_port #(
     host_decode #(.CONFIG(CONFIG)) u_decode (
         .clk_i(clk_i), .write_i(write_q), .addr_i(addr_q),
         .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
-        .counter_o(counters_index_o), .kind_o(kind_o), .address_o(addr_o));
+        .counter_o(counters_index_o), .space_o(space_o), .address_o(addr_o));
 
     // The run's description and its outcome
     reg [31:0]        steps_q, visit_q, clock_q;

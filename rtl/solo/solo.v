@@ -40,7 +40,7 @@ module solo #(
     wire [31:0]                     steps;
     wire [PROGRAM_W-1:0]            step, step_end, last_end, issue_pc, program_addr;
     wire                            program_write, access, host_write;
-    wire [2:0]                      kind;
+    wire [2:0]                      space;
     wire [19:0]                     address;
     wire [31:0]                     unused_visit, unused_clock;
     wire [1:0]                      unused_record;
@@ -67,7 +67,7 @@ module solo #(
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(issue_pc),
         .flags_i(retire_flags_o & {5{retire_valid_o}}),
         .program_write_o(program_write), .program_addr_o(program_addr),
-        .access_o(access), .write_o(host_write), .kind_o(kind), .addr_o(address),
+        .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(host_rdata),
         .counters_clear_o(counters_clear), .counters_index_o(counters_index),
         .counters_value_i(counters_value));
@@ -78,7 +78,7 @@ module solo #(
         .end_i(last_end), .running_o(running), .illegal_o(illegal),
         .host_program_i(program_write), .host_write_i(access && host_write),
         .host_program_addr_i(program_addr),
-        .host_addr_i({kind == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
+        .host_addr_i({space == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
         .host_rdata_o(host_rdata),
         .chain_o(chain), .subtract_o(subtract), .choice_o(choice), .a_o(a), .b_o(b), .c_o(c),
         .chain_soon_i(chain_soon), .add_value_i(add_value), .add_flags_i(add_flags),

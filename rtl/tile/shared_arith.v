@@ -103,7 +103,7 @@ module shared_arith #(
     generate
         for (n = 0; n < SCHEDULERS; n = n + 1) begin : g_result
             wire adds, muls;
-            delay #(.W(2), .N(LATENCY)) u_kind (.clk_i(clk_i), .rst_i(1'b0),
+            delay #(.W(2), .N(LATENCY)) u_uses (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds_i[n], muls_i[n]}), .q_o({adds, muls}));
             assign value_o[32*n +: 32] = adds ? sum_q : product_late;
             assign flags_o[5*n +: 5]   = (adds ? sum_flags_q : 5'd0) | (muls ? product_flags_late : 5'd0)

@@ -80,7 +80,7 @@ module tile_scheduler #(
         .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),
         .program_write_o(program_write), .program_addr_o(program_addr),
-        .access_o(access), .write_o(host_write), .kind_o(kind), .addr_o(address),
+        .access_o(access), .write_o(host_write), .space_o(kind), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(answer),
         .counters_clear_o(counters_clear), .counters_index_o(counters_index),
         .counters_value_i(counters_value));
