@@ -29,7 +29,7 @@ static void *grown(asm_source *a, void *array, uint32_t count, size_t element) {
         }                                                                                          \
     } while (0)
 
-/* Whether the token can be a new name; reports if not. */
+/* Whether the token can be a new name. Reports it if not. */
 static int new_name(asm_source *a, fp3_token name) {
     if (name.kind != FP3_TOKEN_NAME) {
         fp3_report_expected(&a->report, name, "a name");

@@ -87,7 +87,8 @@ void fp3_conditions(const fp3_integrator *integrator, fp3_condition worst[FP3_TR
         of_runge_kutta(integrator, trees, worst);
 }
 
-int fp3_condition_holds(const fp3_condition *condition) {
+/* A residual that is NaN does not hold. */
+static int holds(const fp3_condition *condition) {
     return fabs(condition->residual) <= FP3_CONDITION_TOLERANCE;
 }
 
@@ -101,7 +102,7 @@ unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, d
     }
     fp3_conditions(integrator, conditions);
     unsigned order = 0;
-    while (order < FP3_TREE_ORDER && fp3_condition_holds(&conditions[order + 1])) {
+    while (order < FP3_TREE_ORDER && holds(&conditions[order + 1])) {
         order++;
         *worst = fmax(*worst, fabs(conditions[order].residual));
     }

@@ -6,7 +6,8 @@
 
 #include "trees.h"
 
-/* Residuals are sums and products of doubles, and published coefficients have 14 digits or more. */
+/* A condition holds within this. Residuals are sums and products of doubles, and published
+ * coefficients have 14 digits or more. */
 #define FP3_CONDITION_TOLERANCE 1e-10
 
 typedef struct {
@@ -18,8 +19,5 @@ typedef struct {
 /* Of a Runge-Kutta method or a splitting. worst[n] is the condition of order n that is furthest off,
  * n = 1 .. FP3_TREE_ORDER; worst[0] is not written. */
 void fp3_conditions(const fp3_integrator *integrator, fp3_condition worst[FP3_TREE_ORDER + 1]);
-
-/* A residual that is NaN does not hold. */
-int fp3_condition_holds(const fp3_condition *condition);
 
 #endif

@@ -47,9 +47,8 @@ static void append(char text[ODE_DIMENSION_SOURCE_SIZE], fp3_token t) {
     size_t used = strlen(text);
     if (used + t.length < ODE_DIMENSION_SOURCE_SIZE)
         memcpy(text + used, t.text, t.length);
-    else
-        memset(text + used, '?',
-               ODE_DIMENSION_SOURCE_SIZE - 1 - used); /* too long: the caller reports it */
+    else /* too long: the caller reports a text that fills its room */
+        memset(text + used, '?', ODE_DIMENSION_SOURCE_SIZE - 1 - used);
 }
 
 void fp3_ode_dimension_read(ode_parser *p, ode_dimension *dimension,

@@ -30,7 +30,7 @@ static const unsigned char is_host_only[] = {
 #undef X
 };
 
-/* What an expression is made of, each a bit. */
+/* What an expression depends on, one bit each. */
 enum { HAS_STATE = 1, HAS_TIME = 2, HAS_HOST_OF_STATE = 4, HAS_POWER_OF_STATE = 8 };
 
 static int is_small_integer(const fp3_expr *e) {
@@ -156,7 +156,7 @@ static void compile(const fp3_model *m) {
     fp3_integrator_free(&integrator);
 }
 
-/* What a model goes through once it is read; the next stage of the compiler is one line more. */
+/* The stages that a model goes through once it is read. */
 static void (*const stages[])(const fp3_model *) = {check_model, evaluate, compile};
 
 #ifdef FP3_LIBFUZZER
@@ -200,7 +200,7 @@ static void read_constant(const char *text) {
         REQUIRE(isfinite(value));
 }
 
-/* A copy of exactly that size, so that the sanitizer sees a read behind its end. */
+/* A copy of exactly this size, so that the sanitizer sees a read beyond its end. */
 static void run(const unsigned char *data, size_t size) {
     char *copy = malloc(size + 1);
     REQUIRE(copy);
@@ -225,7 +225,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     return 0;
 }
 
-/* A word of a model that was accepted every other time; else a word or bytes of this input. */
+/* Half of the time changes a word of a model that was accepted; else a word or bytes of this input. */
 size_t LLVMFuzzerCustomMutator(unsigned char *data, size_t size, size_t room, unsigned seed) {
     unsigned count = accepted.count < MUTATE_MODELS ? accepted.count : MUTATE_MODELS;
     unsigned state = seed, how = mutate_random(&state, 8);
@@ -261,7 +261,7 @@ int main(int argc, char **argv) {
         }
         size_t size = fread(data, 1, sizeof data, file);
         fclose(file);
-        fprintf(stderr, "%s\n", argv[i]); /* of a crash, the last line tells whose it is */
+        fprintf(stderr, "%s\n", argv[i]); /* after a crash the last line names the input */
         run(data, size);
     }
     printf("%d files\n", argc - 1);

@@ -1,5 +1,5 @@
-/* mutate.h - changes words of a model instead of bytes, so that what comes out is often a model, too,
- * and reaches what stands behind the reader. For libFuzzer alone. */
+/* mutate.h - changes words of a model rather than bytes, so that the result is often a model, too, and
+ * reaches the stages after the reader. Only for libFuzzer. */
 #ifndef FP3_FUZZ_MUTATE_H
 #define FP3_FUZZ_MUTATE_H
 
@@ -9,7 +9,7 @@
 
 enum { MUTATE_WORDS = 2048, MUTATE_WORD_SIZE = 200, MUTATE_MODELS = 256, MUTATE_MODEL_SIZE = 4096 };
 
-/* Models that were accepted, to begin from: a fuzzer's own corpus is nearly all errors. */
+/* Accepted models to start from: nearly all of a fuzzer's own corpus is errors. */
 typedef struct {
     char text[MUTATE_MODELS][MUTATE_MODEL_SIZE];
     size_t size[MUTATE_MODELS];
@@ -28,7 +28,7 @@ static unsigned mutate_random(unsigned *state, unsigned limit) {
     return (*state >> 16) % limit;
 }
 
-/* A word of the same kind as words[i]; its own if none is found. */
+/* Another word of the same kind as words[i], or words[i] if none is found. */
 static fp3_token mutate_other(const fp3_token *words, unsigned count, unsigned i, unsigned *state) {
     for (unsigned tries = 0; tries < 20; tries++) {
         fp3_token other = words[mutate_random(state, count)];
@@ -73,7 +73,7 @@ static void mutate_word(const fp3_token *words, unsigned count, unsigned i, unsi
                  b_size, b.text);
 }
 
-/* The new size. copy is what data was. */
+/* Returns the new size. copy is what data was. */
 static size_t mutate_model(unsigned char *data, const char *copy, size_t size, size_t room,
                            unsigned state) {
     static fp3_token words[MUTATE_WORDS];

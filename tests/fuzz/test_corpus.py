@@ -1,4 +1,4 @@
-"""What the fuzzer has found, once more without it: nothing crashes, hangs or breaks a promise.
+"""Every input that the fuzzer has found, without the fuzzer: nothing crashes, hangs or breaks a promise.
 
 Under `make SAN=1 test` the same with sanitizers and their leak check.
 """
@@ -25,7 +25,7 @@ def test_each_file_keeps_the_promises(build, root, place):
 
 @pytest.mark.parametrize("place, accepted", [("tests/fuzz/seeds/*", 2), ("programs/*.ode", 8)])
 def test_the_seeds_are_models(build, root, place, accepted):
-    """Seeds that are refused would lead the fuzzer nowhere."""
+    """The fuzzer needs accepted models to start from."""
     files = sorted(root.glob(place))
     assert len(files) >= accepted
     for file in files:

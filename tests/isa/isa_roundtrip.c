@@ -1,5 +1,5 @@
 /* isa_roundtrip - instruction words and images come back from their assembly text bit for bit, and
- * what is no instruction is refused.
+ * illegal words are refused.
  *
  *     isa_roundtrip [--seed N] [--words N]
  *
@@ -112,7 +112,7 @@ static void round_trip(const fp3_image *draft) {
     fp3_assembly_free(&assembly);
 }
 
-/* A program sleeps in one register only: a block for each. */
+/* A program has only one sleep register: each register gets a block of its own. */
 static int names_slept(uint32_t word) {
     return word >> FP3_FIELD_OP_LO == FP3_OP_SLEEP || word >> FP3_FIELD_OP_LO == FP3_OP_LDS;
 }
@@ -173,7 +173,7 @@ static void check_every_register(void) {
             check_word(op << FP3_FIELD_OP_LO | 1u << bit);
 }
 
-/* Names, values, labels and parts at random; often few registers, so that they meet. */
+/* Random names, values, labels and parts; often with few registers, so that uses collide. */
 static void check_random_image(void) {
     fp3_symbol symbols[200];
     fp3_constant constants[FP3_BANK_SHARED_COUNT];
@@ -221,7 +221,7 @@ static void check_random_image(void) {
                     if (constants[i].index == r)
                         s->symbol_class = FP3_SYMBOL_CONST;
             }
-            /* Some are called like a register, of the same number or not. */
+            /* Some names are spelled like a register: the one they stand for, or another. */
             if (random32() % 2)
                 snprintf(s->name, sizeof s->name, "n%u_%u", bank, r);
             else

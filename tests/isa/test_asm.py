@@ -350,7 +350,7 @@ def test_source_is_a_directory(run, tmp_path):
 
 
 def test_unreadable_source(run):
-    """Nothing is mapped at the start of a process: an input error, whoever asks."""
+    """The first page of a process is not mapped, so reading it fails even for root."""
     got = run("asm", "/proc/self/mem")
     assert (got.returncode, got.stderr) == (1, "fp3 asm: /proc/self/mem: cannot read: Input/output error\n")
 

@@ -1,16 +1,17 @@
-/* visit - the composer: a visit loads what the program needs, stores what somebody reads later, and
- * nothing that it does can be told from an object that keeps its registers.
+/* visit - the loads and stores that the library adds to a program: a visit loads what the program
+ * needs and stores what is read later. An object that is visited behaves like one that keeps its
+ * registers.
  *
  *     visit [--seed N] [--programs N]
  *     visit --ship DIRECTORY
  *
- * Random programs, many visits each, by an interpreter of its own, three times: as written, with
- * registers that nobody else touches; and composed, twice, with a record and with registers that
- * hold two kinds of junk at the beginning of every visit. The records must agree with the
- * registers.
- * That no load is too many is checked against all paths through the program, enumerated.
+ * The test has its own interpreter. It runs random programs for many visits, three times: once as
+ * written, with registers that keep their values; and twice with loads and stores added, with a
+ * record, and with registers that hold different junk at the beginning of every visit. The records
+ * must agree with the registers.
+ * To find a load that is not needed, the test enumerates all paths through the program.
  *
- * --ship: ship_sleep.s of the directory beside ship_madd.s, visit by visit, until it sleeps.
+ * --ship: compares ship_sleep.s with ship_madd.s, both in DIRECTORY, visit by visit, until it sleeps.
  */
 #include <fp3/asm.h>
 #include <math.h>
@@ -147,7 +148,7 @@ typedef struct {
     fp3_image *image;
 } draft;
 
-/* Few registers, so that they meet; now and then far apart, for large records. */
+/* Few registers, so that instructions share them; sometimes far apart, for large records. */
 static void make_program(draft *p) {
     const uint32_t stride = below(8) ? 1 : 9, span = 1 + below(SPAN), slept = below(span) * stride;
     const int may_sleep = below(4) > 0;
@@ -290,7 +291,7 @@ static void check_form(const fp3_image *image, const fp3_visit *v) {
         fail("log2 is the smallest", v->kept, v->log2);
 }
 
-/* Not one load or store too many or too few. */
+/* Exactly the loads and stores that are needed. */
 static void check_sets(const fp3_image *image, const fp3_visit *v) {
     const uint64_t written = written_by(image), slept = v->slept < 0 ? 0 : bit((uint32_t)v->slept);
     const uint64_t outside = (written & ~temps_of(image)) | slept;
@@ -346,7 +347,7 @@ static void check_visits(const draft *p, const fp3_visit *v) {
     }
 }
 
-/* A visit is taken as it is where the program loads and stores by itself. */
+/* Nothing is added to a program that loads and stores by itself. */
 static void check_own(const fp3_image *composed, const fp3_visit *made) {
     fp3_error error;
     fp3_visit *again = NULL;
@@ -513,7 +514,7 @@ typedef struct {
     object o;
 } ship;
 
-/* A name's word: of the record, or of the shared constants. */
+/* The word of a name, in the record or among the shared constants. */
 static uint32_t *word_of(ship *s, const char *name) {
     const fp3_symbol *symbol = fp3_image_find(s->assembly->image, name, FP3_CLASSES_HOST);
     if (!symbol) {
@@ -560,7 +561,7 @@ static void land(ship *s) {
     fp3_assembly_free(&s->assembly);
 }
 
-/* The other one goes step by step, so that it can be asked after any number of them. */
+/* The other program makes one step at a time, so that it can be compared after any step. */
 static uint32_t check_ship(const char *directory, uint32_t steps, float eps) {
     ship one, other;
     launch(&one, directory, "ship_sleep.s");

@@ -91,7 +91,7 @@ def test_a_table_has_the_order_that_it_claims_and_no_more(name, integrators, tab
             assert numbers == pytest.approx([sum(a), b, *a], rel=1e-15, abs=1e-16)
 
 
-# Steps, so many that the order shows and rounding does not.
+# Numbers of steps at which the error shows the order, and not rounding.
 STEPS = {1: 4096, 2: 512, 3: 256, 4: 128, 5: 128, 6: 32}
 
 
@@ -110,7 +110,7 @@ def test_the_error_of_an_orbit_falls_with_the_order(name, table):
 
 
 def drag_orders(t):
-    """Of v' = 1 - v^2, x' = v, where v = tanh t and x = log cosh t: of x and of v."""
+    """The orders of x and v for v' = 1 - v^2, x' = v, whose solution is v = tanh t, x = log cosh t."""
     errors = []
     for steps in (STEPS[t["order"]] // 4, STEPS[t["order"]] // 2):
         (x,), (v,) = run(t, lambda x, v: [1 - v[0] ** 2], [0.0], [0.0], 1.5 / steps, steps)
@@ -225,7 +225,7 @@ def test_a_wrong_table_is_refused_with_its_line(base, old, new, line, message, i
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n != "stoermer_verlet"])
 def test_a_number_that_is_wrong_in_its_third_digit_is_found(name, root, table, integrators, tmp_path):
-    """Each number that is not 0, one after the other."""
+    """Each number that is not 0, in turn."""
     text = re.sub(r"#.*\n", "", (root / f"programs/integrators/{name}.cfg").read_text())
     head, body = re.split(r"(?=A = |substeps = )", text)
     places = [m for m in re.finditer(r'"[^"]*"|(?<=[ (])-?[\d.]+(?=[,;) ])', body) if m[0] != "0"]
