@@ -1,10 +1,10 @@
-/* cmd_bench.c - fp3 bench: the ship on the hardware against golden and truth. The pairs of program
- * and configuration, scenes of many objects, the tables, the JSON; ship_bench.c runs one.
+/* cmd_bench.c - fp3 bench: programs on the hardware, the ship unless another is named. The pairs of
+ * program and configuration, scenes of many objects, the tables, the JSON; bench/bench.h runs one.
  */
 #include "base/file.h"
+#include "bench_table.h"
 #include "cli.h"
 #include "machine/config.h"
-#include "ship_bench.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -17,8 +17,8 @@
 #include <sys/stat.h>
 
 #define PROGRAMS "programs/ship*.s"
-#define PAPER_FIRST 445
-#define PAPER_NEXT 418
+#define SHIP_PARAMS "programs/ship.cfg"
+#define SHIP_MODEL "programs/ship.ode" /* truth of the programs by hand */
 #define STEPS_LEAST 20 /* after the first, where the steps are shared by many objects */
 
 typedef struct {
@@ -26,131 +26,6 @@ typedef struct {
     uint64_t steps; /* after the first, of one object; many share them */
     int scenes;
 } options;
-
-/* What was run, and what came of it. */
-typedef struct {
-    fp3_ship_case what;
-    fp3_ship_result got;
-    const fp3_config *config;
-} outcome;
-
-/* ---- what is told ---- */
-
-/* Of a counter, what each step after the first adds. */
-static double per_step(const outcome *o, fp3_counter counter) {
-    return ((double)o->got.all.counter[counter] - (double)o->got.one.counter[counter]) /
-           (double)(o->what.steps - 1);
-}
-
-static double rate(const outcome *o) {
-    const fp3_stats *all = &o->got.all;
-    return all->seconds > 0 ? (double)all->counter[FP3_COUNTER_CYCLES] / all->seconds : 0;
-}
-
-/* No schedule of this program on this organisation takes fewer cycles per object-step. A step has I
- * instructions, A of them for the adder and M for the multiplier (a madd counts in both). In a tile a
- * scheduler issues one instruction per cycle for L lanes, and there are S schedulers (S or L is 1):
- * I / (S * L). An adder begins one sum per cycle, and there is one for each lane: A / L; likewise
- * M / L. The largest of the three, shared by all tiles. */
-static double bound(const outcome *o) {
-    const fp3_config *c = o->config;
-    const double issue = (double)o->got.issues / c->schedulers;
-    const double uses = o->got.adds > o->got.muls ? o->got.adds : o->got.muls;
-    return (issue > uses ? issue : uses) / c->lanes / c->tiles;
-}
-
-static double issued_per_step(const outcome *o) {
-    double sum = 0;
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        if (strncmp(fp3_counter_name((fp3_counter)i), "issued_", 7) == 0)
-            sum += per_step(o, (fp3_counter)i);
-    return sum;
-}
-
-static void print_head(const options *o) {
-    printf("The ship of Equations (1), one integration and %" PRIu64
-           " more (many objects share them). first, next: cycles; /object: next per "
-           "object-step.\n\n",
-           o->steps);
-    printf("%-24s %7s %9s %7s %7s %7s", "program, config", "first", "next", "objects", "/object",
-           "bound");
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        if (fp3_counter_is_stall((fp3_counter)i))
-            printf(" %10s", fp3_counter_name((fp3_counter)i) + strlen("stall_"));
-    printf(" %9s %9s %9s\n", "error v", "error s", "cycles/s");
-    printf("%-24s %7d %9d\n", "the paper", PAPER_FIRST, PAPER_NEXT);
-}
-
-static void print_outcome(const outcome *o) {
-    char name[64];
-    const double next = per_step(o, FP3_COUNTER_CYCLES);
-    snprintf(name, sizeof name, "%s, %s", o->what.program, o->what.config);
-    printf("%-24s %7" PRIu64 " %9.6g %7" PRIu64 " %7.2f %7.2f", name,
-           o->got.one.counter[FP3_COUNTER_CYCLES], next, o->got.objects,
-           next / (double)o->got.objects, bound(o));
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        if (fp3_counter_is_stall((fp3_counter)i))
-            printf(" %10.6g", per_step(o, (fp3_counter)i));
-    printf(" %9.2e %9.2e %9.2e  mismatches %" PRIu64 " of %" PRIu64 " words\n", o->got.rel_err_v,
-           o->got.rel_err_s, rate(o), o->got.mismatches, o->got.words);
-    fflush(stdout);
-}
-
-static void put_integer(json_t *to, const char *name, uint64_t value) {
-    json_object_set_new(to, name, json_integer((json_int_t)value));
-}
-
-static void put_real(json_t *to, const char *name, double value) {
-    json_object_set_new(to, name, json_real(value));
-}
-
-/* What runs and scenes both tell: names, sizes, what was compared. */
-static json_t *common_json(const outcome *o) {
-    json_t *object = json_object();
-    json_object_set_new(object, "config", json_string(o->what.config));
-    json_object_set_new(object, "program", json_string(o->what.program));
-    put_integer(object, "objects", o->got.objects);
-    put_integer(object, "steps", o->what.steps);
-    put_integer(object, "words", o->got.words);
-    put_integer(object, "mismatches", o->got.mismatches);
-    put_integer(object, "object_steps", o->got.all.object_steps);
-    put_real(object, "cycles_per_second", rate(o));
-    return object;
-}
-
-/* Of the cycles that a step adds, in how many a unit of each kind is used, on average. */
-static json_t *utilisation_json(const outcome *o) {
-    const double cycles = per_step(o, FP3_COUNTER_CYCLES) * o->config->tiles;
-    const double chain = per_step(o, FP3_COUNTER_ISSUED_CHAIN);
-    json_t *object = json_object();
-    put_real(object, "add", (per_step(o, FP3_COUNTER_ISSUED_ADD) + chain) / cycles);
-    put_real(object, "mul", (per_step(o, FP3_COUNTER_ISSUED_MUL) + chain) / cycles);
-    put_real(object, "issue", issued_per_step(o) / cycles / o->config->schedulers);
-    return object;
-}
-
-static json_t *to_json(const outcome *o) {
-    json_t *stalls = json_object(), *object = common_json(o);
-    const uint64_t *one = o->got.one.counter, *all = o->got.all.counter;
-    const uint64_t added = all[FP3_COUNTER_CYCLES] - one[FP3_COUNTER_CYCLES];
-    const double next = per_step(o, FP3_COUNTER_CYCLES);
-    put_integer(object, "first_cycles", one[FP3_COUNTER_CYCLES]);
-    json_object_set_new(object, "next_cycles",
-                        added % (o->what.steps - 1) ? json_real(next)
-                                                    : json_integer((json_int_t)next));
-    put_real(object, "cycles_per_object_step", next / (double)o->got.objects);
-    put_real(object, "bound", bound(o));
-    put_real(object, "rel_err_v", o->got.rel_err_v);
-    put_real(object, "rel_err_s", o->got.rel_err_s);
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
-        const char *name = fp3_counter_name((fp3_counter)i);
-        const int is_stall = fp3_counter_is_stall((fp3_counter)i);
-        put_integer(is_stall ? stalls : object, is_stall ? name + strlen("stall_") : name, all[i]);
-    }
-    json_object_set_new(object, "stalls", stalls);
-    json_object_set_new(object, "unit_utilisation", utilisation_json(o));
-    return object;
-}
 
 static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3_error *error) {
     char folder[4096];
@@ -171,20 +46,25 @@ static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3
 
 /* ---- the table of runs ---- */
 
-static fp3_status open_program(const char *path, fp3_program **program, fp3_error *error) {
-    const fp3_program_def def = fp3_program_default();
-    return fp3_program_open(path, &def, program, NULL, error);
-}
-
 typedef struct {
     json_t *runs, *scenes;
-    fp3_params *params;
+    fp3_params *params; /* the ship's, or those that are asked for */
+    fp3_params *none;   /* a model has its own */
+    fp3_model *ship;    /* SHIP_MODEL */
+    int is_headed;      /* the table has its head */
     fp3_error mismatch; /* the first of all */
 } results;
 
-static void note_mismatch(const outcome *o, results *to) {
+static fp3_status open_program(const char *path, const char *config, fp3_program **program,
+                               fp3_error *error) {
+    fp3_program_def def = fp3_program_default();
+    def.compile.config = config;
+    return fp3_program_open(path, &def, program, NULL, error);
+}
+
+static void note_mismatch(const fp3_bench_outcome *o, results *to) {
     if (o->got.mismatches && !to->mismatch.text[0])
-        fp3_fail(&to->mismatch, FP3_E_MISMATCH, "%s, %s: %s", o->what.program, o->what.config,
+        fp3_fail(&to->mismatch, FP3_E_MISMATCH, "%s, %s: %s", o->program, o->what.config,
                  o->got.mismatch.text);
 }
 
@@ -196,47 +76,68 @@ static uint64_t steps_for(const options *o, const fp3_config *config) {
     return o->steps / objects > least ? o->steps / objects : least;
 }
 
+/* Values and truth of a program. */
+static void fill_case(const options *o, const fp3_program *program, results *to,
+                      fp3_bench_outcome *x) {
+    const int is_ship = fp3_bench_is_ship(program);
+    x->what.program = program;
+    x->what.params = is_ship || o->params ? to->params : to->none;
+    x->what.truth = is_ship ? to->ship : program->model;
+}
+
 /* One pair. *is_unfit: it is left out, and error says why. */
-static fp3_status bench_pair(const options *o, const fp3_program *image, const char *program,
-                             const fp3_config *config, results *to, int *is_unfit,
-                             fp3_error *error) {
-    outcome x = {.config = config,
-                 .what = {.config = config->name,
-                          .program = program,
-                          .awake_of = 1,
-                          .steps = steps_for(o, config) + 1}};
-    fp3_status status = fp3_ship_bench(image, to->params, &x.what, &x.got, is_unfit, error);
-    if (*is_unfit)
-        return status;
-    if (status) {
+static fp3_status bench_pair(const options *o, const fp3_program *program, fp3_bench_outcome *x,
+                             results *to, int *is_unfit, fp3_error *error) {
+    fill_case(o, program, to, x);
+    if (!to->is_headed)
+        fp3_bench_head(o->steps, program, x->program);
+    to->is_headed = 1;
+    fp3_status status = fp3_bench_run(&x->what, &x->got, is_unfit, error);
+    if (status && !*is_unfit) {
         const fp3_error why = *error;
-        return fp3_fail(error, status, "%s, %s: %s", program, config->name, why.text);
+        return fp3_fail(error, status, "%s, %s: %s", x->program, x->config->name, why.text);
     }
-    print_outcome(&x);
-    json_array_append_new(to->runs, to_json(&x));
-    note_mismatch(&x, to);
+    if (status)
+        return status;
+    fp3_bench_row(x);
+    json_array_append_new(to->runs, fp3_bench_json(x));
+    note_mismatch(x, to);
     return FP3_OK;
+}
+
+static fp3_status bench_config(const options *o, const char *path, const char *name,
+                               const fp3_config *config, results *to, int *is_unfit,
+                               fp3_error *error) {
+    fp3_program *program = NULL;
+    fp3_bench_outcome x = {.config = config, .program = name};
+    x.what =
+        (fp3_bench_case){.config = config->name, .awake_of = 1, .steps = steps_for(o, config) + 1};
+    fp3_status status = open_program(path, config->name, &program, error);
+    /* A model that does not fit is refused by the compiler. */
+    *is_unfit = status == FP3_E_PROGRAM && fp3_program_is_model(path);
+    if (!status)
+        status = bench_pair(o, program, &x, to, is_unfit, error);
+    fp3_program_close(&program);
+    return status;
 }
 
 /* All configurations that are asked for. A pair that was asked for by name must be possible. */
 static fp3_status bench_program(const options *o, const char *path, results *to, fp3_error *error) {
-    char program[64];
+    char name[64];
     const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    snprintf(program, sizeof program, "%.*s", (int)strcspn(base, "."), base);
-    fp3_program *opened = NULL;
-    fp3_status status = open_program(path, &opened, error);
+    fp3_status status = FP3_OK;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(base, "."), base);
     for (uint32_t i = 0; i < fp3_config_count && !status; i++) {
         const fp3_config *config = &fp3_configs[i];
         int is_unfit = 0;
         if (o->config && strcmp(o->config, config->name) != 0)
             continue;
-        status = bench_pair(o, opened, program, config, to, &is_unfit, error);
+        status = bench_config(o, path, name, config, to, &is_unfit, error);
         if (is_unfit && !(o->config && o->program)) {
-            printf("%s, %s: left out: %s\n", program, config->name, error->text);
+            printf("%s, %s: left out: %s\n", name, config->name, error->text);
             status = FP3_OK;
         }
     }
-    fp3_program_close(&opened);
     return status;
 }
 
@@ -260,7 +161,8 @@ static const scene scenes[] = {
     {"1 % awake", "ship_sleep", 10000, 16, 100, 16, 0},
 };
 
-static void tell_scene(const scene *s, const outcome *o, double per, double ratio, results *to) {
+static void tell_scene(const scene *s, const fp3_bench_outcome *o, double per, double ratio,
+                       results *to) {
     const uint64_t cycles = o->got.all.counter[FP3_COUNTER_CYCLES];
     printf("%-20s %-12s %7" PRIu64 " %7" PRIu64 " %6" PRIu64 " %6" PRIu32 " %10" PRIu64
            " %8.3f %7.3f",
@@ -268,27 +170,34 @@ static void tell_scene(const scene *s, const outcome *o, double per, double rati
            ratio);
     printf("  mismatches %" PRIu64 " of %" PRIu64 " words\n", o->got.mismatches, o->got.words);
     fflush(stdout);
-    json_t *object = common_json(o);
+    json_t *object = fp3_bench_common_json(o);
     json_object_set_new(object, "scene", json_string(s->name));
-    put_integer(object, "awake", o->got.awake);
-    put_integer(object, "visit", s->visit);
-    put_integer(object, "cycles", cycles);
-    put_real(object, "cycles_per_object_step", per);
-    put_real(object, "ratio", ratio);
+    json_object_set_new(object, "awake", json_integer((json_int_t)o->got.awake));
+    json_object_set_new(object, "visit", json_integer((json_int_t)s->visit));
+    json_object_set_new(object, "cycles", json_integer((json_int_t)cycles));
+    json_object_set_new(object, "cycles_per_object_step", json_real(per));
+    json_object_set_new(object, "ratio", json_real(ratio));
     json_array_append_new(to->scenes, object);
     note_mismatch(o, to);
 }
 
-static fp3_status bench_scene(const scene *s, double *reference, results *to, fp3_error *error) {
+static fp3_status bench_scene(const options *o, const scene *s, double *reference, results *to,
+                              fp3_error *error) {
     char path[64];
     int is_unfit;
-    fp3_program *opened = NULL;
-    outcome x = {.config = fp3_config_find(SCENES),
-                 .what = {SCENES, s->program, s->objects, s->visit, s->awake_of, s->steps}};
+    fp3_program *program = NULL;
+    fp3_bench_outcome x = {.config = fp3_config_find(SCENES), .program = s->program};
+    x.what = (fp3_bench_case){.config = SCENES,
+                              .objects = s->objects,
+                              .visit = s->visit,
+                              .awake_of = s->awake_of,
+                              .steps = s->steps};
     snprintf(path, sizeof path, "programs/%s.s", s->program);
-    fp3_status status = open_program(path, &opened, error);
-    if (!status)
-        status = fp3_ship_bench(opened, to->params, &x.what, &x.got, &is_unfit, error);
+    fp3_status status = open_program(path, SCENES, &program, error);
+    if (!status) {
+        fill_case(o, program, to, &x);
+        status = fp3_bench_run(&x.what, &x.got, &is_unfit, error);
+    }
     if (!status) {
         const double per =
             (double)x.got.all.counter[FP3_COUNTER_CYCLES] / (double)x.got.all.object_steps;
@@ -298,18 +207,18 @@ static fp3_status bench_scene(const scene *s, double *reference, results *to, fp
         const fp3_error why = *error;
         fp3_fail(error, status, "scene '%s': %s", s->name, why.text);
     }
-    fp3_program_close(&opened);
+    fp3_program_close(&program);
     return status;
 }
 
-static fp3_status bench_scenes(results *to, fp3_error *error) {
+static fp3_status bench_scenes(const options *o, results *to, fp3_error *error) {
     double reference = 0;
     fp3_status status = FP3_OK;
     printf("\nScenes on " SCENES ": ships from the object store.\n\n%-20s %-12s %7s %7s %6s %6s "
            "%10s %8s %7s\n",
            "scene", "program", "objects", "awake", "steps", "visit", "cycles", "/object", "ratio");
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes && !status; i++)
-        status = bench_scene(&scenes[i], &reference, to, error);
+        status = bench_scene(o, &scenes[i], &reference, to, error);
     return status;
 }
 
@@ -326,20 +235,28 @@ static fp3_status check_config(const options *o, fp3_error *error) {
     return status;
 }
 
+/* Asked for by a path, or by a name: assembly, else a model. */
+static void find_programs(const options *o, char *pattern, size_t size) {
+    const char *program = o->program;
+    if (!program || strchr(program, '/')) {
+        snprintf(pattern, size, "%s", program ? program : PROGRAMS);
+        return;
+    }
+    snprintf(pattern, size, "programs/%s.ode", program);
+    struct stat found;
+    char assembly[4096];
+    snprintf(assembly, sizeof assembly, "programs/%s.s", program);
+    if (stat(assembly, &found) == 0 || stat(pattern, &found) != 0)
+        snprintf(pattern, size, "%s", assembly);
+}
+
 static fp3_status bench_programs(const options *o, results *to, fp3_error *error) {
     char pattern[4096];
-    if (!o->program)
-        snprintf(pattern, sizeof pattern, "%s", PROGRAMS);
-    else if (strchr(o->program, '/'))
-        snprintf(pattern, sizeof pattern, "%s", o->program);
-    else
-        snprintf(pattern, sizeof pattern, "programs/%s.s", o->program);
+    find_programs(o, pattern, sizeof pattern);
     glob_t paths = {0};
     fp3_status status = FP3_OK;
     if (glob(pattern, 0, NULL, &paths))
         status = fp3_fail(error, FP3_E_ARGUMENT, "no program %s", pattern);
-    else
-        print_head(o);
     for (size_t i = 0; i < paths.gl_pathc && !status; i++)
         status = bench_program(o, paths.gl_pathv[i], to, error);
     if (!status && json_array_size(to->runs) == 0)
@@ -351,31 +268,40 @@ static fp3_status bench_programs(const options *o, results *to, fp3_error *error
 
 static fp3_status bench(const options *o, fp3_error *error) {
     results to = {.runs = json_array(), .scenes = json_array()};
+    char *report = NULL;
     fp3_status status = check_config(o, error);
     if (!status)
         status = fp3_params_make(&to.params, error);
     if (!status)
-        status = fp3_params_load(to.params, o->params, error);
+        status = fp3_params_make(&to.none, error);
+    if (!status)
+        status = fp3_params_load(to.params, o->params ? o->params : SHIP_PARAMS, error);
+    if (!status)
+        status = fp3_model_load(SHIP_MODEL, &to.ship, &report, error);
+    free(report);
     if (!status)
         status = bench_programs(o, &to, error);
     if (!status && o->scenes)
-        status = bench_scenes(&to, error);
+        status = bench_scenes(o, &to, error);
     if (!status)
         status = write_json(o->json, to.runs, to.scenes, error);
     if (!status && to.mismatch.text[0])
         status = fp3_fail(error, FP3_E_MISMATCH, "%s", to.mismatch.text);
     json_decref(to.runs);
     json_decref(to.scenes);
+    fp3_model_free(&to.ship);
     fp3_params_free(&to.params);
+    fp3_params_free(&to.none);
     return status;
 }
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "One configuration (default: all)", 0},
-    {"program", 'p', "NAME", 0, "programs/NAME.s, or a path with a / (default: " PROGRAMS ")", 0},
+    {"program", 'p', "NAME", 0,
+     "programs/NAME.s or .ode, or a path with a / (default: " PROGRAMS ")", 0},
     {"steps", 'n', "N", 0,
      "Integrations after the first, of one object or shared by many (default: 10000)", 0},
-    {"params", 'P', "FILE", 0, "The ship (default: programs/ship.cfg)", 0},
+    {"params", 'P', "FILE", 0, "Values (default: " SHIP_PARAMS " for a ship, a model's own)", 0},
     {"scenes", 's', NULL, 0, "Also run scenes of 10,000 objects from the store", 0},
     {"json", 'j', "FILE", 0, "Where the figures go (default: build/results/sim.json)", 0},
     {0},
@@ -416,13 +342,14 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 }
 
 int fp3_cmd_bench(int argc, char **argv) {
-    options o = {.params = "programs/ship.cfg", .json = "build/results/sim.json", .steps = 10000};
+    options o = {.json = "build/results/sim.json", .steps = 10000};
     const struct argp argp = {
         .options = table,
         .parser = parse,
-        .doc = "Runs the ship on the hardware under Verilator: compares every step with the golden "
-               "model bit for bit, counts cycles, measures the error against truth. Exit code 1 on "
-               "any mismatch."};
+        .doc =
+            "Runs the ship, or another program or model, on the hardware under Verilator: compares "
+            "every write of a state with golden (a ship by hand) or the isa engine bit for bit, "
+            "counts cycles, measures the error against truth. Exit code 1 on any mismatch."};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
     fp3_error error = {""};
     fp3_status status = bench(&o, &error);

@@ -12,7 +12,7 @@
     X(compare, "Compare integrators on a model")                                                   \
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
-    X(bench, "Measure the ship against golden and truth")                                          \
+    X(bench, "Measure the ship, or another program, on the hardware")                              \
     X(info, "Say what an image needs, or what this build has")
 
 static const struct {

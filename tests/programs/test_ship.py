@@ -179,9 +179,39 @@ def test_bench_says_what_it_cannot_do(bench, tmp_path):
         assert done.returncode == 2 and message in done.stderr and runs is None, (arguments, done.stderr)
 
 
-def test_bench_needs_a_ship_that_moves_to_an_end(bench, root, tmp_path):
-    """Truth is for C > 0: no figures instead of nonsense."""
+def test_bench_needs_a_truth(bench, root, tmp_path):
+    """Without drag the closed form of ship.ode divides by 0: no figures instead of nonsense."""
     params = tmp_path / "ship.cfg"
     params.write_text((root / "programs/ship.cfg").read_text().replace("4.1e4", "0.0"))
     done, runs = bench("--params", params)
-    assert done.returncode == 2 and "C > 0" in done.stderr and runs is None
+    assert done.returncode != 0 and "truth" in done.stderr and runs is None, done.stderr
+
+
+def test_any_model_has_a_benchmark(bench, fp3, root):
+    """Compiled for each configuration that has its operations; the cycles are those that are predicted."""
+    done, runs = bench("--program", "kepler", steps=100)
+    assert done.returncode == 0, done.stderr
+    assert {"single_full", "many_full"} <= {run["config"] for run in runs} < set(configs(root))
+    assert "kepler, paper: left out: " in done.stdout and "The program kepler, one step and 100 more" in done.stdout
+    for run in runs:
+        assert run["mismatches"] == 0 and run["words"] > 4 * run["objects"] * run["steps"], run["config"]
+        assert all(0 < run[f"rel_err_{name}"] < 0.1 for name in ("r_x", "r_y", "v_x", "v_y"))
+    report = subprocess.run([fp3, "compile", root / "programs/kepler.ode", "-c", "many_full", "--report"],
+                            capture_output=True, text=True, check=True).stdout
+    (many,) = [run for run in runs if run["config"] == "many_full"]
+    assert many["cycles_per_object_step"] == float(re.search(r"cycles per object-step +(\S+)", report)[1])
+
+
+def test_any_program_has_a_benchmark(bench, tmp_path):
+    """Compared with the isa engine, and without a truth; what it needs is refused by name."""
+    program = tmp_path / "grow.s"
+    program.write_text(".state x\n.shared g\nstep:\n    mul x, x, g\n    add x, x, -0.0\n")
+    params = tmp_path / "grow.cfg"
+    params.write_text("x = 1.5; g = 1.0625;")
+    done, runs = bench("--program", program, "--params", params, "--config", "many", steps=50)
+    assert done.returncode == 0, done.stderr
+    (run,) = runs
+    # Of each object: in 1 and 21 steps two writes each, what is loaded, and what is read back.
+    assert (run["mismatches"], run["words"], run["rel_err_x"]) == (0, 24 * (2 * (1 + 21) + 2 + 2), None)
+    done, runs = bench("--program", program, "--config", "many")
+    assert done.returncode == 2 and "parameter" in done.stderr and runs is None

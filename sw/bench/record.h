@@ -1,0 +1,25 @@
+/* record.h - what a run writes to the registers of states, object by object. */
+#ifndef FP3_BENCH_RECORD_H
+#define FP3_BENCH_RECORD_H
+
+#include <fp3/engine.h>
+
+typedef struct fp3_record fp3_record;
+
+/* Of the states of an image, room words each of every object; until fp3_record_size of none. */
+fp3_status fp3_record_make(const fp3_image *image, uint64_t room, fp3_record **record,
+                           fp3_error *error);
+fp3_status fp3_record_size(fp3_record *record, size_t objects, fp3_error *error);
+void fp3_record_free(fp3_record **record);
+
+/* An fp3_retire_fn; the user pointer is the fp3_record. */
+void fp3_record_retire(void *record, const fp3_retirement *retirement);
+void fp3_record_clear(fp3_record *record);
+
+/* The words written to a state, numbered as by fp3_bench_state. *writes may exceed the room; words
+ * beyond it are lost. */
+const uint32_t *fp3_record_of(const fp3_record *record, unsigned state, uint64_t object,
+                              uint64_t *writes);
+uint64_t fp3_record_room(const fp3_record *record);
+
+#endif
