@@ -108,35 +108,60 @@ def core(top, row):
     return cuts.bit_count(), wrapper, []
 
 
-def clog2(n):
-    return max(n - 1, 0).bit_length()
+# A lane and its arithmetic between registers; the headers know how wide the bundles are.
+LANE = """`include "tile/issue.vh"
+`include "tile/retire.vh"
+`include "tile/access.vh"
+`include "tile/report.vh"
+module top #(
+{parameters}) (
+    input  wire                 clk_i,
+    input  wire                 rst_i,
+    input  wire [`ISSUE_W-1:0]  issue_i,
+    input  wire [`RETIRE_W-1:0] retire_i,
+    input  wire [`ACCESS_W-1:0] access_i,
+    input  wire [`REPORT_W-1:0] report_i,
+    input  wire [31:0]          data_i,
+    output reg  [`ISSUE_W-1:0]  issue_o,
+    output reg  [`RETIRE_W-1:0] retire_o,
+    output reg  [`ACCESS_W-1:0] access_o,
+    output reg  [`REPORT_W-1:0] report_o,
+    output reg  [31:0]          data_o
+);
+    reg                  rst_q;
+    reg  [`ISSUE_W-1:0]  issue_q;
+    reg  [`RETIRE_W-1:0] retire_q;
+    reg  [`ACCESS_W-1:0] access_q;
+    reg  [`REPORT_W-1:0] report_q;
+    reg  [31:0]          data_q;
+    wire [`ISSUE_W-1:0]  issue_d;
+    wire [`RETIRE_W-1:0] retire_d;
+    wire [`ACCESS_W-1:0] access_d;
+    wire [`REPORT_W-1:0] report_d;
+    wire [31:0]          data_d, x, y, z, value;
+    wire                 subtract;
+    wire [CHOICE_W-1:0]  choice;
+    wire [4:0]           flags;
+    always @(posedge clk_i) begin
+        {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
+        {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
+    end
+    lane #(.CONFIG(CONFIG)) u_lane (.clk_i(clk_i), .rst_i(rst_q),
+        .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
+        .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
+        .subtract_o(subtract), .choice_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(flags));
+    lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(subtract), .choice_i(choice),
+        .x_i(x), .y_i(y), .z_i(z), .value_o(value), .flags_o(flags));
+endmodule
+"""
 
 
 def lane(row):
-    """One lane and its arithmetic; widths as in rtl/tile/tile_scheduler.v."""
-    register_w, context_w, store_w = clog2(row["registers"]), clog2(row["contexts"] + 1), clog2(row["store_words"])
-    reg_w, lane_w = register_w + context_w, max(1, clog2(row["lanes"]))
-    issue_w, retire_w, host_w = 11 + 4 * reg_w, 12 + reg_w, 5 + lane_w + store_w
-    ports = [("issue", issue_w), ("retire", retire_w), ("host", host_w), ("data", 32), ("count", store_w - 2),
-             ("flags", 5), ("asleep", 1), ("answer", 32)]
-    heard = [("report", 1), ("report_batch", 1), ("report_context", context_w)]
-    inside = "\n".join([
-        f"module lane_alone (input wire clk_i, input wire rst_i, "
-        + ", ".join(f"input wire [{w - 1}:0] {n}_i, output wire [{w - 1}:0] {n}_o" for n, w in ports) + ", "
-        + ", ".join(f"output wire [{w - 1}:0] {n}_o" for n, w in heard) + ");",
-        "    wire subtract; wire [3:0] choice; wire [31:0] x, y, z, value; wire [4:0] value_flags;",
-        f"    lane #(.REGISTER_W({register_w}), .CONTEXTS({row['contexts']}), .CONTEXT_W({context_w}), .STORE_W({store_w}),",
-        f"           .LANE_W({lane_w}), .CHAIN({row['chain']}), .SLEEP({row['sleep']}), .FLAGS({row['flags']}),",
-        f"           .STATUS({row['status']}), .LATENCY({row['add_latency'] + row['mul_latency']}), .ISSUE_W({issue_w}),",
-        f"           .RETIRE_W({retire_w}), .HOST_W({host_w})) u_lane (.clk_i(clk_i), .rst_i(rst_i),",
-        "        " + ", ".join(f".{n}_i({n}_i), .{n}_o({n}_o)" for n, _ in ports) + ",",
-        "        " + ", ".join(f".{n}_o({n}_o)" for n, _ in heard) + ",",
-        "        .subtract_o(subtract), .kind_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(value_flags));",
-        f"    lane_arith #(.CONFIG({parameters.config_word(row)})) u_arith (.clk_i(clk_i), .subtract_i(subtract), .choice_i(choice), .x_i(x), .y_i(y), .z_i(z),",
-        "        .value_o(value), .flags_o(value_flags));", "endmodule", ""])
-    top = registered("top", [("rst_i", 1)] + [(n + "_i", w) for n, w in ports],
-                     [(n + "_o", w) for n, w in ports + heard], "lane_alone u_lane_alone")
-    return None, inside + top, []
+    """One lane and its arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
+    keys = "\n".join(parameters.config_keys_verilog(ROOT))
+    keys = keys.replace(parameters.config_word(parameters.default_row(ROOT)), parameters.config_word(row))
+    widths = (ROOT / "rtl/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
+    return None, LANE.format(parameters=widths), []
 
 
 def processor(row):

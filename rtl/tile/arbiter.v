@@ -88,13 +88,14 @@ module arbiter #(
     end
 
 `ifdef FP3_CHECK
-    reg [N-1:0] adds_q, muls_q, lasts_q, stays_q;
+    reg [N-1:0] adds_q, muls_q, lasts_q, stays_q, granted_q;   // of the cycle before
     integer     c;
     always @(posedge clk_i) begin
-        {adds_q, muls_q, lasts_q, stays_q} <= {adds_i, muls_i, lasts_i, rst_i ? {N{1'b0}} : stays};
+        {adds_q, muls_q, lasts_q, granted_q} <= {adds_i, muls_i, lasts_i, grant_q};
+        stays_q <= rst_i ? {N{1'b0}} : stays;
         for (c = 0; c < N; c = c + 1)
             if (!rst_i && stays_q[c] && needs[c] && ({adds_i[c], muls_i[c]} != {adds_q[c], muls_q[c]}
-                                                     || (!grant_q[c] && lasts_i[c] != lasts_q[c]))) begin
+                                                     || (!granted_q[c] && lasts_i[c] != lasts_q[c]))) begin
                 $display("%m: the request of scheduler %0d changes before it is granted", c);
                 $stop;
             end

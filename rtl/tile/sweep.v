@@ -3,7 +3,8 @@
 // Purpose   The next set bit of a mask in every cycle, without a gap between two sweeps.
 // Latency   current_o shows the first context in the cycle after load_i, the next one in the cycle
 //           after next_i.
-// Hazard    load_i only with last_o and next_i, or while busy_o is low.
+// Hazard    load_i only with last_o and next_i, or while busy_o is low. mask_i then has count_i ones,
+//           at least one.
 //
 //     cycle      0     1     2     3
 //     load_i     1     0     0     0        mask 1010, count 2
@@ -18,8 +19,8 @@ module sweep #(
     input  wire                clk_i,
     input  wire                rst_i,
     input  wire                load_i,
-    input  wire [CONTEXTS-1:0] mask_i,     // not 0
-    input  wire [COUNT_W-1:0]  count_i,    // its ones
+    input  wire [CONTEXTS-1:0] mask_i,
+    input  wire [COUNT_W-1:0]  count_i,
     input  wire                next_i,
     output wire                busy_o,
     output wire [CONTEXTS-1:0] current_o,
@@ -45,5 +46,21 @@ module sweep #(
     assign last_o    = last_q;
     assign busy_o    = busy_q;
     assign current_o = current_q;
+
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (!rst_i) begin
+            if (load_i && busy_q && !(next_i && last_q)) begin
+                $display("%m: a sweep is loaded in the middle of another one"); $stop;
+            end
+            if (load_i && !(|mask_i)) begin
+                $display("%m: a sweep of no context"); $stop;
+            end
+            // By then all contexts must have been shown, each once: then nothing is left.
+            if (busy_q && last_q != !(|left_q)) begin
+                $display("%m: the mask has not as many ones as was said: last %b, left %b", last_q, left_q); $stop;
+            end
+        end
+`endif
 endmodule
 `default_nettype wire

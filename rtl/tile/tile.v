@@ -8,7 +8,8 @@
 //           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder
 //
 // Latency   See lane: MUL_LATENCY + ADD_LATENCY, one more where schedulers share.
-// Hazard    Lanes under several schedulers are not built.
+// Hazard    Lanes under several schedulers are not built (config_rules refuses them).
+//           In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 module tile #(
 `include "config.vh"
@@ -92,5 +93,13 @@ module tile #(
                 .x_i(xs), .y_i(ys), .z_i(zs), .value_o(value), .flags_o(flags));
         end
     endgenerate
+
+`ifdef FP3_CHECK
+    wire [SCHEDULERS-1:0] adding = adds & grant, multiplying = muls & grant;
+    always @(posedge clk_i)
+        if (!rst_i && (|(adding & (adding - 1'b1)) || |(multiplying & (multiplying - 1'b1)))) begin
+            $display("%m: granted to more than one: adder %b, multiplier %b", adding, multiplying); $stop;
+        end
+`endif
 endmodule
 `default_nettype wire

@@ -9,8 +9,14 @@
 //
 // Latency   See sequencer, lane and host_port.
 // Hazard    Operands leave and results arrive as lane says; adds_o and muls_o ask for a unit two
-//           cycles before the first lane says the instruction, five before its operands.
+//           cycles before the first lane says the instruction, five before its operands. What is not
+//           granted does not reach the arithmetic.
+//           The host accesses lanes only between runs.
 `default_nettype none
+`include "tile/issue.vh"
+`include "tile/retire.vh"
+`include "tile/access.vh"
+`include "tile/report.vh"
 module tile_scheduler #(
 `include "config.vh"
 ) (
@@ -55,16 +61,12 @@ module tile_scheduler #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
-    localparam ISSUE_W    = 11 + REG_W + 3*REG_W;
-    localparam RETIRE_W   = 12 + REG_W;
-    localparam HOST_W     = 5 + LANE_W + STORE_W;
-
     // The host -------------------------------------------------------------------------------
     wire                 start, stop, running, illegal, program_write, access, host_write;
     wire [31:0]          steps, visit, clock, host_wdata, answer;
     wire [1:0]           record;
     wire [PROGRAM_W-1:0] step, step_end, last_end, illegal_pc, program_addr;
-    wire [2:0]           kind;
+    wire [2:0]           space;
     wire [19:0]          address;
     wire                 counters_clear;
     wire [3:0]           counters_index;
@@ -80,7 +82,7 @@ module tile_scheduler #(
         .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),
         .program_write_o(program_write), .program_addr_o(program_addr),
-        .access_o(access), .write_o(host_write), .space_o(kind), .addr_o(address),
+        .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(answer),
         .counters_clear_o(counters_clear), .counters_index_o(counters_index),
         .counters_value_i(counters_value));
@@ -89,55 +91,58 @@ module tile_scheduler #(
     wire [31:0] constant, lanes_answer;
     reg  [31:0] answer_q;
     ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
-        .write_i(access && host_write && kind == HOST_CONSTANT),
+        .write_i(access && host_write && space == HOST_CONSTANT),
         .write_addr_i(address[REGISTER_W-1:0]), .write_value_i(host_wdata),
         .read_i(1'b1), .read_addr_i(address[REGISTER_W-1:0]), .read_value_o(constant));
-    always @(posedge clk_i) answer_q <= kind == HOST_CONSTANT ? constant : lanes_answer;
+    always @(posedge clk_i) answer_q <= space == HOST_CONSTANT ? constant : lanes_answer;
     assign answer = answer_q;
 
-    wire              by_lane = kind == HOST_AWAKE || kind == HOST_WAKE;
-    wire [LANE_W+STORE_W-1:0] spot = address[LANE_W+STORE_W-1:0];
-    wire [HOST_W-1:0] host = {access, host_write, kind,
-                              by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}},
-                              address[STORE_W-1:0]};
+    `ACCESS_FIELDS
+    wire                      by_lane = space == HOST_AWAKE || space == HOST_WAKE;
+    wire [LANE_W+STORE_W-1:0] spot    = address[LANE_W+STORE_W-1:0];
+    assign access_valid   = access;
+    assign access_write   = host_write;
+    assign access_space   = space;
+    assign access_lane    = by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
+    assign access_address = address[STORE_W-1:0];
 
-    // The sequencer and its lanes ------------------------------------------------------------------
-    wire [ISSUE_W*(LANES+1)-1:0]  issue;
-    wire [RETIRE_W*(LANES+1)-1:0] retire;
-    wire [HOST_W*(LANES+1)-1:0]   hosts;
-    wire [32*(LANES+1)-1:0]       data, answers;
-    wire [(ROW_W+1)*(LANES+1)-1:0] counts;
-    wire [5*(LANES+1)-1:0]        raised;
-    wire [LANES:0]                asleep;
-    wire [LANES-1:0]              report, report_batch;
-    wire [CONTEXT_W*LANES-1:0]    report_context;
-    wire [4:0]                    issued;
-    wire                          retired, trace;
-    wire                          stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
-    wire [PROGRAM_W-1:0]          trace_pc;
-    wire [CONTEXT_W-1:0]          trace_context;
-    sequencer #(.CONFIG(CONFIG), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_sequencer (
+    // The sequencer and its lanes: what lane l hears is at l, what it says at l + 1 --------------------
+    wire [`ISSUE_W*(LANES+1)-1:0]  issues;
+    wire [`RETIRE_W*(LANES+1)-1:0] retires;
+    wire [`ACCESS_W*(LANES+1)-1:0] accesses;
+    wire [32*(LANES+1)-1:0]        data;
+    wire [`REPORT_W*(LANES+1)-1:0] reports;
+    wire [31:0]                    step_number;
+    wire [4:0]                     issued;
+    wire                           retired;
+    wire                           stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
+    wire [PROGRAM_W-1:0]           trace_pc;
+    wire [CONTEXT_W-1:0]           trace_context;
+    sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
         .step_i(step), .step_end_i(step_end), .end_i(last_end),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
-        .host_program_i(program_write), .host_program_addr_i(program_addr), .host_i(host), .host_wdata_i(host_wdata),
+        .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
-        .issue_o(issue[ISSUE_W-1:0]), .retire_o(retire[RETIRE_W-1:0]), .host_o(hosts[HOST_W-1:0]), .data_o(data[31:0]),
-        .count_i(counts[(ROW_W+1)*LANES +: ROW_W+1]),
-        .report_i(report[LANES-1]), .report_asleep_i(asleep[LANES]), .report_batch_i(report_batch[LANES-1]),
-        .report_context_i(report_context[CONTEXT_W*(LANES-1) +: CONTEXT_W]),
+        .issue_o(issues[0 +: `ISSUE_W]), .retire_o(retires[0 +: `RETIRE_W]), .step_o(step_number),
+        .report_i(reports[`REPORT_W*LANES +: `REPORT_W]),
         .issued_o(issued), .retired_o(retired),
         .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
         .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
-        .trace_o(trace), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
-    assign issue_valid_o   = trace;
+        .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
     assign issue_pc_o      = {{16-PROGRAM_W{1'b0}}, trace_pc};
     assign issue_context_o = {{16-CONTEXT_W{1'b0}}, trace_context};
 
-    assign {counts[ROW_W:0], raised[4:0], asleep[0], answers[31:0]} = {{ROW_W+1{1'b0}}, 5'd0, 1'b1, 32'd0};
-    assign flags        = raised[5*LANES +: 5];
-    assign lanes_answer = answers[32*LANES +: 32];
+    assign accesses[0 +: `ACCESS_W] = `ACCESS;
+    assign data[31:0]               = running ? step_number : host_wdata;
+
+    // In front of the first lane nobody has an object, and nobody is awake.
+    `REPORT_FIELDS
+    assign reports[0 +: `REPORT_W] = `REPORT_NONE;
+    assign `REPORT                 = reports[`REPORT_W*LANES +: `REPORT_W];
+    assign flags                   = report_flags;
+    assign lanes_answer            = report_answer;
 
     genvar l;
     generate
@@ -145,21 +150,14 @@ module tile_scheduler #(
             wire [CONTEXT_W-1:0]  written_context;
             wire [ROW_W-1:0]      written_row;
             wire [REGISTER_W-1:0] written_register;
-            lane #(.REGISTER_W(REGISTER_W), .CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .STORE_W(STORE_W),
-                   .LANE_W(LANE_W), .INDEX(l), .CHAIN(CHAIN), .SLEEP(SLEEP), .FLAGS(FLAGS), .STATUS(STATUS),
-                   .LATENCY(LATENCY), .ISSUE_W(ISSUE_W), .RETIRE_W(RETIRE_W), .HOST_W(HOST_W)) u_lane (
+            lane #(.CONFIG(CONFIG), .INDEX(l)) u_lane (
                 .clk_i(clk_i), .rst_i(rst_i),
-                .issue_i(issue[ISSUE_W*l +: ISSUE_W]), .issue_o(issue[ISSUE_W*(l+1) +: ISSUE_W]),
-                .retire_i(retire[RETIRE_W*l +: RETIRE_W]), .retire_o(retire[RETIRE_W*(l+1) +: RETIRE_W]),
-                .host_i(hosts[HOST_W*l +: HOST_W]), .host_o(hosts[HOST_W*(l+1) +: HOST_W]),
+                .issue_i(issues[`ISSUE_W*l +: `ISSUE_W]), .issue_o(issues[`ISSUE_W*(l+1) +: `ISSUE_W]),
+                .retire_i(retires[`RETIRE_W*l +: `RETIRE_W]), .retire_o(retires[`RETIRE_W*(l+1) +: `RETIRE_W]),
+                .access_i(accesses[`ACCESS_W*l +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(l+1) +: `ACCESS_W]),
                 .data_i(data[32*l +: 32]), .data_o(data[32*(l+1) +: 32]),
-                .count_i(counts[(ROW_W+1)*l +: ROW_W+1]), .count_o(counts[(ROW_W+1)*(l+1) +: ROW_W+1]),
-                .flags_i(raised[5*l +: 5]), .flags_o(raised[5*(l+1) +: 5]),
-                .asleep_i(asleep[l]), .asleep_o(asleep[l+1]),
-                .answer_i(answers[32*l +: 32]), .answer_o(answers[32*(l+1) +: 32]),
-                .report_o(report[l]), .report_batch_o(report_batch[l]),
-                .report_context_o(report_context[CONTEXT_W*l +: CONTEXT_W]),
-                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .kind_o(choice_o[CHOICE_W*l +: CHOICE_W]),
+                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
+                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .choice_o(choice_o[CHOICE_W*l +: CHOICE_W]),
                 .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
                 .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
                 .written_end_o(retire_end_o[2*l +: 2]), .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
@@ -188,9 +186,28 @@ module tile_scheduler #(
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .index_i(counters_index), .value_o(counters_value));
 
-    // The last lane has no next one, and only its reports are heard.
-    wire unused = &{issue[ISSUE_W*LANES +: ISSUE_W], retire[RETIRE_W*LANES +: RETIRE_W],
-                    hosts[HOST_W*LANES +: HOST_W], data[32*LANES +: 32], report, report_batch, report_context,
-                    address, spot};
+    // The last lane has no next one; sequencer hears the rest of its report.
+    wire unused = &{issues[`ISSUE_W*LANES +: `ISSUE_W], retires[`RETIRE_W*LANES +: `RETIRE_W],
+                    accesses[`ACCESS_W*LANES +: `ACCESS_W], data[32*LANES +: 32], address, spot,
+                    report_count, report_valid, report_asleep, report_batch, report_context};
+
+`ifdef FP3_CHECK
+    // What was granted LATENCY - 1 cycles ago ends in the first lane, six cycles before its result.
+    wire granted;
+    `RETIRE_FIELDS
+    assign `RETIRE = retires[0 +: `RETIRE_W];
+    wire unused_check = &{retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
+                          retire_batch, retire_context, retire_register};
+    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+    always @(posedge clk_i)
+        if (!rst_i) begin
+            if (granted != (retire_valid && retire_arithmetic)) begin
+                $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
+            end
+            if (access && running) begin
+                $display("%m: an access of the host within a run"); $stop;
+            end
+        end
+`endif
 endmodule
 `default_nettype wire

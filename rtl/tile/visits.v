@@ -4,31 +4,31 @@
 //           it back at the tail: objects that sleep cost nothing from then on. Decides for every
 //           instruction whether it is executed for the object in its context.
 //
-//           cycle  V-6      V-4        V-3    V-1         V           V+1        V+2
-//           list:  taken    head read  row_o  state read  executed_o  nonzero_i  state written, put back
+//           cycle  W-6    W-4        W-3       W-1         W           W+1        W+2
+//           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written, put back
 //
 // Latency   As shown; of a store's row, two cycles after st_context_i.
-// Hazard    The same context must not come again within 8 cycles. Without SLEEP the list is not
-//           kept but counted: objects 0, 1 ..
+// Hazard    One context does not come twice within 8 cycles.
+//           What is executed is executed for an object that is there and awake, or stored in the last part
+//           of the visit in which it fell asleep.
+//           Without SLEEP there is no list but a count, of objects 0, 1 ..: host_wake_i stays low.
 `default_nettype none
 module visits #(
-    parameter CONTEXT_W = 5,
-    parameter ROW_W     = 7,           // 2^ROW_W objects
-    parameter SLEEP     = 1
+`include "config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // V-6: a round begins: it takes as many as there are now; an object is taken
+    // W-6: a round begins: it takes as many as there are now; an object is taken
     input  wire                 round_i,
     input  wire                 take_i,
-    // V-4
-    input  wire                 take_4_i,
-    input  wire [CONTEXT_W-1:0] context_4_i,
-    output wire [ROW_W-1:0]     row_o,          // V-3
-    output wire [ROW_W-1:0]     row_late_o,     // V+1
-    // V-1
-    input  wire [CONTEXT_W-1:0] context_1_i,
-    // V: an instruction, and what it found
+    // W-4
+    input  wire                 take_w4_i,
+    input  wire [CONTEXT_W-1:0] context_w4_i,
+    output wire [ROW_W-1:0]     row_w3_o,          // W-3
+    output wire [ROW_W-1:0]     row_late_o,     // W+1
+    // W-1
+    input  wire [CONTEXT_W-1:0] context_w1_i,
+    // W: an instruction, and what it found
     input  wire                 valid_i,
     input  wire                 begins_i,       // the first of a visit
     input  wire                 ends_i,         // the last
@@ -40,7 +40,7 @@ module visits #(
     output wire                 executed_o,
     output wire                 absent_o,       // trace: the context has no object
     output wire                 sleeps_o,       // the object falls asleep
-    // V+1, V+2
+    // W+1, W+2
     input  wire                 nonzero_i,      // lds found an object that sleeps
     output wire                 asleep_o,       // not awake after this instruction
     // The object in a context, for stores
@@ -59,8 +59,8 @@ module visits #(
     reg  [ROW_W-1:0] head_q;
     wire             present = left_q != {ROW_W+1{1'b0}};
     wire             take    = take_i && present;
-    wire [ROW_W-1:0] next_row;         // V-4
-    reg              put_q;            // V+2
+    wire [ROW_W-1:0] next_row;         // W-4
+    reg              put_q;            // W+2
     reg  [ROW_W-1:0] put_row_q;
 
     always @(posedge clk_i)
@@ -99,66 +99,66 @@ module visits #(
     assign count_o = count_q;
 
     // The object in each context -----------------------------------------------------------------
-    wire [ROW_W-1:0] row_4, st_row;
+    wire [ROW_W-1:0] row_w4, st_row;
     reg  [ROW_W-1:0] row_q, st_row_q;
     reg  [CONTEXT_W-1:0] st_context_q;
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_row (.clk_i(clk_i),
-        .write_i(take_4_i), .write_addr_i(context_4_i), .write_value_i(next_row),
-        .read_addr_i(context_4_i), .read_value_o(row_4));
+        .write_i(take_w4_i), .write_addr_i(context_w4_i), .write_value_i(next_row),
+        .read_addr_i(context_w4_i), .read_value_o(row_w4));
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_st_row (.clk_i(clk_i),
-        .write_i(take_4_i), .write_addr_i(context_4_i), .write_value_i(next_row),
+        .write_i(take_w4_i), .write_addr_i(context_w4_i), .write_value_i(next_row),
         .read_addr_i(st_context_q), .read_value_o(st_row));
     always @(posedge clk_i) begin
-        row_q        <= take_4_i ? next_row : row_4;
+        row_q        <= take_w4_i ? next_row : row_w4;
         st_context_q <= st_context_i;
         st_row_q     <= st_row;
     end
-    assign row_o    = row_q;
+    assign row_w3_o    = row_q;
     assign st_row_o = st_row_q;
     delay #(.W(ROW_W), .N(4)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
 
     // Whether there is one, and whether it sleeps -----------------------------------------------
-    reg                  state_write_q, state_absent_q, state_asleep_q;   // V+2
+    reg                  state_write_q, state_absent_q, state_asleep_q;   // W+2
     reg  [CONTEXT_W-1:0] state_context_q;
-    wire                 absent_1, asleep_1, st_absent, st_asleep;
+    wire                 absent_w1, asleep_w1, st_absent, st_asleep;
     reg                  absent_q, asleep_q, st_absent_q, st_asleep_q;
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(2)) u_state (.clk_i(clk_i),
         .write_i(state_write_q), .write_addr_i(state_context_q),
         .write_value_i({state_absent_q, state_asleep_q}),
-        .read_addr_i(context_1_i), .read_value_o({absent_1, asleep_1}));
+        .read_addr_i(context_w1_i), .read_value_o({absent_w1, asleep_w1}));
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(2)) u_st_state (.clk_i(clk_i),
         .write_i(state_write_q), .write_addr_i(state_context_q),
         .write_value_i({state_absent_q, state_asleep_q}),
         .read_addr_i(st_context_q), .read_value_o({st_absent, st_asleep}));
 
-    wire present_0;
-    delay #(.W(1), .N(6)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_0));
-    wire absent   = begins_i ? !present_0 : absent_q;
+    wire present_w0;
+    delay #(.W(1), .N(6)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
+    wire absent   = begins_i ? !present_w0 : absent_q;
     wire asleep   = !begins_i && asleep_q;
     wire executed = valid_i && !absent && !(asleep && !lasts_i);
     wire sleeps   = SLEEP != 0 && executed && sleep_i && less_i && !asleep;
 
     // Of a word that was just read only one bit is known in time, a cycle later.
-    reg                  changes_q, ends_q, finds_q, absent_1q, asleep_1q;   // V+1
+    reg                  changes_q, ends_q, finds_q, new_absent_q, new_asleep_q;   // W+1
     reg  [CONTEXT_W-1:0] context_q;
-    wire                 absent_d = absent_1q || (finds_q && nonzero_i);
+    wire                 absent_d = new_absent_q || (finds_q && nonzero_i);
     always @(posedge clk_i) begin
         changes_q <= !rst_i && valid_i && (begins_i || (SLEEP != 0 && (lds_i || sleep_i)));
         ends_q    <= !rst_i && SLEEP != 0 && valid_i && ends_i;
         finds_q   <= SLEEP != 0 && lds_i && executed;
-        absent_1q <= absent;
-        asleep_1q <= asleep || sleeps;
+        new_absent_q <= absent;
+        new_asleep_q <= asleep || sleeps;
         context_q <= context_i;
     end
 
     always @(posedge clk_i) begin
-        {absent_q, asleep_q} <= {absent_1, asleep_1};
+        {absent_q, asleep_q} <= {absent_w1, asleep_w1};
         {st_absent_q, st_asleep_q} <= {st_absent, st_asleep};
         state_write_q        <= !rst_i && changes_q;
         state_context_q      <= context_q;
         state_absent_q       <= absent_d;
-        state_asleep_q       <= asleep_1q;
-        put_q                <= !rst_i && ends_q && !absent_d && !asleep_1q;
+        state_asleep_q       <= new_asleep_q;
+        put_q                <= !rst_i && ends_q && !absent_d && !new_asleep_q;
         put_row_q            <= row_late_o;
     end
     assign executed_o  = executed;
@@ -166,5 +166,30 @@ module visits #(
     assign sleeps_o    = sleeps;
     assign asleep_o    = state_absent_q || state_asleep_q;
     assign {st_absent_o, st_asleep_o} = {st_absent_q, st_asleep_q};
+
+`ifdef FP3_CHECK
+    // Who is in a context, kept without the delays of the memory.
+    reg [(1<<CONTEXT_W)-1:0] there_q, slept_q;
+    reg [3:0]                age [0:(1<<CONTEXT_W)-1];     // cycles since a context came
+    wire there = begins_i ? present_w0 : there_q[context_i] && !(finds_q && nonzero_i && context_q == context_i);
+    wire slept = !begins_i && slept_q[context_i];
+    integer k;
+    always @(posedge clk_i) begin
+        if (finds_q && nonzero_i) there_q[context_q] <= 1'b0;
+        if (valid_i) {there_q[context_i], slept_q[context_i]} <= {there, slept || sleeps};
+        for (k = 0; k < 1 << CONTEXT_W; k = k + 1)
+            age[k] <= rst_i ? 4'd8 : valid_i && context_i == k[CONTEXT_W-1:0] ? 4'd1 : age[k] == 4'd8 ? 4'd8 : age[k] + 1'b1;
+        if (!rst_i && valid_i && age[context_i] != 4'd8) begin
+            $display("%m: context %0d comes again after %0d cycles", context_i, age[context_i]); $stop;
+        end
+        if (!rst_i && executed != (valid_i && there && (!slept || lasts_i))) begin
+            $display("%m: context %0d, there %b, asleep %b, in the last part %b: executed %b", context_i, there, slept, lasts_i, executed);
+            $stop;
+        end
+        if (!rst_i && (host_count_i || host_wake_i) && (take || put_q || (SLEEP == 0 && host_wake_i))) begin
+            $display("%m: the host changes a list in use, or one that there is not"); $stop;
+        end
+    end
+`endif
 endmodule
 `default_nettype wire

@@ -181,7 +181,7 @@ uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n) {
 }
 
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions) {
-    /* All comes to rest before the visits and after them: SETTLE of rtl/tile/sequencer.v. */
+    /* All comes to rest before the visits and after them: SETTLE of rtl/tile/rounds.v. */
     const uint64_t around = 2 * (latency_of(config) + config->lanes + 14) + 14;
     uint64_t cycles = around;
     /* A pause stands before a sweep, and there is none before the first. */

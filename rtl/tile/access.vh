@@ -1,0 +1,14 @@
+// access.vh: the bundle ACCESS, which goes from lane to lane: what the host wants of them. Used as
+// front/decoded.vh shows.
+//
+//     valid, write
+//     space                       lane_host.vh
+//     lane                        which lane; not for constants, which all lanes have
+//     address                     a word of the space
+`define ACCESS_W (5 + LANE_W + STORE_W)
+`define ACCESS_FIELDS \
+    wire access_valid, access_write; \
+    wire [2:0] access_space; \
+    wire [LANE_W-1:0] access_lane; \
+    wire [STORE_W-1:0] access_address;
+`define ACCESS {access_valid, access_write, access_space, access_lane, access_address}

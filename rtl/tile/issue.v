@@ -1,0 +1,162 @@
+// issue: what the lanes are told of each instruction: at its issue, and again at its end.
+//
+// Purpose   Turns the instruction and the one context that sweep shows into operands' addresses (ISSUE);
+//           some cycles later into what its end needs (RETIRE, and the number of its step).
+//           Operands: x is b, y is a or what is stored, z is c or a.
+//
+// Latency   issue_o one cycle after issue_i. retire_o LATENCY - 3 cycles after issue_o, step_o LATENCY + 3:
+//           so that a lane has them where it needs them, six cycles before the result and with it.
+// Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
+//           round from its first issue to its last.
+//
+//     cycle     0          1           LATENCY - 2     LATENCY + 4
+//               issue_i    issue_o     retire_o        step_o
+`default_nettype none
+`include "front/decoded.vh"
+`include "tile/marks.vh"
+`include "tile/issue.vh"
+`include "tile/retire.vh"
+module issue #(
+`include "config.vh"
+) (
+    input  wire                        clk_i,
+    input  wire                        rst_i,
+    // The run and the round
+    input  wire [1:0]                  record_i,
+    input  wire                        open_i,        // a round begins
+    input  wire [31:0]                 base_i,        // the number of the last step before it
+    input  wire [31:0]                 end_i,         // of its last step
+    // What issues
+    input  wire                        issue_i,
+    input  wire                        first_i,       // of its sweep
+    input  wire                        batch_i,
+    input  wire [CONTEXTS-1:0]         current_i,     // one context
+    input  wire [`DECODED_W-1:0]       decoded_i,
+    input  wire [`MARKS_W-1:0]         marks_i,
+    // Units
+    output wire                        adds_o,        // the instruction needs the adder
+    output wire                        muls_o,
+    output wire [4:0]                  issued_o,      // it issues: memory, sleep, chain, mul, add
+    // Lanes
+    output wire [`ISSUE_W-1:0]         issue_o,
+    output wire [`RETIRE_W-1:0]        retire_o,
+    output wire [31:0]                 step_o,
+    output wire                        valid_o,       // an instruction issues, for ...
+    output wire [CONTEXT_W-1:0]        context_o,
+    output wire                        retired_o      // one ends
+);
+`include "gen/choices.vh"
+    localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
+    `DECODED_FIELDS
+    `MARKS_FIELDS
+    `ISSUE_FIELDS
+    `RETIRE_FIELDS
+    assign `DECODED = decoded_i;
+    assign `MARKS   = marks_i;
+    wire valued     = choice != CHOICE_NONE;
+    wire arithmetic = to_add || to_mul || to_chain;
+    assign adds_o   = to_add || to_chain;
+    assign muls_o   = to_mul || to_chain;
+    assign issued_o = {to_memory, to_sleep, to_chain, to_mul, to_add} & {5{issue_i && legal}};
+
+    reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, lasts_q;
+    reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, half_q;
+    reg [CHOICE_W-1:0]   choice_q;
+    reg [CONTEXTS-1:0]   current_q;
+    reg [REGISTER_W-1:0] d_q;
+    reg [REGISTER_W:0]   x_q, y_q, z_q;         // {shared constant, index}
+    always @(posedge clk_i) begin
+        {valid_q, first_q} <= {issue_i, issue_i && first_i} & {2{!rst_i}};
+        {lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q}
+            <= {lds, to_sleep, to_memory && !st, arithmetic, st, subtract}
+             & {6{issue_i && legal && !rst_i}};
+        {begins_q, ends_q, newstep_q, lasts_q} <= {begins, ends, newstep, lasts};
+        {batch_q, current_q, choice_q} <= {batch_i, current_i, choice};
+        {twice_q, half_q}  <= {twice, half};
+        one_q  <= to_add && !valued;        // a sum is z +/- x * 1
+        zero_q <= to_mul;                  // a product -0 + x * y
+        d_q    <= d;
+        x_q    <= b;
+        y_q    <= st ? {1'b0, d} : a;
+        z_q    <= to_chain || valued ? c : a;
+    end
+
+    function [CONTEXT_W-1:0] number(input [CONTEXTS-1:0] one);
+        integer i;
+        begin
+            number = {CONTEXT_W{1'b0}};
+            for (i = 0; i < CONTEXTS; i = i + 1)
+                if (one[i]) number = number | i[CONTEXT_W-1:0];
+        end
+    endfunction
+    assign issue_context  = number(current_q);
+    assign issue_choice   = choice_q;
+    assign issue_subtract = subtract_q;
+    assign issue_twice    = twice_q;
+    assign issue_half     = half_q;
+    assign issue_one      = one_q;
+    assign issue_zero     = zero_q;
+    assign issue_st       = st_q;
+    assign issue_lasts    = lasts_q;
+    assign issue_record   = record_i;
+    assign issue_register = d_q;
+    assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
+    assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
+    assign issue_z        = {z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]};
+    assign issue_o        = `ISSUE;
+
+    assign retire_round      = open_i;
+    assign retire_valid      = valid_q;
+    assign retire_begins     = begins_q;
+    assign retire_ends       = ends_q;
+    assign retire_lasts      = lasts_q;
+    assign retire_lds        = lds_q;
+    assign retire_sleep      = sleep_q;
+    assign retire_load       = load_q;
+    assign retire_arithmetic = arithmetic_q;
+    assign retire_batch      = batch_q;
+    assign retire_context    = issue_context;
+    assign retire_register   = d_q;
+    delay #(.W(`RETIRE_W), .N(LATENCY-3)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
+    delay #(.W(1), .N(LATENCY+5)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_q), .q_o(retired_o));
+    assign valid_o   = valid_q;
+    assign context_o = issue_context;
+
+    // The number of the step changes with the first of a sweep.
+    wire       late, late_begins, late_newstep, late_lasts;
+    reg [31:0] step_q;
+    delay #(.W(4), .N(LATENCY+2)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
+        .q_o({late, late_begins, late_newstep, late_lasts}));
+    always @(posedge clk_i)
+        if (late)
+            step_q <= late_lasts ? end_i
+                    : (late_begins ? base_i : step_q) + {31'd0, late_newstep};
+    assign step_o = step_q;
+
+`ifdef FP3_CHECK
+    // The number of the step, counted as instructions issue, and delayed.
+    reg  [31:0]          now_q;
+    wire [31:0]          now = !(issue_i && first_i) ? now_q : lasts ? end_i
+                             : (begins ? base_i : now_q) + {31'd0, newstep};
+    wire                 valid_late;
+    wire [31:0]          now_late;
+    delay #(.W(33), .N(LATENCY+4)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
+    reg                  swept_q;              // an instruction has issued: instruction_q for batch_q
+    reg  [`DECODED_W+`MARKS_W:0] instruction_q;
+    always @(posedge clk_i) begin
+        now_q <= now;
+        if (issue_i) instruction_q <= {batch_i, decoded_i, marks_i};
+        swept_q <= !rst_i && !open_i && (swept_q || issue_i);
+        if (!rst_i && valid_late && now_late != step_q) begin
+            $display("%m: step %0d for an instruction of step %0d", step_q, now_late); $stop;
+        end
+        if (!rst_i && issue_i && !first_i && !(swept_q && instruction_q == {batch_i, decoded_i, marks_i})) begin
+            $display("%m: an instruction begins within a sweep"); $stop;
+        end
+        if (!rst_i && issue_i && (current_i == {CONTEXTS{1'b0}} || |(current_i & (current_i - 1'b1)))) begin
+            $display("%m: contexts %b issue in one cycle", current_i); $stop;
+        end
+    end
+`endif
+endmodule
+`default_nettype wire

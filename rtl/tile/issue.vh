@@ -1,0 +1,20 @@
+// issue.vh: the bundle ISSUE, which goes from lane to lane: the instruction that issues, for one
+// context. Used as
+// front/decoded.vh shows.
+//
+//     choice, subtract            of the arithmetic: gen/choices.vh; z - x * y
+//     twice, half, one, zero      y is 2, 1/2 or 1 instead of a register; z is -0
+//     st, lasts                   a store; in the last part of a visit
+//     record                      a record of the store has 8 << record words
+//     context, register           whose register is stored
+//     x, y, z                     the operands: {context, register}; constants are one context more
+`define ISSUE_W (CHOICE_W + 9 + 4*REG_W)
+`define ISSUE_FIELDS \
+    wire [CHOICE_W-1:0] issue_choice; \
+    wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts; \
+    wire [1:0] issue_record; \
+    wire [CONTEXT_W-1:0] issue_context; \
+    wire [REGISTER_W-1:0] issue_register; \
+    wire [REG_W-1:0] issue_x, issue_y, issue_z;
+`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, \
+    issue_record, issue_context, issue_register, issue_x, issue_y, issue_z}

@@ -1,0 +1,82 @@
+// lane_operands: a lane's registers, and the operands x, y and z that an instruction takes from them.
+//
+// Purpose   Three copies of the registers, so that three are read in a cycle. A sum is z +/- x * 1 (or 2,
+//           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and the -0
+//           come from the set and reset inputs of the operands' registers.
+// Latency   Three cycles from the registers' numbers to the operands. less_o comes with the result.
+// Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
+//
+//     cycle        0              1, 2         3                         3 + LATENCY
+//                  x_register_i   memories     x_o = 40000000            less_o: |y| < x
+//                  one_i                       y_o = 3f800000
+`default_nettype none
+module lane_operands #(
+`include "config.vh"
+) (
+    input  wire             clk_i,
+    input  wire             write_i,
+    input  wire [REG_W-1:0] write_register_i,
+    input  wire [31:0]      write_value_i,
+    // Cycle 0
+    input  wire [REG_W-1:0] x_register_i,
+    input  wire [REG_W-1:0] y_register_i,
+    input  wire [REG_W-1:0] z_register_i,
+    input  wire             twice_i,    // y is 2
+    input  wire             half_i,     // y is 1/2
+    input  wire             one_i,      // y is 1, or one of these
+    input  wire             zero_i,     // z is -0
+    // Cycle 3
+    output wire             twice_o,
+    output wire             half_o,
+    output wire [31:0]      x_o,
+    output wire [31:0]      y_o,
+    output wire [31:0]      z_o,
+    // With the result
+    output wire             less_o      // |y| < x
+);
+    wire [31:0] x_i2, y_i2, z_i2;
+    ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),
+        .write_addr_i(write_register_i), .write_value_i(write_value_i),
+        .read_i(1'b1), .read_addr_i(x_register_i), .read_value_o(x_i2));
+    ram_registered #(.ADDR_W(REG_W)) u_y (.clk_i(clk_i), .write_i(write_i),
+        .write_addr_i(write_register_i), .write_value_i(write_value_i),
+        .read_i(1'b1), .read_addr_i(y_register_i), .read_value_o(y_i2));
+    generate
+        if (CHAIN != 0) begin : g_z
+            ram_registered #(.ADDR_W(REG_W)) u_z (.clk_i(clk_i), .write_i(write_i),
+                .write_addr_i(write_register_i), .write_value_i(write_value_i),
+                .read_i(1'b1), .read_addr_i(z_register_i), .read_value_o(z_i2));
+        end else begin : g_no_z
+            // No instruction has both: z is where y is.
+            wire unused = |z_register_i;
+            assign z_i2 = y_i2;
+        end
+    endgenerate
+
+    wire       twice_i2, half_i2, one_i2, zero_i2;
+    reg [31:0] x_q, y_q, z_q;           // cycle 3
+    delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({twice_i, half_i, one_i, zero_i}), .q_o({twice_i2, half_i2, one_i2, zero_i2}));
+    delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, half_i2}), .q_o({twice_o, half_o}));
+    always @(posedge clk_i) begin
+        x_q <= x_i2;
+        if (one_i2)  y_q <= {1'b0, twice_i2, {6{!twice_i2}}, !twice_i2 && !half_i2, 23'd0};
+        else         y_q <= y_i2;
+        if (zero_i2) z_q <= 32'h80000000;
+        else         z_q <= z_i2;
+    end
+    assign {x_o, y_o, z_o} = {x_q, y_q, z_q};
+
+    // sleep compares magnitudes as integers; a NaN is not less.
+    generate
+        if (SLEEP != 0) begin : g_less
+            reg less_q;
+            always @(posedge clk_i)
+                less_q <= y_q[30:0] < x_q[30:0] && !x_q[31] && x_q[30:0] <= 31'h7f800000;
+            delay #(.W(1), .N(LATENCY-1)) u_less (.clk_i(clk_i), .rst_i(1'b0), .d_i(less_q), .q_o(less_o));
+        end else begin : g_no_less
+            assign less_o = 1'b0;
+        end
+    endgenerate
+endmodule
+`default_nettype wire

@@ -1,0 +1,73 @@
+// lane_report: what a lane adds to the report of those before it.
+//
+// Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
+//           the answer of the lane that the host asked. The sequencer hears the last lane.
+// Latency   One cycle from report_i. A lane answers the host three cycles after mine_i; valid_o comes three
+//           cycles after valid_i.
+// Hazard    Lanes are in step: what the lane before reported in the last cycle, this one reports now.
+//
+//     counts of three lanes 5, 7, 6:     report_count of the last is 7
+`default_nettype none
+`include "tile/report.vh"
+module lane_report #(
+`include "config.vh"
+) (
+    input  wire                 clk_i,
+    input  wire                 rst_i,
+    input  wire [`REPORT_W-1:0] report_i,
+    // This lane's
+    input  wire [ROW_W:0]       count_i,
+    input  wire [4:0]           flags_i,
+    input  wire                 valid_i,
+    input  wire                 batch_i,
+    input  wire [CONTEXT_W-1:0] context_i,
+    input  wire                 asleep_i,       // two cycles after valid_i
+    input  wire                 mine_i,         // the host asks this lane
+    input  wire [2:0]           space_i,        // for what: lane_host.vh
+    input  wire [31:0]          stored_i,       // three cycles later
+    input  wire [31:0]          status_i,
+    // The fields of the report that goes on
+    output wire [ROW_W:0]       count_o,
+    output wire [4:0]           flags_o,
+    output wire [31:0]          answer_o,
+    output wire                 valid_o,
+    output wire                 asleep_o,
+    output wire                 batch_o,
+    output wire [CONTEXT_W-1:0] context_o
+);
+`include "host/lane_host.vh"
+    `REPORT_FIELDS
+    assign `REPORT = report_i;
+    wire [2:0]      space;
+    wire            mine;
+    reg [ROW_W:0]   count_q;
+    reg [4:0]       flags_q;
+    reg [31:0]      answer_q;
+    reg             asleep_q;
+    delay #(.W(4), .N(3)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
+    delay #(.W(1), .N(3)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_o));
+    delay #(.W(1+CONTEXT_W), .N(3)) u_context (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({batch_i, context_i}), .q_o({batch_o, context_o}));
+    always @(posedge clk_i) begin
+        count_q  <= count_i > report_count ? count_i : report_count;
+        flags_q  <= report_flags | flags_i;
+        answer_q <= !mine ? report_answer : space == HOST_OBJECT ? stored_i
+                  : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
+        asleep_q <= report_asleep && asleep_i;
+    end
+    assign {count_o, flags_o, answer_o, asleep_o} = {count_q, flags_q, answer_q, asleep_q};
+    // The lanes are in step: what this lane says of an instruction, those before have said.
+    wire unused = &{report_valid, report_batch, report_context};
+
+`ifdef FP3_CHECK
+    reg                 said_q;
+    reg [CONTEXT_W:0]   about_q;
+    always @(posedge clk_i) begin
+        {said_q, about_q} <= {report_valid && !rst_i, report_batch, report_context};
+        if (!rst_i && said_q && !(valid_o && {batch_o, context_o} == about_q)) begin
+            $display("%m: not in step with the lane before, which reported context %0d", about_q[CONTEXT_W-1:0]); $stop;
+        end
+    end
+`endif
+endmodule
+`default_nettype wire

@@ -1,0 +1,63 @@
+// lane_store: the records of a lane's objects, loaded and stored word by word.
+//
+// Purpose   A record has 8 << record words, one for each register. A store knows its row two cycles after
+//           its issue, a load reads in time for its result.
+//
+// Latency   Stored five cycles after the issue (cycle 5 has the new word). Loaded: row_w3_i to word_o three
+//           cycles.
+// Hazard    No word is read (W-2) in the cycle in which it is written (4): between rounds everything drains,
+//           and within a round no object loads what another stores. Checked in lane, which knows the loads.
+//           The host accesses words when no instruction is in the lane (checked there).
+//
+//     cycle    0      2                    3         4        5
+//     store    st_i   row_i2_i, absent..   value_i3  written  there
+//     cycle    W-3    W-2   W-1   W
+//     load     row    read        word_o
+`default_nettype none
+module lane_store #(
+`include "config.vh"
+) (
+    input  wire                  clk_i,
+    input  wire                  rst_i,
+    input  wire [1:0]            record_i,
+    // A store: cycle 0, 2, 3
+    input  wire                  st_i,
+    input  wire                  lasts_i,        // in the last part, which objects execute that fell asleep
+    input  wire [REGISTER_W-1:0] register_i,
+    input  wire [ROW_W-1:0]      row_i2_i,
+    input  wire                  absent_i2_i,    // there is no object
+    input  wire                  asleep_i2_i,
+    input  wire [31:0]           value_i3_i,
+    // A load
+    input  wire [ROW_W-1:0]      row_w3_i,
+    input  wire [REGISTER_W-1:0] register_w3_i,
+    output wire [31:0]           word_o,         // W
+    // The host
+    input  wire                  host_i,         // host_address_i is what is read
+    input  wire                  host_write_i,
+    input  wire [STORE_W-1:0]    host_address_i,
+    input  wire [31:0]           host_word_i
+);
+    wire                  st_i2, lasts_i2;
+    wire [REGISTER_W-1:0] register_i2;
+    delay #(.W(2+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_i, lasts_i, register_i}),
+        .q_o({st_i2, lasts_i2, register_i2}));
+
+    wire [STORE_W-1:0] st_base = {row_i2_i, 3'd0} << record_i;
+    wire [STORE_W-1:0] ld_base = {row_w3_i, 3'd0} << record_i;
+    reg                st_q, write_q;                                  // cycle 3, 4
+    reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
+    reg  [31:0]        write_word_q;
+    always @(posedge clk_i) begin
+        st_q            <= !rst_i && st_i2 && !absent_i2_i && !(asleep_i2_i && !lasts_i2);
+        st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2};
+        write_q         <= !rst_i && (st_q || host_write_i);
+        write_address_q <= host_i ? host_address_i : st_address_q;
+        write_word_q    <= host_i ? host_word_i : value_i3_i;
+        read_address_q  <= host_i ? host_address_i : ld_base | {{STORE_W-REGISTER_W{1'b0}}, register_w3_i};
+    end
+    ram_registered #(.ADDR_W(STORE_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
+        .write_addr_i(write_address_q), .write_value_i(write_word_q),
+        .read_i(1'b1), .read_addr_i(read_address_q), .read_value_o(word_o));
+endmodule
+`default_nettype wire

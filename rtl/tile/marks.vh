@@ -1,0 +1,10 @@
+// marks.vh: the bundle MARKS, an instruction's place in its visit: from fetch, through the sweep, to
+// issue. Used as front/decoded.vh shows.
+//
+//     begins, ends                the first, the last of the visit
+//     newstep                     the first of a step
+//     lasts                       in the last part
+`define MARKS {begins, ends, newstep, lasts}
+`define MARKS_W 4
+`define MARKS_FIELDS \
+    wire begins, ends, newstep, lasts;

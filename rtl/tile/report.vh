@@ -1,0 +1,19 @@
+// report.vh: the bundle REPORT, which goes from lane to lane and back to the sequencer. Each lane adds
+// what it has to say. Used as
+// front/decoded.vh shows.
+//
+//     count                       the most objects that a lane will visit
+//     flags                       exceptions raised in this cycle
+//     answer                      to the host
+//     valid                       asleep is news: of a context, in a batch
+//     asleep                      no lane has this context awake
+`define REPORT_W (41 + ROW_W + CONTEXT_W)
+`define REPORT_FIELDS \
+    wire [ROW_W:0] report_count; \
+    wire [4:0] report_flags; \
+    wire [31:0] report_answer; \
+    wire report_valid, report_asleep, report_batch; \
+    wire [CONTEXT_W-1:0] report_context;
+`define REPORT {report_count, report_flags, report_answer, report_valid, report_asleep, report_batch, report_context}
+// In front of the first lane: no object, no flag, none awake.
+`define REPORT_NONE {{ROW_W+1{1'b0}}, 5'd0, 32'd0, 1'b0, 1'b1, 1'b0, {CONTEXT_W{1'b0}}}

@@ -1,0 +1,18 @@
+// retire.vh: the bundle RETIRE, which goes from lane to lane LATENCY - 3 cycles after ISSUE: what the
+// end of an instruction needs. Used as
+// front/decoded.vh shows.
+//
+//     round                       a round begins; says nothing of the other fields
+//     valid                       an instruction ends; without it only context and register are set
+//     begins, ends, lasts         the first, the last of a visit; in its last part
+//     lds, sleep, load, arithmetic   what it does; a store does none of these
+//     batch                       two batches in a row differ in it
+//     context, register           whose register is written
+`define RETIRE_W (10 + REG_W)
+`define RETIRE_FIELDS \
+    wire retire_round, retire_valid, retire_begins, retire_ends, retire_lasts; \
+    wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch; \
+    wire [CONTEXT_W-1:0] retire_context; \
+    wire [REGISTER_W-1:0] retire_register;
+`define RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
+    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register}

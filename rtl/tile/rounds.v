@@ -1,0 +1,109 @@
+// rounds: a run as a sequence of rounds, in each of which every awake object is visited once.
+//
+// Purpose   Divides the steps of a run into rounds, begins each when all is at rest, and ends the run:
+//           after its last step, when no object is awake, or early.
+//
+//           start_i ─► WAIT ─────────► PLAN ─► OPEN ─► RUN ──┐     PLAN: the steps of the round
+//                       │  ▲  at rest                        │     OPEN: open_o, one cycle
+//              idle ◄───┘  └────── nothing left to issue ◄───┘
+//
+// Latency   At rest means SETTLE cycles after the last issue: then every report has come.
+// Hazard    start_i comes only when running_o is low. steps_i, visit_i and clock_i then stay as they are
+//           until the end of the run; steps_i is not 0.
+//           A stop waits for the end of a last part that has begun, so that no object is stored half.
+//
+//     steps_i = 5, visit_i = 2, clock_i = 100:
+//     round      1    2    3
+//     steps_o    2    2    1
+//     base_o   100  102  104        the number of the last step before it
+`default_nettype none
+module rounds #(
+`include "config.vh"
+) (
+    input  wire           clk_i,
+    input  wire           rst_i,
+    // A run
+    input  wire           start_i,
+    input  wire           stop_i,
+    input  wire           illegal_i,   // an instruction that this build does not have: the run ends
+    input  wire [31:0]    steps_i,
+    input  wire [31:0]    visit_i,     // steps per visit; 0: all
+    input  wire [31:0]    clock_i,     // steps before this run
+    output wire           running_o,
+    // What is going on
+    input  wire [ROW_W:0] count_i,     // objects to be visited
+    input  wire           issuing_i,   // something is left to issue
+    input  wire           storing_i,   // a last part has begun
+    // Rounds
+    output wire           open_o,      // one begins
+    output wire           begin_o,     // likewise, and is not aborted: fetch begins
+    output wire           round_o,    // one has begun
+    output wire           abort_o,     // drop everything
+    output wire [31:0]    steps_o,     // of this round
+    output wire [31:0]    base_o,      // the number of the last step before it
+    output wire [31:0]    end_o        // the number of its last step
+);
+    // From an issue to the last report of it: through the lanes and back.
+    localparam integer SETTLE = LATENCY + LANES + 14, SETTLE_W = $clog2(SETTLE + 1);
+    localparam [2:0] IDLE = 3'd0, WAIT = 3'd1, PLAN = 3'd2, OPEN = 3'd3, RUN = 3'd4;
+
+    reg  [2:0]          state_q;
+    reg  [SETTLE_W-1:0] settle_q;
+    reg  [31:0]         left_q;        // steps after this round
+    reg  [31:0]         steps_q, base_q, end_q;
+    reg                 aborted_q;
+    wire                over = aborted_q || left_q == 32'd0 || count_i == {ROW_W+1{1'b0}};
+
+    reg                 stopping_q, stop_q;
+    wire                stopping = running_o && !stop_q && (stop_i || stopping_q);
+    always @(posedge clk_i) begin
+        stopping_q <= !rst_i && stopping;
+        stop_q     <= !rst_i && stopping && !storing_i;
+    end
+
+    always @(posedge clk_i)
+        if (rst_i) begin
+            state_q   <= IDLE;
+            aborted_q <= 1'b0;
+        end else begin
+            aborted_q <= running_o && (aborted_q || abort_o);
+            case (state_q)
+                IDLE:    if (start_i) state_q <= WAIT;
+                WAIT:    if (settle_q == {SETTLE_W{1'b0}}) state_q <= over ? IDLE : PLAN;
+                PLAN:    state_q <= OPEN;
+                OPEN:    state_q <= RUN;
+                default: if (!issuing_i) state_q <= WAIT;
+            endcase
+        end
+
+    always @(posedge clk_i) begin
+        settle_q <= state_q == WAIT ? settle_q - 1'b1 : SETTLE[SETTLE_W-1:0];
+        if (start_i) {left_q, base_q, steps_q} <= {steps_i, clock_i, 32'd0};
+        else if (state_q == PLAN) begin
+            steps_q <= visit_i == 32'd0 || visit_i > left_q ? left_q : visit_i;
+            base_q  <= base_q + steps_q;
+        end else if (open_o) left_q <= left_q - steps_q;
+        end_q <= base_q + steps_q;
+    end
+    assign running_o = state_q != IDLE;
+    assign open_o    = state_q == OPEN;
+    assign begin_o   = open_o && !aborted_q;
+    assign round_o   = state_q == RUN;
+    assign abort_o   = stop_q || illegal_i;
+    assign {steps_o, base_o, end_o} = {steps_q, base_q, end_q};
+
+`ifdef FP3_CHECK
+    reg [95:0] run_q;                  // what describes the run
+    always @(posedge clk_i)
+        if (!rst_i) begin
+            if (start_i) run_q <= {steps_i, visit_i, clock_i};
+            if (start_i && (running_o || steps_i == 32'd0)) begin
+                $display("%m: a run starts within a run, or has no steps"); $stop;
+            end
+            if (running_o && run_q != {steps_i, visit_i, clock_i}) begin
+                $display("%m: what describes the run changes within it"); $stop;
+            end
+        end
+`endif
+endmodule
+`default_nettype wire
