@@ -16,7 +16,7 @@
 //           writes it, or later, has the new value. All results are equally late, so everything
 //           happens in the order of issue.
 // Hazard    Nothing is interlocked here: one context does not come twice within LATENCY + 5 cycles.
-//           retire_i is about the instruction of LATENCY - 3 cycles ago; step_i, of LATENCY + 3.
+//           retire_i is about the instruction of LATENCY - 3 cycles ago; data_i, of LATENCY + 3 (checked in issue).
 //           The host's accesses come when no instruction is in the lane.
 `default_nettype none
 `include "tile/issue.vh"
