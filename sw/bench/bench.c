@@ -2,7 +2,6 @@
 #include "bench.h"
 
 #include "machine/config.h"
-#include "record.h"
 
 #include <fp3/golden.h>
 #include <fp3/truth.h>
@@ -58,16 +57,6 @@ int fp3_bench_is_ship(const fp3_program *program) {
     for (size_t i = 0; i < sizeof values / sizeof *values; i++)
         is_ship = is_ship && fp3_image_find(image, values[i], FP3_CLASSES_HOST);
     return is_ship;
-}
-
-const fp3_symbol *fp3_bench_state(const fp3_image *image, unsigned number) {
-    const int slept = fp3_image_slept(image);
-    for (uint32_t i = 0; i < image->symbol_count; i++) {
-        const fp3_symbol *s = &image->symbols[i];
-        if (s->symbol_class == FP3_SYMBOL_STATE && (int)s->index != slept && number-- == 0)
-            return s;
-    }
-    return NULL;
 }
 
 static const fp3_symbol *own_of(const fp3_image *image) {

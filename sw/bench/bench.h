@@ -15,6 +15,8 @@
 #ifndef FP3_BENCH_H
 #define FP3_BENCH_H
 
+#include "record.h"
+
 #include <fp3/program.h>
 
 #define FP3_BENCH_STATES 64
@@ -44,9 +46,6 @@ typedef struct {
 
 /* Whether it is a ship written by hand: v, s, T, C, rm and h are declared. */
 int fp3_bench_is_ship(const fp3_program *program);
-
-/* The states that are compared, by number; NULL beyond the last. */
-const fp3_symbol *fp3_bench_state(const fp3_image *image, unsigned number);
 
 /* FP3_OK also with mismatches. *is_unfit: the configuration cannot execute the program. */
 fp3_status fp3_bench_run(const fp3_bench_case *what, fp3_bench_result *result, int *is_unfit,

@@ -1,8 +1,6 @@
 /* record.c - see record.h. */
 #include "record.h"
 
-#include "bench.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +13,16 @@ struct fp3_record {
     uint32_t *words;         /* by state, object */
     uint64_t *writes;        /* by state, object */
 };
+
+const fp3_symbol *fp3_bench_state(const fp3_image *image, unsigned number) {
+    const int slept = fp3_image_slept(image);
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *s = &image->symbols[i];
+        if (s->symbol_class == FP3_SYMBOL_STATE && (int)s->index != slept && number-- == 0)
+            return s;
+    }
+    return NULL;
+}
 
 fp3_status fp3_record_make(const fp3_image *image, uint64_t room, fp3_record **record,
                            fp3_error *error) {

@@ -4,6 +4,9 @@
 
 #include <fp3/engine.h>
 
+/* The states that are compared, by number: all but that of `sleep`. NULL beyond the last. */
+const fp3_symbol *fp3_bench_state(const fp3_image *image, unsigned number);
+
 typedef struct fp3_record fp3_record;
 
 /* Of the states of an image, room words each of every object; until fp3_record_size of none. */
