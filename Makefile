@@ -73,23 +73,39 @@ WARN     := -Wall -Wextra -Wpedantic -Werror
 INCLUDES := -Isw/gen -Isw/include -Isw -Isim
 # No fused multiply-add may replace the two roundings that a program asks for.
 NUMBERS  := -ffp-contract=off
-CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SANITIZE)
-CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SANITIZE)
+# One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
+SHARED   := -fPIC -fvisibility=hidden
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
+CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE)
-LDLIBS   := -lgsl -lgslcblas -ljansson -lconfig -lz -lpthread -lm
+LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -lm
+LDLIBS   := $(LIB_LIBS) -ljansson
 
-VERILATOR = verilator -f rtl/fp3.f -Wall -DFP3_CHECK -O3 --x-assign fast --x-initial unique
+VERILATOR = verilator -f rtl/fp3.f -Wall -DFP3_CHECK -O3 --x-assign fast --x-initial unique -CFLAGS "$(SHARED)"
 VL_INC    = $(VL_ROOT)/include
 VL_ROOT   = $(eval VL_ROOT := $$(shell verilator --getenv VERILATOR_ROOT))$(VL_ROOT)
 
+# A file that changes with its text: what depends on it is made again.
+define NOTE
+$(1): FORCE
+	@mkdir -p $$(@D)
+	@echo '$(2)' | cmp -s - $$@ || echo '$(2)' >$$@
+endef
+$(eval $(call NOTE,$(BUILD)/flags,$(CFLAGS) $(CXXFLAGS) $(VERILATOR)))
+.PHONY: FORCE
+FORCE:
+
 # ---- the software -------------------------------------------------------------------------------
 
+# Below build/ things lie as `make install` lays them out: bin/fp3 finds lib/fp3/ in both places.
 obj = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
-SHIMS  := $(CONFIGS:%=$(BUILD)/obj/sim/fp3_shim_%.o)
-MODELS := $(CONFIGS:%=$(BUILD)/verilated/%/model.a)
-LIBS   := $(BUILD)/libfp3.a $(BUILD)/libfp3_sim.a $(MODELS)
-BENCH  := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/model.a
-link    = @g++ $(LDFLAGS) -o $@ $(1) -Wl,--start-group $(LIBS) -Wl,--end-group $(LDLIBS)
+LIB      := $(BUILD)/lib/libfp3.a
+LIB_SO   := $(BUILD)/lib/libfp3.so.0
+RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
+EXPORTS  := tools/exports.map
+HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so)
+BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/model.a $(RUNTIME)
+link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
 .PHONY: all sim
 sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
@@ -108,29 +124,37 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(TESTS) $(REPLAYS) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
 	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) -MMD -MP -c -o $@ $<
 
-$(BUILD)/libfp3.a: $(call obj,$(LIB_C))
-$(BUILD)/libfp3_sim.a: $(SHIMS) $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
-$(BUILD)/libfp3.a $(BUILD)/libfp3_sim.a:
+$(LIB): $(call obj,$(LIB_C))
 	@echo "  AR   $@"
+	@mkdir -p $(@D)
 	@rm -f $@ && ar rcs $@ $^
 
-$(BUILD)/fp3: $(call obj,$(CLI_C)) $(LIBS)
+$(LIB_SO): $(call obj,$(LIB_C)) $(EXPORTS)
 	@echo "  LD   $@"
-	$(call link,$(call obj,$(CLI_C)))
+	@mkdir -p $(@D)
+	@$(call link_shared,gcc) -Wl,-soname,$(@F) $(LIB_LIBS)
+
+$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(LIB)
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE)
+	@ln -sf bin/fp3 $@
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
-$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(BENCH) $(LIBS)
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
-	$$(call link,$$< $(BENCH))
+	@$(if $(filter tests/fp/%,$(1)),g++,gcc) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
 endef
 $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 
@@ -155,10 +179,16 @@ endef
 $(foreach c,$(CONFIGS),$(eval $(call MODEL,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o)))
 $(eval $(call MODEL,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
 
+# What the rtl engine loads, one library for each configuration; only its table is visible.
+$(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/obj/sim/fp3_shim_%.o $(BUILD)/verilated/%/model.a $(RUNTIME) $(EXPORTS)
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(call link_shared,g++)
+
 # Verilator's run time.
 $(BUILD)/obj/verilator/%.o: $(BUILD)/ready
 	@mkdir -p $(@D)
-	@$(CCACHE) g++ -std=c++17 -O2 -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
+	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
 parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} END {print "-DSCHEDULERS=" t*s " -DLANES=" t*s*l}' rtl/gen/fp3_$(1).v)
@@ -228,7 +258,7 @@ $(FUZZ)/obj/%.o: %.c | need-fuzz
 	@mkdir -p $(@D)
 	@clang $(FUZZ_FLAGS) -DFP3_LIBFUZZER $(INCLUDES) -MMD -MP -c -o $@ $<
 
-# Out of an archive only what the target needs is linked, so that no simulated hardware is.
+# Out of an archive only what the target needs is linked.
 $(FUZZ)/fuzz_model: $(FUZZ_O)
 	@echo "  LD   $@"
 	@rm -f $@.a && ar rcs $@.a $(FUZZ_O)
@@ -275,6 +305,10 @@ synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=
 report: ## Write docs/results.md and README's table from build/results/
 	@$(PYTHON) tools/report.py
 
+# ---- a library for others -----------------------------------------------------------------------
+
+include tools/install.mk
+
 # ---- the rest -----------------------------------------------------------------------------------
 
 # Says what is missing and how to get it, before anything else fails for want of it.
@@ -283,7 +317,7 @@ need-%:
 	@PYTHON=$(PYTHON) tools/setup.sh --check $*
 
 # Nothing is compiled before the tools are there and the generated files are fresh.
-$(BUILD)/ready: tools/generate.py $(wildcard tools/fp3gen/*.py isa/*.toml programs/integrators/*.cfg) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
+$(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py isa/*.toml programs/integrators/*.cfg) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
 	@$(PYTHON) tools/generate.py --check
 	@mkdir -p $(@D)
 	@touch $@
@@ -294,7 +328,7 @@ clean: ## Remove build/ and build-san/ (not .venv/)
 
 help: ## This list
 	@echo "Targets:"
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk
 	@echo "Variables: SAN=1 (sanitizers), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)

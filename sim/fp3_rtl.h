@@ -1,7 +1,7 @@
 /* fp3_rtl.h - one simulated FP3: its clock, its host port, what it issues and retires.
  *
- * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator; it
- * exports one table, fp3_rtl_<configuration>.
+ * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With its
+ * Verilated model it is a library, fp3_<configuration>.so, that exports one table, fp3_rtl_table.
  */
 #ifndef FP3_RTL_H
 #define FP3_RTL_H
@@ -35,7 +35,12 @@ typedef struct {
     void *user;
 } fp3_rtl_watch;
 
+/* Raise it with every change of this header, or of a structure that it takes from elsewhere. */
+#define FP3_RTL_VERSION 1u
+
 typedef struct {
+    /* FP3_RTL_VERSION and sizeof(fp3_rtl_ops), where the table was compiled. */
+    uint32_t version, size;
     const char *config;
     /* Clocked through reset; NULL: out of memory. */
     fp3_rtl *(*open)(const fp3_rtl_watch *watch);

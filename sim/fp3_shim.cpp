@@ -209,6 +209,8 @@ void close_rtl(fp3_rtl *rtl) {
 
 } // namespace
 
-extern "C" const fp3_rtl_ops PASTE(fp3_rtl_, FP3_CONFIG);
-extern "C" const fp3_rtl_ops PASTE(fp3_rtl_, FP3_CONFIG) = {
-    STRING(FP3_CONFIG), open_rtl, close_rtl, transfer, clock_until_quiet, cycles_so_far};
+extern "C" __attribute__((visibility("default"))) const fp3_rtl_ops fp3_rtl_table;
+extern "C" const fp3_rtl_ops fp3_rtl_table = {
+    FP3_RTL_VERSION, sizeof(fp3_rtl_ops), STRING(FP3_CONFIG), open_rtl, close_rtl,
+    transfer,        clock_until_quiet,   cycles_so_far,
+};

@@ -41,6 +41,7 @@ def outputs(root):
         "rtl/gen/estimates.vh": verilog.estimates_verilog(),
         "sw/gen/estimates.h": c.estimates_c(),
         "sw/gen/registers.h": c.registers_c(regs),
+        "sw/include/fp3/counters.h": c.counters_c(regs),
         "sw/gen/configs.h": c.configs_c(configs),
         "sw/gen/integrators.h": c.integrators_c(root),
         "docs/isa.md": pages.isa_page(isa),

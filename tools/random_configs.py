@@ -30,12 +30,11 @@ DEFAULT = re.search(r"^\[default\].*?(?=^\[\[)", (ROOT / "isa/configs.toml").rea
 _, REGISTERS, _ = load(ROOT)
 POSITIONS = {unit: configs.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
-LIBS = "-lz -lpthread -lm".split()
+LIBS = "-lz -lm".split()
 TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
 # Compiled once: all that does not know which configurations there are.
-COMMON = ("sw/base/*.c", "sw/text/*.c", "sw/machine/*.c", "sw/image/*.c", "sw/asm/*.c", "sw/engine/*.c", "tests/cosim/random_stream.c", "tests/cosim/mix.c")
-OWN = ("sw/machine/config.c", "sw/engine/rtl.c", "tests/cosim/host_port.c", "tests/cosim/different_programs.c",
-       "tests/cosim/chosen_values.c")
+COMMON = ("sw/base/*.c", "sw/text/*.c", "sw/machine/*.c", "sw/image/*.c", "sw/asm/*.c", "sw/engine/*.c", *(f"tests/cosim/{name}.c" for name in TESTS))
+OWN = ("sw/machine/config.c",)
 
 
 class Failed(Exception):
@@ -156,49 +155,50 @@ def verilator_root():
     return pathlib.Path(run("verilator", "--getenv", "VERILATOR_ROOT").strip()) / "include"
 
 
-def make_model(name, tree):
+def make_hardware(name, tree, runtime):
+    """What the rtl engine loads."""
     top, rtl = f"fp3_{name}", tree / "rtl"
     rooms = [word for room in sorted({path.parent for path in (ROOT / "rtl").glob("*/*.v")} - {ROOT / "rtl/gen"})
              for word in ("-y", rtl / room.name)]
     run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
-        "--top-module", top, "--Mdir", tree / "model", rtl / f"gen/{top}.v")
-    run("make", "-s", "-C", tree / "model", "-f", f"V{top}.mk", "OPT_FAST=-O1", "OPT_SLOW=-O0", f"V{top}__ALL.a")
+        "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", rtl / f"gen/{top}.v")
+    run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "OPT_FAST=-O1", "OPT_SLOW=-O0", f"V{top}__ALL.a")
     include = verilator_root()
-    run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-isystem", tree / "model", "-isystem", include,
+    run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-isystem", tree / "cc", "-isystem", include,
         "-isystem", include / "vltstd", "-c", "-o", tree / "shim.o", ROOT / "sim/fp3_shim.cpp")
-    return [tree / "shim.o", tree / f"model/V{top}__ALL.a"]
+    run("g++", "-shared", "-o", tree / f"{top}.so", tree / "shim.o", tree / f"cc/V{top}__ALL.a", *runtime)
 
 
 def make_common(tree):
-    """What all configurations share; registers.h and isa.h do not depend on them."""
+    """What all configurations share, and Verilator's run time; registers.h and isa.h do not depend on them."""
     make_tree(random_config(0, 0), tree)
     objects = {path.stem: compile_c(path, tree, tree) for path in sources(COMMON) if path not in sources(OWN)}
     include = verilator_root()
-    for name in ("verilated", "verilated_threads"):
-        objects[name] = tree / f"{name}.o"
-        run("g++", "-std=c++17", "-O1", "-w", "-isystem", include, "-isystem", include / "vltstd", "-c", "-o", objects[name],
-            include / f"{name}.cpp")
-    return objects
+    runtime = [tree / "verilated.o", tree / "verilated_threads.o"]
+    for target in runtime:
+        run("g++", "-std=c++17", "-O1", "-w", "-fPIC", "-isystem", include, "-isystem", include / "vltstd", "-c", "-o", target,
+            include / f"{target.stem}.cpp")
+    return objects, runtime
 
 
-def build(row, tree, common):
+def build(row, tree, common, runtime):
     make_tree(row, tree)
-    own = {path.stem: compile_c(path, tree, tree) for path in sources(OWN)}
-    model = make_model(row["name"], tree)
-    objects = {**common, **own}
+    objects = {**common, **{path.stem: compile_c(path, tree, tree) for path in sources(OWN)}}
+    make_hardware(row["name"], tree, runtime)
     library = [path for name, path in objects.items() if name not in TESTS]
     for name in TESTS:
-        run("g++", "-o", tree / name, objects[name], *library, *model, *LIBS)
+        run("gcc", "-o", tree / name, objects[name], *library, *LIBS)
 
 
 def test(row, tree, seed, instructions):
     """What the last line of the random programs says."""
-    out = run(tree / "random_stream", "--instructions", instructions, "--seed", 1 + 1000000 * seed)
-    run(tree / "host_port")
-    run(tree / "different_programs", seed + 1, 10)
-    run(tree / "chosen_values", 17)
-    run(tree / "mix", seed + 1, 10)
+    own = ("env", f"FP3_RTL_DIR={tree}")
+    out = run(*own, tree / "random_stream", "--instructions", instructions, "--seed", 1 + 1000000 * seed)
+    run(*own, tree / "host_port")
+    run(*own, tree / "different_programs", seed + 1, 10)
+    run(*own, tree / "chosen_values", 17)
+    run(*own, tree / "mix", seed + 1, 10)
     return re.search(r": (\d+ instructions)", out)[1]
 
 
@@ -210,7 +210,7 @@ def one(args, number, scratch, common):
     tree, begin = scratch / row["name"], time.monotonic()
     what = " ".join(f"{key}={value}" for key, value in row.items() if key not in ("name", "doc"))
     try:
-        build(row, tree, common)
+        build(row, tree, *common)
         told = test(row, tree, args.seed + number, args.instructions)
     except (Failed, Bad, subprocess.TimeoutExpired) as error:
         return f"FAIL number {number}: {what}\n{error}\n  again: tools/random_configs.py --seed {args.seed} --only {number} --keep DIR"

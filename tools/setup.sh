@@ -22,6 +22,8 @@ python3              | python:tomllib    | sim   | 3.11 or later: the generator 
 python3-venv         | python:ensurepip  | setup | holds yosys and nextpnr in .venv/
 python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
+pkg-config           | pkg-config        | test  | how programs outside the tree find libfp3
+groff-base           | groff             | test  | shows the man page: no warning from it
 iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form

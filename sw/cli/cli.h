@@ -2,9 +2,8 @@
 #ifndef FP3_CLI_H
 #define FP3_CLI_H
 
+#include <fp3/api.h>
 #include <fp3/status.h>
-
-#define FP3_VERSION "0.1.0"
 
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
  * code: 0 well, 1 failed, 2 bad input or usage. Ends usage errors itself through argp. */

@@ -27,10 +27,13 @@ enum { COUNT = sizeof commands / sizeof *commands };
 
 #define LINE(name, doc) "  " #name "\t" doc "\n"
 #define LINES COMMANDS(LINE)
-static const char text[] = "Programs for FP3, a processor for equations of motion.\v"
-                           "Commands:\n" LINES "\n"
-                           "'fp3 COMMAND --help' lists a command's options.\n"
-                           "Exit codes: 0 well, 1 failed, 2 bad input or usage.";
+static const char text[] =
+    "Programs for FP3, a processor for equations of motion.\v"
+    "Commands:\n" LINES "\n"
+    "'fp3 COMMAND --help' lists a command's options.\n"
+    "Exit codes: 0 well, 1 failed, 2 bad input or usage.\n"
+    "Environment: FP3_RTL_DIR is the directory of the simulated hardware, if "
+    "it is not where it was installed.";
 
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
     fflush(stdout);

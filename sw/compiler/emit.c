@@ -33,8 +33,8 @@ static int room_for(const char *text, int limit) {
 
 static void say_quantity(const fp3_quantity *q, char comment[COMMENT_SIZE]) {
     snprintf(comment, COMMENT_SIZE, "%.*s%s%s%.*s%s", room_for(q->doc, 120), q->doc,
-             *q->doc && *q->dimension ? " " : "", *q->dimension ? "[" : "", room_for(q->dimension, 40), q->dimension,
-             *q->dimension ? "]" : "");
+             *q->doc && *q->dimension ? " " : "", *q->dimension ? "[" : "",
+             room_for(q->dimension, 40), q->dimension, *q->dimension ? "]" : "");
 }
 
 static void put_state(const fp3_step *step, FILE *out, const variable *v, const char *name) {

@@ -3,6 +3,7 @@
 
 #include <inttypes.h>
 #include <isa.h>
+#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -14,6 +14,7 @@
 #include <isa.h>
 #include <machine/estimate.h>
 #include <math.h>
+#include <registers.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* layout.c - groups of objects: placed, found again. */
 #include "layout.h"
 
+#include <registers.h>
 #include <stdlib.h>
 #include <string.h>
 

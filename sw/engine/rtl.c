@@ -5,20 +5,16 @@
  */
 #include "backend.h"
 
-#include "fp3_rtl.h"
+#include "hardware.h"
 #include "in_flight.h"
 
-#include <configs.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <isa.h>
+#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define X(name, ...) extern const fp3_rtl_ops fp3_rtl_##name;
-FP3_CONFIGS(X)
-#undef X
 
 /* Nothing issues or retires for so long: time to ask whether the run has ended. Asking early costs
  * the simulation some cycles, the hardware none; it may be wrong about a long stall. */
@@ -26,7 +22,7 @@ FP3_CONFIGS(X)
 #define STOP_CYCLES 10000 /* from control.stop to the end of a run */
 
 typedef struct {
-    const fp3_rtl_ops *ops;
+    fp3_hardware hardware;
     fp3_rtl *rtl;
     FILE *log;
     fp3_in_flight *in_flight; /* NULL unless somebody traces */
@@ -59,7 +55,7 @@ static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
 
 static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data) {
     rtl_engine *self = engine->self;
-    const int result = self->ops->transfer(self->rtl, is_write, address, data);
+    const int result = self->hardware.ops->transfer(self->rtl, is_write, address, data);
     if (result == 0)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware %s %s at 0x%08" PRIx32,
@@ -173,22 +169,17 @@ static fp3_status check_build(fp3_engine *engine) {
 }
 
 static fp3_status rtl_open(fp3_engine *engine) {
-    static const fp3_rtl_ops *const builds[] = {
-#define X(name, ...) &fp3_rtl_##name,
-        FP3_CONFIGS(X)
-#undef X
-    };
     rtl_engine *self = engine->self = calloc(1, sizeof *self);
     if (!self)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; i < sizeof builds / sizeof *builds; i++)
-        if (strcmp(builds[i]->config, engine->config->name) == 0)
-            self->ops = builds[i];
+    fp3_status status = fp3_hardware_load(engine->config->name, &self->hardware, engine->def.error);
+    if (status)
+        return status;
     self->hash = 0xcbf29ce484222325u;
     if (engine->def.trace && !(self->in_flight = fp3_in_flight_make(engine->config)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     const fp3_rtl_watch watch = {self->in_flight ? note_issue : NULL, note_end, engine};
-    if (!(self->rtl = self->ops->open(&watch)))
+    if (!(self->rtl = self->hardware.ops->open(&watch)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (engine->def.bus_log && !(self->log = fopen(engine->def.bus_log, "w")))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "%s: %s", engine->def.bus_log,
@@ -199,7 +190,9 @@ static fp3_status rtl_open(fp3_engine *engine) {
 static void rtl_close(fp3_engine *engine) {
     rtl_engine *self = engine->self;
     if (self && self->rtl)
-        self->ops->close(self->rtl);
+        self->hardware.ops->close(self->rtl);
+    if (self)
+        fp3_hardware_unload(&self->hardware);
     if (self && self->log)
         fclose(self->log);
     if (self)
@@ -318,10 +311,10 @@ static fp3_status start(fp3_engine *engine, uint32_t steps) {
 static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t *outcome) {
     rtl_engine *self = engine->self;
     fp3_status status;
-    const uint64_t begin = self->ops->now(self->rtl);
-    for (uint64_t clocked = 0;; clocked = self->ops->now(self->rtl) - begin) {
+    const uint64_t begin = self->hardware.ops->now(self->rtl);
+    for (uint64_t clocked = 0;; clocked = self->hardware.ops->now(self->rtl) - begin) {
         if (clocked < cycles)
-            self->ops->clock(self->rtl, cycles - clocked, QUIET_CYCLES);
+            self->hardware.ops->clock(self->rtl, cycles - clocked, QUIET_CYCLES);
         status = transfer(engine, 0, of_all(engine, FP3_ADDR_STATUS), outcome);
         if (status || !FIELD(*outcome, STATUS_RUNNING) || clocked >= cycles)
             return status;

@@ -8,6 +8,7 @@
 #include <fp3/image.h>
 #include <inttypes.h>
 #include <isa.h>
+#include <registers.h>
 #include <stdlib.h>
 
 #define ROWS_MAX 65536u

@@ -14,6 +14,7 @@
 #include <machine/config.h>
 #include <machine/estimate.h>
 #include <math.h>
+#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -11,14 +11,10 @@
 #include "engine/backend.h"
 #include "stream.h"
 
-#include <configs.h>
-#include <fp3_rtl.h>
+#include <engine/hardware.h>
 #include <inttypes.h>
+#include <registers.h>
 #include <stdlib.h>
-
-#define X(name, ...) extern const fp3_rtl_ops fp3_rtl_##name;
-FP3_CONFIGS(X)
-#undef X
 
 enum { SCHEDULERS_MAX = 64 };
 
@@ -208,9 +204,9 @@ static void compare(bench *b, uint32_t u) {
 }
 
 /* So many as work the whole store of some, and leave it half empty in others. */
-static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
+static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t seed) {
     static bench b;
-    b = (bench){.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = seed}};
+    b = (bench){.ops = ops, .config = config, .c = {.state = seed}};
     const uint32_t schedulers = fp3_config_schedulers(b.config);
     b.log2 = 3 + below(&b.c, 4);
     while (b.config->store_words >> b.log2 == 0)
@@ -231,20 +227,23 @@ static unsigned check(const fp3_rtl_ops *ops, uint64_t seed) {
 }
 
 int main(int argc, char **argv) {
-    static const fp3_rtl_ops *const builds[] = {
-#define X(name, ...) &fp3_rtl_##name,
-        FP3_CONFIGS(X)
-#undef X
-    };
     const uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 0) : 1;
     const uint64_t rounds = argc > 2 ? strtoull(argv[2], NULL, 0) : 25;
     unsigned failed = 0, checked = 0;
-    for (size_t i = 0; i < sizeof builds / sizeof *builds; i++)
-        for (uint64_t n = 0; n < rounds && !failed; n++)
-            if (fp3_config_schedulers(fp3_config_find(builds[i]->config)) > 1) {
-                failed += check(builds[i], seed + n);
-                checked++;
-            }
+    for (uint32_t i = 0; i < fp3_config_count; i++) {
+        const fp3_config *config = &fp3_configs[i];
+        fp3_hardware hardware;
+        fp3_error error;
+        if (fp3_config_schedulers(config) == 1)
+            continue;
+        if (fp3_hardware_load(config->name, &hardware, &error)) {
+            printf("%s\n", error.text);
+            return 1;
+        }
+        for (uint64_t n = 0; n < rounds && !failed; n++, checked++)
+            failed += check(config, hardware.ops, seed + n);
+        fp3_hardware_unload(&hardware);
+    }
     printf("%u rounds, %u failed\n", checked, failed);
     return failed != 0;
 }

@@ -9,6 +9,7 @@
 #include <inttypes.h>
 #include <isa.h>
 #include <machine/config.h>
+#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -7,19 +7,15 @@
  */
 #include "chance.h"
 
-#include <configs.h>
+#include <engine/hardware.h>
 #include <fp3/image.h>
-#include <fp3_rtl.h>
 #include <inttypes.h>
 #include <isa.h>
 #include <machine/config.h>
+#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define X(name, ...) extern const fp3_rtl_ops fp3_rtl_##name;
-FP3_CONFIGS(X)
-#undef X
 
 typedef struct {
     const fp3_rtl_ops *ops;
@@ -381,8 +377,8 @@ static void what_is_left_out_is_illegal(bench *b) {
     }
 }
 
-static unsigned check(const fp3_rtl_ops *ops) {
-    bench b = {.ops = ops, .config = fp3_config_find(ops->config), .c = {.state = 1}};
+static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops) {
+    bench b = {.ops = ops, .config = config, .c = {.state = 1}};
     b.schedulers = fp3_config_schedulers(b.config);
     b.rtl = ops->open(&(fp3_rtl_watch){0});
     if (!b.rtl)
@@ -402,14 +398,17 @@ static unsigned check(const fp3_rtl_ops *ops) {
 }
 
 int main(void) {
-    static const fp3_rtl_ops *const builds[] = {
-#define X(name, ...) &fp3_rtl_##name,
-        FP3_CONFIGS(X)
-#undef X
-    };
     unsigned failed = 0;
-    for (size_t i = 0; i < sizeof builds / sizeof *builds; i++)
-        failed += check(builds[i]);
+    for (uint32_t i = 0; i < fp3_config_count; i++) {
+        fp3_hardware hardware;
+        fp3_error error;
+        if (fp3_hardware_load(fp3_configs[i].name, &hardware, &error)) {
+            printf("%s\n", error.text);
+            return 1;
+        }
+        failed += check(&fp3_configs[i], hardware.ops);
+        fp3_hardware_unload(&hardware);
+    }
     printf("%u failed\n", failed);
     return failed != 0;
 }

@@ -15,7 +15,7 @@ def generate(root, *arguments):
 @pytest.fixture
 def copy(root, tmp_path):
     """A tree to spoil: what the generator reads and writes."""
-    for name in ("isa", "tools", "rtl", "sw/gen", "docs", "programs/integrators"):
+    for name in ("isa", "tools", "rtl", "sw/gen", "sw/include", "docs", "programs/integrators"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path
 

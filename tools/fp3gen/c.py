@@ -9,8 +9,8 @@ from .text import MARK, columns
 STRING_LIMIT = 4095  # bytes of a string literal that every C11 compiler takes
 
 
-def c_header(file, source, body):
-    guard = f"FP3_GEN_{file.upper()}_H"
+def c_header(file, source, body, guard=None):
+    guard = guard or f"FP3_GEN_{file.upper()}_H"
     return [f"/* {MARK.format(source=source)} */", f"#ifndef {guard}", f"#define {guard}",
             "/* clang-format off */", "", *body, "", "/* clang-format on */", "#endif"]
 
@@ -80,6 +80,13 @@ def registers_c(regs):
         "/* The parts of an address, and what they say. */",
         *defines([("FP3_" + name, value) for name, value in address_rows(regs)]),
     ])
+
+
+def counters_c(regs):
+    return c_header("counters", "isa/registers.toml", [
+        "/* The hardware's counters: docs/registers.md. */",
+        "typedef enum {", *[f"    FP3_COUNTER_{row['name'].upper()}," for row in regs["counter"]],
+        "    FP3_COUNTER_COUNT", "} fp3_counter;"], guard="FP3_COUNTERS_H")
 
 
 def configs_c(configs):

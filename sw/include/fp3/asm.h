@@ -12,7 +12,10 @@
 #ifndef FP3_ASM_H
 #define FP3_ASM_H
 
+#include <fp3/api.h>
 #include <fp3/image.h>
+
+FP3_API_BEGIN
 
 typedef struct {
     fp3_image *image;     /* NULL when the source has errors */
@@ -49,5 +52,7 @@ fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WO
 /* The shortest number that the assembler reads as these FP32 bits. */
 #define FP3_NUMBER_TEXT_SIZE 24
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]);
+
+FP3_API_END
 
 #endif

@@ -14,6 +14,7 @@
 #ifndef FP3_COMPILE_H
 #define FP3_COMPILE_H
 
+#include <fp3/api.h>
 #include <fp3/image.h>
 #include <fp3/inputs.h>
 #include <fp3/integrator.h>
@@ -21,6 +22,8 @@
 #include <fp3/passes.h>
 #include <fp3/status.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 typedef struct {
     const char *config;          /* the configuration that it is scheduled for */
@@ -65,5 +68,7 @@ void fp3_compiled_free(fp3_compiled **compiled);
 
 /* Predicted cycles of a run, see sw/schedule/cost.h; 0: not predictable. */
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
+
+FP3_API_END
 
 #endif

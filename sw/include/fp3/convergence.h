@@ -12,11 +12,10 @@
 #ifndef FP3_CONVERGENCE_H
 #define FP3_CONVERGENCE_H
 
+#include <fp3/api.h>
 #include <fp3/compile.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+FP3_API_BEGIN
 
 #define FP3_RUNGS_MOST 40
 #define FP3_LOOKS                                                                                  \
@@ -62,7 +61,6 @@ typedef struct {
 fp3_status fp3_converge(const fp3_ladder *ladder, const fp3_compiled *compiled, unsigned order,
                         fp3_convergence *convergence, fp3_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+FP3_API_END
+
 #endif

@@ -1,7 +1,7 @@
-/* fp3/engine.h - run a program over objects, on whichever machine.
+/* fp3/engine.h - runs programs over objects.
  *
- * Every engine gives the same bits for the same program: "rtl" is the hardware
- * description under Verilator, cycle by cycle; "isa" executes the instruction set in C.
+ * Every engine gives the same bits for the same program. "rtl" is the hardware under Verilator,
+ * cycle by cycle; "isa" is an instruction-set simulator in C.
  *
  *     float v;
  *     fp3_error error;
@@ -16,26 +16,27 @@
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_engine_close(&engine);
  *
- * A configuration that interleaves keeps its objects in a store, as many as def.objects says, and
- * visits them in turn: what a program keeps of an object is loaded, the object advanced by so many
- * steps as def.visit says, and stored. Registers that the program neither loads nor stores hold
- * what the host wrote.
+ * A configuration that interleaves holds def.objects objects in a store and visits them in turn. A
+ * visit loads the registers that the program keeps, advances the object by def.visit steps, and
+ * stores them. Registers that the program neither loads nor stores hold what the host wrote.
  *
- * Objects that run different programs are groups, each with a program of its own (fp3_engine_load_groups), in a
- * configuration of several schedulers.
+ * Objects that run different programs form groups (fp3_engine_load_groups). They need a
+ * configuration with several schedulers.
  *
- * After make all: compile with -Isw/include -Isw/gen, and link with
- *     g++ ... -Wl,--start-group build/libfp3*.a $(find build/verilated -name model.a) \
- *         -Wl,--end-group -lgsl -lgslcblas -lz -lpthread -lm
+ * After `make install` a program that uses it is built with
+ *     cc ship.c $(pkg-config --cflags --libs fp3)
  */
 #ifndef FP3_ENGINE_H
 #define FP3_ENGINE_H
 
+#include <fp3/api.h>
+#include <fp3/counters.h>
 #include <fp3/image.h>
 #include <fp3/status.h>
-#include <registers.h>
 #include <stddef.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 typedef struct fp3_engine fp3_engine;
 
@@ -72,16 +73,17 @@ typedef struct {
 } fp3_traced;
 typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
 
-/* What to open. Always start from fp3_engine_default(). The strings and what error, retire_user and
- * trace_user point to stay the caller's and must outlive the engine. */
+/* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error,
+ * retire_user and trace_user point to; they must outlive the engine. */
 typedef struct {
     const char *engine;   /* "rtl" (default) or "isa" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
     uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none */
-    /* How many objects; 0 (default): as many as the configuration has contexts in all lanes. One
-     * that does not interleave has one object. */
+    /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
+     * not interleave has one object. */
     uint32_t objects;
-    /* Steps per visit; 0 (default): all steps of a run. Of no effect where nothing interleaves. */
+    /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
+     * interleave. */
     uint32_t visit;
     fp3_retire_fn *retire; /* called for every retirement, or NULL; must not call the engine */
     void *retire_user;
@@ -96,21 +98,13 @@ typedef struct {
     uint32_t cookie;  /* set by fp3_engine_default(); catches a forgotten default */
 } fp3_engine_def;
 
-/* The hardware's counters, FP3_COUNTER_CYCLES and so on: docs/registers.md. */
-typedef enum {
-#define X(NAME, name, address) FP3_COUNTER_##NAME,
-    FP3_COUNTERS(X)
-#undef X
-        FP3_COUNTER_COUNT
-} fp3_counter;
-
-/* What a run cost. Of each scheduler cycles = issued_* + stall_*; "isa" issues in every cycle and never
- * stalls. With several lanes an instruction counts once. */
+/* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
+ * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls. */
 typedef struct {
-    uint64_t counter[FP3_COUNTER_COUNT]; /* of all schedulers; cycles are those of the longest */
+    uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
     uint32_t schedulers;                 /* each with counters of its own; isa: 1 */
-    /* Steps that objects made: those of an object that fell asleep count up to then. 0 unless the
-     * run came to its end. */
+    /* Steps that all objects made. An object that fell asleep counts its steps until then. 0 unless
+     * the run came to its end. */
     uint64_t object_steps;
     uint32_t flags; /* exceptions raised by any instruction, as in fp3_retirement */
     double seconds; /* wall clock of the run */
@@ -121,11 +115,13 @@ const char *fp3_counter_name(fp3_counter counter);
 /* Whether its name begins with "stall_". */
 int fp3_counter_is_stall(fp3_counter counter);
 
-/* "rtl", "single", no limit, all contexts full, one visit, nothing observed. */
+/* "rtl", "single", no cycle limit, an object for each context, one visit per run, no callbacks. */
 fp3_engine_def fp3_engine_default(void);
 
 /* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first.
- * FP3_E_ARGUMENT: no such engine or configuration, or not so many objects. */
+ * FP3_E_ARGUMENT: no such engine or configuration, or too many objects. FP3_E_SYSTEM: the simulated
+ * hardware of "rtl" was not found or does not fit this library; the message says where it was looked
+ * for. The environment variable FP3_RTL_DIR names another directory. */
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
 /* Sets *engine to NULL; that it was NULL before does no harm. */
 void fp3_engine_close(fp3_engine **engine);
@@ -133,11 +129,11 @@ void fp3_engine_close(fp3_engine **engine);
 /* How many objects it holds, at least 1. */
 size_t fp3_engine_objects(const fp3_engine *engine);
 
-/* Loads the code and the constants that have values; all else keeps its contents. The image is
- * copied. The next run's first step has the number 1. FP3_E_PROGRAM, with the engine unchanged: the
- * configuration has too few registers, constants or words, lacks an operation, or has no room in
- * its store for that many objects of this program. A word that is no instruction is let through:
- * the run ends there. */
+/* Loads the code and the constants that have values; everything else keeps its contents. The image
+ * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has
+ * too few registers, constants or words, lacks an operation, or its store has no room for that many
+ * objects of this program; the engine is unchanged. A word that is not an instruction is not refused
+ * here: the run ends at it. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* Objects that share a program. */
@@ -146,62 +142,65 @@ typedef struct {
     size_t objects; /* at least 1 */
 } fp3_group;
 
-/* Likewise with several programs: objects are numbered group by group, and there are as many as the
- * engine has. A scheduler runs one program. Each group has at least one, and is given more so that
- * all end as early as possible if nobody sleeps; its objects go round the lanes of its schedulers.
- * An object keeps its registers and its status, wherever it is placed: those beyond its new record
- * are lost, those beyond its old one are 0. Constants are kept by group, a new group's begin with 0.
- * FP3_E_ARGUMENT: the objects are not those of the engine, or a group has none. FP3_E_PROGRAM: also
- * more groups than schedulers, or no room for them in the schedulers' stores. */
+/* The same with one program per group. Objects are numbered group by group, and the groups together
+ * have as many as the engine. A scheduler runs one program. Each group gets at least one scheduler;
+ * the others are distributed so that all groups end as early as possible if no object sleeps. The
+ * objects of a group are dealt round the lanes of its schedulers.
+ * An object keeps its registers and its status when it is placed elsewhere. Registers beyond its new
+ * record are lost; those beyond its old record are 0. Constants belong to a group; those of a new
+ * group start at 0.
+ * FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer than the engine.
+ * FP3_E_PROGRAM: as above, or there are more groups than schedulers. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* How many groups there are: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
 
-/* Register reg of objects first .. first+count-1; values has count floats, whose bits are kept,
- * those of a NaN too. FP3_E_ARGUMENT: no such object or register, or it is beyond what the store
- * has room for with so many objects; nothing is read or written. */
+/* Register reg of objects first .. first+count-1. values has count floats; their bits are kept, also
+ * those of a NaN. FP3_E_ARGUMENT: no such object or register, or the store has no room for that
+ * register with this number of objects; nothing is read or written. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values);
 
-/* Shared constants first .. first+count-1, likewise: written in all groups, read from group 0. */
+/* Shared constants first .. first+count-1. Writes to all groups, reads from group 0. */
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
                                    const float *values);
 fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t count, float *values);
-/* Of one group. FP3_E_ARGUMENT: also no such group. */
+/* The same for one group. FP3_E_ARGUMENT: also if there is no such group. */
 fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t first,
                                       size_t count, const float *values);
 fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
                                      float *values);
 
-/* By a name of the loaded image. set: a state or param of every object, or a .shared, in every group
- * that has the name. get: any register or constant of the object's group; where there is one group,
- * object does not matter for a constant. FP3_E_ARGUMENT: no such name, no
- * such object, or nothing is loaded; *value is unchanged. */
+/* By a name of the loaded image. set writes a state or param of every object, or a shared constant,
+ * in every group that has the name. get reads any register or constant of the object's group.
+ * FP3_E_ARGUMENT: no such name, no such object, or nothing is loaded; *value is unchanged. */
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value);
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value);
 
-/* Every object that is awake makes so many steps (2^32 - 1 at most): in each visit the first part
- * once, the step part for each step, the last part once; with 0 steps nothing at all. An object
- * that falls asleep executes the last part of that visit and nothing after it.
- * FP3_E_PROGRAM at an illegal instruction, FP3_E_LIMIT at the cycle limit (somewhere within a step,
- * a few cycles late): after both, registers can be read and stats (may be NULL) is filled, and steps
- * are counted on from where this run began. Where nothing interleaves, what is before that place was
- * executed; else objects hold what the last visit that they completed has stored. */
+/* Every object that is awake makes this number of steps, from 0 to 2^32 - 1. Each visit executes the
+ * first part once, the step part once per step, and the last part once. 0 steps execute nothing. An
+ * object that falls asleep still executes the last part of that visit, and nothing after it.
+ * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
+ * within a step, a few cycles late. After both, registers can be read, stats (may be NULL) is filled,
+ * and the next run numbers its steps as if this one had not been. If the configuration interleaves,
+ * objects hold what the last visit that they completed stored; otherwise all instructions before the
+ * end were executed. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
 /* The counters of one scheduler in the last run. FP3_E_ARGUMENT: it had no such scheduler. */
 fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
                                          uint64_t counter[FP3_COUNTER_COUNT]);
 
-/* Of the object-steps of the last run those of one group; 0: there is no such group. */
+/* The object-steps of one group in the last run; 0 if there is no such group. */
 uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
 
 typedef struct {
     size_t group, objects; /* whose program it runs; how many of the group's objects it has */
 } fp3_scheduler_share;
-/* What a scheduler of the configuration is for, since the last load. Of "isa", what it would be for. */
+/* The group and objects of a scheduler since the last load; for "isa", those that it would have.
+ * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *place);
 
@@ -213,16 +212,18 @@ typedef struct {
     uint32_t slept;  /* the step in which it fell asleep; 0: awake; FP3_REMOVED */
 } fp3_object_status;
 
-/* Of objects first .. first+count-1. Without `status` in the configuration flags and failed are 0,
- * without a sleep in the program slept is. */
+/* Objects first .. first+count-1. flags and failed are 0 if the configuration does not keep a status;
+ * slept is 0 if the program has no sleep. */
 fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
                              fp3_object_status *status);
-/* Sets flags and failed to 0. FP3_E_ARGUMENT: also without `status` in the configuration. */
+/* Sets flags and failed to 0. FP3_E_ARGUMENT: also if the configuration does not keep a status. */
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
-/* From the next run on the objects make steps again, or none and cost no cycles. FP3_E_PROGRAM: no
- * sleep in the program of one of them, and nothing is done. */
+/* From the next run on, the objects make steps again (wake), or make none and cost no cycles
+ * (remove). FP3_E_PROGRAM: the program of one of them has no sleep; nothing is changed. */
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
+
+FP3_API_END
 
 #endif

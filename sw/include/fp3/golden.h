@@ -8,6 +8,10 @@
 #ifndef FP3_GOLDEN_H
 #define FP3_GOLDEN_H
 
+#include <fp3/api.h>
+
+FP3_API_BEGIN
+
 typedef struct {
     float T;  /* propeller thrust [N] */
     float C;  /* drag coefficient [kg/s] */
@@ -19,5 +23,7 @@ typedef struct {
  * position, s = s + h*v1, is of first order: its error is about h/2 times the change of speed, whatever
  * the arithmetic. */
 void fp3_ship_step(const fp3_ship *ship, float *v, float *s);
+
+FP3_API_END
 
 #endif

@@ -21,9 +21,12 @@
 #ifndef FP3_IMAGE_H
 #define FP3_IMAGE_H
 
+#include <fp3/api.h>
 #include <fp3/status.h>
 #include <stddef.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 #define FP3_IMAGE_MAGIC 0x49335046u /* "FP3I" as bytes */
 #define FP3_IMAGE_HEADER_WORDS 9
@@ -126,5 +129,7 @@ int fp3_class_is_object(fp3_symbol_class symbol_class);
 /* Whether text is a name: a letter or _, then letters, digits or _, 31 characters at most, and not
  * one of the words that mean something by themselves: first, step, last, inf, nan. */
 int fp3_name_valid(const char *text);
+
+FP3_API_END
 
 #endif

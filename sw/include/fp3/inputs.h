@@ -2,8 +2,11 @@
 #ifndef FP3_INPUTS_H
 #define FP3_INPUTS_H
 
+#include <fp3/api.h>
 #include <fp3/image.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 typedef struct {
     char name[FP3_NAME_SIZE];
@@ -11,5 +14,7 @@ typedef struct {
     uint32_t state; /* start of this state of the model; FP3_NONE: another value */
     char *formula;  /* as a reader sees it, "1/m" */
 } fp3_input;
+
+FP3_API_END
 
 #endif

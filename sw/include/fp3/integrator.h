@@ -10,9 +10,12 @@
 #ifndef FP3_INTEGRATOR_H
 #define FP3_INTEGRATOR_H
 
+#include <fp3/api.h>
 #include <fp3/image.h>
 #include <fp3/status.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 typedef enum {
     FP3_RUNGE_KUTTA, /* k_i = h f(y + sum_j a_ij k_j), y += sum_i b_i k_i; explicit */
@@ -59,5 +62,7 @@ const char *fp3_integrator_name(unsigned number);
 /* The order up to which the order conditions hold (at most 8), whatever the table claims. worst is
  * the largest residual up to that order, next the largest of the next order. */
 unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, double *next);
+
+FP3_API_END
 
 #endif

@@ -14,10 +14,13 @@
 #ifndef FP3_MODEL_H
 #define FP3_MODEL_H
 
+#include <fp3/api.h>
 #include <fp3/image.h>
 #include <fp3/status.h>
 #include <stddef.h>
 #include <stdint.h>
+
+FP3_API_BEGIN
 
 #define FP3_NONE UINT32_MAX /* no expression, no quantity */
 
@@ -135,5 +138,7 @@ uint32_t fp3_model_param(const fp3_model *model, const char *name);
  * functions of the language. FP3_E_PROGRAM: error says what was found and expected, and where (the
  * column); *value is as before. */
 fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error);
+
+FP3_API_END
 
 #endif

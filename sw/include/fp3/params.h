@@ -13,12 +13,11 @@
 #ifndef FP3_PARAMS_H
 #define FP3_PARAMS_H
 
+#include <fp3/api.h>
 #include <fp3/status.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+FP3_API_BEGIN
 
 typedef struct fp3_params fp3_params;
 
@@ -44,7 +43,6 @@ int fp3_params_has(const fp3_params *params, const char *name);
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *value,
                           fp3_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+FP3_API_END
+
 #endif

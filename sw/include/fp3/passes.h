@@ -2,6 +2,10 @@
 #ifndef FP3_PASSES_H
 #define FP3_PASSES_H
 
+#include <fp3/api.h>
+
+FP3_API_BEGIN
+
 /* X(NAME, name, changes bits, what it does) */
 #define FP3_PASSES(X)                                                                              \
     X(COMMON, "common", 0, "a value that is computed twice is computed once")                      \
@@ -29,5 +33,7 @@ int fp3_pass_changes_bits(fp3_pass pass);
 fp3_pass fp3_pass_find(const char *name);
 /* The set of all passes that change bits, or of all that keep them. */
 unsigned fp3_passes_that(int change_bits);
+
+FP3_API_END
 
 #endif

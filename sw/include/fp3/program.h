@@ -11,14 +11,13 @@
 #ifndef FP3_PROGRAM_H
 #define FP3_PROGRAM_H
 
+#include <fp3/api.h>
 #include <fp3/compile.h>
 #include <fp3/engine.h>
 #include <fp3/params.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+FP3_API_BEGIN
 
 /* How a model is compiled; of no effect on assembly and images. */
 typedef struct {
@@ -61,7 +60,6 @@ fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
                               float *values, int *is_spread, fp3_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+FP3_API_END
+
 #endif

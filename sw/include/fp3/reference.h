@@ -2,7 +2,10 @@
 #ifndef FP3_REFERENCE_H
 #define FP3_REFERENCE_H
 
+#include <fp3/api.h>
 #include <fp3/compile.h>
+
+FP3_API_BEGIN
 
 /* Without any pass that keeps the bits, in FP32: what every engine must equal bit for bit. params,
  * initial and h as in fp3/start.h. states has count rows of model->state_count floats. Row i gets,
@@ -17,5 +20,7 @@ fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *pa
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error);
+
+FP3_API_END
 
 #endif

@@ -19,13 +19,12 @@
 #ifndef FP3_SCENE_H
 #define FP3_SCENE_H
 
+#include <fp3/api.h>
 #include <fp3/program.h>
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+FP3_API_BEGIN
 
 typedef struct {
     char *path; /* of the program */
@@ -61,7 +60,6 @@ fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
  * refuses is told where its definition says. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+FP3_API_END
+
 #endif

@@ -7,11 +7,16 @@
 #ifndef FP3_START_H
 #define FP3_START_H
 
+#include <fp3/api.h>
 #include <fp3/compile.h>
+
+FP3_API_BEGIN
 
 /* values[i] of inputs[i] for an object with these params and start (model->param_count and
  * state_count numbers) and time step h: computed in double, rounded once. FP3_E_ARGUMENT: a value is not finite. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
+
+FP3_API_END
 
 #endif

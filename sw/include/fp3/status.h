@@ -11,6 +11,10 @@
 #ifndef FP3_STATUS_H
 #define FP3_STATUS_H
 
+#include <fp3/api.h>
+
+FP3_API_BEGIN
+
 typedef enum {
     FP3_OK = 0,
     FP3_E_ARGUMENT, /* the caller asks for what cannot be: an option, a name, a value */
@@ -31,5 +35,7 @@ __attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_
 
 /* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage. */
 int fp3_exit_code(fp3_status status);
+
+FP3_API_END
 
 #endif

@@ -14,12 +14,11 @@
 #ifndef FP3_TRACE_H
 #define FP3_TRACE_H
 
+#include <fp3/api.h>
 #include <fp3/engine.h>
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+FP3_API_BEGIN
 
 typedef struct fp3_kanata fp3_kanata;
 
@@ -48,7 +47,6 @@ void fp3_kanata_free(fp3_kanata **kanata);
  * has FP3_COUNTER_COUNT numbers, as in fp3_stats. Rows of 0 cycles are left out. */
 void fp3_occupancy_print(FILE *out, uint32_t scheduler, const uint64_t *counter);
 
-#ifdef __cplusplus
-}
-#endif
+FP3_API_END
+
 #endif

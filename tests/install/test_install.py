@@ -1,0 +1,225 @@
+"""`make install` as others use it: programs outside the tree, in C and C++, with the shared and the static library."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+# One installation for all.
+pytestmark = pytest.mark.xdist_group("install")
+
+PREFIX = "usr/local"
+HEADERS = sorted(path.name for path in (pathlib.Path(__file__).parents[2] / "sw/include/fp3").glob("*.h"))
+STANDARD = {"math.h", "stddef.h", "stdint.h", "stdio.h"}
+
+
+def run(*command, **options):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, **options)
+
+
+def succeeds(*command, **options):
+    done = run(*command, **options)
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def make(root, build, goal, where):
+    """Without the variables of the make that started the tests."""
+    env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    san = ["SAN=1"] if build.name.endswith("-san") else []
+    succeeds("make", "-C", root, *san, goal, f"DESTDIR={where}", env=env)
+
+
+@pytest.fixture(scope="module")
+def sanitize(build):
+    """What a program that is linked with a library with sanitizers needs."""
+    return ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+
+
+@pytest.fixture(scope="module")
+def installed(root, build, tmp_path_factory):
+    where = tmp_path_factory.mktemp("install")
+    make(root, build, "install", where)
+    return where / PREFIX
+
+
+@pytest.fixture
+def flags(installed):
+    """Asks pkg-config."""
+    env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig"),
+           "PKG_CONFIG_SYSROOT_DIR": str(installed.parents[1])}
+    return lambda *options: succeeds("pkg-config", *options, "fp3", env=env).split()
+
+
+@pytest.fixture
+def start(installed, root):
+    """Runs a program as if the library were in a place where the loader looks."""
+    def start(program, engine, **env):
+        return run(program, root / "programs/ship.ode", engine, cwd="/",
+                   env={**os.environ, "LD_LIBRARY_PATH": str(installed / "lib"), **env})
+    return start
+
+
+@pytest.fixture(scope="module")
+def expected(root, fp3):
+    """The same run with the command in the build tree, from another directory."""
+    out = succeeds(fp3, "run", root / "programs/ship.ode", "-n", "100", "-e", "isa", cwd="/")
+    return "".join(f"{name} {re.search(rf'^{name} +(?:= *)?([-+.0-9e]+)', out, re.M)[1]} " for name in "sv").strip()
+
+
+def needed(binary):
+    """The libraries that a binary names itself."""
+    return re.findall(r"\(NEEDED\).*\[(.*)\]", succeeds("readelf", "-d", binary))
+
+
+# How a program is built: the compiler, and where the library's code comes from.
+BUILDS = {
+    "C": ("gcc", ["-std=c11", "-Wpedantic"], False),
+    "C++": ("g++", ["-x", "c++", "-std=c++17", "-Wpedantic"], False),
+    "C, libfp3.a": ("gcc", ["-std=c11"], True),
+    "C++, libfp3.a": ("g++", ["-x", "c++", "-std=c++17"], True),
+}
+
+
+@pytest.fixture(params=BUILDS)
+def ship(request, root, flags, sanitize, tmp_path):
+    compiler, options, is_static = BUILDS[request.param]
+    shutil.copy(root / "tests/install/ship.c", tmp_path)
+    libraries = flags("--libs", *["--static"] if is_static else [])
+    if is_static:  # -lfp3 takes the shared one where both are there
+        libraries = ["-l:libfp3.a" if flag == "-lfp3" else flag for flag in libraries]
+    succeeds(compiler, "-Wall", "-Wextra", "-Werror", *sanitize, *flags("--cflags"), *options, "ship.c", "-x", "none",
+             *libraries, "-o", "ship", cwd=tmp_path)
+    assert is_static != ("libfp3.so.0" in needed(tmp_path / "ship"))
+    return tmp_path / "ship", is_static
+
+
+def test_a_program_outside_the_tree_runs_on_both_engines(ship, start, installed, expected):
+    program, is_static = ship
+    # The static library is in the program, which is not beside what is loaded.
+    place = {"FP3_RTL_DIR": str(installed / "lib/fp3")} if is_static else {}
+    for engine in ("isa", "rtl"):
+        done = start(program, engine, **place)
+        assert (done.returncode, done.stdout.strip(), done.stderr) == (0, expected, ""), engine
+
+
+def test_without_the_hardware_the_isa_engine_runs_and_rtl_says_what_it_lacks(ship, start, tmp_path):
+    program, _ = ship
+    assert start(program, "isa", FP3_RTL_DIR=str(tmp_path)).returncode == 0
+    done = start(program, "rtl", FP3_RTL_DIR=str(tmp_path))
+    assert done.returncode == 1 and f"looked in {tmp_path}\n" in done.stderr and "fp3_single_full.so" in done.stderr
+
+
+def test_all_static_it_runs_on_the_isa_engine(root, flags, start, sanitize, expected, tmp_path):
+    if sanitize:
+        pytest.skip("sanitizers are shared libraries")
+    succeeds("gcc", root / "tests/install/ship.c", "-static", *flags("--static", "--cflags", "--libs"), "-o",
+             tmp_path / "ship")
+    assert needed(tmp_path / "ship") == []
+    assert start(tmp_path / "ship", "isa").stdout.strip() == expected
+
+
+def test_neither_verilator_nor_cxx_is_needed(installed, sanitize):
+    library = installed / "lib/libfp3.so.0"
+    assert not [name for name in needed(library) if "stdc++" in name]
+    assert sanitize or "stdc++" not in succeeds("ldd", library)
+    unresolved = succeeds("nm", "-D", "--undefined-only", library) + succeeds("nm", "-u", installed / "lib/libfp3.a")
+    assert not re.search(r"_Z|[Vv]erilated", unresolved)
+
+
+@pytest.mark.parametrize("wrong, message", [
+    ("garbage", "fp3_single_full.so"), ("other", "has configuration 'single'"), ("old", "both must come from one build")])
+def test_hardware_that_does_not_fit_is_refused(installed, start, flags, root, sanitize, tmp_path, wrong, message):
+    succeeds("gcc", root / "tests/install/ship.c", *sanitize, *flags("--cflags", "--libs"), "-o", tmp_path / "ship")
+    target = tmp_path / "fp3_single_full.so"
+    if wrong == "garbage":
+        target.write_text("no library")
+    elif wrong == "other":
+        shutil.copy(installed / "lib/fp3/fp3_single.so", target)
+    else:
+        (tmp_path / "old.c").write_text("const unsigned fp3_rtl_table[16] = {0, 8};")
+        succeeds("gcc", "-shared", "-fPIC", tmp_path / "old.c", "-o", target)
+    done = start(tmp_path / "ship", "rtl", FP3_RTL_DIR=str(tmp_path))
+    assert done.returncode == 1 and message in done.stderr and done.stdout == "", done.stderr
+
+
+@pytest.mark.parametrize("options", [["gcc", "-std=c11", "-x", "c"], ["g++", "-std=c++17", "-x", "c++"]],
+                         ids=["C11", "C++17"])
+def test_each_header_compiles_alone(installed, options):
+    for name in HEADERS:
+        succeeds(*options, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-I", installed / "include", "-",
+                 input=f"#include <fp3/{name}>\nint main(void);\n")
+
+
+def test_headers_include_each_other_and_the_standard_library_alone(installed):
+    there = sorted(path.name for path in (installed / "include/fp3").iterdir())
+    assert there == HEADERS
+    for name in there:
+        for included in re.findall(r'^ *# *include *([<"].*[>"])', (installed / "include/fp3" / name).read_text(), re.M):
+            inner = included[1:-1]
+            assert included[0] == "<" and (inner in STANDARD or inner.removeprefix("fp3/") in there), (name, included)
+
+
+def declared(text):
+    """The functions that a header declares."""
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    text = re.sub(r"^ *#(?:[^\n]*\\\n)*[^\n]*", "", text, flags=re.M)
+    while "{" in text:
+        text = re.sub(r"\{[^{}]*\}", "", text)
+    statements = [statement for statement in text.split(";") if "typedef" not in statement]
+    return {name for statement in statements for name in re.findall(r"\b(fp3_\w+)\s*\(", statement)[:1]}
+
+
+def test_what_is_exported_is_what_the_headers_declare(installed):
+    text = succeeds("nm", "-D", "--defined-only", installed / "lib/libfp3.so.0")
+    exported = {line.split()[2] for line in text.splitlines()}
+    expected = set().union(*(declared((installed / "include/fp3" / name).read_text()) for name in HEADERS))
+    assert len(expected) > 50 and exported == expected
+
+
+def test_every_global_name_begins_with_fp3(installed):
+    text = succeeds("nm", "-g", "--defined-only", installed / "lib/libfp3.a")
+    names = {words[2] for words in map(str.split, text.splitlines()) if len(words) == 3}
+    assert len(names) > 100 and not [name for name in names if not name.startswith("fp3_")]
+
+
+def test_hardware_exports_its_table_alone(installed):
+    for library in sorted((installed / "lib/fp3").iterdir()):
+        names = {line.split()[2] for line in succeeds("nm", "-D", "--defined-only", library).splitlines()}
+        assert names == {"fp3_rtl_table"}, library
+
+
+def test_the_installed_command_runs_the_installed_hardware(installed, root, expected, tmp_path):
+    out = {engine: succeeds(installed / "bin/fp3", "run", root / "programs/ship.ode", "-n", "100", "-e", engine,
+                            cwd=tmp_path) for engine in ("isa", "rtl")}
+    assert out["isa"].splitlines()[:2] == out["rtl"].splitlines()[:2]
+    (installed / "lib/fp3").rename(installed / "lib/away")
+    try:
+        done = run(installed / "bin/fp3", "run", root / "programs/ship.ode")
+    finally:
+        (installed / "lib/away").rename(installed / "lib/fp3")
+    assert done.returncode == 1 and str(installed / "bin/../lib/fp3") in done.stderr
+
+
+def test_the_man_page_says_what_help_says(installed):
+    page = installed / "share/man/man1/fp3.1"
+    done = run("groff", "-man", "-ww", "-Tascii", "-P-cbou", page)
+    assert done.returncode == 0 and done.stderr == ""
+    shown = " ".join(done.stdout.split())
+    commands = re.findall(r"^  (\w+)\t", succeeds(installed / "bin/fp3", "--help"), re.M)
+    assert len(commands) > 5
+    for command in commands:
+        text = succeeds(installed / "bin/fp3", command, "--help")
+        for option in set(re.findall(r"^ +(?:-\w, )?(--[\w-]+)", text, re.M)):
+            assert option in shown, (command, option)
+
+
+def test_uninstall_leaves_nothing(root, build, tmp_path):
+    make(root, build, "install", tmp_path)
+    assert (tmp_path / PREFIX / "lib/libfp3.so").resolve().name == "libfp3.so.0"
+    make(root, build, "uninstall", tmp_path)
+    assert [path for path in tmp_path.rglob("*") if not path.is_dir()] == []
+    assert [path.name for path in tmp_path.rglob("*fp3*")] == []

@@ -1,0 +1,54 @@
+# Installs libfp3, what it loads, and the command; the Makefile includes this.
+#
+#   make install                        below /usr/local
+#   make install PREFIX=/usr DESTDIR=x  for /usr, but put below x/
+#   make uninstall                      with the same PREFIX, LIBDIR and DESTDIR
+
+PREFIX  ?= /usr/local
+LIBDIR  ?= $(PREFIX)/lib
+INCDIR  := $(DESTDIR)$(PREFIX)/include/fp3
+MAN     := $(DESTDIR)$(PREFIX)/share/man/man1/fp3.1
+COMMAND := $(DESTDIR)$(PREFIX)/bin/fp3
+RTL_DIR := $(DESTDIR)$(LIBDIR)/fp3
+VERSION  = $(shell sed -n 's/^.define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/api.h)
+
+# The one object that knows where the library lives.
+$(eval $(call NOTE,$(BUILD)/place,$(LIBDIR)/fp3))
+$(BUILD)/obj/sw/engine/install.o: $(BUILD)/place
+$(BUILD)/obj/sw/engine/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"'
+
+$(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
+	@$(PYTHON) $< $(BUILD)/bin/fp3 >$@.new && mv $@.new $@
+
+define FP3_PC
+prefix=$(PREFIX)
+includedir=$${prefix}/include
+libdir=$(patsubst $(PREFIX)/%,$${prefix}/%,$(LIBDIR))
+
+Name: fp3
+Description: Integrates equations of motion on FP3, the field-programmable physics processor
+Version: $(VERSION)
+Cflags: -I$${includedir}
+Libs: -L$${libdir} -lfp3
+Requires.private: gsl libconfig zlib
+Libs.private: -lm
+endef
+
+.PHONY: install uninstall
+install: export FP3_PC := $(FP3_PC)
+install: $(LIB) $(LIB_SO) $(HARDWARE) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page; PREFIX=/usr/local, DESTDIR=
+	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND))
+	@install -m 644 sw/include/fp3/*.h $(INCDIR)
+	@install -m 644 $(LIB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
+	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
+	@install -m 644 $(HARDWARE) $(RTL_DIR)
+	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
+	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
+	@install -m 644 $(BUILD)/fp3.1 $(MAN)
+	@install $(BUILD)/bin/fp3 $(COMMAND)
+
+# Directories that others may use stay, unless they are empty.
+uninstall: ## Remove what install put there
+	@rm -rf $(INCDIR) $(RTL_DIR)
+	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
+	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(COMMAND)
