@@ -39,7 +39,7 @@ static fp3_status check_words(const fp3_config *config, uint32_t words, fp3_erro
 }
 
 /* The first part has no operation that the step part has not. */
-fp3_status fp3_check_code(const fp3_step *step, const fp3_code *code, const fp3_config *config,
+fp3_status fp3_check_code(const fp3_step *step, const fp3_step_code *code, const fp3_config *config,
                           fp3_error *error) {
     fp3_status status = check_ops(step, code->step, code->step_count, config, error);
     if (!status)

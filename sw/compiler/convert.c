@@ -43,7 +43,7 @@ static known_slot *same_number(const converter *c, const known *k) {
 static fp3_ref known_ref(const converter *c, uint32_t id) {
     const known *k = &c->step->known.list[id];
     known_slot *slot = &c->made->slots[id];
-    fp3_code *code = &c->made->code;
+    fp3_step_code *code = &c->made->code;
     if (slot->at == FP3_AT_NOWHERE) {
         const known_slot *same = same_number(c, k);
         if (same)

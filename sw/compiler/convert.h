@@ -13,7 +13,7 @@ typedef struct {
 } known_slot;
 
 typedef struct {
-    fp3_code code;
+    fp3_step_code code;
     known_slot *slots; /* of each known value */
     uint32_t *params;  /* which known value each is */
     uint32_t *constants;

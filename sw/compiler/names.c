@@ -62,7 +62,7 @@ static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
 }
 
 /* What the first operation that reads a constant is for. */
-static const char *reader_of(const fp3_step *step, const fp3_code *code, uint32_t constant) {
+static const char *reader_of(const fp3_step *step, const fp3_step_code *code, uint32_t constant) {
     const fp3_op *parts[] = {code->first, code->step, code->last};
     const uint32_t counts[] = {code->first_count, code->step_count, code->last_count};
     for (int part = 0; part < 3; part++)
@@ -77,7 +77,7 @@ static const char *reader_of(const fp3_step *step, const fp3_code *code, uint32_
     return "the model";
 }
 
-static fp3_status number_name(const fp3_step *step, const fp3_code *code, uint32_t constant,
+static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, uint32_t constant,
                               double number, char name[FP3_NAME_SIZE], fp3_error *error) {
     const float f = (float)number;
     uint32_t bits;

@@ -129,7 +129,7 @@ static fp3_status is_no_order(fp3_error *error) {
 /* Variables and params, and values that belong into a certain register. */
 static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *error) {
     const fp3_block *block = w->block;
-    const fp3_code *code = block->code;
+    const fp3_step_code *code = block->code;
     for (uint32_t i = 0; i < block->count; i++) {
         const uint32_t reg = block->nodes[i].fixed;
         if (reg == FP3_NONE_INDEX)
@@ -182,7 +182,7 @@ static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *place
 
 static fp3_status open_work(work *w, const fp3_block *block, const uint32_t *order,
                             fp3_error *error) {
-    const fp3_code *code = block->code;
+    const fp3_step_code *code = block->code;
     *w = (work){.block = block, .lowest = code->variable_count + code->param_count};
     w->gaps = block->count + !block->is_cyclic;
     w->registers = FP3_REGISTERS_CEILING + FP3_BANK_OBJECT_COUNT;
@@ -235,7 +235,7 @@ static void add_arc(uint32_t *live, uint32_t gaps, uint32_t begin, uint32_t end)
 
 fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uint32_t *registers,
                               fp3_error *error) {
-    const fp3_code *code = block->code;
+    const fp3_step_code *code = block->code;
     work w;
     fp3_status status = open_work(&w, block, order, error);
     uint32_t *live = calloc((size_t)w.gaps + 1, sizeof *live), most = 0;

@@ -30,7 +30,7 @@ int fp3_node_reads_variable(const fp3_node *node, uint32_t variable) {
     return 0;
 }
 
-fp3_status fp3_block_open(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_block_open(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                           fp3_error *error) {
     *block = (fp3_block){.code = code, .config = config};
     block->writer = malloc((code->variable_count + 1) * sizeof *block->writer);
@@ -65,7 +65,7 @@ uint32_t fp3_block_add(fp3_block *block, const fp3_node *node) {
 
 /* x + -0.0 is x, for every x that an operation or the host can make, -0.0 included. */
 uint32_t fp3_block_add_copy(fp3_block *block, fp3_ref what) {
-    const fp3_code *code = block->code;
+    const fp3_step_code *code = block->code;
     const uint32_t minus_zero =
         code->minus_zero == FP3_NONE_INDEX ? code->constant_count : code->minus_zero;
     block->reads_minus_zero = 1;

@@ -19,7 +19,7 @@ typedef struct {
 } fp3_node;
 
 typedef struct {
-    const fp3_code *code;
+    const fp3_step_code *code;
     const fp3_config *config;
     int is_first;  /* the first part: only states have a value when it begins */
     int is_cyclic; /* the step part: a variable is read as the step before left it */
@@ -31,7 +31,7 @@ typedef struct {
 } fp3_block;
 
 /* No nodes, and no writer of any variable. The caller frees, after a failure too. */
-fp3_status fp3_block_open(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_block_open(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                           fp3_error *error);
 void fp3_block_free(fp3_block *block);
 fp3_status fp3_block_clone(const fp3_block *block, fp3_block *clone, fp3_error *error);

@@ -51,7 +51,7 @@ typedef struct {
      * for it by needs_minus_zero. */
     uint32_t minus_zero;
     int allow_ahead; /* operations of the next step may be executed at the end of this one */
-} fp3_code;
+} fp3_step_code;
 #define FP3_NONE_INDEX UINT32_MAX
 
 #endif

@@ -43,7 +43,7 @@ static uint32_t size_of(uint64_t set) {
 
 /* States are named as such, what the first part makes is a .temp. A visit has one of each at
  * least. */
-static void find_visit(const fp3_code *code, fp3_schedule *s) {
+static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
     uint64_t states = 0, stored = written(s->first, s->first_count);
     stored |= written(s->step, s->step_count) | written(s->last, s->last_count);
     for (uint32_t x = 0; x < code->variable_count; x++)
@@ -84,7 +84,7 @@ static fp3_status find_cycles(const fp3_config *config, fp3_schedule *made, fp3_
 }
 
 /* No order takes fewer: issue slots, and uses of a unit where schedulers share it. */
-static double issue_bound(const fp3_code *code, const fp3_config *config) {
+static double issue_bound(const fp3_step_code *code, const fp3_config *config) {
     const double count = (double)code->step_count;
     uint32_t adds = 0, muls = 0;
     if (!config->interleave)
@@ -98,7 +98,7 @@ static double issue_bound(const fp3_code *code, const fp3_config *config) {
     return config->schedulers > 1 && use > issue ? use : issue;
 }
 
-fp3_status fp3_cost_find(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+fp3_status fp3_cost_find(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                          fp3_error *error) {
     if (config->interleave)
         find_visit(code, made);

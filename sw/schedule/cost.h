@@ -6,7 +6,7 @@
 #include "lines.h"
 
 /* Fills loads, stores, cycles and the bounds of a schedule that has its lines. */
-fp3_status fp3_cost_find(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+fp3_status fp3_cost_find(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                          fp3_error *error);
 
 /* Exact cycles of a run of this many steps, as the hardware's counter CYCLES counts them: for one

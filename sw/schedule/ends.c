@@ -63,7 +63,7 @@ static fp3_status finish_block(const fp3_block *block, fp3_schedule *made, fp3_l
     for (size_t i = 0;
          !status && i < sizeof ways / sizeof *ways && fewest > block->config->registers; i++) {
         fp3_places_free(&places);
-        status = fp3_order_list(block, &graph, ways[i], 0, order, error);
+        status = fp3_order_list(block, &graph, ways[i], order, error);
         if (!status)
             status = fp3_allocate_within(block, order, &places, error);
         if (!status && places.registers < fewest)
@@ -101,7 +101,7 @@ fp3_status fp3_ends_first(const fp3_block *step, const fp3_choice *best, fp3_sch
     return status;
 }
 
-fp3_status fp3_ends_last(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+fp3_status fp3_ends_last(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                          fp3_error *error) {
     fp3_block last;
     fp3_status status = fp3_part_last(code, config, &last, error);

@@ -9,7 +9,7 @@
  * the first step. */
 fp3_status fp3_ends_first(const fp3_block *step, const fp3_choice *best, fp3_schedule *made,
                           fp3_error *error);
-fp3_status fp3_ends_last(const fp3_code *code, const fp3_config *config, fp3_schedule *made,
+fp3_status fp3_ends_last(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                          fp3_error *error);
 
 #endif

@@ -113,20 +113,11 @@ static int releases(const list *l, uint32_t node) {
     return released;
 }
 
-/* A number for a node and a seed: splitmix64's mixing. */
-static uint32_t chance(uint32_t node, uint32_t seed) {
-    uint64_t z = ((uint64_t)seed << 32 | node) * 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    return (uint32_t)((z ^ z >> 27) >> 32);
-}
-
 static int64_t urgency_of(const list *l, uint32_t node, int64_t cycle) {
     const fp3_node *n = &l->block->nodes[node];
     int64_t urgency = l->loop->urgency[node];
     if (l->loop->is_ahead[node])
         urgency -= l->loop->interval;
-    if (l->loop->noise)
-        urgency += chance(node, l->loop->seed) % l->loop->noise;
     /* The cycle in which a shorter one would be written with this one. */
     const int64_t other = cycle - l->now + n->latency + 1;
     if (n->latency > l->shortest && other < 64 && !(l->writes >> other & 1))

@@ -21,8 +21,6 @@ typedef struct {
     int32_t loss;
     /* A node waits rather than take the write cycle of one that is so much more urgent, or more. */
     int32_t guard;
-    /* A node is more urgent by chance, by less than noise; 0: by nothing. */
-    uint32_t noise, seed;
     /* With so many temporary values or more, whoever ends most of them comes first. */
     uint32_t limit;
 } fp3_loop;

@@ -19,7 +19,6 @@ typedef struct {
     uint32_t ready_count;
     uint64_t now;
     uint32_t count;
-    uint64_t chance;
 } list;
 
 static int is_within(const fp3_edge *e, const fp3_block *block) {
@@ -96,23 +95,13 @@ typedef struct {
     int64_t main, minor;
 } rank;
 
-/* An LCG, Knuth's constants; its upper bits. */
-static uint32_t throw_dice(list *l) {
-    l->chance = l->chance * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(l->chance >> 40);
-}
-
-static rank rank_of(list *l, fp3_next next, uint32_t i) {
+static rank rank_of(const list *l, fp3_next next, uint32_t i) {
     const uint64_t soonest = l->soonest[i] > l->now ? l->soonest[i] : l->now;
     rank r = {0, 0};
     if (next == FP3_NEXT_SOON)
         r.main = -(int64_t)soonest;
     else if (next != FP3_NEXT_GIVEN)
         r.main = releases(l, i);
-    if (next == FP3_NEXT_CHANCE) {
-        r.main = 3 * r.main + throw_dice(l) % 4;
-        r.minor = throw_dice(l);
-    }
     if (next == FP3_NEXT_DEEP)
         r.minor = newest_operand(l, i);
     else if (next == FP3_NEXT_LONG || next == FP3_NEXT_SOON)
@@ -179,9 +168,9 @@ static int make_order(list *l, uint32_t *order) {
 }
 
 fp3_status fp3_order_list(const fp3_block *block, const fp3_dependences *graph, fp3_next next,
-                          uint32_t seed, uint32_t *order, fp3_error *error) {
+                          uint32_t *order, fp3_error *error) {
     const size_t n = graph->node_count + 1;
-    list l = {.block = block, .graph = graph, .next = next, .chance = seed};
+    list l = {.block = block, .graph = graph, .next = next};
     l.waits = calloc(5 * n, sizeof *l.waits);
     l.soonest = calloc(n, sizeof *l.soonest);
     fp3_status status = FP3_OK;

@@ -11,12 +11,11 @@ typedef enum {
     FP3_NEXT_DEEP,   /* likewise; then what uses the newest value */
     FP3_NEXT_LONG,   /* likewise; then what most depends on */
     FP3_NEXT_SOON,   /* what can issue first (solo machine); then what most depends on */
-    FP3_NEXT_COUNT,
-    FP3_NEXT_CHANCE = FP3_NEXT_COUNT /* as FP3_NEXT_FEWEST, but for a little chance: seed */
+    FP3_NEXT_COUNT
 } fp3_next;
 
 /* The graph has the block's edges, order room for its nodes. Nothing is computed ahead. */
 fp3_status fp3_order_list(const fp3_block *block, const fp3_dependences *graph, fp3_next next,
-                          uint32_t seed, uint32_t *order, fp3_error *error);
+                          uint32_t *order, fp3_error *error);
 
 #endif

@@ -19,8 +19,8 @@ static fp3_ref found_at(fp3_ref ref) {
 }
 
 /* op_at: what an operation of this part is called, variable_at: a variable at its beginning. */
-static fp3_status check(const fp3_code *code, fp3_ref ref, fp3_place op_at, fp3_place variable_at,
-                        uint32_t op_count, fp3_error *error) {
+static fp3_status check(const fp3_step_code *code, fp3_ref ref, fp3_place op_at,
+                        fp3_place variable_at, uint32_t op_count, fp3_error *error) {
     uint32_t count = 0;
     if (ref.at == FP3_AT_NOWHERE)
         return FP3_OK;
@@ -81,7 +81,7 @@ static fp3_status check_states(const fp3_block *block, fp3_error *error) {
     return FP3_OK;
 }
 
-fp3_status fp3_part_first(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_first(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                           fp3_error *error) {
     fp3_status status = fp3_block_open(code, config, block, error);
     block->is_first = 1;
@@ -97,7 +97,7 @@ fp3_status fp3_part_first(const fp3_code *code, const fp3_config *config, fp3_bl
     return status ? status : check_states(block, error);
 }
 
-fp3_status fp3_part_step(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_step(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                          fp3_error *error) {
     fp3_status status = fp3_block_open(code, config, block, error);
     block->is_cyclic = 1;
@@ -114,7 +114,7 @@ fp3_status fp3_part_step(const fp3_code *code, const fp3_config *config, fp3_blo
     return status ? status : fp3_copies_add(block, error);
 }
 
-fp3_status fp3_part_last(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_last(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                          fp3_error *error) {
     fp3_status status = fp3_block_open(code, config, block, error);
     if (!status)

@@ -5,11 +5,11 @@
 #include "block.h"
 
 /* FP3_E_ARGUMENT: the code refers to what is not there. The caller frees, after a failure too. */
-fp3_status fp3_part_first(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_first(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                           fp3_error *error);
-fp3_status fp3_part_step(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_step(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                          fp3_error *error);
-fp3_status fp3_part_last(const fp3_code *code, const fp3_config *config, fp3_block *block,
+fp3_status fp3_part_last(const fp3_step_code *code, const fp3_config *config, fp3_block *block,
                          fp3_error *error);
 
 #endif

@@ -38,7 +38,7 @@ static double largest_mean(const double *weight, uint32_t n, double *longest) {
 
 /* Of each operation, the cycles from reading variable x to its result; -1: it does not depend on
  * x. */
-static void path_from(const fp3_code *code, const fp3_config *config, uint32_t x, double *to) {
+static void path_from(const fp3_step_code *code, const fp3_config *config, uint32_t x, double *to) {
     for (uint32_t i = 0; i < code->step_count; i++) {
         const fp3_op *op = &code->step[i];
         const fp3_ref refs[3] = {op->a, op->b, op->c};
@@ -54,7 +54,7 @@ static void path_from(const fp3_code *code, const fp3_config *config, uint32_t x
     }
 }
 
-fp3_status fp3_path_longest(const fp3_code *code, const fp3_config *config, double *cycles,
+fp3_status fp3_path_longest(const fp3_step_code *code, const fp3_config *config, double *cycles,
                             fp3_error *error) {
     const uint32_t n = code->variable_count;
     *cycles = 0;

@@ -5,7 +5,7 @@
 #include "code.h"
 
 /* Cycles per step of the longest dependence from step to step. */
-fp3_status fp3_path_longest(const fp3_code *code, const fp3_config *config, double *cycles,
+fp3_status fp3_path_longest(const fp3_step_code *code, const fp3_config *config, double *cycles,
                             fp3_error *error);
 
 #endif

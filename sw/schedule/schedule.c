@@ -4,14 +4,14 @@
 #include "copies.h"
 #include "cost.h"
 #include "ends.h"
-#include "modulo.h"
+#include "interval.h"
 #include "parts.h"
 #include "search.h"
 
 #include <stdlib.h>
 
 typedef struct {
-    const fp3_code *code;
+    const fp3_step_code *code;
     const fp3_config *config;
     fp3_block block; /* the step part */
     fp3_choice best;
@@ -28,14 +28,14 @@ static fp3_status split_block(const fp3_block *block, fp3_block *split, fp3_erro
     int is_split = 0, is_changed;
     fp3_status status = fp3_block_clone(block, split, error);
     if (!status)
-        status = fp3_modulo_least(block, &least, error);
+        status = fp3_interval_least(block, &least, error);
     for (uint32_t x = 0; !status && x < block->code->variable_count && least > split->count; x++) {
         fp3_block tried = {0};
         status = fp3_block_clone(split, &tried, error);
         if (!status)
             status = fp3_copies_split(&tried, x, &is_changed, error);
         if (!status && is_changed)
-            status = fp3_modulo_least(&tried, &now, error);
+            status = fp3_interval_least(&tried, &now, error);
         if (!status && is_changed && now && now < least) {
             fp3_block_free(split);
             *split = tried;
@@ -93,8 +93,8 @@ static fp3_status make_step(maker *m, fp3_error *error) {
 
 /* ---- the interface ---- */
 
-static fp3_status make_all(const fp3_code *code, const fp3_config *config, fp3_schedule **schedule,
-                           fp3_error *error) {
+static fp3_status make_all(const fp3_step_code *code, const fp3_config *config,
+                           fp3_schedule **schedule, fp3_error *error) {
     maker m = {.code = code, .config = config, .made = calloc(1, sizeof **schedule)};
     fp3_status status = m.made ? make_step(&m, error) : no_memory(error);
     if (!status)
@@ -115,13 +115,13 @@ static fp3_status make_all(const fp3_code *code, const fp3_config *config, fp3_s
     return status;
 }
 
-fp3_status fp3_schedule_make(const fp3_code *code, const fp3_config *config,
+fp3_status fp3_schedule_make(const fp3_step_code *code, const fp3_config *config,
                              fp3_schedule **schedule, fp3_error *error) {
     fp3_status status = make_all(code, config, schedule, error);
     if (status != FP3_E_LIMIT || !code->allow_ahead || config->interleave)
         return status;
     /* What is executed ahead may be too much for the first part. */
-    fp3_code in_turn = *code;
+    fp3_step_code in_turn = *code;
     in_turn.allow_ahead = 0;
     return make_all(&in_turn, config, schedule, error);
 }

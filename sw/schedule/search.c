@@ -1,8 +1,8 @@
 /* search.c - orders are proposed, timed and get registers; the best one is taken. */
 #include "search.h"
 
+#include "interval.h"
 #include "loop.h"
-#include "modulo.h"
 #include "order.h"
 #include "path.h"
 #include "polish.h"
@@ -14,17 +14,14 @@
 
 /* Orders that are tried: so many nodes are put in order in all, but so many orders in any case. */
 #define NODES_LISTED 6000u
-#define NODES_LOOPED 2500u
-#define NODES_NOISY 7000u
 #define NODES_MOVED 50000u
-#define NODES_CHANCED 5000u
 #define ORDERS_LEAST 4u
 #define MOVES_MOST 1000u
 /* Sizes of the part that is executed ahead. */
 #define ROTATIONS 16u
 
 typedef struct {
-    const fp3_code *code;
+    const fp3_step_code *code;
     const fp3_config *config;
     fp3_block *block;
     fp3_dependences graph;
@@ -94,19 +91,7 @@ static uint32_t orders_for(const search *m, uint32_t nodes) {
 static fp3_status propose_lists(search *m, uint32_t *order, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (int next = 0; !status && next < FP3_NEXT_COUNT; next++) {
-        status = fp3_order_list(m->block, &m->graph, (fp3_next)next, 0, order, error);
-        if (!status)
-            status = propose(m, order, NULL, error);
-    }
-    return status;
-}
-
-/* Where nothing fits yet. */
-static fp3_status propose_chances(search *m, uint32_t *order, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    for (uint32_t left = orders_for(m, NODES_CHANCED); !status && left && !m->best->places.reg;
-         left--) {
-        status = fp3_order_list(m->block, &m->graph, FP3_NEXT_CHANCE, left, order, error);
+        status = fp3_order_list(m->block, &m->graph, (fp3_next)next, order, error);
         if (!status)
             status = propose(m, order, NULL, error);
     }
@@ -141,7 +126,7 @@ static uint32_t room_for_temps(const search *m, uint32_t spare) {
 }
 
 /* Lists for a set of nodes that are executed ahead. The last one is left in order. */
-static fp3_status propose_filled(search *m, const fp3_modulo *modulo, uint32_t interval,
+static fp3_status propose_filled(search *m, const fp3_interval *found, uint32_t interval,
                                  const char *is_ahead, uint32_t *left, uint32_t *order,
                                  fp3_error *error) {
     static const struct {
@@ -151,9 +136,9 @@ static fp3_status propose_filled(search *m, const fp3_modulo *modulo, uint32_t i
         {6, FP3_NO_GUARD, 1}, {2, 1, 2}, {0, FP3_NO_GUARD, 4}, {1000, FP3_NO_GUARD, 2}, {0, 8, 0}};
     const uint32_t room = room_for_temps(m, 0);
     fp3_loop loop = {
-        .graph = fp3_modulo_dependences(modulo), .is_ahead = is_ahead, .interval = interval};
+        .graph = fp3_interval_dependences(found), .is_ahead = is_ahead, .interval = interval};
     fp3_status status = FP3_OK;
-    loop.urgency = fp3_modulo_heights(modulo, interval);
+    loop.urgency = fp3_interval_heights(found, interval);
     for (size_t i = 0; !status && *left && i < sizeof ways / sizeof *ways; i++, --*left) {
         loop.loss = ways[i].loss;
         loop.guard = ways[i].guard;
@@ -166,14 +151,14 @@ static fp3_status propose_filled(search *m, const fp3_modulo *modulo, uint32_t i
     return status;
 }
 
-static fp3_status propose_rotated(search *m, const fp3_modulo *modulo, uint32_t interval,
+static fp3_status propose_rotated(search *m, const fp3_interval *found, uint32_t interval,
                                   uint32_t *order, char *is_ahead, fp3_error *error) {
     uint32_t left = orders_for(m, NODES_LISTED);
     const uint32_t rotations = left / 5 < ROTATIONS ? left / 5 + 1 : ROTATIONS;
     memset(is_ahead, 0, m->block->count);
     fp3_status status = FP3_OK;
     while (!status && left && !is_done(m, interval)) {
-        status = propose_filled(m, modulo, interval, is_ahead, &left, order, error);
+        status = propose_filled(m, found, interval, is_ahead, &left, order, error);
         if (!status && (!m->code->allow_ahead ||
                         !rotate(m, order, 1 + m->block->count / (2 * rotations), is_ahead)))
             break;
@@ -181,46 +166,7 @@ static fp3_status propose_rotated(search *m, const fp3_modulo *modulo, uint32_t 
     return status;
 }
 
-/* Loops from the shortest interval on, until one is as short as its interval and fits. Longer ones
- * overlap less and need fewer registers. */
-static fp3_status propose_modulo(search *m, fp3_modulo *modulo, uint32_t interval, uint32_t *order,
-                                 char *is_ahead, fp3_error *error) {
-    static const uint32_t patience[] = {0, 8, 32};
-    fp3_status status = FP3_OK;
-    for (uint32_t left = orders_for(m, NODES_LOOPED); !status && left && !is_done(m, interval);
-         left--) {
-        if (fp3_modulo_order(modulo, interval, patience[left % 3], order, is_ahead))
-            status = propose(m, order, is_ahead, error);
-        if (left % 3 == 0)
-            interval += 1 + interval / 64;
-    }
-    return status;
-}
-
-/* Around the best so far. */
-static fp3_status propose_noisy(search *m, const fp3_modulo *modulo, uint32_t interval,
-                                uint32_t *order, char *is_ahead, fp3_error *error) {
-    static const int32_t losses[] = {6, 2, 0, 1000};
-    fp3_loop loop = {
-        .graph = fp3_modulo_dependences(modulo), .is_ahead = is_ahead, .interval = interval};
-    fp3_status status = FP3_OK;
-    loop.urgency = fp3_modulo_heights(modulo, interval);
-    loop.guard = FP3_NO_GUARD;
-    loop.limit = room_for_temps(m, 1);
-    for (uint32_t left = orders_for(m, NODES_NOISY); !status && left && !is_done(m, interval);
-         left--) {
-        memcpy(is_ahead, m->best->is_ahead, m->block->count);
-        loop.loss = losses[left % 4];
-        loop.noise = 3 + left % 3 * 4;
-        loop.seed = left;
-        status = fp3_loop_order(m->block, &loop, order, error);
-        if (!status)
-            status = propose(m, order, is_ahead, error);
-    }
-    return status;
-}
-
-static fp3_status propose_polished(search *m, const fp3_modulo *modulo, uint32_t interval,
+static fp3_status propose_polished(search *m, const fp3_interval *found, uint32_t interval,
                                    uint32_t *order, char *is_ahead, fp3_error *error) {
     const uint32_t moves = orders_for(m, NODES_MOVED);
     if (!m->best->places.reg || is_done(m, interval))
@@ -228,7 +174,7 @@ static fp3_status propose_polished(search *m, const fp3_modulo *modulo, uint32_t
     memcpy(order, m->best->order, m->block->count * sizeof *order);
     memcpy(is_ahead, m->best->is_ahead, m->block->count);
     mark_ahead(m->block, is_ahead);
-    const fp3_status status = fp3_polish(m->block, fp3_modulo_dependences(modulo), interval,
+    const fp3_status status = fp3_polish(m->block, fp3_interval_dependences(found), interval,
                                          moves < MOVES_MOST ? moves : MOVES_MOST, order, error);
     return status ? status : propose(m, order, is_ahead, error);
 }
@@ -239,28 +185,22 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     const uint32_t least = m->config->writeback_stall ? 2 * count : count;
     double path = 0;
     uint32_t interval = 0;
-    fp3_modulo *modulo = NULL;
+    fp3_interval *found = NULL;
     char *is_ahead = malloc(count + 1);
     fp3_status status = is_ahead ? FP3_OK : no_memory(error);
     if (!status)
         status = fp3_path_longest(m->code, m->config, &path, error);
     if (!status)
-        status = fp3_modulo_make(m->block, &modulo, error);
+        status = fp3_interval_make(m->block, &found, error);
     if (!status) {
         const uint32_t begin = path > least ? (uint32_t)ceil(path - 1e-6) : least;
-        interval = fp3_modulo_interval(modulo, begin, 64 * (begin + 64));
+        interval = fp3_interval_least_from(found, begin, 64 * (begin + 64));
     }
     if (interval)
-        status = propose_rotated(m, modulo, interval, order, is_ahead, error);
-    if (interval && !status && m->best->places.reg)
-        status = propose_modulo(m, modulo, interval, order, is_ahead, error);
-    if (interval && !status && m->best->places.reg)
-        status = propose_noisy(m, modulo, interval, order, is_ahead, error);
-    if (!status)
-        status = propose_chances(m, order, error);
+        status = propose_rotated(m, found, interval, order, is_ahead, error);
     if (interval && !status)
-        status = propose_polished(m, modulo, interval, order, is_ahead, error);
-    fp3_modulo_free(&modulo);
+        status = propose_polished(m, found, interval, order, is_ahead, error);
+    fp3_interval_free(&found);
     free(is_ahead);
     return status;
 }
@@ -272,8 +212,6 @@ static fp3_status propose_all(search *m, fp3_error *error) {
         status = propose_lists(m, order, error);
     if (!status && !m->config->interleave && m->block->count)
         status = propose_loops(m, order, error);
-    else if (!status)
-        status = propose_chances(m, order, error);
     free(order);
     return status;
 }

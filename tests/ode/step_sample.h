@@ -19,7 +19,7 @@ typedef struct {
     fp3_op first[OPS_MAX], step[OPS_MAX], last[OPS_MAX];
     fp3_variable variables[VARIABLES_MAX];
     uint32_t start[VARIABLES_MAX], params[PARAMS_MAX], constants[CONSTANTS_MAX + 1];
-    fp3_code s;
+    fp3_step_code s;
     int is_hashed;  /* operations give numbers that depend on all that went in, no sums */
     int is_special; /* has operations that step_check.h does not know */
 } sample;
@@ -118,8 +118,9 @@ static void random_sample(sample *t, const fp3_config *config, uint64_t seed, ui
     memset(t, 0, sizeof *t);
     t->c = (chance){.state = seed};
     chance *c = &t->c;
-    fp3_code *s = &t->s;
-    *s = (fp3_code){.first = t->first, .step = t->step, .last = t->last, .variables = t->variables};
+    fp3_step_code *s = &t->s;
+    *s = (fp3_step_code){
+        .first = t->first, .step = t->step, .last = t->last, .variables = t->variables};
     const uint32_t most = below(c, 2) ? 12 : limit;
     s->step_count = 1 + below(c, most);
     s->variable_count = below(c, 2) ? below(c, 6) : below(c, config->registers * 5 / 8 + 1);
@@ -189,7 +190,7 @@ static void integrator_sample(sample *t, const fp3_config *config, uint64_t seed
     fp3_ref states[VARIABLES_MAX], k[4][VARIABLES_MAX];
     random_sample(t, config, seed, 1);
     chance *c = &t->c;
-    fp3_code *s = &t->s;
+    fp3_step_code *s = &t->s;
     s->first_count = s->last_count = s->step_count = 0;
     s->allow_ahead = 1;
     s->constant_count = CONSTANTS_MAX;
@@ -254,7 +255,7 @@ static void ship_sample(sample *t) {
     };
     memset(t, 0, sizeof *t);
     memcpy(t->step, ops, sizeof ops);
-    t->s = (fp3_code){.first = t->first, .step = t->step, .last = t->last};
+    t->s = (fp3_step_code){.first = t->first, .step = t->step, .last = t->last};
     t->s.variables = t->variables;
     t->s.step_count = sizeof ops / sizeof *ops;
     t->s.variable_count = 2;
