@@ -170,14 +170,14 @@ module visits #(
 `ifdef FP3_CHECK
     // Who is in a context, kept without the delays of the memory.
     reg [(1<<CONTEXT_W)-1:0] there_q, slept_q;
-    reg [3:0]                age [0:(1<<CONTEXT_W)-1];     // cycles since a context came
+    reg [3:0]                age [0:CONTEXTS-1];            // cycles since a context came
     wire there = begins_i ? present_w0 : there_q[context_i] && !(finds_q && nonzero_i && context_q == context_i);
     wire slept = !begins_i && slept_q[context_i];
     integer k;
     always @(posedge clk_i) begin
         if (finds_q && nonzero_i) there_q[context_q] <= 1'b0;
         if (valid_i) {there_q[context_i], slept_q[context_i]} <= {there, slept || sleeps};
-        for (k = 0; k < 1 << CONTEXT_W; k = k + 1)
+        for (k = 0; k < CONTEXTS; k = k + 1)
             age[k] <= rst_i ? 4'd8 : valid_i && context_i == k[CONTEXT_W-1:0] ? 4'd1 : age[k] == 4'd8 ? 4'd8 : age[k] + 1'b1;
         if (!rst_i && valid_i && age[context_i] != 4'd8) begin
             $display("%m: context %0d comes again after %0d cycles", context_i, age[context_i]); $stop;
