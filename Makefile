@@ -70,7 +70,7 @@ export PYTHONDONTWRITEBYTECODE := 1
 CCACHE   := $(shell command -v ccache 2>/dev/null)
 SANITIZE := $(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 WARN     := -Wall -Wextra -Wpedantic -Werror
-INCLUDES := -Isw/gen -Isw/include -Isw -Isim
+INCLUDES := -Isw/include -Isw -Isim
 # No fused multiply-add may replace the two roundings that a program asks for.
 NUMBERS  := -ffp-contract=off
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.

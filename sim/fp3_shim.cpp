@@ -14,7 +14,7 @@
 
 #include "fp3_rtl.h"
 
-#include <configs.h>
+#include "gen/configs.h"
 #include <memory>
 #include <new>
 #include <verilated.h>
@@ -42,9 +42,9 @@ constexpr bool same(const char *a, const char *b) {
 }
 constexpr shape find_shape() {
     shape found = {0, 0};
-#define X(name, doc, interleave, tiles, schedulers, lanes, ...)                                    \
+#define X(name, doc, schedulers, lanes)                                                            \
     if (same(#name, STRING(FP3_CONFIG)))                                                           \
-        found = {tiles * schedulers, lanes};
+        found = {schedulers, lanes};
     FP3_CONFIGS(X)
 #undef X
     return found;

@@ -6,7 +6,8 @@ programs/integrators/*.cfg into a C header.
     tools/generate.py --check   writes nothing; fails and names each file that is stale
 
 rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not write is removed
-(with --check: reported). Python's standard library (3.11) is all it needs.
+(with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
+Python's standard library (3.11) is all it needs.
 
 fp3gen/ does the work: it reads and checks (isa, registers, configs), then writes (verilog, parameters, decode, c, pages, fusesoc).
 """
@@ -17,13 +18,14 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, pages, parameters, verilog
+from fp3gen import c, decode, fusesoc, pages, parameters, registers, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
+from fp3gen.text import MARK
 
 
 def outputs(root):
-    isa, regs, configs = load(root)
+    isa, regs, known, configs = load(root)
     files = {
         "rtl/gen/isa.vh": verilog.isa_verilog(isa),
         "rtl/gen/mnemonic.vh": verilog.mnemonic_verilog(isa),
@@ -33,23 +35,33 @@ def outputs(root):
         "rtl/gen/choices.vh": decode.choices_verilog(isa),
         "rtl/gen/config_values.vh": decode.config_values_verilog(isa),
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
-        "rtl/gen/parameters.vh": parameters.parameters_verilog(root),
-        "rtl/gen/config_keys.vh": parameters.config_keys_verilog(root),
-        "rtl/gen/shown.vh": parameters.shown_verilog(regs),
+        "rtl/gen/parameters.vh": parameters.parameters_verilog(known),
+        "rtl/gen/config_keys.vh": parameters.config_keys_verilog(known),
+        "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
         "rtl/fp3.core": fusesoc.core_file(root, configs),
-        "sw/gen/isa.h": c.isa_c(isa),
+        "sw/include/fp3/isa.h": c.isa_c(isa),
+        "sw/include/fp3/counters.h": c.counters_c(regs),
+        "sw/gen/operations.h": c.operations_c(isa, registers.exceptions(regs)),
         "rtl/gen/estimates.vh": verilog.estimates_verilog(),
         "sw/gen/estimates.h": c.estimates_c(),
         "sw/gen/registers.h": c.registers_c(regs),
-        "sw/include/fp3/counters.h": c.counters_c(regs),
-        "sw/gen/configs.h": c.configs_c(configs),
+        "sw/gen/configs.h": c.configs_c(known, configs),
         "sw/gen/integrators.h": c.integrators_c(root),
         "docs/isa.md": pages.isa_page(isa),
         "docs/registers.md": pages.registers_page(regs),
-        "docs/configurations.md": pages.configs_page(configs),
+        "docs/configurations.md": pages.configs_page(known, configs),
     }
     files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row) for row in configs}
     return {name: "\n".join(lines) + "\n" for name, lines in files.items()}
+
+
+def orphans(root, files):
+    """What was generated once and is not any more: all of two directories, and what bears the mark in two others."""
+    for pattern, is_ours in (("rtl/gen/*", True), ("sw/gen/*", True), ("sw/include/fp3/*.h", False), ("docs/*.md", False)):
+        for path in sorted(root.glob(pattern)):
+            marked = is_ours or path.read_text(encoding="utf-8").partition("\n")[0].find(MARK.partition("{")[0]) >= 0
+            if marked and path.relative_to(root).as_posix() not in files:
+                yield path
 
 
 def main():
@@ -73,15 +85,12 @@ def main():
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
             print(f"wrote {name}")
-    for directory in ("rtl/gen", "sw/gen"):
-        for path in sorted((args.root / directory).glob("*")):
-            name = f"{directory}/{path.name}"
-            if name in files:
-                continue
-            stale.append(f"{name}: not generated any more")
-            if not args.check:
-                path.unlink()
-                print(f"removed {name}")
+    for path in orphans(args.root, files):
+        name = path.relative_to(args.root).as_posix()
+        stale.append(f"{name}: not generated any more")
+        if not args.check:
+            path.unlink()
+            print(f"removed {name}")
     if args.check and stale:
         sys.exit("\n".join(f"generate.py: {line}" for line in stale) + "\nRun tools/generate.py.")
 

@@ -32,7 +32,7 @@ lint_c() {
     # missingIncludeSystem: the headers of the system are the compiler's to find.
     sources | grep '\.c' | xargs -r cppcheck --quiet --error-exitcode=1 --inline-suppr --std=c11 \
         --enable=warning,performance,portability --suppress=missingIncludeSystem \
-        -Isw/gen -Isw/include -Isw -Isim || failed=1
+        -Isw/include -Isw -Isim || failed=1
     return $failed
 }
 

@@ -18,7 +18,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 
 from fp3gen import configs
 from fp3gen.check import Bad
@@ -26,9 +25,8 @@ from fp3gen.read import load
 from generate import outputs
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-DEFAULT = re.search(r"^\[default\].*?(?=^\[\[)", (ROOT / "isa/configs.toml").read_text(), re.M | re.S)[0]
-_, REGISTERS, _ = load(ROOT)
-POSITIONS = {unit: configs.cut_positions(ROOT, f"fp_{unit}") for unit in ("add", "mul")}
+KEYS = (ROOT / "isa/configs.toml").read_text().partition("[[config]]")[0]
+KNOWN = load(ROOT).keys
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lz -lm".split()
 TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
@@ -92,7 +90,7 @@ def draw(rng):
 def is_possible(row):
     """What goes with what, the generator knows."""
     try:
-        configs.check_configs(tomllib.loads(toml(row)), REGISTERS, POSITIONS)
+        configs.check_configs([row], KNOWN)
     except Bad:
         return False
     return True
@@ -109,7 +107,7 @@ def toml(row):
     def text(value):
         return f'"{value}"' if isinstance(value, str) else str(value)
 
-    return DEFAULT + "[[config]]\n" + "".join(f"{key} = {text(value)}\n" for key, value in row.items())
+    return KEYS + "[[config]]\n" + "".join(f"{key} = {text(value)}\n" for key, value in row.items())
 
 
 # ---- a build ------------------------------------------------------------------------------------
@@ -126,7 +124,7 @@ def sources(patterns):
 
 
 def includes(tree):
-    return [f"-I{path}" for path in (tree / "sw/gen", ROOT / "sw/include", ROOT / "sw", ROOT / "sim")]
+    return [f"-I{path}" for path in (tree / "sw", ROOT / "sw/include", ROOT / "sw", ROOT / "sim")]
 
 
 def compile_c(path, tree, to):

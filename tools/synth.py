@@ -327,7 +327,7 @@ def arguments(configs):
 
 def main():
     try:
-        configs = load(ROOT)[2]
+        configs = load(ROOT).configs
     except Bad as bad:
         sys.exit(f"synth.py: {bad}")
     args = arguments(configs)

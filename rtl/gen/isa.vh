@@ -23,6 +23,11 @@ localparam BANK_OBJECT_COUNT = 64;
 localparam BANK_SHARED_BASE  = 64;
 localparam BANK_SHARED_COUNT = 64;
 
+// Bits of numbers.
+localparam [31:0] BITS_NAN        = 32'h7fc00000;
+localparam [31:0] BITS_ONE        = 32'h3f800000;
+localparam [31:0] BITS_MINUS_ZERO = 32'h80000000;
+
 // Opcodes.
 localparam [4:0] OP_ADD   = 5'd1;
 localparam [4:0] OP_SUB   = 5'd2;

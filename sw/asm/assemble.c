@@ -101,9 +101,9 @@ static void encode(asm_source *a, uint32_t *code) {
         fp3_instruction word = {.op = s->operation->code};
         for (unsigned j = 0; s->operation->operands[j]; j++) {
             const char letter = s->operation->operands[j];
-            const char *only_object = letter != 'd'          ? NULL
-                                      : word.op == FP3_OP_ST ? "to store"
-                                                             : "as destination";
+            const char *only_object = letter != 'd'                              ? NULL
+                                      : s->operation->writes == FP3_WRITES_NEVER ? "to store"
+                                                                                 : "as destination";
             uint32_t operand = resolve(a, s->operands[j], only_object);
             if (operand == ASM_NOWHERE)
                 continue;

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
+#include <fp3/isa.h>
 
 static void write_registers(const fp3_image *image, FILE *out) {
     char text[FP3_NUMBER_TEXT_SIZE];

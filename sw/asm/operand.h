@@ -5,8 +5,8 @@
 #include <fp3/image.h>
 #include <stdint.h>
 
-#include "isa.h"
 #include "text/token.h"
+#include <fp3/isa.h>
 
 enum { ASM_REGISTERS = FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT };
 #define ASM_NOWHERE UINT32_MAX /* no operand */

@@ -6,7 +6,7 @@
 #include <fp3/golden.h>
 #include <fp3/truth.h>
 #include <inttypes.h>
-#include <isa.h>
+#include <machine/operation.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -253,29 +253,15 @@ static fp3_status measure_error(const bench *b, fp3_error *error) {
 
 /* ---- a run ---- */
 
-typedef enum { ADD, MUL, CHAIN, SLEEP, MEMORY, NONE } unit;
-
-static unit unit_of(uint32_t word) {
-    fp3_instruction in;
-    if (fp3_word_decode(word, &in, NULL))
-        return NONE;
-    switch (in.op) {
-#define X(NAME, code, mnemonic, operands, unit)                                                    \
-    case code:                                                                                     \
-        return unit;
-        FP3_OPS(X)
-#undef X
-    }
-    return NONE;
-}
-
 /* Of one step, what each functional unit has to do. */
 static void count_uses(fp3_bench_result *r, const fp3_image *image) {
     for (uint32_t i = image->step; i < image->last; i++) {
-        const unit used = unit_of(image->code[i]);
+        fp3_instruction in;
+        const unsigned path =
+            fp3_word_decode(image->code[i], &in, NULL) ? 0 : fp3_operation_find(in.op)->path;
         r->issues++;
-        r->adds += used == ADD || used == CHAIN;
-        r->muls += used == MUL || used == CHAIN;
+        r->adds += (path & FP3_UNIT_ADDER) != 0;
+        r->muls += (path & FP3_UNIT_MULTIPLIER) != 0;
     }
 }
 

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "isa.h"
 #include "machine/config.h"
 #include "machine/operation.h"
+#include <fp3/isa.h>
 
 static const fp3_operation *operation_at(const fp3_image *image, uint32_t index) {
     fp3_instruction word;
@@ -36,33 +36,22 @@ static void print_part(const fp3_image *image, const char *name, uint32_t begin,
     printf("\n");
 }
 
-static int uses(const fp3_image *image, uint32_t op) {
+static int needs(const fp3_image *image, fp3_key key) {
     for (uint32_t i = 0; i < image->code_count; i++)
-        if (operation_at(image, i) == fp3_operation_find(op))
+        if (operation_at(image, i) && operation_at(image, i)->needs == key)
             return 1;
     return 0;
 }
 
 /* "needs       chain scale": keys of a configuration. */
 static void print_needs(const fp3_image *image) {
-    static const struct {
-        uint32_t op;
-        const char *key;
-    } rows[] = {
-#define X(NAME, key) {FP3_OP_##NAME, #key},
-        FP3_OP_NEEDS(X)
-#undef X
-    };
-    const char *said = NULL;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        int is_new = uses(image, rows[i].op);
-        for (size_t j = 0; j < i; j++)
-            is_new &= strcmp(rows[j].key, rows[i].key) != 0 || !uses(image, rows[j].op);
-        if (!is_new)
-            continue;
-        printf(said ? " %s" : "%-11s %s", said ? rows[i].key : "needs", rows[i].key);
-        said = rows[i].key;
-    }
+    int said = 0;
+    for (fp3_key key = 0; key < FP3_KEY_COUNT; key++)
+        if (needs(image, key)) {
+            printf(said ? " %s" : "%-11s %s", said ? fp3_key_name(key) : "needs",
+                   fp3_key_name(key));
+            said = 1;
+        }
     if (said)
         printf("\n");
 }

@@ -1,31 +1,19 @@
 /* check.c - operations, constants and words against what a configuration has. */
 #include "check.h"
 
-#include <inttypes.h>
-#include <isa.h>
+#include "machine/operation.h"
 
-/* The key of the configuration that the operation needs and that is 0; NULL: it has all. */
-static const char *lacks(const fp3_config *config, uint32_t op) {
-    switch (op) {
-#define X(NAME, key)                                                                               \
-    case FP3_OP_##NAME:                                                                            \
-        return config->key ? NULL : #key;
-        FP3_OP_NEEDS(X)
-#undef X
-    default:
-        return NULL;
-    }
-}
+#include <inttypes.h>
 
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
                             const fp3_config *config, fp3_error *error) {
     for (uint32_t i = 0; i < count; i++) {
-        const char *what = lacks(config, ops[i].op);
+        const fp3_key key = fp3_operation_lacks(config, ops[i].op);
         const char *note = fp3_note_text(&step->notes, ops[i].note);
-        if (what)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "%s%sneeds `%s`, which configuration '%s' does not have",
-                            note ? note : "the model", note ? ": " : " ", what, config->name);
+        if (key != FP3_KEY_NONE)
+            return fp3_fail(
+                error, FP3_E_PROGRAM, "%s%sneeds `%s`, which configuration '%s' does not have",
+                note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name);
     }
     return FP3_OK;
 }

@@ -1,8 +1,10 @@
 /* choose.c - each addition may take in one product that nothing else reads. */
 #include "choose.h"
 
+#include "machine/cycles.h"
+
 #include <assert.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <stdlib.h>
 
 typedef struct {
@@ -14,10 +16,7 @@ typedef struct {
 } chooser;
 
 static uint32_t latency(const chooser *c, uint32_t op) {
-    const fp3_config *config = c->p->options->config;
-    return op == FP3_OP_ADD || op == FP3_OP_SUB ? config->add_latency
-           : op == FP3_OP_MUL                   ? config->mul_latency
-                                                : config->add_latency + config->mul_latency;
+    return fp3_cycles_latency(c->p->options->config, op);
 }
 
 static uint32_t later(uint32_t a, uint32_t b) { return a > b ? a : b; }

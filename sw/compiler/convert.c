@@ -2,7 +2,7 @@
 #include "convert.h"
 
 #include <assert.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,10 @@
 /* dag.c - nodes, found again by a hash table. */
 #include "dag.h"
 
+#include "machine/operation.h"
+
 #include <assert.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,9 +26,10 @@ static uint32_t hash(uint32_t op, uint32_t a, uint32_t b, uint32_t c) {
     return (h ^ h >> 15) % FP3_DAG_BUCKETS;
 }
 
-/* x + y and x * y have the bits and flags of y + x and y * x. */
+/* x + y has the bits and flags of y + x. */
 static void order(uint32_t op, uint32_t *a, uint32_t *b) {
-    if ((op == FP3_OP_ADD || op == FP3_OP_MUL) && *a > *b) {
+    const fp3_operation *operation = fp3_operation_find(op);
+    if (operation && operation->commutes && *a > *b) {
         const uint32_t t = *a;
         *a = *b;
         *b = t;

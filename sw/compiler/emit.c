@@ -3,8 +3,8 @@
 
 #include "formula.h"
 
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "fold.h"
 
-#include <isa.h>
+#include <fp3/isa.h>
 #include <stdlib.h>
 
 fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {

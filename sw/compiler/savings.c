@@ -1,14 +1,14 @@
 /* savings.c - the same model once more without each pass. */
 #include "savings.h"
 
-#include <isa.h>
+#include "machine/operation.h"
 
 /* Uses of the multiplier. */
 static uint32_t products(const fp3_pipeline *p) {
     uint32_t found = 0;
     for (uint32_t i = 0; i < p->code.code.step_count; i++) {
-        const uint32_t op = p->code.code.step[i].op;
-        found += op == FP3_OP_MUL || op == FP3_OP_MADD || op == FP3_OP_MSUB;
+        const fp3_operation *operation = fp3_operation_find(p->code.code.step[i].op);
+        found += (operation->path & FP3_UNIT_MULTIPLIER) != 0;
     }
     return found;
 }

@@ -3,7 +3,7 @@
 
 #include "fold.h"
 
-#include <isa.h>
+#include <fp3/isa.h>
 
 term fp3_term(uint32_t node) { return (term){.node = node}; }
 

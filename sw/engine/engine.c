@@ -1,9 +1,12 @@
 /* engine.c - what all engines share: configurations, names, every check of an argument. */
 #include "backend.h"
 
+#include "gen/registers.h"
+#include "machine/operation.h"
+
+#include "gen/registers.h"
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
-#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,37 +168,16 @@ fp3_status fp3_engine_limit(fp3_engine *engine) {
 
 /* ---- load ---- */
 
-/* What a program asks for that a configuration may not have, by its key. */
-#define KEY_chain "a chained multiply-add"
-#define KEY_scale "an addition of half or twice"
-#define KEY_select "a comparison or selection"
-#define KEY_estimate "an estimate"
-#define KEY_sleep "an instruction for objects that sleep"
-#define KEY_interleave "an access to an object store"
-
-/* What the configuration lacks for an operation, or NULL. */
-static const char *lacks(const fp3_config *config, uint32_t op) {
-    switch (op) {
-#define X(NAME, key)                                                                               \
-    case FP3_OP_##NAME:                                                                            \
-        return config->key ? NULL : KEY_##key;
-        FP3_OP_NEEDS(X)
-#undef X
-    default:
-        return NULL;
-    }
-}
-
 static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
         fp3_instruction instruction;
         if (fp3_word_decode(image->code[i], &instruction, NULL))
             continue;
-        const char *what = lacks(engine->config, instruction.op);
-        if (what)
+        const fp3_key key = fp3_operation_lacks(engine->config, instruction.op);
+        if (key != FP3_KEY_NONE)
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "word %" PRIu32 " is %s, which configuration '%s' does not have", i,
-                            what, engine->config->name);
+                            fp3_key_lack(key), engine->config->name);
     }
     return FP3_OK;
 }

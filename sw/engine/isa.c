@@ -9,12 +9,15 @@
  */
 #include "backend.h"
 
+#include "gen/registers.h"
+
+#include "gen/registers.h"
 #include <fenv.h>
 #include <float.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <machine/estimate.h>
+#include <machine/operation.h>
 #include <math.h>
-#include <registers.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -152,15 +155,7 @@ static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in
         (in->a & in_bank) >= config->registers || (in->b & in_bank) >= config->registers ||
         (in->c & in_bank) >= config->registers)
         return 0;
-    switch (in->op) {
-#define X(NAME, key)                                                                               \
-    case FP3_OP_##NAME:                                                                            \
-        return config->key != 0;
-        FP3_OP_NEEDS(X)
-#undef X
-    default:
-        return 1;
-    }
+    return fp3_operation_lacks(config, in->op) == FP3_KEY_NONE;
 }
 
 /* ---- arithmetic ---- */
@@ -202,11 +197,11 @@ static float one(const fp3_config *config, uint32_t op, float x, float y) {
 
 static uint32_t raised(const fp3_config *config) {
     const int raised = config->flags ? fetestexcept(FE_ALL_EXCEPT) : 0;
-    return (raised & FE_INVALID ? 1u << FP3_FLAGS_INVALID_LO : 0) |
-           (raised & FE_DIVBYZERO ? 1u << FP3_FLAGS_DIVIDE_BY_ZERO_LO : 0) |
-           (raised & FE_OVERFLOW ? 1u << FP3_FLAGS_OVERFLOW_LO : 0) |
-           (raised & FE_UNDERFLOW ? 1u << FP3_FLAGS_UNDERFLOW_LO : 0) |
-           (raised & FE_INEXACT ? 1u << FP3_FLAGS_INEXACT_LO : 0);
+    return (raised & FE_INVALID ? FP3_FLAG_INVALID : 0) |
+           (raised & FE_DIVBYZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
+           (raised & FE_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
+           (raised & FE_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
+           (raised & FE_INEXACT ? FP3_FLAG_INEXACT : 0);
 }
 
 /* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
@@ -296,7 +291,7 @@ static uint32_t operand(const isa *self, const uint32_t *object, uint32_t number
 
 /* The flags of an object, and the step in which it went wrong. */
 static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
-    const uint32_t grave = 1u << FP3_FLAGS_INVALID_LO | 1u << FP3_FLAGS_OVERFLOW_LO;
+    const uint32_t grave = FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW;
     uint32_t *word = &((isa *)r->engine->self)->status[object];
     r->stats->flags |= flags;
     *word |= flags;
@@ -354,35 +349,6 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
     self->executed++;
 }
 
-static fp3_counter counter_of(uint32_t op) {
-    switch (op) {
-    case FP3_OP_ADD:
-    case FP3_OP_SUB:
-    case FP3_OP_ADDH:
-    case FP3_OP_SUBH:
-    case FP3_OP_ADDT:
-    case FP3_OP_SUBT:
-    case FP3_OP_MIN:
-    case FP3_OP_MAX:
-    case FP3_OP_ABS:
-    case FP3_OP_LT:
-    case FP3_OP_LE:
-    case FP3_OP_SEL:
-    case FP3_OP_RCP:
-    case FP3_OP_RSQRT:
-        return FP3_COUNTER_ISSUED_ADD;
-    case FP3_OP_MUL:
-        return FP3_COUNTER_ISSUED_MUL;
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-        return FP3_COUNTER_ISSUED_CHAIN;
-    case FP3_OP_SLEEP:
-        return FP3_COUNTER_ISSUED_SLEEP;
-    default:
-        return FP3_COUNTER_ISSUED_MEMORY;
-    }
-}
-
 static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
 
 /* One instruction for all objects that execute it. */
@@ -394,7 +360,7 @@ static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
         if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
             execute(r, i, in);
     uint64_t *counter = r->engine->counters[0];
-    counter[counter_of(in->op)] += self->executed - before;
+    counter[fp3_operation_find(in->op)->counter] += self->executed - before;
     counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
 }
 

@@ -1,7 +1,7 @@
 /* layout.c - groups of objects: placed, found again. */
 #include "layout.h"
 
-#include <registers.h>
+#include "gen/registers.h"
 #include <stdlib.h>
 #include <string.h>
 

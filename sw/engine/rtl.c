@@ -8,10 +8,10 @@
 #include "hardware.h"
 #include "in_flight.h"
 
+#include "gen/registers.h"
 #include <errno.h>
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
-#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,34 +132,24 @@ static fp3_status check_build(fp3_engine *engine) {
     const fp3_config *c = engine->config;
     const uint32_t id = 0x46503300u | FP3_ISA_REVISION;
     const struct {
-        uint32_t address, mask, expected;
+        uint32_t address, expected;
     } rows[] = {
-        {FP3_ADDR_ID, UINT32_MAX, id},
-        {FP3_ADDR_SHAPE, UINT32_MAX,
-         VALUE(SHAPE_REGISTERS, c->registers) | VALUE(SHAPE_CONSTANTS, c->registers) |
-             VALUE(SHAPE_CONTEXTS, c->contexts)},
-        {FP3_ADDR_MEMORY, UINT32_MAX, c->program_words},
-        {FP3_ADDR_STORE, UINT32_MAX, c->store_words},
-        {FP3_ADDR_ARRAY, UINT32_MAX,
-         VALUE(ARRAY_TILES, c->tiles) | VALUE(ARRAY_SCHEDULERS, c->schedulers) |
-             VALUE(ARRAY_LANES, c->lanes)},
-        {FP3_ADDR_FEATURES,
-         BIT(FEATURES_CHAIN) | BIT(FEATURES_SUBNORMAL) | BIT(FEATURES_NEAREST) |
-             BIT(FEATURES_INTERLEAVE) | BIT(FEATURES_SLEEP) | BIT(FEATURES_FLAGS) |
-             BIT(FEATURES_STATUS) | BIT(FEATURES_SCALE) | BIT(FEATURES_SELECT) |
-             BIT(FEATURES_ESTIMATE),
-         VALUE(FEATURES_CHAIN, c->chain) | VALUE(FEATURES_SUBNORMAL, c->subnormal) |
-             VALUE(FEATURES_NEAREST, c->nearest) | VALUE(FEATURES_INTERLEAVE, c->interleave) |
-             VALUE(FEATURES_SLEEP, c->sleep) | VALUE(FEATURES_FLAGS, c->flags) |
-             VALUE(FEATURES_STATUS, c->status) | VALUE(FEATURES_SCALE, c->scale) |
-             VALUE(FEATURES_SELECT, c->select) | VALUE(FEATURES_ESTIMATE, c->estimate)},
+        {FP3_ADDR_ID, id},
+        {FP3_ADDR_SHAPE, VALUE(SHAPE_REGISTERS, c->registers) |
+                             VALUE(SHAPE_CONSTANTS, c->registers) |
+                             VALUE(SHAPE_CONTEXTS, c->contexts)},
+        {FP3_ADDR_MEMORY, c->program_words},
+        {FP3_ADDR_STORE, c->store_words},
+        {FP3_ADDR_ARRAY, VALUE(ARRAY_TILES, c->tiles) | VALUE(ARRAY_SCHEDULERS, c->schedulers) |
+                             VALUE(ARRAY_LANES, c->lanes)},
+        {FP3_ADDR_FEATURES, FP3_FEATURES_OF(c)},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         uint32_t got = 0;
         fp3_status status = get(engine, rows[i].address, &got);
         if (status)
             return status;
-        if ((got & rows[i].mask) != rows[i].expected)
+        if (got != rows[i].expected)
             return fp3_fail(engine->def.error, FP3_E_SYSTEM,
                             "the hardware is not configuration '%s': at 0x%04" PRIx32
                             " it has 0x%08" PRIx32 ", wanted 0x%08" PRIx32,

@@ -3,22 +3,122 @@
 #define FP3_GEN_CONFIGS_H
 /* clang-format off */
 
-/* X(name, doc, interleave, tiles, schedulers, lanes, registers, contexts, program_words, store_words, bypass, writeback_stall, chain, scale, select, estimate, sleep, flags, status, subnormal, nearest, add_latency, mul_latency, add_cuts, mul_cuts) */
-#define FP3_CONFIGS(X)                                                                                                                                                                                                           \
-    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                                0, 1, 1, 1, 32, 1,  512,  0,      0, 1, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",                       0, 1, 1, 1, 32, 1,  512,  0,      0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(walk_bypass, "The same with bypass.",                                                                                           0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 14, 13, 0x007f, 0x007f) \
-    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.",             0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 1,  1,  0x0000, 0x0000) \
-    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",                       0, 1, 1, 1, 32, 1,  512,  0,      1, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 2,  2,  0x0004, 0x0004) \
-    X(single_full, "The same with everything that one object can have: comparison, selection, estimates, 64 registers, 2,048 words.", 0, 1, 1, 1, 64, 1,  2048, 0,      1, 0, 1, 0, 1, 1, 0, 1, 0, 1, 1, 2,  2,  0x0004, 0x0004) \
-    X(many,        "Objects in a store, 24 of them in flight: each instruction issues for all of them in turn.",                      1, 1, 1, 1, 32, 24, 512,  8192,   0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(many_full,   "The same with every instruction, 64 registers, 2,048 words of program and a store for 512 objects of 32 words.",  1, 1, 1, 1, 64, 24, 2048, 16384,  0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(sixteen,     "The same with 16 contexts, and cores cut only as deep as these hide: 16 objects in flight never pause.",          1, 1, 1, 1, 64, 16, 2048, 16384,  0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 6,  5,  0x006e, 0x002b) \
-    X(crowd,       "`many` with a store for 16,384 objects of 8 words: more block RAM than an LFE5U-85F has.",                        1, 1, 1, 1, 32, 24, 512,  131072, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(shared,      "The paper's Figure 3: two schedulers, each with its own program, share one adder and one multiplier.",            1, 1, 2, 1, 32, 24, 512,  1024,   0, 0, 1, 1, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(shared_full, "The same with every instruction, 64 registers, 2,048 words of program and a store for 32 objects of 64 words.",   1, 1, 2, 1, 64, 24, 2048, 2048,   0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(lanes,       "Eight lanes under one scheduler: control is paid once.",                                                          1, 1, 1, 8, 16, 24, 512,  512,    0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 1, 8,  8,  0x007f, 0x007f) \
-    X(array,       "Four tiles behind one host port, each with its own program, sleep and flags.",                                    1, 4, 1, 1, 32, 24, 512,  1024,   0, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1, 8,  8,  0x007f, 0x007f)
+#include <stdint.h>
+
+typedef struct {
+    const char *name, *doc;
+    uint32_t interleave;      /* 0: one object, busy flags, results as early as can be; 1: contexts take turns, all results equally late */
+    uint32_t tiles;           /* schedulers or groups of schedulers with an arithmetic unit of their own */
+    uint32_t schedulers;      /* schedulers of a tile, which share its arithmetic unit */
+    uint32_t lanes;           /* register files and arithmetic units that one scheduler drives */
+    uint32_t registers;       /* object registers per context, and as many shared constants */
+    uint32_t contexts;        /* objects that a scheduler holds at once, in each lane */
+    uint32_t program_words;   /* words of instruction memory */
+    uint32_t store_words;     /* words of object store in each lane; 0 where the objects are the contexts */
+    uint32_t bypass;          /* 1: a result goes straight to an operand that waits for it */
+    uint32_t writeback_stall; /* 1: nothing is issued in a cycle in which a result is written */
+    uint32_t chain;           /* 1: `madd` and `msub` exist */
+    uint32_t scale;           /* 1: `addh`, `subh`, `addt`, `subt` exist */
+    uint32_t select;          /* 1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist */
+    uint32_t estimate;        /* 1: `rcp` and `rsqrt` exist */
+    uint32_t sleep;           /* 1: `sleep` and `lds` exist */
+    uint32_t flags;           /* 1: exceptions are flagged */
+    uint32_t status;          /* 1: for each object, too, with the step of the first invalid or overflow */
+    uint32_t subnormal;       /* 1: gradual underflow; 0: subnormal numbers are flushed to zero */
+    uint32_t nearest;         /* 1: rounds to nearest, ties to even; 0: truncates */
+    uint32_t add_latency;     /* cycles from operands to result, adder */
+    uint32_t mul_latency;     /* cycles from operands to result, multiplier */
+    uint32_t add_cuts;        /* where the adder is cut by registers, one bit per position */
+    uint32_t mul_cuts;        /* where the multiplier is cut by registers, one bit per position */
+} fp3_config;
+
+typedef enum {
+    FP3_KEY_INTERLEAVE,
+    FP3_KEY_TILES,
+    FP3_KEY_SCHEDULERS,
+    FP3_KEY_LANES,
+    FP3_KEY_REGISTERS,
+    FP3_KEY_CONTEXTS,
+    FP3_KEY_PROGRAM_WORDS,
+    FP3_KEY_STORE_WORDS,
+    FP3_KEY_BYPASS,
+    FP3_KEY_WRITEBACK_STALL,
+    FP3_KEY_CHAIN,
+    FP3_KEY_SCALE,
+    FP3_KEY_SELECT,
+    FP3_KEY_ESTIMATE,
+    FP3_KEY_SLEEP,
+    FP3_KEY_FLAGS,
+    FP3_KEY_STATUS,
+    FP3_KEY_SUBNORMAL,
+    FP3_KEY_NEAREST,
+    FP3_KEY_ADD_LATENCY,
+    FP3_KEY_MUL_LATENCY,
+    FP3_KEY_ADD_CUTS,
+    FP3_KEY_MUL_CUTS,
+    FP3_KEY_COUNT
+} fp3_key;
+#define FP3_KEY_NONE FP3_KEY_COUNT
+
+/* Of fp3_keys. */
+#define FP3_KEY_ROWS                                                                                                               \
+    {.name = "interleave",      .lack = "an access to an object store",          .offset = offsetof(fp3_config, interleave)},      \
+    {.name = "tiles",           .lack = NULL,                                    .offset = offsetof(fp3_config, tiles)},           \
+    {.name = "schedulers",      .lack = NULL,                                    .offset = offsetof(fp3_config, schedulers)},      \
+    {.name = "lanes",           .lack = NULL,                                    .offset = offsetof(fp3_config, lanes)},           \
+    {.name = "registers",       .lack = NULL,                                    .offset = offsetof(fp3_config, registers)},       \
+    {.name = "contexts",        .lack = NULL,                                    .offset = offsetof(fp3_config, contexts)},        \
+    {.name = "program_words",   .lack = NULL,                                    .offset = offsetof(fp3_config, program_words)},   \
+    {.name = "store_words",     .lack = NULL,                                    .offset = offsetof(fp3_config, store_words)},     \
+    {.name = "bypass",          .lack = NULL,                                    .offset = offsetof(fp3_config, bypass)},          \
+    {.name = "writeback_stall", .lack = NULL,                                    .offset = offsetof(fp3_config, writeback_stall)}, \
+    {.name = "chain",           .lack = "a chained multiply-add",                .offset = offsetof(fp3_config, chain)},           \
+    {.name = "scale",           .lack = "an addition of half or twice",          .offset = offsetof(fp3_config, scale)},           \
+    {.name = "select",          .lack = "a comparison or selection",             .offset = offsetof(fp3_config, select)},          \
+    {.name = "estimate",        .lack = "an estimate",                           .offset = offsetof(fp3_config, estimate)},        \
+    {.name = "sleep",           .lack = "an instruction for objects that sleep", .offset = offsetof(fp3_config, sleep)},           \
+    {.name = "flags",           .lack = NULL,                                    .offset = offsetof(fp3_config, flags)},           \
+    {.name = "status",          .lack = NULL,                                    .offset = offsetof(fp3_config, status)},          \
+    {.name = "subnormal",       .lack = NULL,                                    .offset = offsetof(fp3_config, subnormal)},       \
+    {.name = "nearest",         .lack = NULL,                                    .offset = offsetof(fp3_config, nearest)},         \
+    {.name = "add_latency",     .lack = NULL,                                    .offset = offsetof(fp3_config, add_latency)},     \
+    {.name = "mul_latency",     .lack = NULL,                                    .offset = offsetof(fp3_config, mul_latency)},     \
+    {.name = "add_cuts",        .lack = NULL,                                    .offset = offsetof(fp3_config, add_cuts)},        \
+    {.name = "mul_cuts",        .lack = NULL,                                    .offset = offsetof(fp3_config, mul_cuts)}
+
+/* X(name, doc, schedulers of all tiles, lanes of each) */
+#define FP3_CONFIGS(X)                                                                                                                      \
+    X(paper,       "The paper's machine as far as its text tells; the latencies are our calibration.",                                1, 1) \
+    X(walk_slot,   "The paper's machine with write slots reserved at issue, instead of a stall at each write.",                       1, 1) \
+    X(walk_bypass, "The same with bypass.",                                                                                           1, 1) \
+    X(uncut,       "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.",             1, 1) \
+    X(single,      "The shortest time for one object: each core cut once, where place and route says it pays.",                       1, 1) \
+    X(single_full, "The same with everything that one object can have: comparison, selection, estimates, 64 registers, 2,048 words.", 1, 1) \
+    X(many,        "Objects in a store, 24 of them in flight: each instruction issues for all of them in turn.",                      1, 1) \
+    X(many_full,   "The same with every instruction, 64 registers, 2,048 words of program and a store for 512 objects of 32 words.",  1, 1) \
+    X(sixteen,     "The same with 16 contexts, and cores cut only as deep as these hide: 16 objects in flight never pause.",          1, 1) \
+    X(crowd,       "`many` with a store for 16,384 objects of 8 words: more block RAM than an LFE5U-85F has.",                        1, 1) \
+    X(shared,      "The paper's Figure 3: two schedulers, each with its own program, share one adder and one multiplier.",            2, 1) \
+    X(shared_full, "The same with every instruction, 64 registers, 2,048 words of program and a store for 32 objects of 64 words.",   2, 1) \
+    X(lanes,       "Eight lanes under one scheduler: control is paid once.",                                                          1, 8) \
+    X(array,       "Four tiles behind one host port, each with its own program, sleep and flags.",                                    4, 1)
+
+/* Of fp3_configs. */
+#define FP3_CONFIG_ROWS                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                 \
+    {.name = "paper",       .doc = "The paper's machine as far as its text tells; the latencies are our calibration.",                                .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 1,  .program_words = 512,  .store_words = 0,      .bypass = 0, .writeback_stall = 1, .chain = 0, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 14, .mul_latency = 13, .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "walk_slot",   .doc = "The paper's machine with write slots reserved at issue, instead of a stall at each write.",                       .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 1,  .program_words = 512,  .store_words = 0,      .bypass = 0, .writeback_stall = 0, .chain = 0, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 14, .mul_latency = 13, .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "walk_bypass", .doc = "The same with bypass.",                                                                                           .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 1,  .program_words = 512,  .store_words = 0,      .bypass = 1, .writeback_stall = 0, .chain = 0, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 14, .mul_latency = 13, .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "uncut",       .doc = "The fewest cycles for one object: every operation takes one. The clock is as slow as that asks for.",             .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 1,  .program_words = 512,  .store_words = 0,      .bypass = 1, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 1,  .mul_latency = 1,  .add_cuts = 0x0000, .mul_cuts = 0x0000}, \
+    {.name = "single",      .doc = "The shortest time for one object: each core cut once, where place and route says it pays.",                       .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 1,  .program_words = 512,  .store_words = 0,      .bypass = 1, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 2,  .mul_latency = 2,  .add_cuts = 0x0004, .mul_cuts = 0x0004}, \
+    {.name = "single_full", .doc = "The same with everything that one object can have: comparison, selection, estimates, 64 registers, 2,048 words.", .interleave = 0, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 64, .contexts = 1,  .program_words = 2048, .store_words = 0,      .bypass = 1, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 1, .estimate = 1, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 2,  .mul_latency = 2,  .add_cuts = 0x0004, .mul_cuts = 0x0004}, \
+    {.name = "many",        .doc = "Objects in a store, 24 of them in flight: each instruction issues for all of them in turn.",                      .interleave = 1, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 24, .program_words = 512,  .store_words = 8192,   .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "many_full",   .doc = "The same with every instruction, 64 registers, 2,048 words of program and a store for 512 objects of 32 words.",  .interleave = 1, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 64, .contexts = 24, .program_words = 2048, .store_words = 16384,  .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 1, .select = 1, .estimate = 1, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "sixteen",     .doc = "The same with 16 contexts, and cores cut only as deep as these hide: 16 objects in flight never pause.",          .interleave = 1, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 64, .contexts = 16, .program_words = 2048, .store_words = 16384,  .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 1, .select = 1, .estimate = 1, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 6,  .mul_latency = 5,  .add_cuts = 0x006e, .mul_cuts = 0x002b}, \
+    {.name = "crowd",       .doc = "`many` with a store for 16,384 objects of 8 words: more block RAM than an LFE5U-85F has.",                        .interleave = 1, .tiles = 1, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 24, .program_words = 512,  .store_words = 131072, .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "shared",      .doc = "The paper's Figure 3: two schedulers, each with its own program, share one adder and one multiplier.",            .interleave = 1, .tiles = 1, .schedulers = 2, .lanes = 1, .registers = 32, .contexts = 24, .program_words = 512,  .store_words = 1024,   .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 1, .select = 0, .estimate = 0, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "shared_full", .doc = "The same with every instruction, 64 registers, 2,048 words of program and a store for 32 objects of 64 words.",   .interleave = 1, .tiles = 1, .schedulers = 2, .lanes = 1, .registers = 64, .contexts = 24, .program_words = 2048, .store_words = 2048,   .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 1, .select = 1, .estimate = 1, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "lanes",       .doc = "Eight lanes under one scheduler: control is paid once.",                                                          .interleave = 1, .tiles = 1, .schedulers = 1, .lanes = 8, .registers = 16, .contexts = 24, .program_words = 512,  .store_words = 512,    .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 0, .flags = 1, .status = 0, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}, \
+    {.name = "array",       .doc = "Four tiles behind one host port, each with its own program, sleep and flags.",                                    .interleave = 1, .tiles = 4, .schedulers = 1, .lanes = 1, .registers = 32, .contexts = 24, .program_words = 512,  .store_words = 1024,   .bypass = 0, .writeback_stall = 0, .chain = 1, .scale = 0, .select = 0, .estimate = 0, .sleep = 1, .flags = 1, .status = 1, .subnormal = 1, .nearest = 1, .add_latency = 8,  .mul_latency = 8,  .add_cuts = 0x007f, .mul_cuts = 0x007f}
 
 /* clang-format on */
 #endif

@@ -3,22 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
 #include "machine/operation.h"
-
-const fp3_operation fp3_operations[] = {
-#define ROW(upper, code, name, operands, unit) {code, name, operands},
-    FP3_OPS(ROW)
-#undef ROW
-};
-const unsigned fp3_operation_count = sizeof fp3_operations / sizeof *fp3_operations;
-
-const fp3_operation *fp3_operation_find(uint32_t code) {
-    for (unsigned i = 0; i < fp3_operation_count; i++)
-        if (fp3_operations[i].code == code)
-            return &fp3_operations[i];
-    return NULL;
-}
+#include <fp3/isa.h>
 
 /* Words. */
 

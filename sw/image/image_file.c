@@ -7,7 +7,7 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "isa.h"
+#include <fp3/isa.h>
 
 enum { CONSTANT_WORDS = 2, SYMBOL_WORDS = 1 + FP3_NAME_SIZE / 4 };
 enum { MAGIC, REVISION, TOTAL, CODE, STEP, LAST, CONSTANTS, SYMBOLS, USED };

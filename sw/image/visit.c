@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
 #include "machine/operation.h"
+#include <fp3/isa.h>
 
 _Static_assert(FP3_BANK_OBJECT_BASE == 0 && FP3_BANK_OBJECT_COUNT == 64,
                "a set of object registers is the bits of a uint64_t");
@@ -24,9 +24,10 @@ static effect effect_of(uint32_t code) {
     if (fp3_word_decode(code, &word, NULL))
         return e;
     e.op = word.op;
-    for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++) {
+    const fp3_operation *operation = fp3_operation_find(word.op);
+    for (const char *letter = operation->operands; *letter; letter++) {
         const uint32_t operand = fp3_operand(&word, *letter);
-        if (*letter == 'd' && word.op != FP3_OP_ST)
+        if (*letter == 'd' && operation->writes != FP3_WRITES_NEVER)
             e.writes = BIT(operand);
         else if (operand < FP3_BANK_SHARED_BASE)
             e.reads |= BIT(operand);

@@ -1,15 +1,15 @@
 #include "config.h"
 
-#include <configs.h>
-#include <stddef.h>
+#include <assert.h>
 #include <string.h>
 
-const fp3_config fp3_configs[] = {
-#define X(name, ...) {#name, __VA_ARGS__},
-    FP3_CONFIGS(X)
-#undef X
-};
+const fp3_config fp3_configs[] = {FP3_CONFIG_ROWS};
 const uint32_t fp3_config_count = sizeof fp3_configs / sizeof *fp3_configs;
+
+static const struct {
+    const char *name, *lack;
+    size_t offset;
+} keys[] = {FP3_KEY_ROWS};
 
 const fp3_config *fp3_config_find(const char *name) {
     for (uint32_t i = 0; name && i < fp3_config_count; i++)
@@ -20,4 +20,21 @@ const fp3_config *fp3_config_find(const char *name) {
 
 uint32_t fp3_config_schedulers(const fp3_config *config) {
     return config->tiles * config->schedulers;
+}
+
+uint32_t fp3_config_value(const fp3_config *config, fp3_key key) {
+    assert(key < FP3_KEY_COUNT);
+    uint32_t value;
+    memcpy(&value, (const char *)config + keys[key].offset, sizeof value);
+    return value;
+}
+
+const char *fp3_key_name(fp3_key key) {
+    assert(key < FP3_KEY_COUNT);
+    return keys[key].name;
+}
+
+const char *fp3_key_lack(fp3_key key) {
+    assert(key < FP3_KEY_COUNT);
+    return keys[key].lack;
 }

@@ -1,7 +1,8 @@
 /* cycles.c - the issue stage of the solo machine, and the sweeps of the other one, counted. */
 #include "cycles.h"
 
-#include <isa.h>
+#include "operation.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,30 +10,14 @@
 #define SOLO_AROUND 4u
 
 uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op) {
-    switch (op) {
-    case FP3_OP_ADD:
-    case FP3_OP_SUB:
-    case FP3_OP_ADDH:
-    case FP3_OP_SUBH:
-    case FP3_OP_ADDT:
-    case FP3_OP_SUBT:
-        return config->add_latency;
-    case FP3_OP_MUL:
-        return config->mul_latency;
-    default:
-        return config->mul_latency + config->add_latency;
-    }
+    const unsigned path = fp3_operation_find(op)->path;
+    return (path & FP3_UNIT_ADDER ? config->add_latency : 0) +
+           (path & (FP3_UNIT_MULTIPLIER | FP3_UNIT_VALUE) ? config->mul_latency : 0);
 }
 
 uint32_t fp3_cycles_delay(const fp3_config *config, uint32_t op) {
     return fp3_cycles_latency(config, op) + (config->bypass ? 0 : 2);
 }
-
-int fp3_cycles_multiplies(uint32_t op) {
-    return op == FP3_OP_MUL || op == FP3_OP_MADD || op == FP3_OP_MSUB;
-}
-
-int fp3_cycles_adds(uint32_t op) { return op != FP3_OP_MUL; }
 
 /* ---- one instruction after the other ---- */
 

@@ -29,10 +29,6 @@ typedef struct {
 uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op);
 uint32_t fp3_cycles_delay(const fp3_config *config, uint32_t op);
 
-/* Whether operations go through the multiplier, and through the adder, of a shared unit. */
-int fp3_cycles_multiplies(uint32_t op);
-int fp3_cycles_adds(uint32_t op);
-
 /* The solo machine's counter CYCLES after a run. 0: out of memory, or latencies beyond
  * FP3_LATENCY_LIMIT. */
 #define FP3_LATENCY_LIMIT 60

@@ -1,7 +1,7 @@
 /* estimate.c - see estimate.h; rtl/fp/fp_value.v does the same. */
 #include "estimate.h"
 
-#include <estimates.h>
+#include "gen/estimates.h"
 
 #define SIGN 0x80000000u
 #define INFINITE 0x7f800000u

@@ -1,14 +1,35 @@
-/* operation.h - the rows of isa/isa.toml as a table. */
+/* operation.h - the rows of isa/isa.toml as a table.
+ *
+ * Whoever asks what an operation is (which operands, which unit, what a configuration must have for
+ * it) asks this table, so that a new operation needs no further case anywhere. What it computes is in
+ * execute.h.
+ *
+ *     const fp3_operation *of = fp3_operation_find(word.op);
+ *     if (of && of->path & FP3_UNIT_MULTIPLIER)
+ *         products++;
+ */
 #ifndef FP3_OPERATION_H
 #define FP3_OPERATION_H
 
+#include "config.h"
+#include "gen/operations.h"
+
+#include <fp3/counters.h>
 #include <fp3/image.h>
+#include <fp3/isa.h>
 #include <stdint.h>
 
 typedef struct {
     uint32_t code;
     const char *name;
     const char *operands; /* a letter each, in the order of the assembly language: "dab" */
+    uint32_t sources;     /* how many of them are read: a, a and b, or a, b and c */
+    unsigned path;        /* FP3_UNIT_*: the units that it goes through */
+    fp3_counter counter;  /* where the hardware counts it */
+    fp3_key needs;        /* what a configuration must have for it, or FP3_KEY_NONE */
+    unsigned raises;      /* FP3_FLAG_*: what it can raise, in any configuration */
+    fp3_writes writes;    /* whether it writes d when it is executed */
+    int commutes;         /* a and b can be exchanged */
 } fp3_operation;
 
 extern const fp3_operation fp3_operations[];
@@ -16,6 +37,13 @@ extern const unsigned fp3_operation_count;
 
 /* By code; NULL if unknown. */
 const fp3_operation *fp3_operation_find(uint32_t code);
+
+/* Whether its result depends on operands, rounding and flushing alone, and so can be computed
+ * beforehand. The others work with the store or put an object to sleep. */
+int fp3_operation_is_arithmetic(const fp3_operation *operation);
+
+/* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it. */
+fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 
 /* The operand that a letter of `operands` stands for. */
 static inline uint32_t fp3_operand(const fp3_instruction *word, char letter) {

@@ -5,10 +5,12 @@
  */
 #include "placement.h"
 
+#include "operation.h"
+
+#include "gen/registers.h"
 #include <fp3/image.h>
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
-#include <registers.h>
 #include <stdlib.h>
 
 #define ROWS_MAX 65536u
@@ -35,22 +37,17 @@ typedef struct {
 } uses;
 
 static uses uses_of(const fp3_code *program, uint32_t visit) {
-    enum { ADD = 1, MUL = 2, CHAIN = ADD | MUL, SLEEP = 0, MEMORY = 0 };
-    static const unsigned needs[] = {
-#define X(NAME, code, name, operands, unit) [FP3_OP_##NAME] = unit,
-        FP3_OPS(X)
-#undef X
-    };
     uses sum = {0};
     for (uint32_t pc = 0; pc < program->count; pc++) {
         const uint64_t times = pc < program->step || pc >= program->last ? 1
                                : visit                                   ? visit
                                                                          : ALL_STEPS;
         fp3_instruction in;
-        const unsigned of = fp3_word_decode(program->code[pc], &in, NULL) ? 0 : needs[in.op];
+        const unsigned of =
+            fp3_word_decode(program->code[pc], &in, NULL) ? 0 : fp3_operation_find(in.op)->path;
         sum.issues += times;
-        sum.adds += of & ADD ? times : 0;
-        sum.muls += of & MUL ? times : 0;
+        sum.adds += of & FP3_UNIT_ADDER ? times : 0;
+        sum.muls += of & FP3_UNIT_MULTIPLIER ? times : 0;
     }
     return sum;
 }

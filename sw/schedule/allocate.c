@@ -1,8 +1,8 @@
 /* allocate.c - which gaps a value needs, and a register that is free there. */
 #include "allocate.h"
 
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
 #include <stdlib.h>
 #include <string.h>
 

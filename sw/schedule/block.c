@@ -4,7 +4,7 @@
 #include "machine/cycles.h"
 
 #include <assert.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <stdlib.h>
 
 static fp3_status no_memory(fp3_error *error) {

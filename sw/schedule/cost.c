@@ -6,7 +6,7 @@
 #include "timing.h"
 
 #include <assert.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <machine/operation.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,8 +90,9 @@ static double issue_bound(const fp3_step_code *code, const fp3_config *config) {
     if (!config->interleave)
         return config->writeback_stall ? 2 * count : count;
     for (uint32_t i = 0; i < code->step_count; i++) {
-        adds += (uint32_t)fp3_cycles_adds(code->step[i].op);
-        muls += (uint32_t)fp3_cycles_multiplies(code->step[i].op);
+        const unsigned path = fp3_operation_find(code->step[i].op)->path;
+        adds += path & FP3_UNIT_ADDER ? 1 : 0;
+        muls += path & FP3_UNIT_MULTIPLIER ? 1 : 0;
     }
     const double issue = count * per_sweep(config) / parts(config);
     const double use = (adds > muls ? adds : muls) / (double)config->tiles;

@@ -1,7 +1,7 @@
 /* timing.c - nodes and lines as the busy flags see them. */
 #include "timing.h"
 
-#include <isa.h>
+#include <fp3/isa.h>
 #include <machine/operation.h>
 #include <stdlib.h>
 #include <string.h>

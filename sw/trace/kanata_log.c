@@ -5,8 +5,8 @@
 #include "stages.h"
 
 #include <fp3/asm.h>
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
 #include <stdlib.h>
 
 /* An instruction in flight. */

@@ -2,44 +2,17 @@
 #include "stages.h"
 
 #include "machine/cycles.h"
+#include "machine/operation.h"
 
 #include <assert.h>
-#include <isa.h>
 
 /* Schedulers take turns at one adder and one multiplier. */
 static int is_shared(const fp3_config *config) { return config->schedulers > 1; }
 
 /* The units that an instruction goes through. */
-enum { ADDER = 1, MULTIPLIER = 2, VALUE = 4, STORE = 8, COMPARISON = 16 };
-
 static unsigned path_of(uint32_t word) {
     fp3_instruction in;
-    if (fp3_word_decode(word, &in, NULL))
-        return 0;
-    switch (in.op) {
-    case FP3_OP_MIN:
-    case FP3_OP_MAX:
-    case FP3_OP_ABS:
-    case FP3_OP_LT:
-    case FP3_OP_LE:
-    case FP3_OP_SEL:
-    case FP3_OP_RCP:
-    case FP3_OP_RSQRT:
-        return VALUE | ADDER;
-    case FP3_OP_MUL:
-        return MULTIPLIER;
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-        return MULTIPLIER | ADDER;
-    case FP3_OP_LD:
-    case FP3_OP_LDS:
-    case FP3_OP_ST:
-        return STORE;
-    case FP3_OP_SLEEP:
-        return COMPARISON;
-    default:
-        return ADDER;
-    }
+    return fp3_word_decode(word, &in, NULL) ? 0 : fp3_operation_find(in.op)->path;
 }
 
 static void add(fp3_stages *s, const char *name, uint64_t from, uint64_t until) {
@@ -51,12 +24,12 @@ static void add(fp3_stages *s, const char *name, uint64_t from, uint64_t until) 
 
 /* One object: issue, its unit from the next cycle on, and the write. */
 static void of_one(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
-    const unsigned before = path & (VALUE | MULTIPLIER);
+    const unsigned before = path & (FP3_UNIT_VALUE | FP3_UNIT_MULTIPLIER);
     const uint64_t from = t->issued + 1;
     add(s, "Is", t->issued, t->ended);
     if (before)
-        add(s, path & VALUE ? "Va" : "Mu", from, t->ended);
-    if (path & ADDER)
+        add(s, path & FP3_UNIT_VALUE ? "Va" : "Mu", from, t->ended);
+    if (path & FP3_UNIT_ADDER)
         add(s, "Ad", before ? from + config->mul_latency : from, t->ended);
     add(s, "Wb", t->ended, s->end);
 }
@@ -64,11 +37,13 @@ static void of_one(const fp3_config *config, const fp3_traced *t, unsigned path,
 /* What an instruction does while others multiply, and while others add. A sum and a product go
  * through both units, unless schedulers share these. */
 static const char *while_multiplied(const fp3_config *config, unsigned path) {
-    return path & VALUE ? "Va" : path & MULTIPLIER || !is_shared(config) ? "Mu" : "Wa";
+    return path & FP3_UNIT_VALUE                              ? "Va"
+           : path & FP3_UNIT_MULTIPLIER || !is_shared(config) ? "Mu"
+                                                              : "Wa";
 }
 
 static const char *while_added(const fp3_config *config, unsigned path) {
-    return path & ADDER || !is_shared(config) ? "Ad" : "Wa";
+    return path & FP3_UNIT_ADDER || !is_shared(config) ? "Ad" : "Wa";
 }
 
 /* Contexts in turn: all are equally late, counted back from the write. */
@@ -81,8 +56,8 @@ static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path
     const uint64_t read = operands > t->issued + reading ? operands - reading : t->issued;
     add(s, "Is", t->issued, read);
     add(s, "Rd", read, operands);
-    if (path & (STORE | COMPARISON)) {
-        add(s, path & STORE ? "Me" : "Cm", operands, chosen);
+    if (path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON)) {
+        add(s, path & FP3_UNIT_STORE ? "Me" : "Cm", operands, chosen);
     } else {
         add(s, while_multiplied(config, path), operands, chosen);
         add(s, while_added(config, path), operands + config->mul_latency, chosen);

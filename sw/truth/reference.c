@@ -5,7 +5,7 @@
  */
 #include <fp3/reference.h>
 
-#include <isa.h>
+#include <fp3/isa.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

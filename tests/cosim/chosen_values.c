@@ -8,13 +8,13 @@
  * object of a run gets three operands; retirements show value and flags. Where there is one object,
  * every 41st is tried.
  */
+#include "gen/registers.h"
 #include <fp3/engine.h>
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
 #include <machine/config.h>
 #include <machine/estimate.h>
 #include <math.h>
-#include <registers.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ enum {
     APART = 41
 };
 
-#define INVALID (1u << FP3_FLAGS_INVALID_LO)
+#define INVALID FP3_FLAG_INVALID
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
 typedef struct {

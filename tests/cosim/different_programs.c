@@ -11,9 +11,9 @@
 #include "engine/backend.h"
 #include "stream.h"
 
+#include "gen/registers.h"
 #include <engine/hardware.h>
 #include <inttypes.h>
-#include <registers.h>
 #include <stdlib.h>
 
 enum { SCHEDULERS_MAX = 64 };

@@ -7,12 +7,12 @@
  */
 #include "chance.h"
 
+#include "gen/registers.h"
 #include <engine/hardware.h>
 #include <fp3/image.h>
+#include <fp3/isa.h>
 #include <inttypes.h>
-#include <isa.h>
-#include <machine/config.h>
-#include <registers.h>
+#include <machine/operation.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -355,24 +355,17 @@ static void a_run_has_one_outcome(bench *b) {
 
 /* What the isa engine, which takes them for illegal before they are loaded, cannot be asked. */
 static void what_is_left_out_is_illegal(bench *b) {
-    const fp3_config *c = b->config;
-    const struct {
-        uint32_t op, has;
-    } rows[] = {{FP3_OP_MADD, c->chain},    {FP3_OP_MSUB, c->chain},    {FP3_OP_SLEEP, c->sleep},
-                {FP3_OP_LDS, c->sleep},     {FP3_OP_LD, c->interleave}, {FP3_OP_ST, c->interleave},
-                {FP3_OP_ADDH, c->scale},    {FP3_OP_SUBT, c->scale},    {FP3_OP_MIN, c->select},
-                {FP3_OP_MAX, c->select},    {FP3_OP_ABS, c->select},    {FP3_OP_LT, c->select},
-                {FP3_OP_LE, c->select},     {FP3_OP_SEL, c->select},    {FP3_OP_RCP, c->estimate},
-                {FP3_OP_RSQRT, c->estimate}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (uint32_t i = 0; i < fp3_operation_count; i++) {
+        const fp3_operation *of = &fp3_operations[i];
+        const int has = fp3_operation_lacks(b->config, of->code) == FP3_KEY_NONE;
         load(b, 1);
-        const uint32_t step = get(b, FP3_ADDR_STEP), word = rows[i].op << FP3_FIELD_OP_LO;
+        const uint32_t step = get(b, FP3_ADDR_STEP), word = of->code << FP3_FIELD_OP_LO;
         must(b, "a word", FP3_ADDR_WINDOW_PROGRAM + 4 * step, word);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
         want(b, "a word that may be left out: status", FP3_ADDR_STATUS,
-             1u << (rows[i].has ? FP3_STATUS_DONE_LO : FP3_STATUS_ILLEGAL_LO));
-        if (!rows[i].has)
+             1u << (has ? FP3_STATUS_DONE_LO : FP3_STATUS_ILLEGAL_LO));
+        if (!has)
             want(b, "a word that is left out: fault", FP3_ADDR_FAULT, step);
     }
 }

@@ -11,8 +11,9 @@
 #include "chance.h"
 
 #include <fp3/image.h>
-#include <isa.h>
+#include <fp3/isa.h>
 #include <machine/config.h>
+#include <machine/operation.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -65,43 +66,36 @@ static inline uint32_t stream_word(uint32_t op, uint32_t d, uint32_t a, uint32_t
 }
 
 static inline int stream_has(const fp3_config *config, uint32_t op) {
-    switch (op) {
-#define X(NAME, key)                                                                               \
-    case FP3_OP_##NAME:                                                                            \
-        return config->key != 0;
-        FP3_OP_NEEDS(X)
-#undef X
-    default:
-        return 1;
+    return fp3_operation_lacks(config, op) == FP3_KEY_NONE;
+}
+
+/* How many operands an operation reads. */
+static inline uint32_t stream_sources(uint32_t op) { return fp3_operation_find(op)->sources; }
+
+static inline int is_arithmetic(uint32_t op) {
+    return fp3_operation_is_arithmetic(fp3_operation_find(op));
+}
+
+/* An arithmetic operation that the configuration has, or one that it does not have. The two that
+ * work on one register are not asked for: see sleep_word. */
+static inline uint32_t random_op(chance *c, const fp3_config *config, int is_had) {
+    for (;;) {
+        const uint32_t op = fp3_operations[below(c, fp3_operation_count)].code;
+        if (is_arithmetic(op) && stream_has(config, op) == is_had)
+            return op;
     }
 }
 
-/* How many operands an arithmetic operation reads. */
-static inline int stream_sources(uint32_t op) {
-    switch (op) {
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-    case FP3_OP_SEL:
-        return 3;
-    case FP3_OP_ABS:
-    case FP3_OP_RCP:
-    case FP3_OP_RSQRT:
-        return 1;
-    default:
-        return 2;
-    }
+/* Whether it lacks any. */
+static inline int lacks_arithmetic(const fp3_config *config) {
+    for (uint32_t i = 0; i < fp3_operation_count; i++)
+        if (is_arithmetic(fp3_operations[i].code) && !stream_has(config, fp3_operations[i].code))
+            return 1;
+    return 0;
 }
 
 static inline uint32_t arithmetic_word(chance *c, stream *s) {
-    static const uint32_t ops[] = {FP3_OP_MADD, FP3_OP_MSUB, FP3_OP_ADD,  FP3_OP_SUB,  FP3_OP_MUL,
-                                   FP3_OP_ADDH, FP3_OP_SUBH, FP3_OP_ADDT, FP3_OP_SUBT, FP3_OP_MIN,
-                                   FP3_OP_MAX,  FP3_OP_ABS,  FP3_OP_LT,   FP3_OP_LE,   FP3_OP_SEL,
-                                   FP3_OP_RCP,  FP3_OP_RSQRT};
-    uint32_t op;
-    do
-        op = ops[below(c, sizeof ops / sizeof *ops)];
-    while (!stream_has(s->config, op));
-    const int sources = stream_sources(op);
+    const uint32_t op = random_op(c, s->config, 1), sources = stream_sources(op);
     const uint32_t x = stream_source(c, s), y = sources > 1 ? stream_source(c, s) : 0;
     const uint32_t z = sources > 2 ? stream_source(c, s) : 0;
     return stream_word(op, stream_destination(c, s), x, y, z);
@@ -163,26 +157,20 @@ static inline uint32_t illegal_word(chance *c, stream *s) {
         case 0:
             return low; /* code 0 */
         case 1:
-            return low | (FP3_OP_RSQRT + 1 + below(c, 31 - FP3_OP_RSQRT)) << FP3_FIELD_OP_LO;
+            if (!fp3_operation_find(random >> FP3_FIELD_OP_LO))
+                return random;
+            break;
         case 2: { /* an operand too many */
-            static const uint32_t ops[] = {FP3_OP_ADD, FP3_OP_LE, FP3_OP_ABS, FP3_OP_RCP,
-                                           FP3_OP_RSQRT};
-            const uint32_t op = ops[below(c, sizeof ops / sizeof *ops)];
+            const uint32_t op = random_op(c, config, 1);
             const uint32_t field = stream_sources(op) > 1 || below(c, 2) ? 0 : FP3_FIELD_B_LO;
-            if (stream_has(config, op))
+            if (stream_sources(op) < 3)
                 return stream_turned(word, op) | (1 + below(c, 127)) << field;
             break;
         }
-        case 3: { /* what may be left out, and is */
-            static const uint32_t ops[] = {FP3_OP_MADD, FP3_OP_MSUB, FP3_OP_ADDH, FP3_OP_SUBH,
-                                           FP3_OP_ADDT, FP3_OP_SUBT, FP3_OP_MIN,  FP3_OP_MAX,
-                                           FP3_OP_ABS,  FP3_OP_LT,   FP3_OP_LE,   FP3_OP_SEL,
-                                           FP3_OP_RCP,  FP3_OP_RSQRT};
-            const uint32_t op = ops[below(c, sizeof ops / sizeof *ops)];
-            if (!stream_has(config, op))
-                return stream_turned(word, op);
+        case 3: /* what may be left out, and is */
+            if (lacks_arithmetic(config))
+                return stream_turned(word, random_op(c, config, 0));
             break;
-        }
         case 4:
             /* The composer takes these for the program's own loads and stores. */
             if (!config->interleave)

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "configs.h"
 #include "fp_bench.h"
+#include "gen/configs.h"
 
 enum { FP3_BATCH = 4096, FP3_REPORTS = 10, FP3_ALL = -1 };
 

@@ -123,7 +123,7 @@ def objects(root, tmp_path_factory):
     at = tmp_path_factory.mktemp("objects")
     for name in ("fp_host", "fp_small"):
         succeeds("gcc", "-std=c11", "-D_GNU_SOURCE", "-O1", "-ffp-contract=off", "-I", root / "sim", "-I",
-                 root / "sw/gen", "-c", root / f"tests/fp/{name}.c", "-o", at / f"{name}.o")
+                 root / "sw/include", "-I", root / "sw", "-c", root / f"tests/fp/{name}.c", "-o", at / f"{name}.o")
     return at
 
 

@@ -5,14 +5,14 @@
  *
  * Words: every operation with every register in every place, then random ones, --words in all.
  * Images: random names (some spelled like registers), values, labels and parts.
- * What is legal is decided here from the rows of FP3_OPS, not by the library.
+ * What is legal is decided here from the rows of fp3_operations, not by the library.
  */
 #include <fp3/asm.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "isa.h"
+#include "machine/operation.h"
 
 static uint64_t state;
 
@@ -38,17 +38,6 @@ static void fail_words(const char *what, uint32_t expected, uint32_t got) {
     fail(what, e, g);
 }
 
-/* The operations, and the bits that each may set beside its opcode. */
-static const struct {
-    uint32_t code;
-    const char *operands;
-} ops[] = {
-#define ROW(upper, code, name, operands, unit) {code, operands},
-    FP3_OPS(ROW)
-#undef ROW
-};
-enum { OP_COUNT = sizeof ops / sizeof *ops };
-
 static uint32_t bits(int high, int low) { return (uint32_t)((2ull << high) - (1ull << low)); }
 
 static uint32_t mask_of(const char *operands) {
@@ -62,15 +51,17 @@ static uint32_t mask_of(const char *operands) {
 }
 
 static int is_legal(uint32_t word) {
-    for (int i = 0; i < OP_COUNT; i++)
-        if (word >> FP3_FIELD_OP_LO == ops[i].code)
-            return !(word & ~mask_of(ops[i].operands) & ~bits(FP3_FIELD_OP_HI, FP3_FIELD_OP_LO));
+    for (int i = 0; i < (int)fp3_operation_count; i++)
+        if (word >> FP3_FIELD_OP_LO == fp3_operations[i].code)
+            return !(word & ~mask_of(fp3_operations[i].operands) &
+                     ~bits(FP3_FIELD_OP_HI, FP3_FIELD_OP_LO));
     return 0;
 }
 
 static uint32_t random_legal(void) {
-    int i = (int)(random32() % OP_COUNT);
-    return ops[i].code << FP3_FIELD_OP_LO | (random32() & mask_of(ops[i].operands));
+    int i = (int)(random32() % (int)fp3_operation_count);
+    return fp3_operations[i].code << FP3_FIELD_OP_LO |
+           (random32() & mask_of(fp3_operations[i].operands));
 }
 
 /* Draft to image to text to image: the same words, and the same from the words alone. */
@@ -158,8 +149,8 @@ static void check_word(uint32_t word) {
 
 /* All pairs of registers in all pairs of places, and every bit of every unused field. */
 static void check_every_register(void) {
-    for (int i = 0; i < OP_COUNT; i++) {
-        uint32_t op = ops[i].code << FP3_FIELD_OP_LO;
+    for (int i = 0; i < (int)fp3_operation_count; i++) {
+        uint32_t op = fp3_operations[i].code << FP3_FIELD_OP_LO;
         static const int low[] = {FP3_FIELD_D_LO, FP3_FIELD_A_LO, FP3_FIELD_B_LO, FP3_FIELD_C_LO};
         for (int one = 0; one < 4; one++)
             for (int other = 0; other < one; other++)

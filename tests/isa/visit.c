@@ -21,7 +21,7 @@
 
 #include "base/file.h"
 #include "image/visit.h"
-#include "isa.h"
+#include <fp3/isa.h>
 
 enum { OBJECT = FP3_BANK_OBJECT_COUNT, SHARED = FP3_BANK_SHARED_COUNT, CODE = 48, SPAN = 7 };
 

@@ -50,14 +50,19 @@ def test_check_names_the_stale_file_and_mends_nothing(copy, name):
 
 
 def test_a_removed_file_and_an_orphan_are_named(copy):
-    (copy / "sw/gen/isa.h").unlink()
+    (copy / "sw/gen/configs.h").unlink()
     (copy / "rtl/gen/fp3_gone.v").write_text("")
+    (copy / "sw/include/fp3/isa.h").rename(copy / "sw/include/fp3/gone.h")
     done = generate(copy, "--check")
     assert done.returncode != 0
-    assert "sw/gen/isa.h: missing" in done.stderr
+    assert "sw/gen/configs.h: missing" in done.stderr
     assert "rtl/gen/fp3_gone.v: not generated any more" in done.stderr
+    assert "sw/include/fp3/isa.h: missing" in done.stderr
+    assert "sw/include/fp3/gone.h: not generated any more" in done.stderr
+    assert "engine.h" not in done.stderr
     generate(copy)
-    assert (copy / "sw/gen/isa.h").exists() and not (copy / "rtl/gen/fp3_gone.v").exists()
+    assert (copy / "sw/gen/configs.h").exists() and not (copy / "rtl/gen/fp3_gone.v").exists()
+    assert not (copy / "sw/include/fp3/gone.h").exists() and (copy / "sw/include/fp3/engine.h").exists()
 
 
 def test_a_new_module_reaches_the_core_file(copy):
@@ -77,7 +82,14 @@ MISTAKES = [
     ("isa.toml", "code     = 3\n", "", "op 'mul': 'code' is missing"),
     ("isa.toml", 'name     = "sub"', 'name     = "add"', "op 'add' is defined twice"),
     ("isa.toml", 'name     = "sub"', 'name     = "s-b"', "op 's-b': a name is"),
-    ("isa.toml", 'unit     = "mul"', 'unit     = "div"', "op 'mul': unknown unit 'div'"),
+    ("isa.toml", '["multiplier"]', '["divider"]', "op 'mul': there is no path ['divider']"),
+    ("isa.toml", '["multiplier", "adder"]', '["adder", "multiplier"]', "op 'madd': there is no path ['adder', 'multiplier']"),
+    ("isa.toml", '["invalid", "overflow"', '["nvalid", "overflow"', "op 'add': there is no exception 'nvalid'"),
+    ("isa.toml", "commutes = true", "commutes = 1", "op 'add': 'commutes' must be of type bool"),
+    ("isa.toml", 'needs    = "estimate"', 'commutes = true\nneeds    = "estimate"', "op 'rcp': commutes, but has no operand b"),
+    ("isa.toml", 'writes   = "never"', 'writes   = "seldom"', "op 'st': writes 'seldom' is not one of"),
+    ("isa.toml", "nan        = 0x7fc00000", "nan        = 0x17fc00000", "[bits]: nan = 0x17fc00000 is no pattern of 32 bits"),
+    ("isa.toml", "minus_zero = 0x80000000\n", "", "[bits]: 'minus_zero' is missing"),
     ("isa.toml", '["d", "a", "b"]', '["d", "b"]', "op 'add': operands must be"),
     ("isa.toml", "a  = [20, 14]", "a  = [21, 14]", "fields 'd' and 'a' overlap in bit 21"),
     ("isa.toml", "op = [31, 27]", "op = [32, 27]", "field 'op' must be [high, low]"),
@@ -94,23 +106,34 @@ MISTAKES = [
     ("registers.toml", "constants = [15, 8]", "constants = [15, 7]", "fields 'registers' and 'constants' overlap in bit 7"),
     ("registers.toml", 'access = "wo"', 'access = "w"', "'control': access 'w' is not one of"),
     ("registers.toml", 'name = "fault"', 'name = "flags"', "register 'flags' is defined twice"),
+    ("registers.toml", 'name = "issued_mul"', 'name = "issued_mull"', "there must be a counter 'issued_mul'"),
+    ("registers.toml", "invalid = [4, 4]", "invalid = [5, 4]", "register 'flags' must have a bit for each exception"),
     ("configs.toml", "mul_latency = 13", "mul_latency = 1", "config 'paper': mul_latency 1 is less than"),
     ("configs.toml", "mul_cuts = 0x04", "mul_cuts = 0x8000", "config 'single': mul_cuts = 0x8000 is not in 0x0000 .. 0x"),
-    ("configs.toml", "chain           = 1", "chain           = 2", "chain = 2 is not in 0 .. 1"),
-    ("configs.toml", "chain           = 1", "chain           = true", "[default]: 'chain' must be of type int"),
-    ("configs.toml", "program_words   = 512", "program_words   = 8193", "program_words = 8193 is not in 2 .. 8192"),
-    ("configs.toml", "registers       = 32", "registers       = 24", "registers = 24 is not a power of two"),
-    ("configs.toml", "contexts        = 1 ", "contexts        = 65 ", "contexts = 65 is not in 1 .. 64"),
+    ("configs.toml", "chain = 0", "chain = 2", "config 'paper': chain = 2 is not in 0 .. 1"),
+    ("configs.toml", "chain = 0", "chain = true", "config 'paper': 'chain' must be of type int"),
+    ("configs.toml", "program_words = 2048", "program_words = 8193", "program_words = 8193 is not in 2 .. 8192"),
+    ("configs.toml", "default  = 32", "default  = 24", "registers = 24 is not a power of two"),
+    ("configs.toml", "contexts = 24", "contexts = 65", "config 'many': contexts = 65 is not in 1 .. 64"),
     ("configs.toml", "tiles = 4", "tiles = 65", "config 'array': tiles = 65 is not in 1 .. 64"),
     ("configs.toml", "lanes = 8", "lanes = 8\nschedulers = 2", "config 'lanes': lanes share one scheduler"),
     ("configs.toml", "store_words = 512\n", "store_words = 8\n", "config 'lanes': store_words = 8 holds no object"),
     ("configs.toml", "store_words = 512\n", "store_words = 520\n", "config 'lanes': store_words = 520 is not a power of two"),
-    ("configs.toml", 'name = "uncut"', 'name = "uncut"\nselect = 1\nchain = 0', "config 'uncut': select needs chain"),
+    ("configs.toml", 'name = "uncut"', 'name = "uncut"\nselect = 1\nchain = 0', "config 'uncut': select = 1 needs chain = 1"),
     ("isa.toml", 'needs    = "sleep"', 'needs    = "slept"', "op 'sleep': needs 'slept', which is no key"),
     ("isa.toml", 'needs    = "sleep"', 'needs    = "contexts"', "op 'sleep': needs 'contexts', which is no key"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\ncontexts = 2', "config 'uncut': contexts = 2 needs interleave = 1"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\nsleep = 1', "config 'uncut': sleep = 1 needs interleave = 1"),
-    ("configs.toml", "registers       = 32", "registres       = 32", "[default]: unknown key 'registres'"),
+    ("configs.toml", "registers = 64", "registres = 64", "config 'single_full': unknown key 'registres'"),
+    ("configs.toml", "bypass = 0\ncontexts", "bypass = 1\ncontexts", "config 'many': bypass = 1 needs interleave = 0"),
+    ("configs.toml", "store_words = 8192", "store_words = 8192\nflags = 0", "config 'many': status = 1 needs flags = 1"),
+    ("configs.toml", "[key.lanes]", "[key.lames]", "there must be a key 'lanes'"),
+    ("configs.toml", "range    = [1, 64]", "range    = [64, 1]", "key 'tiles': range must be [least, most], not [64, 1]"),
+    ("configs.toml", "window program", "window programs", "key 'program_words': 'window programs' is neither a window"),
+    ("configs.toml", "default  = 1\nneeds", "default  = 65\nneeds", "key 'tiles': its default 65 is not in 1 .. 64"),
+    ("configs.toml", 'needs    = ["chain"]', 'needs    = ["chian"]', "key 'select': needs or excludes 'chian', which is no key"),
+    ("configs.toml", 'meaning  = "words of instruction memory"\n', "", "key 'program_words': 'meaning' is missing"),
+    ("configs.toml", 'meaning  = "1: exceptions are flagged"', 'meaning  = "flags"\nlack = "a flag"', "key 'flags': it has a 'lack', but no instruction"),
     ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),
 ]
 

@@ -69,10 +69,11 @@ def test_figures(tree):
 
 def test_cuts_are_the_bits_of_the_mask(tree):
     path = tree / "isa/configs.toml"
-    path.write_text(path.read_text().replace("[default]", "[default]\nadd_cuts = 0x15\n", 1) + """
+    path.write_text(path.read_text() + """
 [[config]]
 name = "cut"
 doc = "Three cuts."
+add_cuts = 0x15
 mul_cuts = 0x1
 """)
     _, rows = synth(tree, "--top", "fp_add", "--top", "fp_mul", "--config", "cut", "--grades", "8", "--seeds", "1")

@@ -14,6 +14,7 @@
 #include "step_check.h"
 
 #include <fp3/engine.h>
+#include <fp3/isa.h>
 #include <getopt.h>
 #include <inttypes.h>
 #include <machine/cycles.h>

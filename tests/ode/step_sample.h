@@ -4,7 +4,7 @@
 
 #include "../cosim/chance.h"
 
-#include <isa.h>
+#include <fp3/isa.h>
 #include <machine/operation.h>
 #include <schedule/code.h>
 #include <stdlib.h>

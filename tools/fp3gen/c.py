@@ -1,9 +1,10 @@
 """Headers for the software."""
 
 from .check import Bad, NAME
-from .configs import CONFIG_KEYS, config_value
+from .configs import config_value
 from .estimates import estimates
-from .registers import address_rows, counter_rows, field_rows
+from .isa import UNITS, WRITES, counter_of
+from .registers import address_rows, counter_rows, exceptions, field_rows
 from .text import MARK, columns
 
 STRING_LIMIT = 4095  # bytes of a string literal that every C11 compiler takes
@@ -30,8 +31,21 @@ def quote(text):
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
+def initialisers(name, rows):
+    """The rows of a table, each value by the name of its field."""
+    cells = [["    {"] + [f".{field} = {value}, " for field, value in row[:-1]]
+             + [f".{row[-1][0]} = {row[-1][1]}}},"] for row in rows]
+    lines = [f"#define {name}", *columns(cells)]
+    width = max(map(len, lines))
+    return [line.ljust(width) + " \\" for line in lines[:-1]] + [lines[-1].rstrip(",")]
+
+
+def enumeration(prefix, names):
+    return ["typedef enum {", *[f"    FP3_{prefix}_{name.upper()}," for name in names], f"    FP3_{prefix}_COUNT",
+            f"}} fp3_{prefix.lower()};"]
+
+
 def isa_c(isa):
-    ops = isa["op"]
     return c_header("isa", "isa/isa.toml", [
         *defines([("FP3_ISA_REVISION", isa["revision"])]), "",
         "/* Fields of the 32-bit word. */",
@@ -42,15 +56,30 @@ def isa_c(isa):
                   for name, bank in isa["bank"].items() for key in ("base", "count")]),
         *defines([(f"FP3_BANK_{name.upper()}_PREFIX", f"'{bank['prefix']}'")
                   for name, bank in isa["bank"].items()]), "",
+        "/* Bits of numbers. */",
+        *defines([(f"FP3_BITS_{name.upper()}", f"0x{value:08x}u") for name, value in isa["bits"].items()]), "",
         "enum fp3_opcode {",
-        *columns([(f"    FP3_OP_{op['name'].upper()} ", f"= {op['code']},") for op in ops]),
-        "};", "",
-        "/* X(NAME, code, mnemonic, operands in assembly order, unit) */",
-        *x_macro("FP3_OPS", [(op["name"].upper(), str(op["code"]), quote(op["name"]),
-                              quote("".join(op["operands"])), op["unit"].upper()) for op in ops]), "",
-        "/* X(NAME, key): what a configuration must have for an operation. */",
-        *x_macro("FP3_OP_NEEDS", [(op["name"].upper(), op["needs"]) for op in ops if "needs" in op]),
-    ])
+        *columns([(f"    FP3_OP_{op['name'].upper()} ", f"= {op['code']},") for op in isa["op"]]),
+        "};",
+    ], guard="FP3_ISA_H")
+
+
+def operations_c(isa, flags):
+    def row(op):
+        return [("code", f"FP3_OP_{op['name'].upper()}"), ("name", quote(op["name"])),
+                ("operands", quote("".join(op["operands"]))), ("sources", len(op["operands"]) - 1),
+                ("path", " | ".join(f"FP3_UNIT_{unit.upper()}" for unit in op["path"])),
+                ("counter", f"FP3_COUNTER_{counter_of(op).upper()}"),
+                ("needs", f"FP3_KEY_{op.get('needs', 'none').upper()}"),
+                ("raises", f"0x{sum(1 << flags[name][0] for name in op.get('raises', [])):02x}"),
+                ("writes", f"FP3_WRITES_{op.get('writes', 'always').upper()}"),
+                ("commutes", int(op.get("commutes", False)))]
+
+    return c_header("operations", "isa/isa.toml", [
+        "/* Functional units. */", "enum {",
+        *columns([(f"    FP3_UNIT_{unit.upper()} ", f"= 1u << {i},") for i, unit in enumerate(UNITS)]), "};", "",
+        "typedef enum {", *[f"    FP3_WRITES_{word.upper()}," for word in WRITES], "} fp3_writes;", "",
+        "/* Of fp3_operations. */", *initialisers("FP3_OPERATION_ROWS", [row(op) for op in isa["op"]])])
 
 
 def estimates_c():
@@ -65,11 +94,15 @@ def registers_c(regs):
     def at(address):
         return f"0x{address:04x}u"
 
+    features = next(row["fields"] for row in regs["register"] if row["name"] == "features")
     return c_header("registers", "isa/registers.toml", [
         "/* Byte addresses of 32-bit words. */",
         *defines([(f"FP3_ADDR_{row['name'].upper()}", at(row["at"])) for row in regs["register"]]), "",
         "/* Fields of registers. */",
         *defines([("FP3_" + name, value) for name, value in field_rows(regs)]), "",
+        "/* What register `features` must show for a configuration. */",
+        "#define FP3_FEATURES_OF(config) ("
+        + " | ".join(f"(config)->{name} << FP3_FEATURES_{name.upper()}_LO" for name in features) + ")", "",
         "/* Counters: 64 bits in two words each, low word first. */",
         *defines([(f"FP3_ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]), "",
         "/* X(NAME, name, address) */",
@@ -85,17 +118,29 @@ def registers_c(regs):
 def counters_c(regs):
     return c_header("counters", "isa/registers.toml", [
         "/* The hardware's counters: docs/registers.md. */",
-        "typedef enum {", *[f"    FP3_COUNTER_{row['name'].upper()}," for row in regs["counter"]],
-        "    FP3_COUNTER_COUNT", "} fp3_counter;"], guard="FP3_COUNTERS_H")
+        *enumeration("COUNTER", [row["name"] for row in regs["counter"]]), "",
+        "/* Exceptions, as bits. */", "enum {",
+        *columns([(f"    FP3_FLAG_{name.upper()} ", f"= 1u << {lo},") for name, (_, lo) in exceptions(regs).items()]),
+        "};"], guard="FP3_COUNTERS_H")
 
 
-def configs_c(configs):
+def configs_c(known, configs):
+    fields = [(f"    uint32_t {name}; ", f"/* {key['meaning']} */") for name, key in known.items()]
     return c_header("configs", "isa/configs.toml", [
-        f"/* X(name, doc, {', '.join(CONFIG_KEYS)}) */",
-        *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]),
-                                  *[config_value(key, row[key]) for key in CONFIG_KEYS])
-                                 for row in configs]),
-    ])
+        "#include <stdint.h>", "",
+        "typedef struct {", "    const char *name, *doc;", *columns(fields), "} fp3_config;", "",
+        *enumeration("KEY", known), "#define FP3_KEY_NONE FP3_KEY_COUNT", "",
+        "/* Of fp3_keys. */",
+        *initialisers("FP3_KEY_ROWS", [
+            [("name", quote(name)), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
+             ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
+        "/* X(name, doc, schedulers of all tiles, lanes of each) */",
+        *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]), str(row["tiles"] * row["schedulers"]),
+                                  str(row["lanes"])) for row in configs]), "",
+        "/* Of fp3_configs. */",
+        *initialisers("FP3_CONFIG_ROWS", [
+            [("name", quote(row["name"])), ("doc", quote(row["doc"]))]
+            + [(name, config_value(name, row[name])) for name in known] for row in configs])])
 
 
 def integrators_c(root):

@@ -6,7 +6,7 @@ from .verilog import verilog_header
 
 def choices(isa):
     """The instructions of fp_value; the number of each is its place here, from 1 on."""
-    return [op for op in isa["op"] if op.get("needs") in ("select", "estimate")]
+    return [op for op in isa["op"] if op["path"][0] == "value"]
 
 
 def op_bits(isa):

@@ -1,51 +1,88 @@
-"""isa/isa.toml: the checks of its rows, and an instruction word."""
+"""isa/isa.toml: the checks of its rows, what follows from them, and an instruction word."""
 
 from .check import bit_ranges, keys, named, need
-from .configs import CONFIG_KEYS
 
-UNITS = ("add", "mul", "chain", "sleep", "memory")
+# What instructions go through, and the counter of those that begin with it.
+PATHS = {
+    ("adder",): "issued_add",
+    ("multiplier",): "issued_mul",
+    ("multiplier", "adder"): "issued_chain",
+    ("value", "adder"): "issued_add",
+    ("comparison",): "issued_sleep",
+    ("store",): "issued_memory",
+}
+UNITS = ("adder", "multiplier", "value", "comparison", "store")
+WRITES = ("always", "sometimes", "never")
+BITS = ("nan", "one", "minus_zero")
+FILE = "isa.toml"
 
 
-def check_isa(isa):
-    file = "isa.toml"
-    keys(isa, file, "top level", {"revision": int, "field": dict, "bank": dict, "op": list})
-    need(1 <= isa["revision"] <= 255, file, "revision must fit a byte and not be 0")
+def check_fields(isa):
     fields = isa["field"]
-    need(sorted(fields) == sorted("op d a b c".split()), file, "[field] must define op, d, a, b, c")
-    bit_ranges(fields, file, "[field]")
-    width = {name: hi - lo + 1 for name, (hi, lo) in fields.items()}
+    need(sorted(fields) == sorted("op d a b c".split()), FILE, "[field] must define op, d, a, b, c")
+    bit_ranges(fields, FILE, "[field]")
+    return {name: hi - lo + 1 for name, (hi, lo) in fields.items()}
 
+
+def check_banks(isa, width):
     owner = {}
-    need(sorted(isa["bank"]) == ["object", "shared"], file, "[bank] must define object and shared")
+    need(sorted(isa["bank"]) == ["object", "shared"], FILE, "[bank] must define object and shared")
     for name, bank in isa["bank"].items():
-        keys(bank, file, f"bank '{name}'", {"prefix": str, "base": int, "count": int})
+        keys(bank, FILE, f"bank '{name}'", {"prefix": str, "base": int, "count": int})
         need(bank["base"] >= 0 and bank["count"] >= 1
-             and bank["base"] + bank["count"] <= 1 << width["a"], file,
+             and bank["base"] + bank["count"] <= 1 << width["a"], FILE,
              f"bank '{name}' does not fit the {width['a']} bits of an operand")
         for code in range(bank["base"], bank["base"] + bank["count"]):
-            need(code not in owner, file, f"banks '{owner.get(code)}' and '{name}' overlap in code {code}")
+            need(code not in owner, FILE, f"banks '{owner.get(code)}' and '{name}' overlap in code {code}")
             owner[code] = name
     # The destination field names object registers only, and so can be shorter than an operand.
     need(isa["bank"]["object"]["base"] == 0 and isa["bank"]["object"]["count"] <= 1 << width["d"],
-         file, f"bank 'object' must start at 0 and fit the {width['d']} bits of field d")
+         FILE, f"bank 'object' must start at 0 and fit the {width['d']} bits of field d")
 
+
+def check_op(op, width, config_keys, flags):
+    where = f"op '{op.get('name', '?')}'"
+    keys(op, FILE, where, {"name": str, "code": int, "operands": list, "path": list, "meaning": str},
+         {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str})
+    need(1 <= op["code"] < 1 << width["op"], FILE,
+         f"{where}: code {op['code']} is not in 1 .. {(1 << width['op']) - 1}")
+    need(op["operands"] in (list("d"), list("da"), list("dab"), list("dabc")), FILE,
+         f"{where}: operands must be d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
+    need(tuple(op["path"]) in PATHS, FILE, f"{where}: there is no path {op['path']!r} "
+         f"(there are {', '.join(' and '.join(path) for path in PATHS)})")
+    key = op.get("needs")
+    need(key is None or "lack" in config_keys.get(key, ()), FILE,
+         f"{where}: needs '{key}', which is no key of configs.toml that has a 'lack'")
+    for flag in op.get("raises", []):
+        need(flag in flags, FILE, f"{where}: there is no exception {flag!r} (there are {', '.join(flags)})")
+    need(not op.get("commutes") or "b" in op["operands"], FILE, f"{where}: commutes, but has no operand b")
+    need(op.get("writes", "always") in WRITES, FILE,
+         f"{where}: writes '{op.get('writes')}' is not one of {', '.join(WRITES)}")
+
+
+def check_isa(isa, config_keys, flags):
+    """flags: the exceptions that there are, by the lowest bit first."""
+    keys(isa, FILE, "top level", {"revision": int, "field": dict, "bits": dict, "bank": dict, "op": list})
+    need(1 <= isa["revision"] <= 255, FILE, "revision must fit a byte and not be 0")
+    keys(isa["bits"], FILE, "[bits]", dict.fromkeys(BITS, int))
+    for name, value in isa["bits"].items():
+        need(0 <= value < 1 << 32, FILE, f"[bits]: {name} = {value:#x} is no pattern of 32 bits")
+    width = check_fields(isa)
+    check_banks(isa, width)
     taken = {}
     for op in isa["op"]:
-        where = f"op '{op.get('name', '?')}'"
-        keys(op, file, where, {"name": str, "code": int, "operands": list, "unit": str, "meaning": str},
-             {"needs": str, "note": str})
+        check_op(op, width, config_keys, flags)
         code = op["code"]
-        need(code not in taken, file, f"{where}: code {code} is already taken by '{taken.get(code)}'")
+        need(code not in taken, FILE, f"op '{op['name']}': code {code} is already taken by '{taken.get(code)}'")
         taken[code] = op["name"]
-        need(1 <= code < 1 << width["op"], file,
-             f"{where}: code {code} is not in 1 .. {(1 << width['op']) - 1}")
-        need(op["unit"] in UNITS, file, f"{where}: unknown unit '{op['unit']}' (known: {', '.join(UNITS)})")
-        need(CONFIG_KEYS.get(op.get("needs", "chain")) == (0, 1), file,
-             f"{where}: needs '{op.get('needs')}', which is no key of configs.toml that is 0 or 1")
-        operands = op["operands"]
-        need(operands in (list("d"), list("da"), list("dab"), list("dabc")), file,
-             f"{where}: operands must be d, or d, a, or d, a, b, or d, a, b, c, not {operands!r}")
-    named(isa["op"], file, "op")
+    named(isa["op"], FILE, "op")
+    for key in (key for key, row in config_keys.items() if "lack" in row):
+        need(any(op.get("needs") == key for op in isa["op"]), "configs.toml",
+             f"key '{key}': it has a 'lack', but no instruction needs it")
+
+
+def counter_of(op):
+    return PATHS[tuple(op["path"])]
 
 
 def word(isa, op, operands):

@@ -1,6 +1,6 @@
 """Reference pages: docs/isa.md, registers.md and configurations.md."""
 
-from .configs import CONFIG_KEYS, CONFIG_MEANING, config_value
+from .configs import config_value
 from .isa import word
 from .registers import ACCESS, counter_rows
 from .text import markdown, page
@@ -28,8 +28,11 @@ def example(isa, op):
 
 def isa_page(isa):
     fields, banks = isa["field"], isa["bank"]
-    unit = {"add": "adder", "mul": "multiplier", "chain": "multiplier, then adder", "sleep": "comparison",
-            "memory": "object store"}
+    unit = {"store": "object store"}
+
+    def path(op):
+        return ", then ".join(unit.get(name, name) for name in op["path"])
+
     body = [
         f"Revision {isa['revision']}. Every instruction is one 32-bit word and works on IEEE 754 binary32 numbers.",
         "", "## The word", "", *layout(fields, {name: name for name in fields}), "",
@@ -47,7 +50,7 @@ def isa_page(isa):
         "## Instructions", "",
         *markdown(["mnemonic", "code", "operands", "meaning", "unit"],
                   [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`",
-                    f"`{op['meaning']}`", unit[op["unit"]]] for op in isa["op"]]),
+                    f"`{op['meaning']}`", path(op)] for op in isa["op"]]),
         "", "Results are rounded to nearest, ties to even, with gradual underflow, unless the configuration says",
         "otherwise; a NaN result is always 7FC00000. Each result raises its flags: invalid, divide by zero,",
         "overflow, underflow, inexact."]
@@ -55,7 +58,7 @@ def isa_page(isa):
         text, code = example(isa, op)
         used = {name: name if name in op["operands"] else "0" for name in fields}
         used["op"] = f"op = {op['code']}"
-        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {unit[op['unit']]}."]
+        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {path(op)}."]
         body += [f"Where `{op['needs']}` is 1."] if "needs" in op else []
         body += [op["note"]] if "note" in op else []
         body += ["", *layout(fields, used), "", f"`{op['name']} {text}` is the word `0x{code:08x}`."]
@@ -97,11 +100,11 @@ def registers_page(regs):
     return page("Host registers", "isa/registers.toml", body)
 
 
-def configs_page(configs):
+def configs_page(known, configs):
     body = ["Each named configuration is a module `rtl/gen/fp3_<name>.v` with no parameters left, and a name",
             "that `fp3 run --config` takes.", ""]
     body += markdown(["name", "purpose"], [[f"`{row['name']}`", row["doc"]] for row in configs])
     body += [""] + markdown(["", *[f"`{row['name']}`" for row in configs], "meaning"],
                             [[f"`{key}`", *[config_value(key, row[key]) for row in configs],
-                              CONFIG_MEANING[key]] for key in CONFIG_KEYS])
+                              known[key]["meaning"]] for key in known])
     return page("Configurations", "isa/configs.toml", body)

@@ -1,59 +1,60 @@
 """The parameters of the RTL: the keys of a configuration by name, and CONFIG, which is all of them."""
 
 import textwrap
-import tomllib
 
-from .configs import CONFIG_KEYS, CONFIG_MEANING, MASK_BITS
+from .configs import MASK_BITS, keys_of
 from .text import MARK, columns
 
 WORD = 32  # bits of CONFIG for each key, the first in the low ones
-CONFIG_RANGE = f"[{WORD * len(CONFIG_KEYS) - 1}:0]"
 
 
 def bits(key):
     return MASK_BITS if key.endswith("_cuts") else WORD
 
 
-def default_row(root):
+def default_row(known):
     """What fp3's parameters are unless they are set."""
-    given = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))["default"]
-    return {"add_latency": 1, "mul_latency": 1, "add_cuts": 0, "mul_cuts": 0, **given}
+    return {name: key.get("default", key["range"][0]) for name, key in known.items()}
+
+
+def config_range(known):
+    return f"[{WORD * len(known) - 1}:0]"
 
 
 def config_word(row):
     """CONFIG of a configuration, for a module that stands alone."""
-    return f"{WORD * len(CONFIG_KEYS)}'h" + "".join(f"{row[key]:08x}" for key in reversed(CONFIG_KEYS))
+    return f"{WORD * len(keys_of(row))}'h" + "".join(f"{row[key]:08x}" for key in reversed(keys_of(row)))
 
 
-def parameters_verilog(root):
+def parameters_verilog(known):
     """The parameters of fp3."""
-    defaults = default_row(root)
-    rows = [(f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ", f"= {defaults[key]}, ", f"// {CONFIG_MEANING[key]}")
-            for key in CONFIG_KEYS]
-    words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(CONFIG_KEYS)]
+    defaults = default_row(known)
+    rows = [(f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ", f"= {defaults[key]}, ", f"// {known[key]['meaning']}")
+            for key in known]
+    words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}",
             "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG alone.",
             *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
             "// with its width; Verilator asks it of the plain number that sets one.",
-            "// verilator lint_off WIDTHCONCAT", f"parameter {CONFIG_RANGE} CONFIG = {{",
+            "// verilator lint_off WIDTHCONCAT", f"parameter {config_range(known)} CONFIG = {{",
             *textwrap.wrap(", ".join(words) + "}", 110, initial_indent="    ", subsequent_indent="    "),
             "// verilator lint_on WIDTHCONCAT"]
 
 
-def config_keys_verilog(root):
+def config_keys_verilog(known):
     """The parameters of all other modules."""
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
-             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}]" + ("," if i < len(CONFIG_KEYS) - 1 else ""))
-            for i, key in enumerate(CONFIG_KEYS)]
+             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}]" + ("," if i < len(known) - 1 else ""))
+            for i, key in enumerate(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config.vh.",
-            f"parameter {CONFIG_RANGE} CONFIG = {config_word(default_row(root))},", *columns(rows)]
+            f"parameter {config_range(known)} CONFIG = {config_word(default_row(known))},", *columns(rows)]
 
 
-def shown_verilog(regs):
+def shown_verilog(regs, known):
     """The registers whose fields are keys of a configuration."""
     out = []
     for reg in regs["register"]:
-        if reg.get("fields") and all(name in CONFIG_KEYS for name in reg["fields"]):
+        if reg.get("fields") and all(name in known for name in reg["fields"]):
             out += [f"localparam [31:0] REGISTER_{reg['name'].upper()} =",
                     " |\n".join(f"    ({name.upper()} & {(2 << hi - lo) - 1}) << {lo}"
                                 for name, (hi, lo) in reg["fields"].items()) + ";"]

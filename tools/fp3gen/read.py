@@ -1,25 +1,37 @@
 """Reads and checks isa/*.toml."""
 
 import tomllib
+from typing import NamedTuple
 
-from .check import Bad
-from .configs import check_configs, cut_positions
-from .isa import check_isa
-from .registers import check_registers
+from .check import Bad, keys
+from .configs import check_configs, check_keys
+from .isa import check_isa, PATHS
+from .registers import check_registers, exceptions, show_keys
+
+
+class Machine(NamedTuple):
+    """What isa/ says: tables as their files have them, keys by name, and rows of configurations with every key."""
+    isa: dict
+    registers: dict
+    keys: dict
+    configs: list
+
+
+def read(root, file):
+    path = root / "isa" / file
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise Bad(f"isa/{file}: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise Bad(f"isa/{file}: {error}") from None
 
 
 def load(root):
-    def read(file):
-        path = root / "isa" / file
-        try:
-            return tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise Bad(f"isa/{file}: {error.strerror}") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise Bad(f"isa/{file}: {error}") from None
-
-    isa, regs, configs = read("isa.toml"), read("registers.toml"), read("configs.toml")
-    check_isa(isa)
-    check_registers(regs)
-    positions = {unit: cut_positions(root, f"fp_{unit}") for unit in ("add", "mul")}
-    return isa, regs, check_configs(configs, regs, positions)
+    isa, regs, configs = read(root, "isa.toml"), read(root, "registers.toml"), read(root, "configs.toml")
+    keys(configs, "configs.toml", "top level", {"key": dict, "config": list})
+    show_keys(regs, configs["key"])
+    check_registers(regs, sorted(set(PATHS.values())))
+    known = check_keys(configs["key"], regs, root)
+    check_isa(isa, known, list(exceptions(regs)))
+    return Machine(isa, regs, known, check_configs(configs["config"], known))

@@ -5,7 +5,8 @@ from .check import NAME, bit_ranges, keys, named, need
 ACCESS = {"ro": "read only", "rw": "read and write", "wo": "write only"}
 
 
-def check_registers(regs):
+def check_registers(regs, counted):
+    """counted: the counters that instructions count in."""
     file = "registers.toml"
     keys(regs, file, "top level", {"address": dict, "register": list, "counter": list, "counters": dict,
                                    "window": list, "space": list})
@@ -32,6 +33,10 @@ def check_registers(regs):
         bit_ranges(row.get("fields", {}), file, where)
     for what in ("register", "counter", "window", "space"):
         named(regs[what], file, what)
+    for name in counted:
+        need(any(row["name"] == name for row in regs["counter"]), file, f"there must be a counter '{name}'")
+    need(all(hi == lo for hi, lo in exceptions(regs).values()) and exceptions(regs), file,
+         "register 'flags' must have a bit for each exception")
 
     # A window ends before the next one, the last before the end of the 16-bit addresses.
     windows = sorted(regs["window"], key=lambda row: row["at"])
@@ -51,6 +56,20 @@ def check_registers(regs):
         for word in range(at, at + row.get("bytes", 4), 4):
             need(word not in owner, file, f"'{owner.get(word)}' and '{name}' overlap at 0x{word:04x}")
             owner[word] = name
+
+
+def show_keys(regs, config_keys):
+    """The fields of register `features` are the keys of configs.toml that have a place in it."""
+    for row in regs.get("register", []):
+        if row.get("name") == "features":
+            fields = {name: key["feature"] for name, key in config_keys.items() if "feature" in key}
+            row["fields"] = dict(sorted(fields.items(), key=lambda item: item[1]))
+
+
+def exceptions(regs):
+    """The exceptions, each with its bit of register `flags`, the lowest first."""
+    fields = next((row.get("fields", {}) for row in regs["register"] if row["name"] == "flags"), {})
+    return dict(sorted(fields.items(), key=lambda item: item[1]))
 
 
 def counter_rows(regs):

@@ -1,6 +1,6 @@
 """Headers for the RTL, and a top module for each configuration."""
 
-from .configs import CONFIG_KEYS, MASK_BITS
+from .configs import MASK_BITS, keys_of
 from .estimates import estimates
 from .registers import address_rows, counter_rows, field_rows
 from .text import MARK, columns
@@ -29,6 +29,8 @@ def isa_verilog(isa):
         ("Banks, as an operand names them.",
          [("", f"BANK_{name.upper()}_{key.upper()}", bank[key]) for name, bank in isa["bank"].items()
           for key in ("base", "count")]),
+        ("Bits of numbers.",
+         [("[31:0] ", f"BITS_{name.upper()}", f"32'h{value:08x}") for name, value in isa["bits"].items()]),
         ("Opcodes.",
          [(f"[{bits - 1}:0] ", f"OP_{op['name'].upper()}", f"{bits}'d{op['code']}") for op in isa["op"]]),
     ])
@@ -125,6 +127,6 @@ def config_verilog(row):
             "`default_nettype none",
             f"module fp3_{row['name']} (", *list_of(declare), ");",
             "    fp3 #(",
-            ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in CONFIG_KEYS),
+            ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in keys_of(row)),
             "    ) u_fp3 (", *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
             "    );", "endmodule", "`default_nettype wire"]

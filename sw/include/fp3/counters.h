@@ -21,5 +21,14 @@ typedef enum {
     FP3_COUNTER_COUNT
 } fp3_counter;
 
+/* Exceptions, as bits. */
+enum {
+    FP3_FLAG_INEXACT        = 1u << 0,
+    FP3_FLAG_UNDERFLOW      = 1u << 1,
+    FP3_FLAG_OVERFLOW       = 1u << 2,
+    FP3_FLAG_DIVIDE_BY_ZERO = 1u << 3,
+    FP3_FLAG_INVALID        = 1u << 4,
+};
+
 /* clang-format on */
 #endif

@@ -79,7 +79,7 @@ typedef struct {
 /* One instruction, operands as numbered in the word: shared constant k is FP3_BANK_SHARED_BASE + k.
  * Operands that the operation does not have are 0. */
 typedef struct {
-    uint32_t op; /* FP3_OP_ADD, ... of sw/gen/isa.h */
+    uint32_t op; /* FP3_OP_ADD, ... of fp3/isa.h */
     uint32_t d, a, b, c;
 } fp3_instruction;
 
