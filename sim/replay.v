@@ -12,6 +12,9 @@
 //               h high low         the hash of all retirements so far (FNV-1a, 64 bits, over lane,
 //                                  row, register, value, flags, each as 32 bits, low byte first;
 //                                  lanes of one cycle in their order)
+//               s address 0        read and shown: a line `address data`
+//               z cycles length    so many cycles later, reset for `length` cycles
+// Host      While it waits for a response it asks for something else: that must not be taken.
 // Result    A closing line PASS or FAIL; $fatal, hence a non-zero exit, on FAIL.
 `default_nettype none
 `timescale 1ns/1ps
@@ -139,8 +142,10 @@ module replay;
             {req_valid, req_write, req_addr, req_wdata} = {1'b1, write, addr, data};
             while (!req_ready) @(negedge clk);
             @(negedge clk);
+            {req_write, req_addr, req_wdata} = {1'b1, ~addr, ~data};
+            while (!rsp_valid && !req_ready) @(negedge clk);
+            if (req_ready) fail("a request is taken before the response to the one before");
             {req_valid, req_write, req_addr, req_wdata} = {1'b0, 65'bx};
-            while (!rsp_valid) @(negedge clk);
             if (rsp_error) fail("the host port answered with an error");
         end
     endtask
@@ -185,7 +190,18 @@ module replay;
                         fail("the retirements differ from the record");
                     end
                 end
-                default: fail("a line is not w, r, p or h");
+                "s": begin
+                    access(1'b0, x, 32'd0);
+                    checks = checks + 1;
+                    $display("%h %h", x, rsp_rdata);
+                end
+                "z": begin
+                    repeat (x) @(negedge clk);
+                    rst = 1'b1;
+                    repeat (y) @(negedge clk);
+                    rst = 1'b0;
+                end
+                default: fail("a line is not w, r, p, h, s or z");
             endcase
             fields = $fscanf(file, " %s %h %h", kind, x, y);
         end

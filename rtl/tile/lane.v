@@ -151,7 +151,7 @@ module lane #(
         write_register_q <= constant ? {SHARED, access_address[REGISTER_W-1:0]} : {context_w0, register_w0};
         write_value_q    <= arithmetic_w0 ? value_i : load_w0 ? stored_w0 : data_q;
         value_flags_q    <= value_flags_i;
-        raises_q         <= raises;
+        raises_q         <= !rst_i && raises;
     end
     lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
         .row_w3_i(row_w3), .raises_i(raises), .flags_i(value_flags_i), .step_i(data_q[26:0]), .status_o(status_w0),

@@ -50,7 +50,7 @@ module lane_report #(
         .d_i({batch_i, context_i}), .q_o({batch_o, context_o}));
     always @(posedge clk_i) begin
         count_q  <= count_i > report_count ? count_i : report_count;
-        flags_q  <= report_flags | flags_i;
+        flags_q  <= (report_flags | flags_i) & {5{!rst_i}};
         answer_q <= !mine ? report_answer : space == HOST_OBJECT ? stored_i
                   : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
         asleep_q <= report_asleep && asleep_i;

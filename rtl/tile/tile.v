@@ -41,7 +41,7 @@ module tile #(
 );
     localparam N = SCHEDULERS * LANES;
 
-    wire [SCHEDULERS-1:0] adds, muls, lasts, grant;
+    wire [SCHEDULERS-1:0] running, adds, muls, lasts, grant;
     wire [N-1:0]          subtract, twice, half;
     wire [CHOICE_W*N-1:0] choice;
     wire [32*N-1:0]       xs, ys, zs, value;
@@ -56,7 +56,7 @@ module tile #(
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .rsp_valid_o(rsp_valid_o[s]), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o[32*s +: 32]),
                 .rsp_error_o(rsp_error_o[s]),
-                .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
+                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
                 .subtract_o(subtract[LANES*s +: LANES]),
                 .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .choice_o(choice[CHOICE_W*LANES*s +: CHOICE_W*LANES]),
                 .x_o(xs[32*LANES*s +: 32*LANES]),
@@ -75,7 +75,7 @@ module tile #(
 
         if (SCHEDULERS == 1) begin : g_own
             assign grant = 1'b1;
-            wire unused = &{adds, muls, lasts, twice, half};     // x * 2 is a product there
+            wire unused = &{running, adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
                 lane_arith #(.CONFIG(CONFIG)) u_arith (
                     .clk_i(clk_i), .subtract_i(subtract[l]), .choice_i(choice[CHOICE_W*l +: CHOICE_W]), .x_i(xs[32*l +: 32]), .y_i(ys[32*l +: 32]),
@@ -83,7 +83,9 @@ module tile #(
             end
         end else begin : g_shared
             wire [SCHEDULERS-1:0] adds_late, muls_late;
-            arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i),
+            reg idle_q;                              // the order begins anew, so that a run's cycles do not
+            always @(posedge clk_i) idle_q <= running == {SCHEDULERS{1'b0}};        // depend on runs before it
+            arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i || idle_q),
                 .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
             delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));

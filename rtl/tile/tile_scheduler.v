@@ -33,6 +33,7 @@ module tile_scheduler #(
     output wire [31:0]         rsp_rdata_o,
     output wire                rsp_error_o,
     // Arithmetic, a part for each lane
+    output wire                running_o,
     output wire                adds_o,
     output wire                muls_o,
     output wire                lasts_o,
@@ -131,6 +132,7 @@ module tile_scheduler #(
         .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
         .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
         .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
+    assign running_o       = running;
     assign issue_pc_o      = {{16-PROGRAM_W{1'b0}}, trace_pc};
     assign issue_context_o = {{16-CONTEXT_W{1'b0}}, trace_context};
 

@@ -410,6 +410,35 @@ static void objects_sleep_when_they_say_so(bench *b) {
     }
 }
 
+/* Nothing in the hardware remembers a run: not even which scheduler was granted a shared unit last.
+ * Object 0 alone gives the first scheduler the last grants. */
+static void a_repeated_run_takes_the_same_cycles(bench *b) {
+    enum { SCHEDULERS = 8 };
+    uint64_t first[SCHEDULERS][FP3_COUNTER_COUNT], again[FP3_COUNTER_COUNT];
+    fp3_stats stats;
+    EXPECT(!load(b, sleeper) && fp3_config_schedulers(b->config) <= SCHEDULERS);
+    const size_t n = fp3_engine_objects(b->engine);
+    set_each(b, 3, 1e9f, 0);
+    EXPECT(!fp3_engine_run(b->engine, 3, &stats));
+    for (uint32_t s = 0; s < stats.schedulers; s++)
+        EXPECT(!fp3_engine_scheduler_counters(b->engine, s, first[s]));
+    EXPECT(!fp3_engine_remove(b->engine, 1, n - 1) && !fp3_engine_run(b->engine, 1, &stats) &&
+           !fp3_engine_wake(b->engine, 1, n - 1) && !fp3_engine_run(b->engine, 3, &stats));
+    for (uint32_t s = 0; s < stats.schedulers; s++)
+        EXPECT(!fp3_engine_scheduler_counters(b->engine, s, again) &&
+               memcmp(first[s], again, sizeof again) == 0);
+}
+
+/* The fetch leaves out the steps that nobody is awake for. */
+static void a_visit_ends_when_all_sleep(bench *b) {
+    fp3_stats stats;
+    EXPECT(!load(b, sleeper));
+    set_each(b, 3, 1, 0);
+    EXPECT(!fp3_engine_run(b->engine, 1000, &stats));
+    EXPECT(stats.object_steps == fp3_engine_objects(b->engine));
+    EXPECT(stats.counter[FP3_COUNTER_CYCLES] < 1000);
+}
+
 static void objects_are_woken_and_removed(bench *b) {
     fp3_stats stats;
     EXPECT(!load(b, sleeper));
@@ -492,6 +521,8 @@ typedef enum { ANY, STORE, SLEEP, STATUS } about;
     X(any_number_of_objects_is_moved, STORE)                                                       \
     X(more_objects_leave_room_for_fewer_registers, STORE)                                          \
     X(objects_sleep_when_they_say_so, SLEEP)                                                       \
+    X(a_repeated_run_takes_the_same_cycles, SLEEP)                                                 \
+    X(a_visit_ends_when_all_sleep, SLEEP)                                                          \
     X(objects_are_woken_and_removed, SLEEP)                                                        \
     X(an_object_knows_when_it_failed, STATUS)
 

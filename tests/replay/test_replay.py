@@ -20,11 +20,11 @@ def icarus(build):
     return lambda config: build / f"icarus/replay_{config}.vvp"
 
 
-def record(root, fp3, tmp_path, program, config, steps):
+def record(root, fp3, tmp_path, program, config, steps, *more):
     image, session = tmp_path / "x.fp3", tmp_path / "x.session"
     assert start(fp3, "asm", f"programs/{program}.s", "-o", image, cwd=root).returncode == 0
     done = start(fp3, "run", image, "-c", config, "--steps", steps, "--params", "programs/ship.cfg",
-                 "--bus-log", session, cwd=root)
+                 "--bus-log", session, *more, cwd=root)
     assert done.returncode == 0, done.stderr
     return session
 
@@ -72,6 +72,41 @@ def test_a_hang_ends_at_the_limit(root, fp3, icarus, tmp_path):
     session = record(root, fp3, tmp_path, "ship", "single", 30)
     done = replay(root, icarus("single"), session, "+limit=1000")
     assert done.returncode != 0 and "the cycle limit was reached" in done.stdout and "PASS" not in done.stdout
+
+
+def reset_in_the_middle(session, times, length):
+    """A recorded run, reset at each of these times for so many cycles; then what there is, and a run of nothing.
+
+    That run sets what a run needs except for the objects, so it must find none.
+    """
+    lines = session.read_text().splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("p"))
+    head = lines[:start]
+    show = [f"s {line.split()[1]} 00000000" for line in lines[start:] if line.startswith("r")]
+    registers = [line for line in head if line.startswith("w") and int(line.split()[1], 16) & 0xffffff < 0x80]
+    counters = [f"s {address:08x} 00000000" for address in range(0x80, 0x80 + 13 * 8, 8)]
+    rows = []
+    for cycles in times:
+        rows += [*head, f"z {cycles:x} {length:x}", *show, *registers, lines[start], *counters]
+    session.write_text("\n".join(rows) + "\n")
+    return session
+
+
+@pytest.mark.parametrize("config, objects, times", [("many", 6, (1, 37, 150, 334, 601, 1000)), ("lanes", 8, (150, 600)),
+                                                    ("single", 1, (37, 150, 333))])
+def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, objects, times):
+    """In the middle of a run it leaves what a long one leaves: memories as they are, and nothing on its way."""
+    shown = []
+    for length in (1, 80):
+        session = record(root, fp3, tmp_path, "ship_madd", config, 2 if objects > 1 else 20, "-o", objects)
+        done = replay(root, icarus(config), reset_in_the_middle(session, times, length))
+        assert done.returncode == 0, done.stdout
+        *rows, last = done.stdout.splitlines()
+        shown.append((rows, last.split(", ")[3]))        # ... and the hash of all retirements
+        assert len(rows) > 100 and "hash " in last
+        if objects > 1:                                  # every counter but the first, cycles, and the last, drain
+            assert all(row.endswith(" 00000000") for row in rows if 0x88 <= int(row[:8], 16) < 0xe0), rows
+    assert shown[0] == shown[1]
 
 
 def shape(root, config):
