@@ -1,6 +1,6 @@
 /* backend.h - what an engine provides behind fp3/engine.h.
  *
- * engine.c checks every argument, so a backend sees valid ones only: objects, registers and constants
+ * The calls check every argument, so a backend sees valid ones only: objects, registers and constants
  * in range, a program that fits. To add one, write this table and list it in engine.c.
  */
 #ifndef FP3_BACKEND_H

@@ -1,0 +1,56 @@
+/* checks.c - what calls of fp3/engine.h check first, and what they ask about an object. */
+#include "checks.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+fp3_status fp3_engine_check_range(fp3_engine *engine, const char *what, size_t first, size_t count,
+                                  size_t has) {
+    if (first <= has && count <= has - first)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "%s %zu, count %zu: configuration '%s' has %zu", what, first, count,
+                    engine->config->name, has);
+}
+
+fp3_status fp3_engine_check_objects(fp3_engine *engine, size_t first, size_t count) {
+    if (first <= engine->objects && count <= engine->objects - first)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "object %zu, count %zu: there are %" PRIu32 " objects", first, count,
+                    engine->objects);
+}
+
+fp3_status fp3_engine_check_loaded(fp3_engine *engine) {
+    return engine->layout.groups[0].image
+               ? FP3_OK
+               : fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
+}
+
+int fp3_engine_slept_of(const fp3_engine *engine, size_t object) {
+    return fp3_layout_group_of(&engine->layout, object)->program.slept;
+}
+
+int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
+    return fp3_engine_slept_of(engine, object) < 0 || engine->slept[object] == 0;
+}
+
+fp3_prefix fp3_engine_prefix(size_t group, size_t count) {
+    fp3_prefix p = {""};
+    if (count > 1)
+        snprintf(p.text, sizeof p.text, "group %zu: ", group);
+    return p;
+}
+
+fp3_status fp3_engine_illegal(fp3_engine *engine, uint32_t group, uint32_t index) {
+    const fp3_code *program = &engine->layout.groups[group].program;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "%sword %" PRIu32 " is 0x%08" PRIx32 ", no instruction of configuration '%s'",
+                    fp3_engine_prefix(group, engine->layout.count).text, index - program->in_front,
+                    program->code[index], engine->config->name);
+}
+
+fp3_status fp3_engine_limit(fp3_engine *engine) {
+    return fp3_fail(engine->def.error, FP3_E_LIMIT, "stopped at the limit of %" PRIu64 " cycles",
+                    engine->def.cycle_limit);
+}

@@ -1,0 +1,22 @@
+/* checks.h - what calls of fp3/engine.h check first, and what they ask about an object. */
+#ifndef FP3_CHECKS_H
+#define FP3_CHECKS_H
+
+#include "backend.h"
+
+/* Whether first .. first + count - 1 are below has; what names them in the message. */
+fp3_status fp3_engine_check_range(fp3_engine *engine, const char *what, size_t first, size_t count,
+                                  size_t has);
+fp3_status fp3_engine_check_objects(fp3_engine *engine, size_t first, size_t count);
+fp3_status fp3_engine_check_loaded(fp3_engine *engine);
+
+/* The register of an object that tells whether it sleeps; -1: it never does. */
+int fp3_engine_slept_of(const fp3_engine *engine, size_t object);
+
+/* "" if there is one group, "group N: " if there are several: messages about a group begin so. */
+typedef struct {
+    char text[32];
+} fp3_prefix;
+fp3_prefix fp3_engine_prefix(size_t group, size_t count);
+
+#endif

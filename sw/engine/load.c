@@ -1,0 +1,177 @@
+/* load.c - programs and groups: whether the configuration has room for them, and loading them. */
+#include "checks.h"
+#include "luggage.h"
+#include "machine/operation.h"
+
+#include <inttypes.h>
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
+    for (uint32_t i = 0; i < image->code_count; i++) {
+        fp3_instruction instruction;
+        if (fp3_word_decode(image->code[i], &instruction, NULL))
+            continue;
+        const fp3_key key = fp3_operation_lacks(engine->config, instruction.op);
+        if (key != FP3_KEY_NONE)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "word %" PRIu32 " is %s, which configuration '%s' does not have", i,
+                            fp3_key_lack(key), engine->config->name);
+    }
+    return FP3_OK;
+}
+
+static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
+    const fp3_config *config = engine->config;
+    const struct {
+        const char *what;
+        uint32_t needs, has;
+    } rows[] = {{"object registers", image->registers, config->registers},
+                {"shared constants", image->shared, config->registers},
+                {"words of instruction memory", image->code_count, config->program_words}};
+    for (size_t i = 0; i < COUNT(rows); i++)
+        if (rows[i].needs > rows[i].has)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "the program needs %" PRIu32 " %s, configuration '%s' has %" PRIu32,
+                            rows[i].needs, rows[i].what, config->name, rows[i].has);
+    return check_operations(engine, image);
+}
+
+/* What is there besides the image's words, and what an object needs of the store. */
+static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit, size_t objects) {
+    const fp3_config *config = engine->config;
+    const uint32_t lanes = fp3_config_schedulers(config) * config->lanes;
+    const uint64_t room = (uint64_t)fp3_placement_rows(config, visit->log2) * lanes;
+    if (visit->code_count > config->program_words)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "the program needs %" PRIu32
+                        " words of instruction memory with its loads and stores, configuration "
+                        "'%s' has %" PRIu32,
+                        visit->code_count, config->name, config->program_words);
+    if (objects > room)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "the program needs %u words of the object store for each object: "
+                        "configuration '%s' has room for %" PRIu64 " objects, not for %zu",
+                        1u << visit->log2, config->name, room, objects);
+    return FP3_OK;
+}
+
+static fp3_code program_of(const fp3_image *image, const fp3_visit *visit) {
+    if (visit)
+        return (fp3_code){visit->code, visit->code_count,     visit->step,
+                          visit->last, visit->loads_in_front, visit->slept};
+    return (fp3_code){image->code, image->code_count, image->step, image->last, 0, -1};
+}
+
+/* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */
+static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, fp3_members *to) {
+    fp3_error *error = engine->def.error;
+    fp3_status status = check ? check_image(engine, from->image) : FP3_OK;
+    if (!status)
+        status = fp3_image_make(from->image, &to->image, error);
+    if (!status && engine->config->interleave)
+        status = fp3_visit_make(to->image, &to->visit, error);
+    if (!status && to->visit && check)
+        status = check_visit(engine, to->visit, from->objects);
+    if (status)
+        return status;
+    to->objects = (uint32_t)from->objects;
+    to->program = program_of(to->image, to->visit);
+    to->needs = to->visit && check ? to->visit->log2 : 0;
+    return FP3_OK;
+}
+
+static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
+    fp3_error *error = engine->def.error;
+    size_t objects = 0;
+    if (count == 0)
+        return fp3_fail(error, FP3_E_ARGUMENT, "no group of objects");
+    for (size_t i = 0; i < count; i++) {
+        if (groups[i].objects == 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "group %zu has no objects", i);
+        if (groups[i].objects > engine->objects - objects)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "groups of more objects than the %" PRIu32 " of the engine",
+                            engine->objects);
+        objects += groups[i].objects;
+    }
+    if (objects < engine->objects)
+        return fp3_fail(error, FP3_E_ARGUMENT, "groups of %zu objects: the engine has %" PRIu32,
+                        objects, engine->objects);
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    if (count > schedulers)
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
+            " scheduler%s",
+            count, engine->config->name, schedulers, schedulers == 1 ? "" : "s");
+    return FP3_OK;
+}
+
+/* Messages about a group begin with its number, where there are several. */
+static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
+                              fp3_layout *layout) {
+    fp3_status status = fp3_layout_make(engine->config, (uint32_t)count, layout, engine->def.error);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = prepare(engine, &groups[i], check, &layout->groups[i]);
+        if (status && engine->def.error && count > 1) {
+            const fp3_error why = *engine->def.error;
+            fp3_fail(engine->def.error, status, "%s%s", fp3_engine_prefix(i, count).text, why.text);
+        }
+    }
+    if (!status)
+        status = fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
+    return status;
+}
+
+static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
+    const fp3_image *image = engine->layout.groups[group].image;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < image->constant_count; i++)
+        status = engine->backend->write_shared(engine, group, image->constants[i].index,
+                                               image->constants[i].bits);
+    return status;
+}
+
+/* From here on there is no way back. */
+static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l) {
+    const fp3_layout old = engine->layout;
+    engine->layout = *layout;
+    *layout = old;
+    engine->clock = 0;
+    engine->is_slept_known = engine->is_listed = 0;
+    engine->is_touched = 1;
+    fp3_status status = engine->backend->load(engine);
+    if (!status && l->objects)
+        status = fp3_luggage_unpack(engine, l);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = write_constants(engine, i);
+    return status;
+}
+
+static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check) {
+    fp3_layout layout = {0};
+    fp3_luggage l = {0};
+    fp3_status status = check_groups(engine, groups, count);
+    if (!status)
+        status = prepare_all(engine, groups, count, check, &layout);
+    if (!status && engine->is_touched && !fp3_layout_is_same(&engine->layout, &layout))
+        status = fp3_luggage_pack(engine, &l);
+    if (!status)
+        status = settle(engine, &layout, &l);
+    fp3_layout_free(&layout);
+    fp3_luggage_free(&l);
+    return status;
+}
+
+fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
+    return load(engine, groups, count, 1);
+}
+
+fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image) {
+    return load(engine, &(fp3_group){image, engine->objects}, 1, 1);
+}
+
+fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image) {
+    return load(engine, &(fp3_group){image, engine->objects}, 1, 0);
+}

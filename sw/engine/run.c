@@ -1,0 +1,130 @@
+/* run.c - a run: who is awake at its beginning, what it cost, how many steps were made. */
+#include "checks.h"
+
+#include <inttypes.h>
+#include <string.h>
+#include <time.h>
+
+/* Brings the host's copy of all sleep registers up to date. */
+static fp3_status look_who_sleeps(fp3_engine *engine) {
+    fp3_status status = FP3_OK;
+    if (engine->is_slept_known)
+        return FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->objects; i++) {
+        const int slept = fp3_engine_slept_of(engine, i);
+        if (slept >= 0)
+            status = engine->backend->read(engine, i, (uint32_t)slept, &engine->slept[i]);
+    }
+    engine->is_slept_known = !status;
+    return status;
+}
+
+static fp3_status list_who_is_awake(fp3_engine *engine) {
+    if (!engine->config->interleave || engine->is_listed)
+        return FP3_OK;
+    fp3_status status = look_who_sleeps(engine);
+    if (!status)
+        status = engine->backend->list(engine);
+    engine->is_listed = !status;
+    return status;
+}
+
+static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
+    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++)
+        for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
+            const uint64_t n = engine->counters[scheduler][i];
+            if (i != FP3_COUNTER_CYCLES)
+                stats->counter[i] += n;
+            else if (n > stats->counter[i])
+                stats->counter[i] = n;
+        }
+}
+
+/* Steps that an object made; its copy of the sleep register has what it held before. */
+static fp3_status count_steps_of(fp3_engine *engine, uint32_t object, uint32_t steps,
+                                 uint64_t *made) {
+    const int slept = fp3_engine_slept_of(engine, object);
+    uint32_t *now = &engine->slept[object];
+    if (slept >= 0 && *now)
+        return FP3_OK;
+    fp3_status status =
+        slept < 0 ? FP3_OK : engine->backend->read(engine, object, (uint32_t)slept, now);
+    *made += slept >= 0 && *now ? *now - engine->clock : steps;
+    return status;
+}
+
+static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        fp3_members *group = &engine->layout.groups[i];
+        for (uint32_t n = 0; !status && n < group->objects; n++)
+            status = count_steps_of(engine, group->first + n, steps, &group->steps);
+        stats->object_steps += group->steps;
+    }
+    return status;
+}
+
+/* After an end before its time nobody knows who slept, and the lists are in pieces. */
+static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        engine->layout.groups[i].steps = 0;
+    fp3_status status = list_who_is_awake(engine);
+    if (status)
+        return status;
+    engine->is_slept_known = engine->is_listed = 0;
+    engine->is_touched = 1;
+    status = engine->backend->run(engine, steps, stats);
+    sum_counters(engine, stats);
+    if (!status)
+        status = count_steps(engine, steps, stats);
+    if (!status) {
+        engine->is_slept_known = engine->is_listed = 1;
+        engine->clock += steps;
+    }
+    return status;
+}
+
+fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats) {
+    fp3_stats own;
+    if (!stats)
+        stats = &own;
+    *stats = (fp3_stats){0};
+    fp3_status status = fp3_engine_check_loaded(engine);
+    if (status)
+        return status;
+    if (steps > UINT32_MAX)
+        return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                        "%" PRIu64 " steps: a run has 4294967295 at most", steps);
+    struct timespec begin, end;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    status = run(engine, (uint32_t)steps, stats);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    stats->seconds =
+        (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+    return status;
+}
+
+fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
+                                         uint64_t counter[FP3_COUNTER_COUNT]) {
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    fp3_status status = fp3_engine_check_range(engine, "scheduler", scheduler, 1, schedulers);
+    if (!status)
+        memcpy(counter, engine->counters[scheduler], sizeof engine->counters[scheduler]);
+    return status;
+}
+
+uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group) {
+    return group < engine->layout.count ? engine->layout.groups[group].steps : 0;
+}
+
+fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
+                                      fp3_scheduler_share *place) {
+    fp3_status status = fp3_engine_check_range(engine, "scheduler", scheduler, 1,
+                                               fp3_config_schedulers(engine->config));
+    if (!status)
+        *place =
+            (fp3_scheduler_share){engine->layout.duty[scheduler].group,
+                                  fp3_layout_objects(&engine->layout, engine->config, scheduler)};
+    return status;
+}
