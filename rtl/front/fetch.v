@@ -116,5 +116,17 @@ module fetch #(
     assign pc_o    = pc_2q;
     assign {begins_o, ends_o, steps_o, lasts_o} = marks_2q;
     assign empty_o = !active_q && !valid_1q && !valid_2q;
+
+`ifdef FP3_CHECK
+    reg                 held_q;
+    reg [ADDR_W+31+4:0] shown_q;
+    always @(posedge clk_i) begin
+        held_q  <= valid_o && !advance_i && !stop_i && !rst_i;
+        shown_q <= {pc_o, word_o, marks_2q};
+        if (!rst_i && held_q && (!valid_o || {pc_o, word_o, marks_2q} != shown_q)) begin
+            $display("%m: a word changes before it is taken"); $stop;
+        end
+    end
+`endif
 endmodule
 `default_nettype wire

@@ -10,7 +10,7 @@
 //
 // Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. Initiation interval 1.
 // Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
-//           an addition must not be sent there then.
+//           no addition may issue then (solo_scheduler checks it).
 `default_nettype none
 module solo_arith #(
 `include "config.vh"

@@ -13,7 +13,7 @@
 //           cycle after; then one instruction per cycle at best.
 //           A result meets a waiting operand in the cycle in which it is written (BYPASS), or is
 //           read from the register file two cycles later.
-// Hazard    The host's accesses (host_*) are for an idle scheduler: running_o low.
+// Hazard    The host accesses (host_*) an idle scheduler only: running_o is low.
 `default_nettype none
 `include "front/decoded.vh"
 module solo_scheduler #(
@@ -190,5 +190,14 @@ module solo_scheduler #(
     wire unused = write_d[REGISTER_W];
     assign retire_value_o     = result;
     assign retire_flags_o     = write_mul ? mul_flags_i : add_flags_i;
+
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (!rst_i && running_o && (host_write_i || host_program_i)) begin
+            $display("%m: the host writes while a program runs"); $stop;
+        end else if (!rst_i && issue && sums && chain_soon_i) begin
+            $display("%m: a sum meets a chained product in the adder"); $stop;
+        end
+`endif
 endmodule
 `default_nettype wire
