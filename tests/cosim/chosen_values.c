@@ -14,6 +14,7 @@
 #include <inttypes.h>
 #include <machine/config.h>
 #include <machine/estimate.h>
+#include <machine/operation.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,7 +36,7 @@ typedef struct {
     uint32_t operand[3]; /* in r0, r1, r2 */
 } input;
 
-/* Three of them at a time: six registers, so that an object's record has eight words. */
+/* Up to three of them at a time: six registers, so that an object's record has eight words. */
 static const uint32_t programs[][WORDS_MAX] = {{FP3_OP_MIN, FP3_OP_MAX, FP3_OP_ABS},
                                                {FP3_OP_LT, FP3_OP_LE, FP3_OP_SEL},
                                                {FP3_OP_RCP, FP3_OP_RSQRT, FP3_OP_ABS}};
@@ -146,7 +147,7 @@ static size_t entries(input *to) {
 /* ---- runs ---- */
 
 static int has(const fp3_config *config, uint32_t op) {
-    return op >= FP3_OP_RCP ? config->estimate != 0 : config->select != 0;
+    return op && fp3_operation_lacks(config, op) == FP3_KEY_NONE;
 }
 
 static int failed(bench *b, const fp3_error *error) {
@@ -158,12 +159,12 @@ static int failed(bench *b, const fp3_error *error) {
 static int load(bench *b, fp3_engine *engine) {
     uint32_t code[WORDS_MAX], count = 0;
     for (uint32_t i = 0; i < WORDS_MAX; i++) {
-        fp3_instruction in = {.op = b->ops[i], .d = 3 + i};
-        in.b =
-            in.op < FP3_OP_ABS || in.op == FP3_OP_LT || in.op == FP3_OP_LE || in.op == FP3_OP_SEL;
-        in.c = in.op == FP3_OP_SEL ? 2 : 0;
-        if (has(b->config, in.op))
-            code[count++] = fp3_word_encode(&in);
+        if (!has(b->config, b->ops[i]))
+            continue;
+        const uint32_t sources = fp3_operation_find(b->ops[i])->sources;
+        const fp3_instruction in = {
+            .op = b->ops[i], .d = 3 + i, .b = sources > 1, .c = sources > 2 ? 2 : 0};
+        code[count++] = fp3_word_encode(&in);
     }
     return fp3_engine_load(engine, &(fp3_image){.code = code, .code_count = count, .last = count});
 }
@@ -211,7 +212,10 @@ static void check(bench *b, const input *inputs, size_t count) {
 }
 
 static int is_for(const fp3_config *config) {
-    return (config->select || config->estimate) && config->registers >= REGISTERS;
+    int is_any = 0;
+    for (size_t p = 0; p < COUNT(programs); p++)
+        is_any |= has(config, programs[p][0]);
+    return is_any && config->registers >= REGISTERS;
 }
 
 int main(int argc, char **argv) {
