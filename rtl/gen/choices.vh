@@ -12,5 +12,6 @@ localparam [CHOICE_W-1:0] CHOICE_LE    = 5;
 localparam [CHOICE_W-1:0] CHOICE_SEL   = 6;
 localparam [CHOICE_W-1:0] CHOICE_RCP   = 7;
 localparam [CHOICE_W-1:0] CHOICE_RSQRT = 8;
+localparam [CHOICE_W-1:0] CHOICE_RINT  = 9;
 
 // verilator lint_on UNUSEDPARAM

@@ -45,6 +45,7 @@ module fp3_array (
         .SCALE           (0),
         .SELECT          (0),
         .ESTIMATE        (0),
+        .ROUND           (0),
         .SLEEP           (1),
         .FLAGS           (1),
         .STATUS          (1),

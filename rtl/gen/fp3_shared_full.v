@@ -45,6 +45,7 @@ module fp3_shared_full (
         .SCALE           (1),
         .SELECT          (1),
         .ESTIMATE        (1),
+        .ROUND           (1),
         .SLEEP           (1),
         .FLAGS           (1),
         .STATUS          (1),

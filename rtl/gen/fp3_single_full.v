@@ -45,6 +45,7 @@ module fp3_single_full (
         .SCALE           (0),
         .SELECT          (1),
         .ESTIMATE        (1),
+        .ROUND           (1),
         .SLEEP           (0),
         .FLAGS           (1),
         .STATUS          (0),

@@ -50,5 +50,6 @@ localparam [4:0] OP_LE    = 5'd18;
 localparam [4:0] OP_SEL   = 5'd19;
 localparam [4:0] OP_RCP   = 5'd20;
 localparam [4:0] OP_RSQRT = 5'd21;
+localparam [4:0] OP_RINT  = 5'd22;
 
 // verilator lint_on UNUSEDPARAM

@@ -23,6 +23,7 @@ function [8*5-1:0] mnemonic(input [4:0] code);
         5'd19:   mnemonic = "sel  ";
         5'd20:   mnemonic = "rcp  ";
         5'd21:   mnemonic = "rsqrt";
+        5'd22:   mnemonic = "rint ";
         default: mnemonic = "?    ";
     endcase
 endfunction

@@ -19,7 +19,8 @@ function has_a(input [4:0] op);
         op == OP_LE ||
         op == OP_SEL ||
         op == OP_RCP ||
-        op == OP_RSQRT;
+        op == OP_RSQRT ||
+        op == OP_RINT;
 endfunction
 function has_b(input [4:0] op);
     has_b =

@@ -14,6 +14,7 @@ parameter [31:0] CHAIN           = 1,   // 1: `madd` and `msub` exist
 parameter [31:0] SCALE           = 0,   // 1: `addh`, `subh`, `addt`, `subt` exist
 parameter [31:0] SELECT          = 0,   // 1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist
 parameter [31:0] ESTIMATE        = 0,   // 1: `rcp` and `rsqrt` exist
+parameter [31:0] ROUND           = 0,   // 1: `rint` exists
 parameter [31:0] SLEEP           = 0,   // 1: `sleep` and `lds` exist
 parameter [31:0] FLAGS           = 1,   // 1: exceptions are flagged
 parameter [31:0] STATUS          = 0,   // 1: for each object, too, with the step of the first invalid or overflow
@@ -26,8 +27,8 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [735:0] CONFIG = {
+parameter [767:0] CONFIG = {
     25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, NEAREST, SUBNORMAL, STATUS, FLAGS, SLEEP,
-    ESTIMATE, SELECT, SCALE, CHAIN, WRITEBACK_STALL, BYPASS, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS,
-    LANES, SCHEDULERS, TILES, INTERLEAVE}
+    ROUND, ESTIMATE, SELECT, SCALE, CHAIN, WRITEBACK_STALL, BYPASS, STORE_WORDS, PROGRAM_WORDS, CONTEXTS,
+    REGISTERS, LANES, SCHEDULERS, TILES, INTERLEAVE}
 // verilator lint_on WIDTHCONCAT

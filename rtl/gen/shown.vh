@@ -14,7 +14,8 @@ localparam [31:0] REGISTER_FEATURES =
     (STATUS & 1) << 27 |
     (SCALE & 1) << 28 |
     (SELECT & 1) << 29 |
-    (ESTIMATE & 1) << 30;
+    (ESTIMATE & 1) << 30 |
+    (ROUND & 1) << 31;
 localparam [31:0] REGISTER_ARRAY =
     (TILES & 255) << 0 |
     (SCHEDULERS & 255) << 8 |

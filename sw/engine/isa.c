@@ -217,7 +217,8 @@ static int is_equal(uint32_t a, uint32_t b) {
     return (a & 0x7fffffffu) <= infinite && (a == b || !((a | b) & 0x7fffffffu));
 }
 
-/* What a comparison, a selection or an estimate makes of its operands, bits of all. 1: it is one. */
+/* What a comparison, a selection, an estimate or a rounding makes of its operands, bits of all. 1: it is
+ * one. */
 static int choose(const fp3_instruction *in, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
     const uint32_t unity = 0x3f800000u;
     switch (in->op) {
@@ -244,6 +245,9 @@ static int choose(const fp3_instruction *in, uint32_t a, uint32_t b, uint32_t c,
         return 1;
     case FP3_OP_RSQRT:
         *d = fp3_estimate_rsqrt(a);
+        return 1;
+    case FP3_OP_RINT: /* a NaN stays for the sum, which raises what it has to */
+        *d = isnan(value_of(a)) ? a : bits_of(nearbyintf(value_of(a)));
         return 1;
     default:
         return 0;

@@ -57,6 +57,8 @@
 #define FP3_FEATURES_SELECT_LO          29
 #define FP3_FEATURES_ESTIMATE_HI        30
 #define FP3_FEATURES_ESTIMATE_LO        30
+#define FP3_FEATURES_ROUND_HI           31
+#define FP3_FEATURES_ROUND_LO           31
 #define FP3_CONTROL_START_HI            0
 #define FP3_CONTROL_START_LO            0
 #define FP3_CONTROL_STOP_HI             1
@@ -93,7 +95,7 @@
 #define FP3_STATUS_STEP_LO              5
 
 /* What register `features` must show for a configuration. */
-#define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO)
+#define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO | (config)->round << FP3_FEATURES_ROUND_LO)
 
 /* Counters: 64 bits in two words each, low word first. */
 #define FP3_ADDR_COUNTER_CYCLES           0x0080u

@@ -1,4 +1,4 @@
-/* chosen_values.c - comparisons, selections and estimates: the hardware, the isa engine, and what isless
+/* chosen_values.c - comparisons, selections, estimates and rounding: the hardware, the isa engine, and what isless
  * and the table say, bit for bit.
  *
  *     chosen_values [N]      every Nth of all operands (1)
@@ -22,7 +22,7 @@
 
 enum {
     REGISTERS = 8,
-    INPUTS_MAX = 70000,
+    INPUTS_MAX = 80000,
     OBJECTS_MAX = 2048,
     WORDS_MAX = 3,
     REPORTS = 10,
@@ -39,7 +39,8 @@ typedef struct {
 /* Up to three of them at a time: six registers, so that an object's record has eight words. */
 static const uint32_t programs[][WORDS_MAX] = {{FP3_OP_MIN, FP3_OP_MAX, FP3_OP_ABS},
                                                {FP3_OP_LT, FP3_OP_LE, FP3_OP_SEL},
-                                               {FP3_OP_RCP, FP3_OP_RSQRT, FP3_OP_ABS}};
+                                               {FP3_OP_RCP, FP3_OP_RSQRT, FP3_OP_ABS},
+                                               {FP3_OP_RINT}};
 
 typedef struct {
     const fp3_config *config;
@@ -54,6 +55,12 @@ static float value_of(uint32_t bits) {
     float value;
     memcpy(&value, &bits, sizeof value);
     return value;
+}
+
+static uint32_t bits_of(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
 }
 
 static uint32_t choose(uint32_t op, const uint32_t *in) {
@@ -73,6 +80,8 @@ static uint32_t choose(uint32_t op, const uint32_t *in) {
         return fpclassify(c) != FP_ZERO ? in[0] : in[1];
     case FP3_OP_RCP:
         return fp3_estimate_rcp(in[0]);
+    case FP3_OP_RINT:
+        return isnan(a) ? in[0] : bits_of(rintf(a));
     default:
         return fp3_estimate_rsqrt(in[0]);
     }
@@ -141,6 +150,26 @@ static size_t entries(input *to) {
                 to[count++] = (input){
                     {(end & 1) << 31 | exponents[e] << 23 | index << 13 | (end & 2 ? 0x1fffu : 0),
                      0x3f800000u, 0}};
+    return count;
+}
+
+/* At every exponent the fractions next to one with a single bit, below and above which something
+ * is added or not, and some by chance; all bits where the point is among them. */
+static size_t halves(input *to) {
+    size_t count = 0;
+    uint32_t chance = 1;
+    for (uint32_t exponent = 0; exponent < 256; exponent++) {
+        const uint32_t every = exponent > 120 && exponent < 152 ? 1 : 11;
+        for (uint32_t bit = 0; bit < 23; bit += every)
+            for (uint32_t k = 0; k < 8; k++) {
+                chance = chance * 1664525u + 1013904223u;
+                const uint32_t upper = k & 4 ? chance >> 9 << bit << 1 : 0;
+                const uint32_t fraction = k & 3 ? (1u << bit) + upper + (k & 3) - 2 : chance >> 4;
+                to[count++] =
+                    (input){{(chance & 0x80000000u) | exponent << 23 | (fraction & 0x7fffffu),
+                             0x3f800000u, 0}};
+            }
+    }
     return count;
 }
 
@@ -223,6 +252,7 @@ int main(int argc, char **argv) {
     const size_t every = argc > 1 ? strtoul(argv[1], NULL, 10) : 1;
     size_t count = pairs(inputs);
     count += entries(inputs + count);
+    count += halves(inputs + count);
     count = every ? count / every : 0;
     for (size_t i = 0; i < count; i++)
         inputs[i] = inputs[i * every];

@@ -52,6 +52,7 @@ enum fp3_opcode {
     FP3_OP_SEL   = 19,
     FP3_OP_RCP   = 20,
     FP3_OP_RSQRT = 21,
+    FP3_OP_RINT  = 22,
 };
 
 /* clang-format on */
