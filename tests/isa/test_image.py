@@ -92,7 +92,7 @@ def test_single_words(run, word, text):
         ("0x38404000", "ld has no operand a, but the field holds 1 instead of 0"),
         ("0x40400080", "lds has no operand b, but the field holds 1 instead of 0"),
         ("0x4840007f", "st has no operand c, but the field holds 127 instead of 0"),
-        ("0xb0000000", "0xb0000000 is no instruction: opcode 22 is unknown"),
+        ("0xf8000000", "0xf8000000 is no instruction: opcode 31 is unknown"),
         ("08000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x108000000", "expected a word as 0x and one to eight hexadecimal digits"),
         ("0x", "expected a word"),
