@@ -4,7 +4,7 @@
 //           a read gives the OR of what they answer.
 // Latency   Two cycles more than the scheduler's own port.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error.
-// Hazard    Schedulers are alike: they answer the same access after the same time.
+// Hazard    Schedulers take a request in the same cycle: all of them are idle when it comes.
 `default_nettype none
 module hub #(
     parameter N = 1                    // schedulers, at most 64
@@ -59,7 +59,7 @@ module hub #(
 
     assign req_ready_o = !rst_i && !ask_q && !wait_q && !respond_q;
     wire   taken    = |(whom_q & req_ready_i) || whom_q == {N{1'b0}};
-    wire   answered = |(whom_q & rsp_valid_i) || whom_q == {N{1'b0}};
+    wire   answered = &(rsp_valid_i | ~whom_q);          // by all: a scheduler that runs refuses sooner
     always @(posedge clk_i) begin
         if (rst_i) {ask_q, wait_q, respond_q} <= 3'b000;
         else begin
@@ -76,7 +76,7 @@ module hub #(
     end
     assign req_valid_o = whom_q & {N{ask_q}};
     assign {req_write_o, req_addr_o, req_wdata_o} = {write_q, addr_q, wdata_q};
-    assign rsp_ready_o = wait_q;
+    assign rsp_ready_o = wait_q && answered;
     assign rsp_valid_o = respond_q;
     assign rsp_rdata_o = rdata_q;
     assign rsp_error_o = error_q;
