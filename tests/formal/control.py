@@ -50,7 +50,8 @@ class Subject(NamedTuple):
 def configurations(**wanted):
     """The rows of isa/configs.toml with these values."""
     table = tomllib.loads(CONFIGS.read_text())
-    rows = [{**table["default"], **row} for row in table["config"]]
+    defaults = {name: key["default"] for name, key in table["key"].items() if "default" in key}
+    rows = [{**defaults, **row} for row in table["config"]]
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 
