@@ -170,7 +170,7 @@ module visits #(
 `ifdef FP3_CHECK
     // Who is in a context, kept without the delays of the memory.
     reg [(1<<CONTEXT_W)-1:0] there_q, slept_q;
-    reg [3:0]                age [0:CONTEXTS-1];            // cycles since a context came
+    reg [3:0]                age [0:(1<<CONTEXT_W)-1];  // cycles since a context came
     wire there = begins_i ? present_w0 : there_q[context_i] && !(finds_q && nonzero_i && context_q == context_i);
     wire slept = !begins_i && slept_q[context_i];
     integer k;
