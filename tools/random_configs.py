@@ -83,6 +83,9 @@ def draw(rng):
     row |= latencies(rng)
     row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
     row |= {"select": row["chain"] and rng.choice([0, 1, 1]), "estimate": rng.choice([0, 1, 1])}
+    # Whatever else makes instructions.
+    row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and name not in row
+            and all(row.get(other) for other in key.get("needs", []))}
     row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
     return row
 

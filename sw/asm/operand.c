@@ -31,7 +31,7 @@ const char *fp3_asm_number(fp3_token t, uint32_t *bits) {
     int negative = text[0] == '-';
     const char *unsigned_text = text + (text[0] == '-' || text[0] == '+');
     if (!strcmp(unsigned_text, "nan")) {
-        *bits = 0x7fc00000u | (uint32_t)negative << 31;
+        *bits = FP3_BITS_NAN | (uint32_t)negative << 31;
         return NULL;
     }
     int infinite = !strcmp(unsigned_text, "inf");

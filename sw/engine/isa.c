@@ -1,9 +1,5 @@
 /* isa.c - the "isa" engine: the instruction set, one instruction after the other.
  *
- * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
- * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
- * What is left to do is the one quiet NaN 7FC00000, and results and operands that are flushed.
- *
  * It knows objects, visits and rounds of visits, but no contexts: within a round an instruction is
  * executed for all objects before the next one, as if there were a context for each.
  */
@@ -11,19 +7,12 @@
 
 #include "gen/registers.h"
 
-#include "gen/registers.h"
-#include <fenv.h>
-#include <float.h>
 #include <fp3/isa.h>
-#include <machine/estimate.h>
+#include <machine/execute.h>
 #include <machine/operation.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#if FLT_EVAL_METHOD != 0 || !(defined __x86_64__ || defined __i386__)
-#error "needs binary32 arithmetic that is rounded once, with tininess detected after rounding"
-#endif
 
 /* What an object does with an instruction of its visit. */
 typedef enum {
@@ -158,134 +147,6 @@ static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in
     return fp3_operation_lacks(config, in->op) == FP3_KEY_NONE;
 }
 
-/* ---- arithmetic ---- */
-
-static float value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return isnan(value) ? 0x7fc00000u : bits;
-}
-
-static float flushed(const fp3_config *config, float x) {
-    return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
-}
-
-/* x op y, for add, sub and mul; its flags are added to those of the host's FPU. volatile: the
- * compiler may move no operation across the reading of flags. */
-static float one(const fp3_config *config, uint32_t op, float x, float y) {
-    volatile float a = flushed(config, x), b = flushed(config, y), d;
-    if (!config->subnormal) {
-        /* A product is exact in double, and so is a sum that is as small as this. */
-        const double exact = op == FP3_OP_ADD   ? (double)a + (double)b
-                             : op == FP3_OP_SUB ? (double)a - (double)b
-                                                : (double)a * (double)b;
-        /* A comparison by isless raises nothing for a quiet NaN. */
-        if (isless(fabs(exact), (double)FLT_MIN) && exact != 0) {
-            feraiseexcept(FE_UNDERFLOW | FE_INEXACT);
-            return copysignf(0.0f, (float)exact);
-        }
-    }
-    d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
-    return d;
-}
-
-static uint32_t raised(const fp3_config *config) {
-    const int raised = config->flags ? fetestexcept(FE_ALL_EXCEPT) : 0;
-    return (raised & FE_INVALID ? FP3_FLAG_INVALID : 0) |
-           (raised & FE_DIVBYZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
-           (raised & FE_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
-           (raised & FE_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
-           (raised & FE_INEXACT ? FP3_FLAG_INEXACT : 0);
-}
-
-/* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
-static int is_less(uint32_t a, uint32_t b) {
-    const uint32_t x = a & 0x7fffffffu, y = b & 0x7fffffffu, infinite = 0x7f800000u;
-    if (x > infinite || y > infinite || !(x | y))
-        return 0;
-    return a >> 31 ? !(b >> 31) || y < x : !(b >> 31) && x < y;
-}
-
-static int is_equal(uint32_t a, uint32_t b) {
-    const uint32_t infinite = 0x7f800000u;
-    return (a & 0x7fffffffu) <= infinite && (a == b || !((a | b) & 0x7fffffffu));
-}
-
-/* What a comparison, a selection, an estimate or a rounding makes of its operands, bits of all. 1: it is
- * one. */
-static int choose(const fp3_instruction *in, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
-    const uint32_t unity = 0x3f800000u;
-    switch (in->op) {
-    case FP3_OP_MIN:
-        *d = is_less(a, b) ? a : b;
-        return 1;
-    case FP3_OP_MAX:
-        *d = is_less(b, a) ? a : b;
-        return 1;
-    case FP3_OP_ABS:
-        *d = a & 0x7fffffffu;
-        return 1;
-    case FP3_OP_LT:
-        *d = is_less(a, b) ? unity : 0;
-        return 1;
-    case FP3_OP_LE:
-        *d = is_less(a, b) || is_equal(a, b) ? unity : 0;
-        return 1;
-    case FP3_OP_SEL:
-        *d = c & 0x7fffffffu ? a : b;
-        return 1;
-    case FP3_OP_RCP:
-        *d = fp3_estimate_rcp(a);
-        return 1;
-    case FP3_OP_RSQRT:
-        *d = fp3_estimate_rsqrt(a);
-        return 1;
-    case FP3_OP_RINT: /* a NaN stays for the sum, which raises what it has to */
-        *d = isnan(value_of(a)) ? a : bits_of(nearbyintf(value_of(a)));
-        return 1;
-    default:
-        return 0;
-    }
-}
-
-static uint32_t calculate(const fp3_config *config, const fp3_instruction *in, uint32_t a_bits,
-                          uint32_t b_bits, uint32_t c_bits, uint32_t *flags) {
-    const float a = value_of(a_bits), b = value_of(b_bits), c = value_of(c_bits);
-    uint32_t chosen;
-    float d;
-    feclearexcept(FE_ALL_EXCEPT);
-    switch (in->op) {
-    case FP3_OP_MADD:
-    case FP3_OP_MSUB:
-        d = one(config, in->op == FP3_OP_MADD ? FP3_OP_ADD : FP3_OP_SUB, c,
-                one(config, FP3_OP_MUL, a, b));
-        break;
-    case FP3_OP_ADDH:
-    case FP3_OP_SUBH:
-        d = one(config, in->op == FP3_OP_ADDH ? FP3_OP_ADD : FP3_OP_SUB, a,
-                one(config, FP3_OP_MUL, b, 0.5f));
-        break;
-    case FP3_OP_ADDT:
-    case FP3_OP_SUBT:
-        d = one(config, in->op == FP3_OP_ADDT ? FP3_OP_ADD : FP3_OP_SUB, a,
-                one(config, FP3_OP_MUL, b, 2.0f));
-        break;
-    default:
-        d = choose(in, a_bits, b_bits, c_bits, &chosen)
-                ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f)
-                : one(config, in->op, a, b);
-        break;
-    }
-    *flags = raised(config);
-    return bits_of(d);
-}
-
 /* ---- an instruction ---- */
 
 static uint32_t operand(const isa *self, const uint32_t *object, uint32_t number) {
@@ -320,9 +181,8 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
     isa *self = r->engine->self;
     const uint32_t *registers = &self->registers[(size_t)object * config->registers];
     uint32_t *record = &self->store[(size_t)object * config->registers];
-    const uint32_t a = operand(self, registers, in->a);
-    const uint32_t b = operand(self, registers, in->b);
-    const uint32_t c = operand(self, registers, in->c);
+    const uint32_t operands[3] = {operand(self, registers, in->a), operand(self, registers, in->b),
+                                  operand(self, registers, in->c)};
     uint32_t flags, bits;
     switch (in->op) {
     case FP3_OP_ST:
@@ -339,14 +199,14 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
         retire(r, object, in->d, record[in->d], 0);
         break;
     case FP3_OP_SLEEP:
-        if (self->now[object] == AWAKE && isless(fabsf(value_of(a)), value_of(b))) {
+        if (self->now[object] == AWAKE && fp3_execute_sleeps(operands)) {
             self->now[object] = ASLEEP;
             self->listed[object] = 0;
             retire(r, object, in->d, r->number, 0);
         }
         break;
     default:
-        bits = calculate(config, in, a, b, c, &flags);
+        bits = fp3_execute(config, in->op, operands, &flags);
         note_flags(r, object, flags);
         retire(r, object, in->d, bits, flags);
     }
@@ -472,13 +332,11 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
 
 static fp3_status isa_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fenv_t callers;
-    fegetenv(&callers);
-    fesetenv(FE_DFL_ENV); /* whatever rounding and flushing the caller has chosen */
-    fesetround(engine->config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
+    fp3_execute_begin(engine->config, &callers);
     stats->schedulers = 1;
     ((isa *)engine->self)->executed = 0;
     const fp3_status status = run_rounds(engine, steps, stats);
-    fesetenv(&callers);
+    fp3_execute_end(&callers);
     return status;
 }
 

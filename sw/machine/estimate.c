@@ -3,7 +3,9 @@
 
 #include "gen/estimates.h"
 
-#define SIGN 0x80000000u
+#include <fp3/isa.h>
+
+#define SIGN FP3_BITS_MINUS_ZERO
 #define INFINITE 0x7f800000u
 #define FRACTION 0x007fffffu
 
@@ -29,7 +31,7 @@ uint32_t fp3_estimate_rsqrt(uint32_t a) {
     if (e == 0)
         return 0x5f000000;
     if (a & SIGN)
-        return 0x7fc00000;
+        return FP3_BITS_NAN;
     if (e == 255)
         return 0;
     const uint32_t entry = fp3_estimates[1024 + 512 * odd + ((a & FRACTION) >> 14)];

@@ -1,6 +1,7 @@
 #include "number.h"
 
 #include <fp3/asm.h>
+#include <fp3/isa.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,7 +33,7 @@ void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%sinf", bits >> 31 ? "-" : "");
         return;
     }
-    if ((bits & 0x7fffffffu) == 0x7fc00000u) {
+    if ((bits & 0x7fffffffu) == FP3_BITS_NAN) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%snan", bits >> 31 ? "-" : "");
         return;
     }

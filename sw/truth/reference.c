@@ -1,8 +1,4 @@
-/* reference.c - what a step means: one operation after the other, in the order of its nodes.
- *
- * A sum or a product of two FP32 numbers, in double and then rounded to FP32, is what FP32 gives: 53
- * bits are at least 2 * 24 + 2 (Figueroa, "When is double rounding innocuous?", 1995).
- */
+/* reference.c - what a step means: one operation after the other, in the order of its nodes. */
 #include <fp3/reference.h>
 
 #include <fp3/isa.h>
@@ -12,7 +8,7 @@
 
 #include "before.h"
 #include "compiler/compiled.h"
-#include "machine/estimate.h"
+#include "machine/execute.h"
 
 typedef struct {
     const fp3_step *b;
@@ -22,42 +18,22 @@ typedef struct {
 
 static double rounded(const runner *r, double x) { return r->is_exact ? x : (double)(float)x; }
 
-static double estimate(uint32_t (*of)(uint32_t), double x) {
-    float f = (float)x;
+static uint32_t bits_of(double x) {
+    const float f = (float)x;
     uint32_t bits;
     memcpy(&bits, &f, sizeof bits);
-    bits = of(bits);
-    memcpy(&f, &bits, sizeof bits);
-    return f;
+    return bits;
 }
 
 static double apply(const runner *r, uint32_t op, double a, double b, double c) {
-    switch (op) {
-    case FP3_OP_ADD:
-        return rounded(r, a + b);
-    case FP3_OP_SUB:
-        return rounded(r, a - b);
-    case FP3_OP_MUL:
-        return rounded(r, a * b);
-    case FP3_OP_MIN:
-        return isless(a, b) ? a : b;
-    case FP3_OP_MAX:
-        return isless(b, a) ? a : b;
-    case FP3_OP_ABS:
-        return fabs(a);
-    case FP3_OP_LT:
-        return isless(a, b) ? 1 : 0;
-    case FP3_OP_LE:
-        return islessequal(a, b) ? 1 : 0;
-    case FP3_OP_SEL:
-        return c != 0 ? a : b; /* a NaN is not 0 */
-    case FP3_OP_RCP:
-        return r->is_exact ? 1 / a : estimate(fp3_estimate_rcp, a);
-    default:
-        if (r->is_exact) /* as the estimate: sqrt(0) is 0 times this */
-            return a == 0 ? 0x1p63 : 1 / sqrt(a);
-        return estimate(fp3_estimate_rsqrt, a);
-    }
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1};
+    if (r->is_exact)
+        return fp3_execute_exact(op, a, b, c);
+    const uint32_t operands[3] = {bits_of(a), bits_of(b), bits_of(c)};
+    const uint32_t bits = fp3_execute(&ieee, op, operands, NULL);
+    float d;
+    memcpy(&d, &bits, sizeof d);
+    return d;
 }
 
 static void evaluate(const runner *r, const dag *g) {
@@ -137,7 +113,7 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
 }
 
 static float canonical(double x) {
-    const uint32_t bits = 0x7fc00000u;
+    const uint32_t bits = FP3_BITS_NAN;
     float f = (float)x;
     if (isnan(f))
         memcpy(&f, &bits, sizeof f);

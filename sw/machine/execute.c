@@ -1,0 +1,217 @@
+/* execute.c - see execute.h.
+ *
+ * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
+ * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
+ * What is left to do is the one quiet NaN, and results and operands that are flushed.
+ */
+#include "execute.h"
+
+#include "estimate.h"
+
+#include <assert.h>
+#include <float.h>
+#include <fp3/counters.h>
+#include <fp3/isa.h>
+#include <math.h>
+#include <string.h>
+
+#if FLT_EVAL_METHOD != 0 || !(defined __x86_64__ || defined __i386__)
+#error "needs binary32 arithmetic that is rounded once, with tininess detected after rounding"
+#endif
+
+void fp3_execute_begin(const fp3_config *config, fenv_t *callers) {
+    fegetenv(callers);
+    fesetenv(FE_DFL_ENV);
+    fesetround(config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
+}
+
+void fp3_execute_end(const fenv_t *callers) { fesetenv(callers); }
+
+static float value_of(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t bits_of(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return isnan(value) ? FP3_BITS_NAN : bits;
+}
+
+static float flushed(const fp3_config *config, float x) {
+    return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
+}
+
+/* x op y, for add, sub and mul; its flags are added to those of the host's FPU. volatile: the
+ * compiler may move no operation across the reading of flags. */
+static float one(const fp3_config *config, uint32_t op, float x, float y) {
+    volatile float a = flushed(config, x), b = flushed(config, y), d;
+    if (!config->subnormal) {
+        /* A product is exact in double, and so is a sum that is as small as this. */
+        const double exact = op == FP3_OP_ADD   ? (double)a + (double)b
+                             : op == FP3_OP_SUB ? (double)a - (double)b
+                                                : (double)a * (double)b;
+        /* A comparison by isless raises nothing for a quiet NaN. */
+        if (isless(fabs(exact), (double)FLT_MIN) && exact != 0) {
+            feraiseexcept(FE_UNDERFLOW | FE_INEXACT);
+            return copysignf(0.0f, (float)exact);
+        }
+    }
+    d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
+    return d;
+}
+
+static uint32_t raised(const fp3_config *config) {
+    const int raised = config->flags ? fetestexcept(FE_ALL_EXCEPT) : 0;
+    return (raised & FE_INVALID ? FP3_FLAG_INVALID : 0) |
+           (raised & FE_DIVBYZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
+           (raised & FE_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
+           (raised & FE_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
+           (raised & FE_INEXACT ? FP3_FLAG_INEXACT : 0);
+}
+
+/* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
+static int is_less(uint32_t a, uint32_t b) {
+    const uint32_t x = a & 0x7fffffffu, y = b & 0x7fffffffu, infinite = 0x7f800000u;
+    if (x > infinite || y > infinite || !(x | y))
+        return 0;
+    return a >> 31 ? !(b >> 31) || y < x : !(b >> 31) && x < y;
+}
+
+static int is_equal(uint32_t a, uint32_t b) {
+    const uint32_t infinite = 0x7f800000u;
+    return (a & 0x7fffffffu) <= infinite && (a == b || !((a | b) & 0x7fffffffu));
+}
+
+/* A NaN stays for the sum, which raises what it has to. */
+static uint32_t integral(uint32_t a) {
+    const float x = value_of(a);
+    return isnan(x) ? a : bits_of(nearbyintf(x));
+}
+
+/* What fp_value makes of its operands, bits of all. 1: the operation is one of its. */
+static int choose(uint32_t op, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
+    switch (op) {
+    case FP3_OP_MIN:
+        *d = is_less(a, b) ? a : b;
+        return 1;
+    case FP3_OP_MAX:
+        *d = is_less(b, a) ? a : b;
+        return 1;
+    case FP3_OP_ABS:
+        *d = a & 0x7fffffffu;
+        return 1;
+    case FP3_OP_LT:
+        *d = is_less(a, b) ? FP3_BITS_ONE : 0;
+        return 1;
+    case FP3_OP_LE:
+        *d = is_less(a, b) || is_equal(a, b) ? FP3_BITS_ONE : 0;
+        return 1;
+    case FP3_OP_SEL:
+        *d = c & 0x7fffffffu ? a : b;
+        return 1;
+    case FP3_OP_RCP:
+        *d = fp3_estimate_rcp(a);
+        return 1;
+    case FP3_OP_RSQRT:
+        *d = fp3_estimate_rsqrt(a);
+        return 1;
+    case FP3_OP_RINT:
+        *d = integral(a);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+/* x plus or minus a product, each rounded. */
+static float chained(const fp3_config *config, uint32_t op, float x, float y, float z) {
+    return one(config, op, x, one(config, FP3_OP_MUL, y, z));
+}
+
+static float calculate(const fp3_config *config, uint32_t op, const uint32_t operands[3]) {
+    const float a = value_of(operands[0]), b = value_of(operands[1]), c = value_of(operands[2]);
+    uint32_t chosen;
+    switch (op) {
+    case FP3_OP_ADD:
+    case FP3_OP_SUB:
+    case FP3_OP_MUL:
+        return one(config, op, a, b);
+    case FP3_OP_MADD:
+        return chained(config, FP3_OP_ADD, c, a, b);
+    case FP3_OP_MSUB:
+        return chained(config, FP3_OP_SUB, c, a, b);
+    case FP3_OP_ADDH:
+        return chained(config, FP3_OP_ADD, a, b, 0.5f);
+    case FP3_OP_SUBH:
+        return chained(config, FP3_OP_SUB, a, b, 0.5f);
+    case FP3_OP_ADDT:
+        return chained(config, FP3_OP_ADD, a, b, 2.0f);
+    case FP3_OP_SUBT:
+        return chained(config, FP3_OP_SUB, a, b, 2.0f);
+    default:
+        break;
+    }
+    const int is_chosen = choose(op, operands[0], operands[1], operands[2], &chosen);
+    assert(is_chosen);
+    return is_chosen ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f) : NAN;
+}
+
+uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
+                     uint32_t *flags) {
+    if (flags)
+        feclearexcept(FE_ALL_EXCEPT);
+    const float d = calculate(config, op, operands);
+    if (flags)
+        *flags = raised(config);
+    return bits_of(d);
+}
+
+int fp3_execute_sleeps(const uint32_t operands[3]) {
+    return is_less(operands[0] & 0x7fffffffu, operands[1]);
+}
+
+double fp3_execute_exact(uint32_t op, double a, double b, double c) {
+    switch (op) {
+    case FP3_OP_ADD:
+        return a + b;
+    case FP3_OP_SUB:
+        return a - b;
+    case FP3_OP_MUL:
+        return a * b;
+    case FP3_OP_MADD:
+        return c + a * b;
+    case FP3_OP_MSUB:
+        return c - a * b;
+    case FP3_OP_ADDH:
+        return a + b / 2;
+    case FP3_OP_SUBH:
+        return a - b / 2;
+    case FP3_OP_ADDT:
+        return a + 2 * b;
+    case FP3_OP_SUBT:
+        return a - 2 * b;
+    case FP3_OP_MIN:
+        return isless(a, b) ? a : b;
+    case FP3_OP_MAX:
+        return isless(b, a) ? a : b;
+    case FP3_OP_ABS:
+        return fabs(a);
+    case FP3_OP_LT:
+        return isless(a, b) ? 1 : 0;
+    case FP3_OP_LE:
+        return islessequal(a, b) ? 1 : 0;
+    case FP3_OP_SEL:
+        return c != 0 ? a : b; /* a NaN is not 0 */
+    case FP3_OP_RCP:
+        return 1 / a;
+    case FP3_OP_RSQRT:
+        return a == 0 ? 0x1p63 : 1 / sqrt(a); /* as the estimate: 0 * rsqrt(0) is 0 */
+    case FP3_OP_RINT:
+        return nearbyint(a);
+    default:
+        assert(!"an arithmetic operation");
+        return NAN;
+    }
+}
