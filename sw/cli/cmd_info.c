@@ -109,6 +109,15 @@ static int print_image(const char *path) {
 
 static const char *plural(uint32_t count) { return count == 1 ? "" : "s"; }
 
+/* "  without: madd msub"; or that nothing is missing. */
+static void print_missing(const fp3_config *c) {
+    int missing = 0;
+    for (unsigned i = 0; i < fp3_operation_count; i++)
+        if (fp3_operation_lacks(c, fp3_operations[i].code) != FP3_KEY_NONE)
+            printf(missing++ ? " %s" : "  without: %s", fp3_operations[i].name);
+    printf(missing ? "\n" : "  every instruction\n");
+}
+
 static void print_config(const fp3_config *c) {
     printf("\n%s: %s\n", c->name, c->doc);
     printf("  %u object registers and shared constants, %u context%s, %u words of program\n",
@@ -117,18 +126,13 @@ static void print_config(const fp3_config *c) {
         printf("  %u tile%s of %u scheduler%s with %u lane%s, %u words of object store each\n",
                c->tiles, plural(c->tiles), c->schedulers, plural(c->schedulers), c->lanes,
                plural(c->lanes), c->store_words);
-    printf("  add %u and mul %u cycles; %s, %s, %s\n", c->add_latency, c->mul_latency,
+    printf("  add %u and mul %u cycles; %s, %s\n", c->add_latency, c->mul_latency,
            c->bypass ? "bypass" : "no bypass",
-           c->writeback_stall ? "writeback stall" : "no writeback stall",
-           c->chain ? "madd and msub" : "no madd and msub");
-    printf("  %s, %s, %s\n",
-           c->scale ? "additions of half and twice" : "no additions of half and twice",
-           c->select ? "comparison and selection" : "no comparison and selection",
-           c->estimate ? "estimates" : "no estimates");
-    printf("  %s, %s; %s, %s, %s\n",
+           c->writeback_stall ? "writeback stall" : "no writeback stall");
+    print_missing(c);
+    printf("  %s, %s; %s, %s\n",
            c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
-           c->nearest ? "rounds to nearest" : "truncates", c->sleep ? "sleep" : "no sleep",
-           c->flags ? "flags" : "no flags",
+           c->nearest ? "rounds to nearest" : "truncates", c->flags ? "flags" : "no flags",
            c->status ? "status of objects" : "no status of objects");
 }
 

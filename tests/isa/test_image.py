@@ -3,6 +3,7 @@
 import re
 import struct
 import subprocess
+import tomllib
 import zlib
 
 import pytest
@@ -281,7 +282,9 @@ def test_info_says_what_a_program_needs(run, tmp_path):
 
 def test_info_of_the_build(run, root):
     said = run("info").stdout
-    assert ("instruction set revision 3: add sub mul madd msub sleep ld lds st addh subh addt subt min max abs lt le sel "
-            "rcp rsqrt\n") in said
+    names = [op["name"] for op in tomllib.loads((root / "isa/isa.toml").read_text())["op"]]
+    assert f"instruction set revision 3: {' '.join(names)}\n" in said and "rcp" in names
+    assert re.search(r"^shared: [^\n]+\n(  [^w][^\n]+\n)+  without: min max [^\n]+ rsqrt rint\n", said, re.M), said
+    assert re.search(r"^many_full: [^\n]+\n(  [^w][^\n]+\n)+  every instruction\n", said, re.M), said
     for name in (root / "rtl" / "gen").glob("fp3_*.v"):
         assert f"\n{name.stem.removeprefix('fp3_')}: " in said
