@@ -48,7 +48,7 @@ else
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
-RTL_ROOMS := fp front host lib solo tile
+RTL_ROOMS := config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 LIB_C   := $(filter-out sw/cli/%,$(wildcard sw/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)

@@ -10,7 +10,7 @@
 // Hazard    Trace ports (issue_*, retire_*) are for simulation; leave them open in a design. They
 //           have a part for each scheduler, or for each lane of each, the first in the low bits.
 //           Use a named configuration (rtl/gen/fp3_<name>.v) or set parameters by name.
-//           Below fp3 only CONFIG is handed on, all of them in one: rtl/config.vh.
+//           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
 module fp3 #(
 `include "gen/parameters.vh"

@@ -160,7 +160,7 @@ def lane(row):
     """One lane and its arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
     keys = "\n".join(parameters.config_keys_verilog(ROOT))
     keys = keys.replace(parameters.config_word(parameters.default_row(ROOT)), parameters.config_word(row))
-    widths = (ROOT / "rtl/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
+    widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
     return None, LANE.format(parameters=widths), []
 
 

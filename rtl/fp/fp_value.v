@@ -10,7 +10,7 @@
 //     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
 `default_nettype none
 module fp_value #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire        clk_i,
     input  wire [CHOICE_W-1:0] choice_i,

@@ -9,7 +9,7 @@
 `default_nettype none
 `include "front/decoded.vh"
 module decode #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire [31:0]           word_i,
     output wire [`DECODED_W-1:0] decoded_o

@@ -5,7 +5,7 @@
 // Hazard    What an access may do there is host_port's to say.
 `default_nettype none
 module host_decode #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire        clk_i,
     input  wire        write_i,

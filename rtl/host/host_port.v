@@ -15,7 +15,7 @@
 `default_nettype none
 module host_port #(
     parameter MEMORY_LATENCY = 0,
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

@@ -11,7 +11,7 @@
 // Hazard    Trace ports (issue_*, retire_*) are for simulation.
 `default_nettype none
 module solo #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire        clk_i,
     input  wire        rst_i,

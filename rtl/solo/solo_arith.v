@@ -13,7 +13,7 @@
 //           no addition may issue then (solo_scheduler checks it).
 `default_nettype none
 module solo_arith #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire        clk_i,
     input  wire        rst_i,

@@ -17,7 +17,7 @@
 `default_nettype none
 `include "front/decoded.vh"
 module solo_scheduler #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                            clk_i,
     input  wire                            rst_i,

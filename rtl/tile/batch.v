@@ -17,7 +17,7 @@
 //                   the second batch:                0011           0011
 `default_nettype none
 module batch #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                  clk_i,
     input  wire                  rst_i,

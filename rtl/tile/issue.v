@@ -17,7 +17,7 @@
 `include "tile/issue.vh"
 `include "tile/retire.vh"
 module issue #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                        clk_i,
     input  wire                        rst_i,

@@ -25,7 +25,7 @@
 `include "tile/report.vh"
 module lane #(
     parameter INDEX = 0,               // this lane's number
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

@@ -12,7 +12,7 @@
 //     // with 8 and 8, sixteen edges later d = z - x * y: 40400000 - 3F800000 * 40000000 = 3F800000
 `default_nettype none
 module lane_arith #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire        clk_i,
     input  wire        subtract_i,         // 1: z - x * y

@@ -11,7 +11,7 @@
 //                  one_i                       y_o = 3f800000
 `default_nettype none
 module lane_operands #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire             clk_i,
     input  wire             write_i,

@@ -10,7 +10,7 @@
 `default_nettype none
 `include "tile/report.vh"
 module lane_report #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

@@ -11,7 +11,7 @@
 //              row_w3_i   read         status_o, raises_i, flags_i     written   there
 `default_nettype none
 module lane_status #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire             clk_i,
     input  wire             rst_i,

@@ -15,7 +15,7 @@
 //     load     row    read        word_o
 `default_nettype none
 module lane_store #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                  clk_i,
     input  wire                  rst_i,

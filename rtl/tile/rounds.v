@@ -18,7 +18,7 @@
 //     base_o   100  102  104        the number of the last step before it
 `default_nettype none
 module rounds #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire           clk_i,
     input  wire           rst_i,

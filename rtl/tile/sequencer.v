@@ -22,7 +22,7 @@
 `include "tile/retire.vh"
 `include "tile/report.vh"
 module sequencer #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

@@ -14,7 +14,7 @@
 //           value_o has no valid bit: each scheduler knows in which cycles a result is its own.
 `default_nettype none
 module shared_arith #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire            clk_i,
     // Who uses what: both is z +/- x * y, the adder alone z +/- x, the multiplier alone x * y

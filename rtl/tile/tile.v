@@ -12,7 +12,7 @@
 //           In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 module tile #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                     clk_i,
     input  wire                     rst_i,

@@ -18,7 +18,7 @@
 `include "tile/access.vh"
 `include "tile/report.vh"
 module tile_scheduler #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                clk_i,
     input  wire                rst_i,

@@ -14,7 +14,7 @@
 //           Without SLEEP there is no list but a count, of objects 0, 1 ..: host_wake_i stays low.
 `default_nettype none
 module visits #(
-`include "config.vh"
+`include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

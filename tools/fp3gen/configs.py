@@ -103,7 +103,7 @@ def check_configs(rows, known):
 
 
 def check_interleaved(row, where, words):
-    """What goes with what; rtl/config_rules.v checks the same."""
+    """What goes with what; rtl/config/config_rules.v checks the same."""
     need(row["lanes"] == 1 or row["schedulers"] == 1, FILE,
          f"{where}: lanes share one scheduler, or schedulers share one arithmetic unit, not both")
     need(row["tiles"] * row["schedulers"] <= 64, FILE, f"{where}: at most 64 schedulers have an address")

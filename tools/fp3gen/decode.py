@@ -28,7 +28,7 @@ def choices_verilog(isa):
     """The numbers that decode gives and fp_value takes."""
     names = ["none", *(op["name"] for op in choices(isa))]
     return verilog_header("isa/isa.toml", [
-        ("What fp_value does: nothing, or what these instructions say. Parameter CHOICE_W: rtl/config.vh.",
+        ("What fp_value does: nothing, or what these instructions say. Parameter CHOICE_W: rtl/config/config.vh.",
          [("[CHOICE_W-1:0] ", f"CHOICE_{name.upper()}", i) for i, name in enumerate(names)])])
 
 
@@ -36,7 +36,7 @@ def config_values_verilog(isa):
     """Whether a build has an instruction of fp_value."""
     needed = dict.fromkeys(op["needs"].upper() for op in choices(isa))
     return [f"// {MARK.format(source='isa/isa.toml')}",
-            "// Included by rtl/config.vh: not 0 where there is an instruction of fp_value.",
+            "// Included by rtl/config/config.vh: not 0 where there is an instruction of fp_value.",
             f"parameter integer VALUES = {' | '.join(needed)},"]
 
 

@@ -46,7 +46,7 @@ def config_keys_verilog(known):
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
              f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}]" + ("," if i < len(known) - 1 else ""))
             for i, key in enumerate(known)]
-    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config.vh.",
+    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config.vh.",
             f"parameter {config_range(known)} CONFIG = {config_word(default_row(known))},", *columns(rows)]
 
 

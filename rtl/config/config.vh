@@ -3,7 +3,7 @@
 //
 //     module lane #(
 //         parameter INDEX = 0,
-//     `include "config.vh"
+//     `include "config/config.vh"
 //     ) ( ...
 //     lane #(.CONFIG(CONFIG), .INDEX(l)) u_lane ( ...
 //

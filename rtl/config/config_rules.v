@@ -9,7 +9,7 @@
 //     // error: unknown module REGISTERS_must_be_a_power_of_two_from_2_to_64
 `default_nettype none
 module config_rules #(
-`include "config.vh"
+`include "config/config.vh"
 ) ();
     localparam N = TILES * SCHEDULERS;
     generate
