@@ -42,7 +42,7 @@ module fp3_sixteen (
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
-        .SCALE           (1),
+        .SCALE           (0),
         .SELECT          (1),
         .ESTIMATE        (1),
         .ROUND           (1),
