@@ -35,19 +35,6 @@ static const char text[] =
     "Environment: FP3_RTL_DIR is the directory of the simulated hardware, if "
     "it is not where it was installed.";
 
-int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
-    fflush(stdout);
-    fprintf(stderr, "fp3 %s: %s\n", command, error->text);
-    return fp3_exit_code(status);
-}
-
-int fp3_cli_done(const char *command, int exit_code) {
-    if (!fflush(stdout) && !ferror(stdout))
-        return exit_code;
-    fprintf(stderr, "fp3 %s: cannot write the output\n", command);
-    return 1;
-}
-
 static error_t parse(int key, char *argument, struct argp_state *state) {
     int *at = state->input;
     if (key == ARGP_KEY_ARG) {

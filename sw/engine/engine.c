@@ -12,19 +12,6 @@ static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-const char *fp3_counter_name(fp3_counter counter) {
-    static const char *const names[] = {
-#define X(NAME, name, address) name,
-        FP3_COUNTERS(X)
-#undef X
-    };
-    return names[counter];
-}
-
-int fp3_counter_is_stall(fp3_counter counter) {
-    return strncmp(fp3_counter_name(counter), "stall_", 6) == 0;
-}
-
 fp3_engine_def fp3_engine_default(void) {
     return (fp3_engine_def){.engine = "rtl", .config = "single", .cookie = COOKIE};
 }

@@ -1,5 +1,4 @@
 /* Images as words and as files; fp3/image.h says how they are laid out. */
-#include <fp3/asm.h>
 #include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +8,6 @@
 #include "base/file.h"
 #include <fp3/isa.h>
 
-enum { CONSTANT_WORDS = 2, SYMBOL_WORDS = 1 + FP3_NAME_SIZE / 4 };
 enum { MAGIC, REVISION, TOTAL, CODE, STEP, LAST, CONSTANTS, SYMBOLS, USED };
 
 static void to_bytes(const uint32_t *words, size_t count, unsigned char *bytes) {
@@ -49,8 +47,8 @@ static fp3_status check_frame(const uint32_t *words, size_t count, fp3_error *er
         return fp3_fail(error, FP3_E_PROGRAM, "%zu words after the end of the image",
                         count - words[TOTAL]);
     uint64_t sum = FP3_IMAGE_HEADER_WORDS + (uint64_t)words[CODE] +
-                   CONSTANT_WORDS * (uint64_t)words[CONSTANTS] +
-                   SYMBOL_WORDS * (uint64_t)words[SYMBOLS] + 1;
+                   FP3_IMAGE_CONSTANT_WORDS * (uint64_t)words[CONSTANTS] +
+                   FP3_IMAGE_SYMBOL_WORDS * (uint64_t)words[SYMBOLS] + 1;
     if (sum != count)
         return fp3_fail(error, FP3_E_PROGRAM, "damaged: its parts have %llu words, the image %zu",
                         (unsigned long long)sum, count);
@@ -69,7 +67,8 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
     if (status)
         return status;
     const uint32_t *const first_constant = words + FP3_IMAGE_HEADER_WORDS + words[CODE];
-    const uint32_t *const first_symbol = first_constant + CONSTANT_WORDS * words[CONSTANTS];
+    const uint32_t *const first_symbol =
+        first_constant + FP3_IMAGE_CONSTANT_WORDS * words[CONSTANTS];
     fp3_constant *constants = calloc(words[CONSTANTS] + 1, sizeof *constants);
     fp3_symbol *symbols = calloc(words[SYMBOLS] + 1, sizeof *symbols);
     if (!constants || !symbols) {
@@ -77,11 +76,11 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
         goto end;
     }
     for (uint32_t i = 0; i < words[CONSTANTS]; i++) {
-        const uint32_t *from = first_constant + CONSTANT_WORDS * i;
+        const uint32_t *from = first_constant + FP3_IMAGE_CONSTANT_WORDS * i;
         constants[i] = (fp3_constant){.index = from[0], .bits = from[1]};
     }
     for (uint32_t i = 0; i < words[SYMBOLS]; i++) {
-        const uint32_t *from = first_symbol + SYMBOL_WORDS * i;
+        const uint32_t *from = first_symbol + FP3_IMAGE_SYMBOL_WORDS * i;
         symbols[i].symbol_class = (fp3_symbol_class)(from[0] >> 24);
         symbols[i].index = from[0] & 0xffffff;
         to_bytes(from + 1, FP3_NAME_SIZE / 4, (unsigned char *)symbols[i].name);
@@ -119,8 +118,8 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
     *words = NULL;
     *count = 0;
     size_t total = FP3_IMAGE_HEADER_WORDS + (size_t)image->code_count +
-                   CONSTANT_WORDS * (size_t)image->constant_count +
-                   SYMBOL_WORDS * (size_t)image->symbol_count + 1;
+                   FP3_IMAGE_CONSTANT_WORDS * (size_t)image->constant_count +
+                   FP3_IMAGE_SYMBOL_WORDS * (size_t)image->symbol_count + 1;
     uint32_t *made = malloc(total * sizeof *made);
     if (!made)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -202,55 +201,5 @@ fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *e
     }
     free(bytes);
     free(words);
-    return status;
-}
-
-/* What word i of the file means, for the reader of the text form. */
-static void comment(FILE *out, const fp3_image *image, size_t i, uint32_t word) {
-    static const char *const header[] = {"magic",      "revision", "words",
-                                         "code words", "step",     "last",
-                                         "constants",  "symbols",  "shared << 16 | registers"};
-    size_t code = FP3_IMAGE_HEADER_WORDS, constant = code + image->code_count;
-    size_t symbol = constant + CONSTANT_WORDS * image->constant_count;
-    size_t end = symbol + SYMBOL_WORDS * image->symbol_count;
-    char text[FP3_WORD_TEXT_SIZE] = "";
-    if (i < code) {
-        fprintf(out, "  // %s\n", header[i]);
-    } else if (i < constant) {
-        if (fp3_word_text(word, image, text, NULL))
-            snprintf(text, sizeof text, "illegal");
-        fprintf(out, "  // %zu: %s\n", i - code, text);
-    } else if (i < symbol && (i - constant) % CONSTANT_WORDS == 0) {
-        fprintf(out, "  // shared constant\n");
-    } else if (i < symbol) {
-        fp3_number_text(word, text);
-        fprintf(out, "  // %s\n", text);
-    } else if (i < end && (i - symbol) % SYMBOL_WORDS == 0) {
-        const fp3_symbol *s = &image->symbols[(i - symbol) / SYMBOL_WORDS];
-        fprintf(out, "  // %s %s\n", fp3_class_name(s->symbol_class), s->name);
-    } else {
-        fprintf(out, i < end ? "\n" : "  // CRC-32\n");
-    }
-}
-
-fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error) {
-    uint32_t *words = NULL;
-    size_t count = 0;
-    fp3_status status = fp3_image_encode(image, &words, &count, error);
-    if (status)
-        return prefix(error, path, status);
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    for (size_t i = 0; out && i < count; i++) {
-        fprintf(out, "%08x", words[i]);
-        comment(out, image, i, words[i]);
-    }
-    free(words);
-    if (!out || fclose(out))
-        status = fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
-    else
-        status = fp3_file_write(path, text, size, error);
-    free(text);
     return status;
 }

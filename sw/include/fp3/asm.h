@@ -49,6 +49,10 @@ fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error
 fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WORD_TEXT_SIZE],
                          fp3_error *error);
 
+/* The words of the image's file as $readmemh text, each with its meaning as a comment. Fails as
+ * fp3_image_save does. */
+fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
+
 /* The shortest number that the assembler reads as these FP32 bits. */
 #define FP3_NUMBER_TEXT_SIZE 24
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]);

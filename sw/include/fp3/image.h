@@ -29,10 +29,12 @@
 FP3_API_BEGIN
 
 #define FP3_IMAGE_MAGIC 0x49335046u /* "FP3I" as bytes */
-#define FP3_IMAGE_HEADER_WORDS 9
 #define FP3_IMAGE_CODE_LIMIT 65536u /* words: a program counter has 16 bits */
 #define FP3_IMAGE_LABEL_LIMIT 1024u
 #define FP3_NAME_SIZE 32 /* bytes of a name, its NUL included */
+#define FP3_IMAGE_HEADER_WORDS 9
+#define FP3_IMAGE_CONSTANT_WORDS 2 /* of the file, for each constant */
+#define FP3_IMAGE_SYMBOL_WORDS (1 + FP3_NAME_SIZE / 4)
 
 /* What a name stands for. The host writes state, param and shared, and reads state back. */
 typedef enum {
@@ -110,8 +112,6 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
  * (or not there). A missing or forbidden file is FP3_E_ARGUMENT, a failing device FP3_E_SYSTEM. */
 fp3_status fp3_image_load(const char *path, fp3_image **image, fp3_error *error);
 fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *error);
-/* The same words as $readmemh text, each with its meaning as a comment. */
-fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
 
 /* What the next three give belongs to the image.
  * The symbol of this name if it is of one of these classes, or NULL. Names are unique in an image. */
