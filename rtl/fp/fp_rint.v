@@ -16,6 +16,7 @@ module fp_rint #(
     input  wire [31:0] a_i,
     output wire [31:0] z_o
 );
+`include "gen/isa.vh"
     localparam [7:0] WHOLE = 8'd150;   // from this exponent on there is no fraction
     localparam [7:0] ONE   = 8'd127;   // from here on there is an integer part; half of it below
     wire [7:0] e = a_i[30:23];
@@ -47,6 +48,6 @@ module fp_rint #(
 
     // A carry out of the fraction is one of the exponent, as it must be; 1 follows 0 at once.
     wire [30:0] larger = kept_c[30:0] + (up_c ? {7'd0, first_c, 1'b0} : 31'd0);
-    assign z_o = {kept_c[31], small_c ? {1'b0, {7{up_c}}, 23'd0} : larger};
+    assign z_o = {kept_c[31], small_c ? BITS_ONE[30:0] & {31{up_c}} : larger};
 endmodule
 `default_nettype wire

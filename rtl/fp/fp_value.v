@@ -20,6 +20,7 @@ module fp_value #(
     output wire [31:0] z_o,
     output wire        alone_o
 );
+`include "gen/isa.vh"
 `include "gen/choices.vh"
     localparam STAGES = MUL_LATENCY < 3 ? MUL_LATENCY : 3;
 
@@ -77,7 +78,7 @@ module fp_value #(
             end else begin : g_no_rint
                 assign rounded = 32'd0;
             end
-            wire [31:0] number = rounded & {32{is_rint}} | {estimate & {19{is_estimate}} | {2'd0, {7{one}}, 10'd0}, 13'd0};
+            wire [31:0] number = rounded & {32{is_rint}} | {estimate & {19{is_estimate}}, 13'd0} | BITS_ONE & {32{one}};
             cut #(.W(32), .ON(STAGES >= 2)) u_3 (.clk_i(clk_i), .d_i(made ? number : chosen), .q_o(z));
             delay #(.W(32), .N(MUL_LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
         end

@@ -33,6 +33,7 @@ module solo_arith #(
     output wire [31:0] mul_value_o,
     output wire [4:0]  mul_flags_o
 );
+`include "gen/isa.vh"
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
@@ -83,7 +84,7 @@ module solo_arith #(
     reg [31:0] product_q;
     reg [4:0]  product_flags_q;
     always @(posedge clk_i)
-        if (alone) {product_flags_q, product_q} <= {5'd0, 32'h80000000};
+        if (alone) {product_flags_q, product_q} <= {5'd0, BITS_MINUS_ZERO};
         else       {product_flags_q, product_q} <= {product_flags_late, product_late};
     assign {mul_flags_o, mul_value_o} = {product_flags_q, product_q};
 endmodule

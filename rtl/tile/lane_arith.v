@@ -23,6 +23,7 @@ module lane_arith #(
     output wire [31:0] value_o,
     output wire [4:0]  flags_o
 );
+`include "gen/isa.vh"
     wire        alone;                     // no product in the next cycle
     wire [31:0] product, product_late;
     wire [4:0]  product_flags, product_flags_late;
@@ -33,7 +34,7 @@ module lane_arith #(
     delay #(.W(37), .N(MUL_SPARE - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
     always @(posedge clk_i)
-        if (alone) {product_flags_q, product_q} <= {5'd0, 32'h80000000};
+        if (alone) {product_flags_q, product_q} <= {5'd0, BITS_MINUS_ZERO};
         else       {product_flags_q, product_q} <= {product_flags_late, product_late};
 
     // What the adder needs besides waits for the product.

@@ -34,6 +34,7 @@ module lane_operands #(
     // With the result
     output wire             less_o      // |y| < x
 );
+`include "gen/isa.vh"
     wire [31:0] x_i2, y_i2, z_i2;
     ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),
         .write_addr_i(write_register_i), .write_value_i(write_value_i),
@@ -60,9 +61,11 @@ module lane_operands #(
     delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, half_i2}), .q_o({twice_o, half_o}));
     always @(posedge clk_i) begin
         x_q <= x_i2;
-        if (one_i2)  y_q <= {1'b0, twice_i2, {6{!twice_i2}}, !twice_i2 && !half_i2, 23'd0};
+        // 1 with its exponent as it is, one more or one less
+        if (one_i2)  y_q <= {BITS_ONE[31], twice_i2, BITS_ONE[29:24] & {6{!twice_i2}},
+                             BITS_ONE[23] && !twice_i2 && !half_i2, BITS_ONE[22:0]};
         else         y_q <= y_i2;
-        if (zero_i2) z_q <= 32'h80000000;
+        if (zero_i2) z_q <= BITS_MINUS_ZERO;
         else         z_q <= z_i2;
     end
     assign {x_o, y_o, z_o} = {x_q, y_q, z_q};

@@ -31,6 +31,7 @@ module shared_arith #(
     output wire [32*SCHEDULERS-1:0] value_o,
     output wire [5*SCHEDULERS-1:0]  flags_o
 );
+`include "gen/isa.vh"
 `include "gen/choices.vh"
     // The operands of those who were granted a unit
     reg  [31:0] mul_x, mul_y, add_x, add_z;
@@ -63,7 +64,7 @@ module shared_arith #(
 
     // Beside the multiplier
     wire [31:0] scaled, x_late, z_late;
-    wire [31:0] x_beside = choice_q != CHOICE_NONE ? 32'h80000000 : scaled;
+    wire [31:0] x_beside = choice_q != CHOICE_NONE ? BITS_MINUS_ZERO : scaled;
     wire        unused_alone;
     wire [4:0]  scale_flags, scale_flags_late;
     wire        subtract_late, chain_late;
