@@ -9,7 +9,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs), then writes (verilog, parameters, decode, c, pages, fusesoc).
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, parameters, decode, timing, c, pages, fusesoc).
 """
 
 import argparse
@@ -18,14 +18,14 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, pages, parameters, registers, verilog
+from fp3gen import c, decode, fusesoc, pages, parameters, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import MARK
 
 
 def outputs(root):
-    isa, regs, known, configs = load(root)
+    isa, regs, known, configs, cycles = load(root)
     files = {
         "rtl/gen/isa.vh": verilog.isa_verilog(isa),
         "rtl/gen/mnemonic.vh": verilog.mnemonic_verilog(isa),
@@ -37,6 +37,7 @@ def outputs(root):
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(known),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(known),
+        "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
         "rtl/fp3.core": fusesoc.core_file(root, configs),
         "sw/include/fp3/isa.h": c.isa_c(isa),
@@ -46,6 +47,7 @@ def outputs(root):
         "sw/gen/estimates.h": c.estimates_c(),
         "sw/gen/registers.h": c.registers_c(regs),
         "sw/gen/configs.h": c.configs_c(known, configs),
+        "sw/gen/timing.h": timing.timing_c(cycles),
         "sw/gen/integrators.h": c.integrators_c(root),
         "docs/isa.md": pages.isa_page(isa),
         "docs/registers.md": pages.registers_page(regs),

@@ -143,7 +143,7 @@ def make_tree(row, tree):
     for path in ROOT.glob("rtl/*"):
         if path.name not in ("gen", "fp3.core"):
             (tree / "rtl" / path.name).symlink_to(path)
-    for name in ("isa.toml", "registers.toml"):
+    for name in ("isa.toml", "registers.toml", "timing.toml"):
         (tree / "isa" / name).symlink_to(ROOT / "isa" / name)
     (tree / "isa/configs.toml").write_text(toml(row))
     for name, text in outputs(tree).items():

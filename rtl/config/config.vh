@@ -24,6 +24,8 @@ parameter integer REG_W      = CONTEXT_W + REGISTER_W,
 // Of the number of what fp_value does (gen/choices.vh).
 parameter integer CHOICE_W   = 4,
 `include "gen/config_values.vh"
+// What the machine takes of cycles: TIMING_...
+`include "gen/timing.vh"
 // Plain registers behind a core: what its latency has more than its cuts.
 parameter integer ADD_SPARE = ADD_LATENCY -
     ({31'd0, ADD_CUTS[0]} + {31'd0, ADD_CUTS[1]} + {31'd0, ADD_CUTS[2]} + {31'd0, ADD_CUTS[3]}
@@ -32,5 +34,9 @@ parameter integer MUL_SPARE = MUL_LATENCY -
     ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
 // Of the arithmetic where contexts take turns: operands to result.
-parameter integer LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? 1 : 0)
+parameter integer LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
+// There, too: from an issue to the next one of the same context, at least; and from the last issue
+// of a round to its last report, through the lanes and back.
+parameter integer GAP     = LATENCY + TIMING_GAP,
+parameter integer SETTLE  = LATENCY + LANES + TIMING_SETTLE
 // verilator lint_on UNUSEDPARAM

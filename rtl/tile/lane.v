@@ -12,10 +12,10 @@
 //           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
 //           cycle W-6).
 //
-// Latency   A register that is named LATENCY + 5 cycles after the issue of the instruction that
+// Latency   A register that is named GAP cycles after the issue of the instruction that
 //           writes it, or later, has the new value. All results are equally late, so everything
 //           happens in the order of issue.
-// Hazard    Nothing is interlocked here: one context does not come twice within LATENCY + 5 cycles.
+// Hazard    Nothing is interlocked here: one context does not come twice within GAP cycles.
 //           retire_i is about the instruction of LATENCY - 3 cycles ago; data_i, of LATENCY + 3 (checked in issue).
 //           The host's accesses come when no instruction is in the lane.
 `default_nettype none
@@ -111,7 +111,7 @@ module lane #(
         .x_register_i(issue_x), .y_register_i(issue_y), .z_register_i(issue_z),
         .twice_i(issue_twice), .half_i(issue_half), .one_i(issue_one), .zero_i(issue_zero),
         .twice_o(twice_o), .half_o(half_o), .x_o(x_o), .y_o(y_o), .z_o(z_o), .less_o(less_w0));
-    delay #(.W(CHOICE_W+1), .N(3)) u_choice (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_choice, issue_subtract}), .q_o({choice_o, subtract_o}));
+    delay #(.W(CHOICE_W+1), .N(TIMING_OPERANDS)) u_choice (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_choice, issue_subtract}), .q_o({choice_o, subtract_o}));
 
     // Whose turn it is -----------------------------------------------------------------------------
     wire [ROW_W-1:0] row_w3, st_row_i2;
@@ -188,7 +188,7 @@ module lane #(
         for (k = 0; k < CONTEXTS; k = k + 1) begin
             age[k] <= rst_i ? 16'hffff : retire_valid && retire_context == k[CONTEXT_W-1:0] ? 16'd1
                     : age[k] == 16'hffff ? age[k] : age[k] + 1'b1;
-            if (!rst_i && retire_valid && retire_context == k[CONTEXT_W-1:0] && {16'd0, age[k]} < LATENCY + 5) begin
+            if (!rst_i && retire_valid && retire_context == k[CONTEXT_W-1:0] && {16'd0, age[k]} < GAP) begin
                 $display("%m: context %0d comes again after %0d cycles", k, age[k]); $stop;
             end
         end

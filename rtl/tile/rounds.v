@@ -43,8 +43,7 @@ module rounds #(
     output wire [31:0]    base_o,      // the number of the last step before it
     output wire [31:0]    end_o        // the number of its last step
 );
-    // From an issue to the last report of it: through the lanes and back.
-    localparam integer SETTLE = LATENCY + LANES + 14, SETTLE_W = $clog2(SETTLE + 1);
+    localparam integer SETTLE_W = $clog2(SETTLE + 1);
     localparam [2:0] IDLE = 3'd0, WAIT = 3'd1, PLAN = 3'd2, OPEN = 3'd3, RUN = 3'd4;
 
     reg  [2:0]          state_q;

@@ -9,10 +9,10 @@
 //                        ▲                                             │
 //                        └────────────────── reports ◄─────────────────┘
 //
-// Latency   From the sweep to the lane two cycles. A sweep of LATENCY + 5 contexts or more needs no
+// Latency   From the sweep to the lane two cycles. A sweep of GAP contexts or more needs no
 //           pause; a shorter one is followed by the cycles that are missing (stall_dependency).
 // Hazard    Nothing but pace protects a context from itself: between two issues of one context
-//           at least LATENCY + 5 cycles pass.
+//           at least GAP cycles pass.
 //           Every running cycle is an issue or exactly one stall, and no other cycle is either.
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
@@ -66,7 +66,6 @@ module sequencer #(
     output wire [CONTEXT_W-1:0] trace_context_o,
     output wire [31:0]          trace_word_o
 );
-    localparam GAP     = LATENCY + 5;
     localparam COUNT_W = $clog2(GAP + CONTEXTS + 1);
     `REPORT_FIELDS
     assign `REPORT = report_i;

@@ -87,7 +87,7 @@ module tile #(
             always @(posedge clk_i) idle_q <= running == {SCHEDULERS{1'b0}};        // depend on runs before it
             arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i || idle_q),
                 .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant));
-            delay #(.W(2*SCHEDULERS), .N(5)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
+            delay #(.W(2*SCHEDULERS), .N(TIMING_OPERANDS+2)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds & grant, muls & grant}), .q_o({adds_late, muls_late}));
             shared_arith #(.CONFIG(CONFIG)) u_arith (
                 .clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late), .subtract_i(subtract),

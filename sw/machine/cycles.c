@@ -1,13 +1,11 @@
 /* cycles.c - the issue stage of the solo machine, and the sweeps of the other one, counted. */
 #include "cycles.h"
 
+#include "gen/timing.h"
 #include "operation.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Before the first instruction issues, and after the last result is written. */
-#define SOLO_AROUND 4u
 
 uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op) {
     const unsigned path = fp3_operation_find(op)->path;
@@ -15,8 +13,13 @@ uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op) {
            (path & (FP3_UNIT_MULTIPLIER | FP3_UNIT_VALUE) ? config->mul_latency : 0);
 }
 
+/* From a result that a bypass brings to the one that is read. */
+static uint32_t read_of(const fp3_config *config) {
+    return config->bypass ? 0 : FP3_TIMING_SOLO_READ;
+}
+
 uint32_t fp3_cycles_delay(const fp3_config *config, uint32_t op) {
-    return fp3_cycles_latency(config, op) + (config->bypass ? 0 : 2);
+    return fp3_cycles_latency(config, op) + read_of(config);
 }
 
 /* ---- one instruction after the other ---- */
@@ -38,7 +41,7 @@ static void issue(pipeline *p, const fp3_timed *in) {
             at = p->ready[in->source[i]];
     const uint64_t waits = at - p->now;
     p->writes = waits < 64 ? p->writes >> waits : 0;
-    const uint32_t written = in->latency + 1;
+    const uint32_t written = FP3_TIMING_SOLO_OPERANDS + in->latency;
     for (; p->writes >> written & 1 || (p->is_stalled && p->writes & 1); at++)
         p->writes >>= 1;
     p->writes = (p->writes | UINT64_C(1) << written) >> 1;
@@ -54,7 +57,7 @@ static void run(pipeline *p, const fp3_timed *code, uint32_t count) {
 }
 
 static int open_pipeline(pipeline *p, const fp3_config *config, uint32_t slots) {
-    *p = (pipeline){.delay = config->bypass ? 0 : 2, .is_stalled = config->writeback_stall != 0};
+    *p = (pipeline){.delay = read_of(config), .is_stalled = config->writeback_stall != 0};
     p->slots = slots;
     p->ready = config->mul_latency + config->add_latency <= FP3_LATENCY_LIMIT
                    ? calloc(slots + 1, sizeof *p->ready)
@@ -126,7 +129,7 @@ uint64_t fp3_cycles_solo(const fp3_config *config, const fp3_timed_program *prog
                 run(&now, program->step, program->step_count);
         }
         run(&now, program->last, program->last_count);
-        cycles = now.end + SOLO_AROUND;
+        cycles = now.end + FP3_TIMING_SOLO_AROUND;
     }
     free(now.ready);
     free(past.ready);
@@ -153,29 +156,53 @@ double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *p
 
 /* ---- sweeps ---- */
 
+static int is_shared(const fp3_config *config) { return config->schedulers > 1; }
+
+/* LATENCY, GAP and SETTLE of rtl/config/config.vh. */
 static uint32_t latency_of(const fp3_config *config) {
-    return config->mul_latency + config->add_latency + (config->schedulers > 1);
+    return config->mul_latency + config->add_latency + (is_shared(config) ? FP3_TIMING_SHARE : 0);
 }
 
-/* rtl/tile/lane.v draws it; a shared pair takes its operands a cycle later. */
-uint32_t fp3_cycles_operands(const fp3_config *config) { return 3u + (config->schedulers > 1); }
+static uint32_t gap_of(const fp3_config *config) { return latency_of(config) + FP3_TIMING_GAP; }
 
-uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n) {
-    const uint32_t gap = latency_of(config) + 5;
-    return n > gap ? n : gap;
+static uint32_t settle_of(const fp3_config *config) {
+    return latency_of(config) + config->lanes + FP3_TIMING_SETTLE;
 }
 
-uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions) {
-    /* All comes to rest before the visits and after them: SETTLE of rtl/tile/rounds.v. */
-    const uint64_t around = 2 * (latency_of(config) + config->lanes + 14) + 14;
-    uint64_t cycles = around;
-    /* A pause stands before a sweep, and there is none before the first. */
+static uint32_t grant_of(const fp3_config *config) {
+    return is_shared(config) ? FP3_TIMING_GRANT : 0;
+}
+
+uint32_t fp3_cycles_operands(const fp3_config *config) {
+    if (!config->interleave)
+        return FP3_TIMING_SOLO_OPERANDS;
+    return FP3_TIMING_OPERANDS + (is_shared(config) ? FP3_TIMING_SHARE : 0);
+}
+
+uint32_t fp3_cycles_write(const fp3_config *config) {
+    return config->interleave ? FP3_TIMING_WRITE : 0;
+}
+
+uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant) {
+    const uint32_t gap = gap_of(config);
+    const uint32_t width = n + (grant == FP3_GRANTED ? grant_of(config) : 0);
+    return n == 0 ? 0 : width > gap ? width : gap;
+}
+
+uint32_t fp3_cycles_waiting(const fp3_config *config) { return gap_of(config) - grant_of(config); }
+
+uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, uint64_t instructions) {
+    const uint32_t n = config->contexts;
+    const uint64_t sweeps = rows / n * fp3_cycles_sweep(config, n, FP3_GRANTED) +
+                            fp3_cycles_sweep(config, rows % n, FP3_GRANTED);
+    return rows ? instructions * sweeps + settle_of(config) + FP3_TIMING_ROUND : 0;
+}
+
+uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,
+                                uint64_t instructions) {
+    /* A pause stands before a sweep, and there is none before the first of a round. */
     const uint32_t first = rows < config->contexts ? rows : config->contexts;
-    cycles -= fp3_cycles_sweep(config, first) - first;
-    for (uint32_t left = rows; left;) {
-        const uint32_t n = left < config->contexts ? left : config->contexts;
-        cycles += instructions * fp3_cycles_sweep(config, n);
-        left -= n;
-    }
-    return cycles;
+    const uint64_t unpaused = fp3_cycles_sweep(config, first, FP3_UNGRANTED) - first;
+    return rounds * (fp3_cycles_round(config, rows, instructions) - unpaused) + settle_of(config) +
+           FP3_TIMING_RUN;
 }

@@ -1,4 +1,5 @@
-/* cycles.h - how many cycles a sequence of instructions takes, exactly.
+/* cycles.h - how many cycles a sequence of instructions takes, exactly. The one place in the software
+ * that knows the machine's timing; its constants are those of isa/timing.toml.
  *
  * The solo machine issues in order, so a sequence has one timing: an instruction issues when what
  * it reads and what it writes is there, and when the write port is free in the cycle of its
@@ -37,12 +38,27 @@ uint64_t fp3_cycles_solo(const fp3_config *config, const fp3_timed_program *prog
 /* What a step adds to it in the long run; 0 likewise. */
 double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *program);
 
-/* Interleaved, one scheduler per arithmetic unit. A sweep of n contexts, with the pause that it
- * needs; and the counter CYCLES of a run that visits each object once, `rows` of them in each
- * lane, with so many instructions in a visit: loads, first part, all steps, last part, stores. */
-uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n);
-/* Likewise, of one instruction: cycles from where its context is named to its operands. */
+/* From the cycle in which an instruction's registers are named to its operands, and from its result
+ * to its write: both machines. */
 uint32_t fp3_cycles_operands(const fp3_config *config);
-uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t instructions);
+uint32_t fp3_cycles_write(const fp3_config *config);
+
+/* Interleaved: one instruction for n contexts, with the pause that they need; 0 for none. Where
+ * schedulers share the arithmetic, an instruction that needs it (FP3_GRANTED) waits a cycle for its
+ * grant, or longer if others want it, too. Elsewhere the two take equally long. */
+typedef enum { FP3_UNGRANTED, FP3_GRANTED } fp3_grant;
+uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant);
+
+/* Up to so many contexts, a sweep with a grant takes equally long. At least 1. */
+uint32_t fp3_cycles_waiting(const fp3_config *config);
+
+/* A round in which the fullest lane has so many rows, each visited with so many instructions: loads,
+ * first part, steps, last part, stores. Each is granted as soon as it can be, and each sweep pauses.
+ * 0 for no rows. */
+uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, uint64_t instructions);
+
+/* One scheduler per arithmetic unit: the counter CYCLES of a run of such rounds. */
+uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,
+                                uint64_t instructions);
 
 #endif

@@ -5,6 +5,7 @@
  */
 #include "placement.h"
 
+#include "cycles.h"
 #include "operation.h"
 
 #include "gen/registers.h"
@@ -52,24 +53,10 @@ static uses uses_of(const fp3_code *program, uint32_t visit) {
     return sum;
 }
 
-/* Cycles from a result's instruction to one that reads it (rtl/tile/tile.v, rtl/tile/sequencer.v). */
-static uint32_t gap(const fp3_config *config) {
-    return config->mul_latency + config->add_latency + (config->schedulers > 1) + 5;
-}
-
-/* Of one instruction for so many contexts; a shared unit is granted a cycle after it is asked for. */
-static uint64_t sweep(const fp3_config *config, uint32_t contexts) {
-    const uint32_t width = contexts + (config->schedulers > 1);
-    return contexts == 0 ? 0 : width > gap(config) ? width : gap(config);
-}
-
 static uint64_t cycles_of(const fp3_config *config, const uses *of, uint32_t rows) {
     if (!config->interleave)
         return of->issues;
-    const uint32_t drain = gap(config) + config->lanes + 20; /* at the end of a round */
-    return of->issues * (rows / config->contexts * sweep(config, config->contexts) +
-                         sweep(config, rows % config->contexts)) +
-           (rows ? drain : 0);
+    return fp3_cycles_round(config, rows, of->issues);
 }
 
 uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,
@@ -99,7 +86,7 @@ static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_pla
         s.least = divide_up(group->objects,
                             (uint64_t)fp3_placement_rows(config, group->log2) * config->lanes);
     /* A batch so short that its instructions wait for each other is as fast as it gets. */
-    const uint32_t waits = gap(config) - (config->schedulers > 1);
+    const uint32_t waits = fp3_cycles_waiting(config);
     const uint32_t rows = config->contexts < waits ? config->contexts : waits;
     s.most = divide_up(group->objects, (uint64_t)rows * config->lanes);
     give(config, &s, s.least);

@@ -59,8 +59,9 @@ static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
 
 /* ---- cycles and bounds ---- */
 
+/* A load or a store needs no grant, so this is a bound where schedulers share units, too. */
 static double per_sweep(const fp3_config *config) {
-    return (double)fp3_cycles_sweep(config, config->contexts) / config->contexts;
+    return (double)fp3_cycles_sweep(config, config->contexts, FP3_UNGRANTED) / config->contexts;
 }
 
 /* Objects that the whole configuration advances at a time. */
@@ -120,7 +121,7 @@ uint64_t fp3_cost_cycles(const fp3_schedule *schedule, const fp3_config *config,
         const uint64_t once = (uint64_t)s->loads + s->first_count + s->last_count + s->stores;
         if (config->schedulers > 1 || !steps)
             return 0;
-        return fp3_cycles_interleaved(config, config->contexts, once + s->step_count * steps);
+        return fp3_cycles_interleaved(config, config->contexts, 1, once + s->step_count * steps);
     }
     if (!fp3_time_schedule(s, config, &code, &program))
         return 0;

@@ -22,10 +22,10 @@ static void add(fp3_stages *s, const char *name, uint64_t from, uint64_t until) 
     s->stages[s->count++] = (fp3_stage){name, from};
 }
 
-/* One object: issue, its unit from the next cycle on, and the write. */
+/* One object: issue, its unit, and the write. */
 static void of_one(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
     const unsigned before = path & (FP3_UNIT_VALUE | FP3_UNIT_MULTIPLIER);
-    const uint64_t from = t->issued + 1;
+    const uint64_t from = t->issued + fp3_cycles_operands(config);
     add(s, "Is", t->issued, t->ended);
     if (before)
         add(s, path & FP3_UNIT_VALUE ? "Va" : "Mu", from, t->ended);
@@ -48,10 +48,11 @@ static const char *while_added(const fp3_config *config, unsigned path) {
 
 /* Contexts in turn: all are equally late, counted back from the write. */
 static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
-    const uint64_t chosen = t->ended - 1; /* the result is chosen, then written */
+    const uint64_t write = fp3_cycles_write(config);
+    const uint64_t chosen = t->ended - write; /* the result is chosen, then written */
     const uint64_t late = t->ended - t->issued;
     const uint64_t arithmetic = config->mul_latency + config->add_latency;
-    const uint64_t operands = late > arithmetic + 1 ? chosen - arithmetic : t->issued;
+    const uint64_t operands = late > arithmetic + write ? chosen - arithmetic : t->issued;
     const uint64_t reading = fp3_cycles_operands(config);
     const uint64_t read = operands > t->issued + reading ? operands - reading : t->issued;
     add(s, "Is", t->issued, read);

@@ -9,6 +9,7 @@ from mutants import Bug
 
 HERE = Path(__file__).parent
 CONFIGS = HERE.parents[1] / "isa/configs.toml"
+TIMING = tomllib.loads((HERE.parents[1] / "isa/timing.toml").read_text())
 CYCLES = 24                              # a seeded bug must show within so many of reset
 
 
@@ -144,8 +145,12 @@ def pace(contexts, gap):
     return {"CONTEXTS": contexts, "GAP": gap}
 
 
-TAKES_TURNS = {(row["contexts"], latency(row, "add") + latency(row, "mul") + int(row["schedulers"] > 1) + 5)
-               for row in configurations(interleave=1)}
+def gap(row):
+    shared = TIMING["share"]["cycles"] if row["schedulers"] > 1 else 0
+    return latency(row, "add") + latency(row, "mul") + shared + TIMING["gap"]["cycles"]
+
+
+TAKES_TURNS = {(row["contexts"], gap(row)) for row in configurations(interleave=1)}
 FEW, MANY = pace(4, 6), pace(4, 3)
 
 PACE = Subject(

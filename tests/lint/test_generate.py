@@ -135,6 +135,13 @@ MISTAKES = [
     ("configs.toml", 'meaning  = "words of instruction memory"\n', "", "key 'program_words': 'meaning' is missing"),
     ("configs.toml", 'meaning  = "1: exceptions are flagged"', 'meaning  = "flags"\nlack = "a flag"', "key 'flags': it has a 'lack', but no instruction"),
     ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),
+    ("timing.toml", "cycles  = 14", "cycles  = -14", "[settle]: cycles = -14 is not in 0 .. 255"),
+    ("timing.toml", "cycles  = 14", 'cycles  = "14"', "[settle]: 'cycles' must be of type int"),
+    ("timing.toml", "rtl     = true", "rtl     = 1", "[share]: 'rtl' must be of type bool"),
+    ("timing.toml", 'meaning = "from a result to its write"\n', "", "[write]: 'meaning' is missing"),
+    ("timing.toml", "[gap]", "[gaps]", "top level: unknown key 'gaps'"),
+    ("timing.toml", '[gap]\ncycles  = 5\nrtl     = true\nmeaning = "from an issue to the next issue of the same context, beyond the latency"\n',
+     "", "top level: 'gap' is missing"),
 ]
 
 

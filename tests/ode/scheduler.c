@@ -26,7 +26,7 @@
 typedef struct {
     const fp3_config *config;
     uint64_t seed;
-    uint32_t count, rtl, limit, objects;
+    uint32_t count, rtl, limit, objects, visit;
     unsigned failed;
     double worst, sum; /* cycles over bound */
     int is_integrator, is_verbose;
@@ -87,6 +87,7 @@ static fp3_status open_with(const bench *b, const sample *t, const fp3_image *im
     def.config = b->config->name;
     def.error = error;
     def.objects = b->objects;
+    def.visit = b->visit;
     fp3_status status = fp3_engine_open(&def, engine);
     if (!status)
         status = fp3_engine_load(*engine, image);
@@ -268,27 +269,31 @@ static void ship(bench *b) {
 
 /* ---- batches that are not full ---- */
 
-static const char *check_objects(bench *b, const sample *t, const fp3_schedule *s, uint32_t rows) {
+/* Three steps, in so many rounds: 1 or 3. */
+static const char *check_objects(bench *b, const sample *t, const fp3_schedule *s, uint32_t rows,
+                                 uint32_t rounds) {
     static fp3_error error;
     static char text[128];
     fp3_image *image = NULL;
     fp3_engine *engine = NULL;
     fp3_stats stats = {0};
     b->objects = rows * b->config->lanes * fp3_config_schedulers(b->config);
+    b->visit = 3 / rounds;
     fp3_status status = make_image(t, s, &image, &error);
     if (!status)
         status = open_with(b, t, image, &engine, &error);
     if (!status)
         status = fp3_engine_run(engine, 3, &stats);
     const uint64_t words =
-        s->loads + s->first_count + 3 * s->step_count + s->last_count + s->stores;
-    const uint64_t predicted = fp3_cycles_interleaved(b->config, rows, words);
-    snprintf(text, sizeof text, "%" PRIu32 " rows: %" PRIu64 " cycles, predicted %" PRIu64, rows,
-             stats.counter[FP3_COUNTER_CYCLES], predicted);
+        s->loads + s->first_count + 3 / rounds * s->step_count + s->last_count + s->stores;
+    const uint64_t predicted = fp3_cycles_interleaved(b->config, rows, rounds, words);
+    snprintf(text, sizeof text,
+             "%" PRIu32 " rows, %" PRIu32 " rounds: %" PRIu64 " cycles, predicted %" PRIu64, rows,
+             rounds, stats.counter[FP3_COUNTER_CYCLES], predicted);
     fp3_engine_close(&engine);
     fp3_image_free(&image);
     b->measured++;
-    b->objects = 0;
+    b->objects = b->visit = 0;
     return status ? error.text : predicted != stats.counter[FP3_COUNTER_CYCLES] ? text : NULL;
 }
 
@@ -301,7 +306,9 @@ static void rows(bench *b) {
         fail(b, 0, error.text);
     for (uint32_t n = 1; s && n <= 3 * b->config->contexts && 8 * n <= b->config->store_words;
          n++) {
-        const char *wrong = check_objects(b, &t, s, n);
+        const char *wrong = check_objects(b, &t, s, n, 1);
+        if (!wrong)
+            wrong = check_objects(b, &t, s, n, 3);
         if (wrong)
             fail(b, n, wrong);
     }

@@ -18,7 +18,7 @@ def core_file(root, configs):
     # The sources say `include "gen/isa.vh"`, from here.
     headers = [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh", "parameters.vh",
                                              "config_keys.vh", "shown.vh", "operands.vh", "choices.vh", "choice_of.vh",
-                                             "config_values.vh")] + rtl_sources(root, "*.vh")
+                                             "config_values.vh", "timing.vh")] + rtl_sources(root, "*.vh")
     out += [f"      - {name}: {{is_include_file: true, include_path: .}}" for name in headers]
     out += [f"      - {name}" for name in rtl_sources(root, "*.v")]
     for name in names:

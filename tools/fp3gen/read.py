@@ -7,6 +7,7 @@ from .check import Bad, keys
 from .configs import check_configs, check_keys
 from .isa import check_isa, PATHS
 from .registers import check_registers, exceptions, show_keys
+from .timing import check_timing
 
 
 class Machine(NamedTuple):
@@ -15,6 +16,7 @@ class Machine(NamedTuple):
     registers: dict
     keys: dict
     configs: list
+    timing: dict
 
 
 def read(root, file):
@@ -28,10 +30,11 @@ def read(root, file):
 
 
 def load(root):
-    isa, regs, configs = read(root, "isa.toml"), read(root, "registers.toml"), read(root, "configs.toml")
+    isa, regs, configs, timing = (read(root, f"{name}.toml") for name in ("isa", "registers", "configs", "timing"))
     keys(configs, "configs.toml", "top level", {"key": dict, "config": list})
     show_keys(regs, configs["key"])
     check_registers(regs, sorted(set(PATHS.values())))
     known = check_keys(configs["key"], regs, root)
+    check_timing(timing)
     check_isa(isa, known, list(exceptions(regs)))
-    return Machine(isa, regs, known, check_configs(configs["config"], known))
+    return Machine(isa, regs, known, check_configs(configs["config"], known), timing)
