@@ -65,8 +65,8 @@ def calls(root, build):
 
 
 def instances(root, files):
-    """Module names are file names."""
-    modules = {path.stem: stem(root, path) for path in files if path.suffix == ".v"}
+    """Module names are file names; rtl/fpga has versions of modules that have their home elsewhere."""
+    modules = {path.stem: stem(root, path) for path in files if path.suffix == ".v" and "fpga" not in path.parts}
     for path in files:
         text = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
         for name in re.findall(r"^\s*(\w+)\s+(?:#\s*\(|u_\w+\s*\()", text, re.M):
