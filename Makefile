@@ -104,7 +104,7 @@ LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so)
-BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/model.a $(RUNTIME)
+BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
 .PHONY: all sim
@@ -162,25 +162,25 @@ $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 
 # The generated C++ is Verilator's business: our warnings and sanitizers stop at the shim.
 # $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object
-define MODEL
-$(BUILD)/verilated/$(1)/model.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
+define VERILATED
+$(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
 	@echo "  RTL  $(2)"
 	@mkdir -p $$(@D)
 	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(3)
 	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O2 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
 	@mv $$(@D)/V$(2)__ALL.a $$@
 
-$(5): $(4) $(BUILD)/verilated/$(1)/model.a
+$(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
 	@mkdir -p $$(@D)
 	@echo "  CXX  $(4) ($(1))"
 	@$$(CCACHE) g++ $$(CXXFLAGS) $$(INCLUDES) -DFP3_CONFIG=$(1) -isystem $(BUILD)/verilated/$(1) \
 	    -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd -MMD -MP -c -o $$@ $$<
 endef
-$(foreach c,$(CONFIGS),$(eval $(call MODEL,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o)))
-$(eval $(call MODEL,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
+$(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o)))
+$(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
 
 # What the rtl engine loads, one library for each configuration; only its table is visible.
-$(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/obj/sim/fp3_shim_%.o $(BUILD)/verilated/%/model.a $(RUNTIME) $(EXPORTS)
+$(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/obj/sim/fp3_shim_%.o $(BUILD)/verilated/%/hardware.a $(RUNTIME) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@$(call link_shared,g++)

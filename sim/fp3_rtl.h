@@ -1,7 +1,7 @@
 /* fp3_rtl.h - one simulated FP3: its clock, its host port, what it issues and retires.
  *
  * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With its
- * Verilated model it is a library, fp3_<configuration>.so, that exports one table, fp3_rtl_table.
+ * Verilated hardware it is a library, fp3_<configuration>.so, that exports one table, fp3_rtl_table.
  */
 #ifndef FP3_RTL_H
 #define FP3_RTL_H

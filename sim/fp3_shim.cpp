@@ -7,8 +7,8 @@
 #define PASTE(a, b) PASTE_(a, b)
 #define STRING_(a) #a
 #define STRING(a) STRING_(a)
-#define MODEL PASTE(Vfp3_, FP3_CONFIG)
-#define HEADER STRING_HEADER(MODEL)
+#define HARDWARE PASTE(Vfp3_, FP3_CONFIG)
+#define HEADER STRING_HEADER(HARDWARE)
 #define STRING_HEADER(a) STRING(a.h)
 #include HEADER
 
@@ -21,7 +21,7 @@
 
 struct fp3_rtl {
     std::unique_ptr<VerilatedContext> context;
-    std::unique_ptr<MODEL> top;
+    std::unique_ptr<HARDWARE> top;
     fp3_rtl_watch watch;
     uint64_t cycle;
     unsigned transfers;
@@ -79,7 +79,7 @@ void settle(fp3_rtl *rtl) {
 }
 
 void tell_issues(const fp3_rtl *rtl) {
-    const MODEL *top = rtl->top.get();
+    const HARDWARE *top = rtl->top.get();
     for (unsigned scheduler = 0; scheduler < SHAPE.schedulers; scheduler++) {
         if (!part<1>(top->issue_valid_o, scheduler))
             continue;
@@ -94,7 +94,7 @@ void tell_issues(const fp3_rtl *rtl) {
 }
 
 void tell_ends(const fp3_rtl *rtl) {
-    const MODEL *top = rtl->top.get();
+    const HARDWARE *top = rtl->top.get();
     for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.lanes; n++) {
         fp3_rtl_end end = {};
         end.outcome = static_cast<fp3_outcome>(part<2>(top->retire_end_o, n));
@@ -116,7 +116,7 @@ void tell_ends(const fp3_rtl *rtl) {
 
 /* Ends the cycle that settle began. Whether something issued or retired in it. */
 bool edge(fp3_rtl *rtl) {
-    MODEL *top = rtl->top.get();
+    HARDWARE *top = rtl->top.get();
     const bool issued = !is_zero(top->issue_valid_o) && !top->rst_i;
     const bool retired = !is_zero(top->retire_valid_o) && !top->rst_i;
     if (issued && rtl->watch.issue)
@@ -132,7 +132,7 @@ bool edge(fp3_rtl *rtl) {
 /* The host holds its request until it is taken, and lets the response wait for 0 to 3 cycles, in
  * which it must stand still. */
 int transfer(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data) {
-    MODEL *top = rtl->top.get();
+    HARDWARE *top = rtl->top.get();
     top->req_valid_i = 1;
     top->req_write_i = is_write != 0;
     top->req_addr_i = address;
@@ -187,7 +187,7 @@ fp3_rtl *open_rtl(const fp3_rtl_watch *watch) try {
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     rtl->context->randReset(2);
     rtl->context->randSeed(1);
-    rtl->top.reset(new MODEL{rtl->context.get()});
+    rtl->top.reset(new HARDWARE{rtl->context.get()});
     rtl->watch = *watch;
     rtl->top->req_valid_i = 0;
     rtl->top->rsp_ready_i = 0;
@@ -201,7 +201,7 @@ fp3_rtl *open_rtl(const fp3_rtl_watch *watch) try {
 
 void close_rtl(fp3_rtl *rtl) {
     rtl->top->final();
-    /* Verilator looks for the model's scopes in the context that the thread used last, which may be
+    /* Verilator looks for the scopes of the hardware in the context that the thread used last, which may be
      * that of another engine, and closed by now. */
     Verilated::threadContextp(rtl->context.get());
     delete rtl;

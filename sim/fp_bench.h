@@ -26,7 +26,7 @@ enum {
     FP3_BENCH_CONFIG = 6 /* + index in isa/configs.toml: binary32 with that configuration's cuts */
 };
 
-/* How the core behind a row and an operation was built, read back from the model. */
+/* How the core behind a row and an operation was built, read back from the hardware. */
 typedef struct {
     unsigned exp, frac;          /* widths in bits */
     unsigned subnormal, nearest; /* 1: gradual underflow, 1: nearest-even */

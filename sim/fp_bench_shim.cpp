@@ -9,7 +9,7 @@
 
 struct fp3_bench {
     VerilatedContext context;
-    Vfp_bench model{&context, "fp_bench"};
+    Vfp_bench hardware{&context, "fp_bench"};
 };
 
 static unsigned unit_of(unsigned row, fp3_bench_op op) { return 2 * row + (op == FP3_BENCH_MUL); }
@@ -17,22 +17,22 @@ static unsigned unit_of(unsigned row, fp3_bench_op op) { return 2 * row + (op ==
 fp3_bench *fp3_bench_open(void) {
     fp3_bench *bench = new (std::nothrow) fp3_bench;
     if (bench)
-        bench->model.eval();
+        bench->hardware.eval();
     return bench;
 }
 
 void fp3_bench_close(fp3_bench *bench) {
     if (bench)
-        bench->model.final();
+        bench->hardware.final();
     delete bench;
 }
 
 unsigned fp3_bench_rows(const fp3_bench *bench) {
-    return sizeof bench->model.info_o / sizeof(uint32_t) / 2;
+    return sizeof bench->hardware.info_o / sizeof(uint32_t) / 2;
 }
 
 fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_bench_op op) {
-    const uint32_t info = bench->model.info_o[unit_of(row, op)];
+    const uint32_t info = bench->hardware.info_o[unit_of(row, op)];
     fp3_bench_core core;
     core.exp = info >> 24 & 63;
     core.frac = info >> 18 & 63;
@@ -45,23 +45,23 @@ fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_benc
 
 void fp3_bench_run(fp3_bench *bench, unsigned row, fp3_bench_op op, size_t n, const uint32_t *a,
                    const uint32_t *b, uint32_t *z, uint8_t *flags) {
-    Vfp_bench &model = bench->model;
+    Vfp_bench &hardware = bench->hardware;
     const unsigned unit = unit_of(row, op);
     const size_t latency = fp3_bench_describe(bench, row, op).latency + 1; // the result register
 
-    model.sub_i = op == FP3_BENCH_SUB;
+    hardware.sub_i = op == FP3_BENCH_SUB;
     for (size_t i = 0; i < n + latency; i++) {
         if (i < n) {
-            model.a_i = a[i];
-            model.b_i = b[i];
+            hardware.a_i = a[i];
+            hardware.b_i = b[i];
         }
-        model.clk_i = 0;
-        model.eval();
-        model.clk_i = uint64_t{1} << unit;
-        model.eval();
+        hardware.clk_i = 0;
+        hardware.eval();
+        hardware.clk_i = uint64_t{1} << unit;
+        hardware.eval();
         if (i >= latency) {
-            z[i - latency] = model.z_o[unit];
-            flags[i - latency] = static_cast<uint8_t>(model.flags_o[unit]);
+            z[i - latency] = hardware.z_o[unit];
+            flags[i - latency] = static_cast<uint8_t>(hardware.flags_o[unit]);
         }
     }
 }
