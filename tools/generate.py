@@ -36,7 +36,7 @@ def outputs(root):
         "rtl/gen/config_values.vh": decode.config_values_verilog(isa),
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(known),
-        "rtl/gen/config_keys.vh": parameters.config_keys_verilog(known),
+        "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
         "rtl/fp3.core": fusesoc.core_file(root, configs),

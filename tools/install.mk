@@ -47,7 +47,7 @@ install: $(LIB) $(LIB_SO) $(HARDWARE) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install
 	@install -m 644 $(BUILD)/fp3.1 $(MAN)
 	@install $(BUILD)/bin/fp3 $(COMMAND)
 
-# Directories that others may use stay, unless they are empty.
+# Directories that other programs share stay.
 uninstall: ## Remove what install put there
 	@rm -rf $(INCDIR) $(RTL_DIR)
 	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \

@@ -158,8 +158,7 @@ endmodule
 
 def lane(row):
     """One lane and its arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
-    keys = "\n".join(parameters.config_keys_verilog(ROOT))
-    keys = keys.replace(parameters.config_word(parameters.default_row(ROOT)), parameters.config_word(row))
+    keys = "\n".join(parameters.config_keys_verilog(row))
     widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
     return None, LANE.format(parameters=widths), []
 

@@ -82,8 +82,9 @@ module fp_add #(
         .d_i({big2, other2, e2 & {EXP{!zero2}}, sticky2, close2, minus2, made2, sign2, invalid2}),
         .q_o({big3, other3, e3, sticky3, close3, minus3, made3, sign3, invalid3}));
 
-    // Add. What was lost makes a difference smaller by a part of its last place. To nearest,
-    // the rounding sees to that, much later; truncation needs it borrowed here.
+    // Add. The bits shifted out make the true difference slightly smaller than the computed one, by
+    // less than one unit in the last place. Rounding to nearest corrects that later; truncation borrows
+    // it here.
     wire [S-1:0] sum3;
     wire         unused_carry;
     assign {sum3, unused_carry} = {1'b0, big3, 2'b00, 1'b1}

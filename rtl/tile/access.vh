@@ -1,5 +1,5 @@
-// access.vh: the bundle ACCESS, which goes from lane to lane: what the host wants of them. Used as
-// front/decoded.vh shows.
+// access.vh: the bundle ACCESS, which goes from lane to lane: what the host wants of them.
+// front/decoded.vh shows how a bundle is used.
 //
 //     valid, write
 //     space                       lane_host.vh

@@ -22,7 +22,7 @@ module batch #(
     input  wire                  clk_i,
     input  wire                  rst_i,
     input  wire                  open_i,      // a round begins ...
-    input  wire [ROW_W:0]        count_i,     // ... with so many objects in the fullest lane
+    input  wire [ROW_W:0]        count_i,     // ... objects in the fullest lane
     // Fetch
     input  wire                  again_i,     // it begins the next batch
     output wire                  more_o,      // there is one

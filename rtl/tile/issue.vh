@@ -1,6 +1,6 @@
 // issue.vh: the bundle ISSUE, which goes from lane to lane: the instruction that issues, for one
-// context. Used as
-// front/decoded.vh shows.
+// context.
+// front/decoded.vh shows how a bundle is used.
 //
 //     choice, subtract            of the arithmetic: gen/choices.vh; z - x * y
 //     twice, half, one, zero      y is 2, 1/2 or 1 instead of a register; z is -0

@@ -1,6 +1,6 @@
 // report.vh: the bundle REPORT, which goes from lane to lane and back to the sequencer. Each lane adds
-// what it has to say. Used as
-// front/decoded.vh shows.
+// what it has to say.
+// front/decoded.vh shows how a bundle is used.
 //
 //     count                       the most objects that a lane will visit
 //     flags                       exceptions raised in this cycle

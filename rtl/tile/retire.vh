@@ -1,6 +1,6 @@
 // retire.vh: the bundle RETIRE, which goes from lane to lane LATENCY - 3 cycles after ISSUE: what the
-// end of an instruction needs. Used as
-// front/decoded.vh shows.
+// end of an instruction needs.
+// front/decoded.vh shows how a bundle is used.
 //
 //     round                       a round begins; says nothing of the other fields
 //     valid                       an instruction ends; without it only context and register are set

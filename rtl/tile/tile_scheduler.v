@@ -194,7 +194,7 @@ module tile_scheduler #(
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted LATENCY - 1 cycles ago ends in the first lane, six cycles before its result.
+    // What was granted LATENCY - 2 cycles ago ends in the first lane, six cycles before its result.
     wire granted;
     `RETIRE_FIELDS
     assign `RETIRE = retires[0 +: `RETIRE_W];

@@ -299,8 +299,8 @@ static fp3_status run(bench *b, uint64_t steps, fp3_stats *stats, fp3_error *err
     return status;
 }
 
-/* The caller's values; and who can sleep has a limit below which no change of speed is, so that all
- * make all steps. */
+/* The caller's values. Where objects can sleep the limit is 0, which no change of speed is below: all
+ * objects make all steps. */
 static fp3_status copy_params(bench *b, fp3_error *error) {
     double eps;
     fp3_status status = fp3_params_copy(b->what->params, &b->params, error);
@@ -310,12 +310,12 @@ static fp3_status copy_params(bench *b, fp3_error *error) {
     return status;
 }
 
-static fp3_status open_engine(bench *b, const char *kind, uint64_t room, fp3_record **record,
+static fp3_status open_engine(bench *b, const char *name, uint64_t room, fp3_record **record,
                               fp3_engine **engine, fp3_error *error) {
     const fp3_bench_case *what = b->what;
     fp3_engine_def def = fp3_engine_default();
     fp3_status status = fp3_record_make(b->image, room, record, error);
-    def.engine = kind;
+    def.engine = name;
     def.config = what->config;
     def.objects = what->objects;
     def.visit = what->visit;

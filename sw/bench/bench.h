@@ -27,10 +27,11 @@ typedef struct {
     const fp3_params *params;
     const fp3_model *truth; /* whose solution errors are measured against; NULL: they are not */
     const char *config;
-    uint32_t objects;  /* 0: as many as the configuration has contexts */
-    uint32_t visit;    /* steps per visit; 0: all */
-    uint32_t awake_of; /* one of so many is awake; the others are removed, which needs a sleep */
-    uint64_t steps;    /* of each object that is awake; at least 2 */
+    uint32_t objects; /* 0: as many as the configuration has contexts */
+    uint32_t visit;   /* steps per visit; 0: all */
+    uint32_t
+        awake_of; /* one object of this many is awake; the others are removed, which needs a sleep */
+    uint64_t steps; /* of each object that is awake; at least 2 */
 } fp3_bench_case;
 
 typedef struct {

@@ -36,7 +36,7 @@ static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
     {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
-    {"engine", 'e', "KIND", 0,
+    {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), or isa, an instruction-set simulator in C", 0},
     {"steps", 'n', "N", 0, "How often the step part runs (default: 1)", 0},
     {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
@@ -250,13 +250,13 @@ static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
     printf("balance of schedulers\n");
     for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        fp3_scheduler_share place;
+        fp3_scheduler_share share;
         if (fp3_engine_scheduler_counters(engine, scheduler, counter) ||
-            fp3_engine_scheduler_share(engine, scheduler, &place))
+            fp3_engine_scheduler_share(engine, scheduler, &share))
             return;
         const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
         printf("  scheduler %-8" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", scheduler,
-               cycles, place.group, place.objects);
+               cycles, share.group, share.objects);
         least = cycles < least ? cycles : least;
         most = cycles > most ? cycles : most;
     }

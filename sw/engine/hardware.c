@@ -10,15 +10,15 @@
 #include <string.h>
 #include <unistd.h>
 
-#define PLACES 3
+#define DIRS 3
 
 typedef struct {
-    char dir[PLACES][PATH_MAX];
+    char dir[DIRS][PATH_MAX];
     size_t count;
-} places;
+} dirs;
 
 /* Adds <the directory of file>/below. */
-static void add_beside(places *p, const char *file, const char *below) {
+static void add_beside(dirs *p, const char *file, const char *below) {
     const char *slash = strrchr(file, '/');
     const int length = slash ? (int)(slash - file) : 0;
     char *dir = p->dir[p->count];
@@ -26,12 +26,12 @@ static void add_beside(places *p, const char *file, const char *below) {
         p->count++;
 }
 
-static void add(places *p, const char *dir) {
+static void add(dirs *p, const char *dir) {
     if (snprintf(p->dir[p->count], PATH_MAX, "%s", dir) < PATH_MAX)
         p->count++;
 }
 
-static void list_places(places *p) {
+static void list_dirs(dirs *p) {
     const char *chosen = secure_getenv("FP3_RTL_DIR");
     char path[PATH_MAX] = "";
     Dl_info own;
@@ -40,7 +40,10 @@ static void list_places(places *p) {
         add(p, chosen);
         return;
     }
-    if (dladdr(fp3_install_rtl_dir, &own) && realpath(own.dli_fname, path))
+    /* In a program that links libfp3.a the name is argv[0]: without a slash it says nothing of where
+     * the program is, and the working directory is nobody's place for code. */
+    if (dladdr(fp3_install_rtl_dir, &own) && strchr(own.dli_fname, '/') &&
+        realpath(own.dli_fname, path))
         add_beside(p, path, "fp3");
     const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
     if (length > 0) {
@@ -50,7 +53,7 @@ static void list_places(places *p) {
     add(p, fp3_install_rtl_dir);
 }
 
-static fp3_status not_found(const places *p, const char *config, fp3_error *error) {
+static fp3_status not_found(const dirs *p, const char *config, fp3_error *error) {
     char dirs[sizeof error->text] = "";
     for (size_t i = 0; i < p->count; i++) {
         strncat(dirs, i ? ", " : "", sizeof dirs - strlen(dirs) - 1);
@@ -91,9 +94,9 @@ static fp3_status load(const char *path, const char *config, fp3_hardware *hardw
 }
 
 fp3_status fp3_hardware_load(const char *config, fp3_hardware *hardware, fp3_error *error) {
-    places p;
+    dirs p;
     *hardware = (fp3_hardware){0};
-    list_places(&p);
+    list_dirs(&p);
     for (size_t i = 0; i < p.count; i++) {
         char path[PATH_MAX + 64];
         snprintf(path, sizeof path, "%s/fp3_%s.so", p.dir[i], config);

@@ -81,6 +81,8 @@ static const fp3_rtl_issue *find(const fp3_in_flight *f, queue *q, uint64_t *nex
 }
 
 int fp3_in_flight_end(fp3_in_flight *in_flight, const fp3_rtl_end *end, fp3_traced *traced) {
+    if (in_flight->is_lost) /* nothing that follows can be paired */
+        return 0;
     const fp3_retirement *r = &end->result;
     uint64_t *next = &in_flight->next[r->scheduler * in_flight->lanes + r->lane];
     const fp3_rtl_issue *issue = find(in_flight, &in_flight->queues[r->scheduler], next, end);

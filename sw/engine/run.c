@@ -119,11 +119,11 @@ uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group) {
 }
 
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
-                                      fp3_scheduler_share *place) {
+                                      fp3_scheduler_share *share) {
     fp3_status status = fp3_engine_check_range(engine, "scheduler", scheduler, 1,
                                                fp3_config_schedulers(engine->config));
     if (!status)
-        *place =
+        *share =
             (fp3_scheduler_share){engine->layout.duty[scheduler].group,
                                   fp3_layout_objects(&engine->layout, engine->config, scheduler)};
     return status;

@@ -90,7 +90,7 @@ static uint32_t integral(uint32_t a) {
     return isnan(x) ? a : bits_of(nearbyintf(x));
 }
 
-/* What fp_value makes of its operands, bits of all. 1: the operation is one of its. */
+/* What fp_value makes of its operands, all as bits. Returns 1 if fp_value handles the operation. */
 static int choose(uint32_t op, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
     switch (op) {
     case FP3_OP_MIN:

@@ -18,8 +18,8 @@ typedef struct {
     uint32_t registers; /* highest in use + 1, variables and params included */
 } fp3_places;
 
-/* From so many registers on nobody counts: places->registers is this or less, and reg is of no use
- * then. */
+/* Above this many registers the allocator stops counting: places->registers is at most this, and
+ * reg is then of no use. */
 #define FP3_REGISTERS_CEILING (2 * 64)
 
 /* order[p] is the node at position p; nodes[].is_ahead says which belong to the next step. Values

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So often the list goes through the step: it knows better each time what the one before leaves. */
+/* How many times the list scheduler repeats the step. Each time it knows better what the step before
+ * leaves. */
 #define ROUNDS 2
 
 /* Cycles that a node may wait for another one's sake. */

@@ -66,7 +66,7 @@ def latency(row, core):
     return row.get(f"{core}_latency", row[f"{core}_cuts"].bit_count() + 1)
 
 
-USED = {tuple(scoreboard(row["registers"].bit_length(), row["bypass"], int(row["chain"] or row["estimate"]),
+USED = {tuple(scoreboard(row["registers"].bit_length(), row["bypass"], int(any(row[key] for key in ("chain", "select", "estimate", "round"))),
                          latency(row, "add"), latency(row, "mul")).items())
         for row in configurations(interleave=0)}
 EDGES = [scoreboard(3, *rest) for rest in

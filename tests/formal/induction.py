@@ -27,8 +27,9 @@ class Machine:
             raise ValueError(f"{top} asserts nothing")
 
     def prove(self, depth=1):
-        """All assertions hold in the first cycles, and in each cycle after so many in which they hold."""
+        """All assertions hold in the first cycles, and in each cycle after `depth` cycles in which they hold."""
         self.refute(depth)
+        self.run(depth + 8)
         run = Run(self.netlist)
         run.begin(lambda latch: run.free(f"state {latch}"))
         holds, broken = [run.cycle() ^ 1 for _ in range(depth)], run.cycle()
@@ -36,8 +37,17 @@ class Machine:
             raise Unproved("the induction fails")
         return "proved by induction"
 
+    def run(self, cycles):
+        """Raises Unproved if no run of this many cycles does what is assumed: a proof would say nothing."""
+        run, first = Run(self.netlist), self.netlist.first
+        run.begin(lambda latch: run.free(f"state {latch}") if first[latch] > 1 else first[latch])
+        for _ in range(cycles):
+            run.cycle()
+        if not Question(run.aig, run.assumed).ask():
+            raise Unproved(f"no run of {cycles} cycles does what is assumed")
+
     def refute(self, cycles):
-        """Raises Refuted if an assertion can fail within so many cycles of power-up."""
+        """Raises Refuted if an assertion can fail within this many cycles of power-up."""
         run, first = Run(self.netlist), self.netlist.first
         run.begin(lambda latch: run.free(f"state {latch}") if first[latch] > 1 else first[latch])
         for cycle in range(cycles):

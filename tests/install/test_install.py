@@ -204,6 +204,14 @@ def test_the_installed_command_runs_the_installed_hardware(installed, root, expe
     assert done.returncode == 1 and str(installed / "bin/../lib/fp3") in done.stderr
 
 
+def test_the_working_directory_is_no_place_for_hardware(installed, root, tmp_path):
+    """The command is found through PATH, so its own name has no directory."""
+    (tmp_path / "fp3").mkdir()
+    (tmp_path / "fp3/fp3_single.so").write_text("not for loading")
+    succeeds("fp3", "run", root / "programs/ship.ode", "-n", "1", "-c", "single", "-i", "rk4_paper", cwd=tmp_path,
+             env={**os.environ, "PATH": f"{installed / 'bin'}:{os.environ['PATH']}"})
+
+
 def test_the_man_page_says_what_help_says(installed):
     page = installed / "share/man/man1/fp3.1"
     done = run("groff", "-man", "-ww", "-Tascii", "-P-cbou", page)
@@ -217,7 +225,7 @@ def test_the_man_page_says_what_help_says(installed):
             assert option in shown, (command, option)
 
 
-def test_uninstall_leaves_nothing(root, build, tmp_path):
+def test_uninstall_leaves_no_file(root, build, tmp_path):
     make(root, build, "install", tmp_path)
     assert (tmp_path / PREFIX / "lib/libfp3.so").resolve().name == "libfp3.so.0"
     make(root, build, "uninstall", tmp_path)

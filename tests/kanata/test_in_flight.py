@@ -94,3 +94,12 @@ def test_what_was_not_issued_is_noticed(pair, name):
     config, events = LOST[name]
     found, is_all = pair(config, events)
     assert None in found and not is_all
+
+
+def test_after_an_end_without_an_issue_nothing_is_paired_however_long_it_goes_on(pair):
+    """Each queue has room for 1,024 instructions in flight."""
+    events = [end(1, 0)]
+    for n in range(3000):
+        events += [issue(2 * n + 2, 0, "add r0, r1, r1"), end(2 * n + 3, 0)]
+    pairs, all_paired = pair("many", events)
+    assert pairs == [None] * 3001 and not all_paired

@@ -41,13 +41,14 @@ def parameters_verilog(known):
             "// verilator lint_on WIDTHCONCAT"]
 
 
-def config_keys_verilog(known):
-    """The parameters of all other modules."""
+def config_keys_verilog(row):
+    """The parameters of all other modules; CONFIG says what this row says unless it is set."""
+    known = keys_of(row)
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
              f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}]" + ("," if i < len(known) - 1 else ""))
             for i, key in enumerate(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config.vh.",
-            f"parameter {config_range(known)} CONFIG = {config_word(default_row(known))},", *columns(rows)]
+            f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)]
 
 
 def shown_verilog(regs, known):

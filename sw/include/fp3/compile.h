@@ -66,7 +66,8 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
 /* Sets *compiled to NULL; that it was NULL before does no harm. */
 void fp3_compiled_free(fp3_compiled **compiled);
 
-/* Predicted cycles of a run, see sw/schedule/cost.h; 0: not predictable. */
+/* The exact cycles of a run of `steps` steps: one object, or all contexts full and one visit, loads and
+ * stores included. 0: no steps, or schedulers share an arithmetic unit. */
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
 
 FP3_API_END

@@ -202,7 +202,7 @@ typedef struct {
 /* The group and objects of a scheduler since the last load; for "isa", those that it would have.
  * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
-                                      fp3_scheduler_share *place);
+                                      fp3_scheduler_share *share);
 
 #define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
 

@@ -51,7 +51,8 @@ void fp3_program_close(fp3_program **program);
  * params names states, params and shared constants of the program; of a model its states, its params
  * and h, which have defaults. The register that `sleep` writes has one, too: awake.
  * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not have.
- * What the engine refuses is told where its definition says. */
+ * After a failure the program may be loaded, and some of the values written. What the engine refuses
+ * is told where its definition says, not in error. params may not be NULL. */
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error);
 

@@ -46,7 +46,8 @@ typedef struct {
 
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. What the
  * file does not say is: engine "rtl", steps 1, visit 0. The caller closes *scene, which is NULL on
- * failure. Messages begin with the path and the line, those about a program with its own path. */
+ * failure. Messages begin with the path, and the line where there is one; those about a program or a
+ * parameter file with its own path. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error);
 /* Sets *scene to NULL; that it was NULL before does no harm. */
