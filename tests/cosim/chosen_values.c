@@ -63,7 +63,7 @@ static uint32_t bits_of(float value) {
     return bits;
 }
 
-static uint32_t choose(uint32_t op, const uint32_t *in) {
+static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in) {
     const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
     switch (op) {
     case FP3_OP_MIN:
@@ -81,7 +81,7 @@ static uint32_t choose(uint32_t op, const uint32_t *in) {
     case FP3_OP_RCP:
         return fp3_estimate_rcp(in[0]);
     case FP3_OP_RINT:
-        return isnan(a) ? in[0] : bits_of(rintf(a));
+        return isnan(a) ? in[0] : bits_of(config->nearest ? rintf(a) : truncf(a));
     default:
         return fp3_estimate_rsqrt(in[0]);
     }
@@ -103,7 +103,7 @@ static void compare(void *user, const fp3_retirement *r) {
         return;
     const uint32_t *in = b->inputs[r->object].operand, op = b->ops[r->reg - 3];
     uint32_t flags;
-    const uint32_t bits = finished(b->config, choose(op, in), &flags);
+    const uint32_t bits = finished(b->config, choose(b->config, op, in), &flags);
     b->checked++;
     if ((r->bits != bits || r->flags != flags) && b->failed++ < REPORTS)
         printf("FAIL %s %s: operation %" PRIu32 " of 0x%08" PRIx32 " 0x%08" PRIx32 " 0x%08" PRIx32
