@@ -2,6 +2,7 @@
  * final ones.
  */
 #include "cli.h"
+#include "run_print.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -11,8 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define SHOWN 8 /* objects whose states are printed without --all */
 
 typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
@@ -149,148 +148,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-static void print_state(fp3_engine *engine, const fp3_symbol *symbol, size_t object, int is_slept) {
-    union {
-        float value;
-        uint32_t bits;
-    } word;
-    if (fp3_engine_read(engine, object, 1, symbol->index, &word.value))
-        return;
-    if (is_slept)
-        printf("%-16s %-16" PRIu32, symbol->name, word.bits);
-    else
-        printf("%-16s %-16.9g", symbol->name, (double)word.value);
-    printf(" 0x%08" PRIx32 "   object %zu\n", word.bits, object);
-}
-
-/* The objects of one program. */
-typedef struct {
-    const fp3_image *image;
-    size_t first, objects;
-} part;
-
-static void print_states(fp3_engine *engine, const part *of, int all) {
-    const int slept = fp3_image_slept(of->image);
-    const size_t shown = all || of->objects < SHOWN ? of->objects : SHOWN;
-    for (size_t n = 0; n < shown; n++)
-        for (uint32_t i = 0; i < of->image->symbol_count; i++)
-            if (of->image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
-                print_state(engine, &of->image->symbols[i], of->first + n,
-                            (int)of->image->symbols[i].index == slept);
-    if (shown < of->objects)
-        printf("%-16s %zu objects, which --all prints\n", "more", of->objects - shown);
-}
-
-/* How many objects sleep, and since which steps; how many met an invalid or an overflow. */
-static void print_status(fp3_engine *engine, const part *of) {
-    size_t asleep = 0, failed = 0, first = 0;
-    uint32_t begin = UINT32_MAX, end = 0, step = UINT32_MAX;
-    for (size_t i = of->first; i < of->first + of->objects; i++) {
-        fp3_object_status status;
-        if (fp3_engine_status(engine, i, 1, &status))
-            return;
-        if (status.slept && status.slept != FP3_REMOVED) {
-            asleep++;
-            begin = status.slept < begin ? status.slept : begin;
-            end = status.slept > end ? status.slept : end;
-        }
-        if (status.failed && status.failed < step) {
-            step = status.failed;
-            first = i;
-        }
-        failed += status.failed != 0;
-    }
-    if (fp3_image_slept(of->image) >= 0)
-        printf("%-16s %zu of %zu", "asleep", asleep, of->objects);
-    if (asleep)
-        printf(", since steps %" PRIu32 " to %" PRIu32, begin, end);
-    if (fp3_image_slept(of->image) >= 0)
-        putchar('\n');
-    if (failed)
-        printf("%-16s %zu of %zu: invalid or overflow, first in step %" PRIu32 ", object %zu\n",
-               "failed", failed, of->objects, step, first);
-}
-
-static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
-    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
-        uint64_t counter[FP3_COUNTER_COUNT];
-        if (!fp3_engine_scheduler_counters(engine, scheduler, counter))
-            fp3_occupancy_print(stdout, scheduler, counter);
-    }
-}
-
-static void print_cost(const fp3_stats *stats) {
-    static const char *const flags[] = {"inexact", "underflow", "overflow", "divide-by-zero",
-                                        "invalid"};
-    printf("%-16s %" PRIu64 "\n", "object_steps", stats->object_steps);
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        printf("%-16s %" PRIu64 "\n", fp3_counter_name((fp3_counter)i), stats->counter[i]);
-    printf("%-16s%s", "flags", stats->flags ? "" : " none");
-    for (int i = 4; i >= 0; i--)
-        if (stats->flags >> i & 1)
-            printf(" %s", flags[i]);
-    putchar('\n');
-    printf("%-16s %.0f\n", "cycles/second",
-           stats->seconds > 0 ? (double)stats->counter[FP3_COUNTER_CYCLES] / stats->seconds : 0.0);
-}
-
-static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number, int all) {
-    const fp3_scene_group *group = &scene->groups[number];
-    const part of = {group->program->image, group->first, group->objects};
-    printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
-           group->first + group->objects - 1);
-    print_states(engine, &of, all);
-    print_status(engine, &of);
-    printf("%-16s %" PRIu64 "\n\n", "object_steps", fp3_engine_group_steps(engine, number));
-}
-
-/* Whose cycles each scheduler spent, and how long the first to end waited for the last. */
-static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
-    uint64_t least = UINT64_MAX, most = 0;
-    printf("balance of schedulers\n");
-    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
-        uint64_t counter[FP3_COUNTER_COUNT];
-        fp3_scheduler_share share;
-        if (fp3_engine_scheduler_counters(engine, scheduler, counter) ||
-            fp3_engine_scheduler_share(engine, scheduler, &share))
-            return;
-        const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
-        printf("  scheduler %-8" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", scheduler,
-               cycles, share.group, share.objects);
-        least = cycles < least ? cycles : least;
-        most = cycles > most ? cycles : most;
-    }
-    printf("  %-18s %12.1f %%\n", "imbalance",
-           most ? 100.0 * (double)(most - least) / (double)most : 0.0);
-}
-
-/* What is run: a program, or a scene. */
-typedef struct {
-    const fp3_program *program;
-    const fp3_scene *scene;
-} task;
-
-/* A run that ended before its time has a state, too. */
-static void print(fp3_engine *engine, const task *of, const fp3_engine_def *def,
-                  const fp3_stats *stats, int all) {
-    const int is_rtl = strcmp(def->engine, "rtl") == 0;
-    if (of->program) {
-        const part objects = {of->program->image, 0, fp3_engine_objects(engine)};
-        print_states(engine, &objects, all);
-        print_status(engine, &objects);
-    }
-    for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
-        print_group(engine, of->scene, i, all);
-    print_cost(stats);
-    if (is_rtl)
-        print_occupancy(engine, stats);
-    if (is_rtl && of->scene)
-        print_balance(engine, stats);
-}
-
 /* *has_run: it came as far. */
-static fp3_status run(const options *o, const task *of, const fp3_engine_def *def, int *has_run,
-                      fp3_error *error) {
+static fp3_status run(const options *o, const fp3_run_task *of, const fp3_engine_def *def,
+                      int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_stats stats;
     fp3_status status = fp3_engine_open(def, &engine);
@@ -302,7 +162,7 @@ static fp3_status run(const options *o, const task *of, const fp3_engine_def *de
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            print(engine, of, def, &stats, o->all);
+            fp3_run_print(engine, of, def, &stats, o->all);
         *error = why;
     }
     fp3_engine_close(&engine);
@@ -310,7 +170,7 @@ static fp3_status run(const options *o, const task *of, const fp3_engine_def *de
 }
 
 /* With the pipeline's log, if that is asked for; of a run that ended before its time, too. */
-static fp3_status run_and_log(const options *o, const task *of, fp3_engine_def *def,
+static fp3_status run_and_log(const options *o, const fp3_run_task *of, fp3_engine_def *def,
                               fp3_error *error) {
     fp3_kanata *kanata = NULL;
     if (o->kanata) {
@@ -355,7 +215,7 @@ static fp3_status run_program(const options *o, fp3_error *error) {
     define(o, &def, error);
     fp3_status status = fp3_program_open(o->program, &how, &program, NULL, error);
     if (!status)
-        status = run_and_log(o, &(task){.program = program}, &def, error);
+        status = run_and_log(o, &(fp3_run_task){.program = program}, &def, error);
     fp3_program_close(&program);
     return status;
 }
@@ -370,7 +230,7 @@ static fp3_status run_scene(options *o, fp3_error *error) {
     fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
     define(o, &def, error);
-    status = run(o, &(task){.scene = scene}, &def, &has_run, error);
+    status = run(o, &(fp3_run_task){.scene = scene}, &def, &has_run, error);
     fp3_scene_close(&scene);
     return status;
 }

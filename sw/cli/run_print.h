@@ -1,0 +1,17 @@
+/* run_print.h - what fp3 run prints: final states, who sleeps, who failed, what the run cost. */
+#ifndef FP3_RUN_PRINT_H
+#define FP3_RUN_PRINT_H
+
+#include <fp3/scene.h>
+
+/* What is run: a program, or a scene; the other is NULL. */
+typedef struct {
+    const fp3_program *program;
+    const fp3_scene *scene;
+} fp3_run_task;
+
+/* A run that ended before its time has a state, too. */
+void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
+                   const fp3_stats *stats, int all);
+
+#endif
