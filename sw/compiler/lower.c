@@ -1,9 +1,10 @@
-/* lower.c - expressions to operations; division, roots, sine and cosine to what the machine has. */
+/* lower.c - expressions to operations of the machine, functions to those of the files that make them. */
 #include "lower.h"
 
-#include "fold.h"
+#include "circular.h"
+#include "division.h"
+#include "ops.h"
 
-#include <fp3/isa.h>
 #include <stdlib.h>
 
 fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {
@@ -23,47 +24,7 @@ void fp3_lower_close(lowering *l) {
     l->is_made = l->is_wanted = NULL;
 }
 
-/* ---- the operations ---- */
-
-static uint32_t op2(dag *g, uint32_t op, uint32_t a, uint32_t b) {
-    return fp3_fold(g, op, a, b, FP3_NONE);
-}
-static uint32_t add(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_ADD, a, b); }
-static uint32_t sub(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_SUB, a, b); }
-static uint32_t mul(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_MUL, a, b); }
-static uint32_t num(dag *g, double number) { return fp3_dag_number(g, number); }
-
-static uint32_t sel(dag *g, uint32_t condition, uint32_t then, uint32_t otherwise) {
-    return fp3_fold(g, FP3_OP_SEL, then, otherwise, condition);
-}
-
-/* An estimate y and a small t, so that x/b is x y (1 + t): with e = 1 - b y it is x y / (1 - e), and
- * 1/(1 - e) = 1 + e + e^2 + O(e^3), where e^3 is below half a unit in the last place. y is never too
- * large, so b y is in [1/2, 1]: rounding changes it by at most 2^-25, and 1 - b y is exact. */
-typedef struct {
-    uint32_t estimate, correction;
-} series;
-
-static series reciprocal(dag *g, uint32_t b) {
-    const uint32_t y = op2(g, FP3_OP_RCP, b, FP3_NONE);
-    const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
-    return (series){y, add(g, e, mul(g, e, e))};
-}
-
-/* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
-static series inverse_root(dag *g, uint32_t b) {
-    const uint32_t y = op2(g, FP3_OP_RSQRT, b, FP3_NONE);
-    const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
-    return (series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
-}
-
-/* x y (1 + t) */
-static term corrected(dag *g, term x, series s) {
-    const uint32_t q = fp3_dag_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
-    return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
-}
-
-static term one(dag *g) { return fp3_term(num(g, 1)); }
+/* ---- powers ---- */
 
 /* x^n, n >= 0, by squares: x^3 is (x x) x. */
 static term power(dag *g, term x, unsigned n) {
@@ -78,36 +39,6 @@ static term power(dag *g, term x, unsigned n) {
             x = fp3_term_mul(g, x, x);
     }
     return result;
-}
-
-/* ---- sine and cosine ---- */
-
-/* (sin(x)/x - 1)/z and (cos(x) - 1)/z for z = x^2 in [0, pi^2], interpolated at the nodes of Chebyshev:
- * highest power first. Absolute errors in FP32 over [-pi, pi]: 6.1e-7 and 3.9e-7 (tests/ode measures
- * them). There is no range reduction. */
-static const double sine[] = {1.3942344679303983e-10, -2.4822272894578905e-08,
-                              2.7545680159356923e-06, -0.0001984100208558025,
-                              0.008333331074231525,   -0.16666666635715308};
-static const double cosine[] = {1.77299531221692e-09,   -2.7216673353840383e-07,
-                                2.4784361623782387e-05, -0.0013888492914356971,
-                                0.04166663326988213,    -0.4999999954247248};
-
-static uint32_t polynomial(dag *g, uint32_t z, const double *coefficient) {
-    uint32_t p = num(g, coefficient[0]);
-    for (int i = 1; i < 6; i++)
-        p = add(g, num(g, coefficient[i]), mul(g, p, z));
-    return p;
-}
-
-static term sin_of(dag *g, term x) {
-    const uint32_t z = mul(g, x.node, x.node);
-    const uint32_t p = polynomial(g, z, sine);
-    return (term){add(g, x.node, mul(g, mul(g, x.node, z), p)), x.is_negative};
-}
-
-static term cos_of(dag *g, term x) {
-    const uint32_t z = mul(g, x.node, x.node);
-    return fp3_term(add(g, num(g, 1), mul(g, z, polynomial(g, z, cosine))));
 }
 
 /* ---- expressions ---- */
@@ -134,14 +65,14 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
     const int is_root = is_unknown_root(l, base);
     const uint32_t below = is_root ? expr_of(l, base)->operand[0] : base;
     if (is_root) {
-        const series s = inverse_root(g, value(l, below));
-        return n == 1 ? corrected(g, x, s)
-                      : fp3_term_mul(g, x, power(g, corrected(g, one(g), s), n));
+        const fp3_series s = fp3_inverse_root(g, value(l, below));
+        return n == 1 ? fp3_corrected(g, x, s)
+                      : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
     }
     const term b = at(l, below);
-    const series s = reciprocal(g, b.node);
-    term result =
-        n == 1 ? corrected(g, x, s) : fp3_term_mul(g, x, power(g, corrected(g, one(g), s), n));
+    const fp3_series s = fp3_reciprocal(g, b.node);
+    term result = n == 1 ? fp3_corrected(g, x, s)
+                         : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
     result.is_negative ^= b.is_negative && n % 2;
     return result;
 }
@@ -170,12 +101,6 @@ static term raise(lowering *l, const fp3_expr *e) {
                        : power(l->g, at(l, e->operand[0]), n);
 }
 
-/* sqrt(b) is b/sqrt(b), which is 0 for 0, as the estimate is finite there. */
-static term root(lowering *l, const fp3_expr *e) {
-    const uint32_t b = value(l, e->operand[0]);
-    return corrected(l->g, fp3_term(b), inverse_root(l->g, b));
-}
-
 /* Whether an expression is 0 or 1 and nothing else. */
 static int is_truth(const lowering *l, uint32_t expr) {
     const fp3_expr_op op = expr_of(l, expr)->op;
@@ -197,7 +122,7 @@ static term choose(lowering *l, const fp3_expr *e) {
     case FP3_EXPR_MAX:
         return fp3_term(op2(g, FP3_OP_MAX, value(l, o[0]), value(l, o[1])));
     case FP3_EXPR_ABS:
-        return fp3_term(op2(g, FP3_OP_ABS, at(l, o[0]).node, FP3_NONE));
+        return fp3_term(op1(g, FP3_OP_ABS, at(l, o[0]).node));
     case FP3_EXPR_LESS:
         return fp3_term(op2(g, FP3_OP_LT, value(l, o[0]), value(l, o[1])));
     case FP3_EXPR_LESS_EQUAL:
@@ -237,11 +162,11 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_POWER:
         return raise(l, e);
     case FP3_EXPR_SQRT:
-        return root(l, e);
+        return fp3_root(g, value(l, e->operand[0]));
     case FP3_EXPR_SIN:
-        return sin_of(g, at(l, e->operand[0]));
+        return fp3_sine(g, at(l, e->operand[0]));
     case FP3_EXPR_COS:
-        return cos_of(g, at(l, e->operand[0]));
+        return fp3_cosine(g, at(l, e->operand[0]));
     default:
         return choose(l, e);
     }
