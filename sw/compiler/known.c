@@ -38,9 +38,44 @@ static char *find_shared(const fp3_model *model) {
     return shared;
 }
 
+/* Operands are compared as what they are the same as. */
+static int is_alike(const fp3_expr *a, const fp3_expr *b, const uint32_t *same) {
+    for (int j = 0; j < 3; j++) {
+        const uint32_t x = a->operand[j], y = b->operand[j];
+        if (x != y && (x == FP3_NONE || y == FP3_NONE || same[x] != same[y]))
+            return 0;
+    }
+    return a->op == b->op && a->index == b->index &&
+           memcmp(&a->number, &b->number, sizeof a->number) == 0;
+}
+
+/* A param has a node wherever it is read: what is made of params alike is one value. */
+static uint32_t *find_same(const fp3_model *model) {
+    uint32_t *same = malloc((model->expr_count + 1) * sizeof *same);
+    uint32_t *firsts = malloc((model->expr_count + 1) * sizeof *firsts), count = 0;
+    for (uint32_t i = 0; same && firsts && i < model->expr_count; i++) {
+        uint32_t k = 0;
+        same[i] = i;
+        if (!model->exprs[i].is_known)
+            continue;
+        while (k < count && !is_alike(&model->exprs[i], &model->exprs[firsts[k]], same))
+            k++;
+        if (k == count)
+            firsts[count++] = i;
+        same[i] = firsts[k];
+    }
+    if (!firsts) {
+        free(same);
+        same = NULL;
+    }
+    free(firsts);
+    return same;
+}
+
 void fp3_known_open(known_table *table, const fp3_model *model) {
-    *table = (known_table){.model = model, .is_shared = find_shared(model)};
-    table->has_failed = !table->is_shared;
+    *table =
+        (known_table){.model = model, .is_shared = find_shared(model), .same = find_same(model)};
+    table->has_failed = !table->is_shared || !table->same;
     if (!table->has_failed)
         fp3_known_number(table, 0.0);
 }
@@ -48,6 +83,7 @@ void fp3_known_open(known_table *table, const fp3_model *model) {
 void fp3_known_close(known_table *table) {
     free(table->list);
     free(table->is_shared);
+    free(table->same);
     *table = (known_table){0};
 }
 
@@ -65,7 +101,9 @@ uint32_t fp3_known_model(known_table *table, uint32_t expr) {
         return fp3_known_number(table, e->number);
     if (e->op == FP3_EXPR_NEGATE)
         return fp3_known_make(table, KNOWN_NEGATE, fp3_known_model(table, e->operand[0]), 0);
-    return add(table, (known){.op = KNOWN_MODEL, .a = expr, .is_shared = table->is_shared[expr]});
+    return add(
+        table,
+        (known){.op = KNOWN_MODEL, .a = table->same[expr], .is_shared = table->is_shared[expr]});
 }
 
 static double apply(known_op op, double a, double b) {

@@ -28,6 +28,7 @@ typedef struct {
 typedef struct {
     const fp3_model *model;
     char *is_shared; /* of each expression of the model */
+    uint32_t *same;  /* of each known expression, the first that is written alike */
     known *list;
     uint32_t count, room;
     int has_failed; /* out of memory: what was asked for since is number 0 of the list */

@@ -228,6 +228,17 @@ def test_the_own_h_of_a_model_is_not_the_time_step(tmp_path):
     assert ends(path, "-i", "euler", steps=1, settings=["h=4"]) == {("v", 0): "0x3fc00000"}  # 1 + 4/8
 
 
+@pytest.mark.smoke
+def test_what_is_made_of_params_alike_is_kept_once(tmp_path):
+    """However often the equations say it; and what is computed with it is computed once."""
+    path = written(tmp_path, "param m = 4", "param k = 2", "state x = 1", "state y = 1", "state z = 1",
+                   "x' = k*y + y*(k/m)", "y' = k*y - z*(k/m)", "z' = (2*k)*y - y*(k*2)")
+    text = fp3("compile", path, "-i", "euler").stdout
+    assert len(re.findall(r"^\.param", text, re.M)) == 4, text  # k, k/m, 2*k and k*2
+    twice = written(tmp_path, "param k = 2", "state x = 1", "state y = 1", "x' = k*x + k*y", "y' = k*x - k*y")
+    assert report(twice, "-i", "euler", "--without", "chain")["operations"] == 2 + 2 + 4  # products, sums, updates
+
+
 def test_names_that_the_program_could_use_itself(tmp_path):
     """Each is asked for by the compiler, too; registers are checked by the compiler itself."""
     long = "x" * 31
