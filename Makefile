@@ -109,7 +109,8 @@ link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-u
 
 .PHONY: all sim
 sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
-	@$(BUILD)/fp3 bench $(if $(PROGRAM)$(CONFIG),,--scenes) $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
+	@mkdir -p $(BUILD)/results
+	@$(BUILD)/fp3 bench --json $(BUILD)/results/sim.json $(if $(PROGRAM)$(CONFIG),,--scenes) $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
 
 # A row per model, integrator and arithmetic.
 COMPARED := $(patsubst programs/%.ode,$(BUILD)/results/models/%.json,$(wildcard programs/*.ode))

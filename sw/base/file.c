@@ -1,70 +1,81 @@
 #include "file.h"
 
+#include "path.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define SIZE_LIMIT (64u << 20)
+#define PATIENCE_MS 10000 /* for whoever is at the other end of a named pipe */
+#define LOOK_MS 20
+#define NAMES_MOST 100 /* of temporaries, until one is free */
 
-/* A missing or unreadable file is the caller's mistake; a failing device is not. */
-static fp3_status of_errno(int number) {
-    switch (number) {
-    case ENOENT:
-    case EACCES:
-    case EPERM:
-    case EISDIR:
-    case ENOTDIR:
-    case ENAMETOOLONG:
-    case ELOOP:
-    case EROFS:
-    case ETXTBSY:
-        return FP3_E_ARGUMENT;
-    default:
-        return FP3_E_SYSTEM;
+/* ---- reading ---- */
+
+/* Not blocked by a named pipe without a writer. */
+static fp3_status open_input(const char *path, FILE **file, fp3_error *error) {
+    const int stream = fp3_path_stream(path, 0);
+    const int opened = stream < 0 ? open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC)
+                                  : fcntl(stream, F_DUPFD_CLOEXEC, 0);
+    struct stat found;
+    *file = NULL;
+    if (opened < 0 || fstat(opened, &found)) {
+        fp3_status status = fp3_path_fail(error, path, "cannot open");
+        if (opened >= 0)
+            close(opened);
+        return status;
     }
+    struct pollfd writer = {.fd = opened, .events = POLLIN};
+    if (stream < 0 && S_ISFIFO(found.st_mode) && poll(&writer, 1, PATIENCE_MS) == 0) {
+        close(opened);
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: a pipe that nobody writes into", path);
+    }
+    if (stream < 0)
+        fcntl(opened, F_SETFL, fcntl(opened, F_GETFL) & ~O_NONBLOCK);
+    *file = fdopen(opened, "rb");
+    if (!*file) {
+        close(opened);
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
+    }
+    return FP3_OK;
 }
 
-static fp3_status fail(fp3_error *error, const char *path, const char *what) {
-    int number = errno;
-    return fp3_fail(error, of_errno(number), "%s: %s: %s", path, what, strerror(number));
+static fp3_status read_all(FILE *file, const char *path, char **bytes, size_t *used,
+                           fp3_error *error) {
+    for (size_t room = 0;;) {
+        if (*used == room) {
+            room = room ? 2 * room : 65536;
+            char *more = realloc(*bytes, room + 1);
+            if (!more)
+                return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
+            *bytes = more;
+        }
+        *used += fread(*bytes + *used, 1, room - *used, file);
+        if (ferror(file))
+            return fp3_path_fail(error, path, "cannot read");
+        if (*used > SIZE_LIMIT)
+            return fp3_fail(error, FP3_E_ARGUMENT, "%s: longer than %u bytes", path, SIZE_LIMIT);
+        if (feof(file))
+            return FP3_OK;
+    }
 }
 
 fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error *error) {
+    FILE *file;
+    char *bytes = NULL;
+    size_t used = 0;
     *data = NULL;
     *size = 0;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return fail(error, path, "cannot open");
-    char *bytes = NULL;
-    size_t used = 0, room = 0;
-    fp3_status status = FP3_OK;
-    for (;;) {
-        if (used == room) {
-            room = room ? 2 * room : 65536;
-            char *more = realloc(bytes, room + 1);
-            if (!more) {
-                status = fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
-                break;
-            }
-            bytes = more;
-        }
-        used += fread(bytes + used, 1, room - used, file);
-        if (ferror(file)) {
-            status = fail(error, path, "cannot read");
-            break;
-        }
-        if (used > SIZE_LIMIT) {
-            status = fp3_fail(error, FP3_E_ARGUMENT, "%s: longer than %u bytes", path, SIZE_LIMIT);
-            break;
-        }
-        if (feof(file))
-            break;
-    }
-    fclose(file);
+    fp3_status status = open_input(path, &file, error);
+    if (!status)
+        status = read_all(file, path, &bytes, &used, error);
+    if (file)
+        fclose(file);
     if (status) {
         free(bytes);
         return status;
@@ -75,82 +86,123 @@ fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error 
     return FP3_OK;
 }
 
-static int write_all(int file, const char *data, size_t size) {
-    while (size > 0) {
-        ssize_t count = write(file, data, size);
-        if (count < 0 && errno == EINTR)
-            continue;
-        if (count < 0)
+/* ---- writing ---- */
+
+struct fp3_output {
+    FILE *stream;
+    char *path, *real; /* as it was named, and behind all links */
+    char *temporary;   /* NULL: written directly, or published */
+};
+
+/* A temporary beside real, a name that is free. */
+static int open_temporary(fp3_output *o, mode_t mode) {
+    const char *slash = strrchr(o->real, '/');
+    int file = -1;
+    for (int i = 0; file < 0 && i < NAMES_MOST; i++) {
+        free(o->temporary);
+        if (asprintf(&o->temporary, "%.*s/.fp3-%ld-%d.tmp", (int)(slash - o->real), o->real,
+                     (long)getpid(), i) < 0) {
+            o->temporary = NULL;
             return -1;
-        data += count;
-        size -= (size_t)count;
+        }
+        file = open(o->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        if (file < 0 && errno != EEXIST)
+            break;
     }
-    return 0;
+    if (file < 0) { /* it is not ours to remove */
+        free(o->temporary);
+        o->temporary = NULL;
+    }
+    return file;
 }
 
-/* The process's own stream of this name, or -1. Opened by name, a stream that is redirected to a
- * file would begin at the start of the file again, or replace it. */
-static int stream(const char *path) {
-    return !strcmp(path, "/dev/stdout")   ? STDOUT_FILENO
-           : !strcmp(path, "/dev/stderr") ? STDERR_FILENO
-                                          : -1;
+/* Not blocked by a named pipe without a reader. */
+static int open_direct(const char *path) {
+    const struct timespec look = {.tv_nsec = LOOK_MS * 1000000L};
+    int file = open(path, O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    for (int waited = 0; file < 0 && errno == ENXIO && waited < PATIENCE_MS; waited += LOOK_MS) {
+        nanosleep(&look, NULL);
+        file = open(path, O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    }
+    if (file >= 0)
+        fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
+    return file;
 }
 
-static fp3_status write_direct(const char *path, const void *data, size_t size, fp3_error *error) {
-    int own = stream(path);
-    int file = own < 0 ? open(path, O_WRONLY) : own;
-    if (file < 0)
-        return fail(error, path, "cannot write");
-    fp3_status status = FP3_OK;
-    if (write_all(file, data, size))
-        status = fail(error, path, "cannot write");
-    if (own < 0 && close(file) && !status)
-        status = fail(error, path, "cannot write");
-    return status;
+static int open_output(fp3_output *o) {
+    struct stat found;
+    const int own = fp3_path_stream(o->path, 1);
+    if (own >= 0)
+        return fcntl(own, F_DUPFD_CLOEXEC, 0);
+    const int exists = !stat(o->path, &found);
+    if (exists && !S_ISREG(found.st_mode))
+        return open_direct(o->path);
+    o->real = fp3_path_resolve(o->path);
+    if (!o->real)
+        return -1;
+    const int file = open_temporary(o, exists ? found.st_mode & 0777 : 0666);
+    if (file >= 0 && exists)
+        fchmod(file, found.st_mode & 0777); /* whatever the umask */
+    return file;
 }
 
-static fp3_status write_renamed(const char *path, mode_t mode, const void *data, size_t size,
-                                fp3_error *error) {
-    char *temporary = NULL;
-    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0)
+fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error) {
+    *output = NULL;
+    fp3_status status = fp3_path_check_output(path, error);
+    if (status)
+        return status;
+    fp3_output *o = calloc(1, sizeof *o);
+    if (!o || !(o->path = strdup(path))) {
+        free(o);
         return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
-    int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL, mode);
-    fp3_status status = FP3_OK;
-    if (file < 0) {
-        status = fail(error, path, "cannot write");
-    } else {
-        if (write_all(file, data, size) || fsync(file))
-            status = fail(error, path, "cannot write");
-        if (close(file) && !status)
-            status = fail(error, path, "cannot write");
-        if (!status && rename(temporary, path))
-            status = fail(error, path, "cannot write");
-        if (status)
-            unlink(temporary);
     }
-    free(temporary);
+    const int file = open_output(o);
+    if (file < 0 || !(o->stream = fdopen(file, "wb"))) {
+        status = fp3_path_fail(error, path, "cannot write");
+        if (file >= 0)
+            close(file);
+        fp3_output_close(&o);
+    }
+    *output = o;
     return status;
+}
+
+FILE *fp3_output_stream(const fp3_output *output) { return output->stream; }
+
+fp3_status fp3_output_publish(fp3_output *o, fp3_error *error) {
+    int failed = fflush(o->stream) || ferror(o->stream);
+    if (!failed && o->temporary) {
+        failed = fsync(fileno(o->stream)) || rename(o->temporary, o->real);
+        if (!failed) {
+            free(o->temporary);
+            o->temporary = NULL;
+        }
+    }
+    return failed ? fp3_path_fail(error, o->path, "cannot write") : FP3_OK;
+}
+
+void fp3_output_close(fp3_output **output) {
+    fp3_output *o = *output;
+    *output = NULL;
+    if (!o)
+        return;
+    if (o->stream)
+        fclose(o->stream);
+    if (o->temporary)
+        unlink(o->temporary);
+    free(o->temporary);
+    free(o->path);
+    free(o->real);
+    free(o);
 }
 
 fp3_status fp3_file_write(const char *path, const void *data, size_t size, fp3_error *error) {
-    struct stat found;
-    if (stream(path) >= 0)
-        return write_direct(path, data, size, error);
-    if (stat(path, &found))
-        return write_renamed(path, 0666, data, size, error);
-    if (!S_ISREG(found.st_mode))
-        return write_direct(path, data, size, error);
-    if (access(path, W_OK)) /* a rename would replace a file that is write-protected */
-        return fail(error, path, "cannot write");
-    char *real = realpath(path, NULL); /* or it would replace a link instead of its target */
-    if (!real)
-        return fail(error, path, "cannot write");
-    fp3_status status = write_renamed(real, found.st_mode & 0777, data, size, error);
-    free(real);
+    fp3_output *output = NULL;
+    fp3_status status = fp3_output_open(path, &output, error);
+    if (!status && fwrite(data, 1, size, output->stream) != size)
+        status = fp3_path_fail(error, path, "cannot write");
+    if (!status)
+        status = fp3_output_publish(output, error);
+    fp3_output_close(&output);
     return status;
-}
-
-int fp3_file_same(const char *one, const char *other) {
-    struct stat a, b;
-    return !stat(one, &a) && !stat(other, &b) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }

@@ -1,18 +1,30 @@
-/* file.h - whole files in and out. */
+/* file.h - whole files in and out.
+ *
+ * "-" is standard input and standard output. Whoever reads a file that this is about reads it here.
+ */
 #ifndef FP3_FILE_H
 #define FP3_FILE_H
 
 #include <fp3/status.h>
 #include <stddef.h>
+#include <stdio.h>
 
-/* *data is malloc'ed with a NUL after size bytes. Refuses directories and more than 64 MB. */
+/* *data is malloc'ed with a NUL after size bytes. Refuses directories, more than 64 MB, and a named
+ * pipe that nobody writes into within 10 seconds. */
 fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error *error);
 
-/* Writes a temporary beside path and renames it, so that path holds all of data or what it held
- * before. A path that is not a regular file (a pipe, /dev/stdout) is written directly. */
+/* Path holds all of data or what it held before (see below). */
 fp3_status fp3_file_write(const char *path, const void *data, size_t size, fp3_error *error);
 
-/* 1 if both paths name one existing file. */
-int fp3_file_same(const char *one, const char *other);
+/* A file that is written bit by bit: into a temporary beside path, which publishing renames, so that
+ * path holds all of it or what it held before. An existing file keeps its mode, a link stays a link.
+ * What is not a regular file (a pipe, a device, standard output) is written directly. */
+typedef struct fp3_output fp3_output;
+fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error);
+FILE *fp3_output_stream(const fp3_output *output);
+/* Flushes; the first time path gets its new content, and later ones add to it. */
+fp3_status fp3_output_publish(fp3_output *output, fp3_error *error);
+/* What was never published leaves path as it was. Sets *output to NULL, which it may be already. */
+void fp3_output_close(fp3_output **output);
 
 #endif

@@ -1,7 +1,9 @@
 /* cli.c - how every subcommand ends. */
 #include "cli.h"
 
+#include <fp3/integrator.h>
 #include <stdio.h>
+#include <string.h>
 
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
     fflush(stdout);
@@ -9,9 +11,20 @@ int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error)
     return fp3_exit_code(status);
 }
 
-int fp3_cli_done(const char *command, int exit_code) {
-    if (!fflush(stdout) && !ferror(stdout))
-        return exit_code;
-    fprintf(stderr, "fp3 %s: cannot write the output\n", command);
-    return 1;
+int fp3_cli_end(const char *command, fp3_status status, const fp3_error *error,
+                const char *report) {
+    if (!status)
+        return 0;
+    if (!report)
+        return fp3_cli_fail(command, status, error);
+    fflush(stdout);
+    fputs(report, stderr);
+    return fp3_exit_code(status);
+}
+
+const char *fp3_cli_integrator_file(const char *name) {
+    for (unsigned i = 0; name && fp3_integrator_name(i); i++)
+        if (!strcmp(name, fp3_integrator_name(i)))
+            return NULL;
+    return name;
 }

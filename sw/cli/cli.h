@@ -18,8 +18,11 @@ int fp3_cmd_info(int argc, char **argv);
 /* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error);
 
-/* Flushes stdout and returns exit_code, or reports the write error and returns 1 (a full disk, a
- * closed pipe). */
-int fp3_cli_done(const char *command, int exit_code);
+/* The exit code of a command that ends with this status: after a failure with the report of a source's
+ * errors, or, where that is NULL, with the error. */
+int fp3_cli_end(const char *command, fp3_status status, const fp3_error *error, const char *report);
+
+/* The file that an integrator is read from; NULL if it is built in, or name is NULL. */
+const char *fp3_cli_integrator_file(const char *name);
 
 #endif

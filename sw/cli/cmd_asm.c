@@ -1,7 +1,8 @@
 /* cmd_asm.c - fp3 asm: assembly text to an image. */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 
-#include <argp.h>
 #include <fp3/asm.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,10 +50,6 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-static int same(const char *one, const char *other) {
-    return one && other && (!strcmp(one, other) || fp3_file_same(one, other));
-}
-
 /* The image comes last: where it is new, all is. */
 static fp3_status write_outputs(const options *o, const fp3_assembly *assembly, const char *source,
                                 size_t size, fp3_error *error) {
@@ -71,6 +68,15 @@ static fp3_status write_outputs(const options *o, const fp3_assembly *assembly, 
     return status;
 }
 
+static fp3_status check_files(const options *o, fp3_error *error) {
+    fp3_files files = {0};
+    fp3_files_read(&files, "SOURCE", o->source);
+    fp3_files_write(&files, "--output", o->image);
+    fp3_files_write(&files, "--hex", o->hex);
+    fp3_files_write(&files, "--listing", o->listing);
+    return fp3_files_check(&files, error);
+}
+
 int fp3_cmd_asm(int argc, char **argv) {
     static const struct argp argp = {
         .options = table,
@@ -79,29 +85,20 @@ int fp3_cmd_asm(int argc, char **argv) {
         .doc = "Assembles SOURCE. Writes what is asked for; with no FILE given, only checks.",
     };
     options o = {0};
-    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
-        return 1;
-    const char *files[] = {o.source, o.image, o.hex, o.listing};
+    fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < i; j++)
-            if (same(files[i], files[j]) && strcmp(files[i], "/dev/null"))
-                return fp3_cli_fail(
-                    "asm", fp3_fail(&error, FP3_E_ARGUMENT, "%s would be overwritten", files[j]),
-                    &error);
-
     char *source = NULL;
     size_t size = 0;
-    fp3_status status = fp3_file_read(o.source, &source, &size, &error);
-    if (status)
-        return fp3_cli_fail("asm", status, &error);
     fp3_assembly *assembly = NULL;
-    status = fp3_assemble(source, size, o.source, &assembly, &error);
-    int exit_code = fp3_exit_code(status);
-    if (status && assembly && assembly->error_count)
-        fputs(assembly->report, stderr);
-    else if (status || (status = write_outputs(&o, assembly, source, size, &error)))
-        exit_code = fp3_cli_fail("asm", status, &error);
+    fp3_status status = check_files(&o, &error);
+    if (!status)
+        status = fp3_file_read(o.source, &source, &size, &error);
+    if (!status)
+        status = fp3_assemble(source, size, o.source, &assembly, &error);
+    if (!status)
+        status = write_outputs(&o, assembly, source, size, &error);
+    const int is_wrong = assembly && assembly->error_count;
+    const int exit_code = fp3_cli_end("asm", status, &error, is_wrong ? assembly->report : NULL);
     fp3_assembly_free(&assembly);
     free(source);
     return exit_code;

@@ -1,13 +1,13 @@
 /* cmd_bench.c - fp3 bench: programs on the hardware, the ship unless another is named. The pairs of
  * program and configuration, scenes of many objects, the tables, the JSON; bench/bench.h runs one.
  */
+#include "arguments.h"
 #include "base/file.h"
 #include "bench_table.h"
 #include "cli.h"
+#include "files.h"
 #include "machine/config.h"
 
-#include <argp.h>
-#include <errno.h>
 #include <glob.h>
 #include <inttypes.h>
 #include <jansson.h>
@@ -24,16 +24,10 @@
 typedef struct {
     const char *config, *program, *params, *json;
     uint64_t steps; /* after the first, of one object; many share them */
-    int scenes;
+    int scenes, is_model;
 } options;
 
 static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3_error *error) {
-    char folder[4096];
-    for (const char *slash = strchr(path, '/'); slash; slash = strchr(slash + 1, '/')) {
-        snprintf(folder, sizeof folder, "%.*s", (int)(slash - path), path);
-        if (*folder && mkdir(folder, 0777) && errno != EEXIST)
-            return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", folder, strerror(errno));
-    }
     json_t *root = json_pack("{s:O, s:O}", "runs", runs, "scenes", scenes);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
@@ -48,18 +42,21 @@ static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3
 
 typedef struct {
     json_t *runs, *scenes;
-    fp3_params *params; /* the ship's, or those that are asked for */
+    fp3_params *params; /* those that are asked for, or the ship's: NULL until they are needed */
     fp3_params *none;   /* a model has its own */
-    fp3_model *ship;    /* SHIP_MODEL */
+    fp3_model *ship;    /* SHIP_MODEL, likewise */
+    char **report;      /* errors of a source */
     int is_headed;      /* the table has its head */
     fp3_error mismatch; /* the first of all */
 } results;
 
-static fp3_status open_program(const char *path, const char *config, fp3_program **program,
-                               fp3_error *error) {
+static fp3_status open_program(const options *o, const char *path, const char *config, results *to,
+                               fp3_program **program, fp3_error *error) {
     fp3_program_def def = fp3_program_default();
     def.compile.config = config;
-    return fp3_program_open(path, &def, program, NULL, error);
+    def.is_model = o->is_model;
+    free(*to->report);
+    return fp3_program_open(path, &def, program, to->report, error);
 }
 
 static void note_mismatch(const fp3_bench_outcome *o, results *to) {
@@ -76,23 +73,37 @@ static uint64_t steps_for(const options *o, const fp3_config *config) {
     return o->steps / objects > least ? o->steps / objects : least;
 }
 
+/* What only a ship needs beside itself. */
+static fp3_status load_ship(results *to, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    if (!to->params && !(status = fp3_params_make(&to->params, error)))
+        status = fp3_params_load(to->params, SHIP_PARAMS, error);
+    if (!status && !to->ship)
+        status = fp3_model_load(SHIP_MODEL, &to->ship, to->report, error);
+    return status;
+}
+
 /* Values and truth of a program. */
-static void fill_case(const options *o, const fp3_program *program, results *to,
-                      fp3_bench_outcome *x) {
+static fp3_status fill_case(const fp3_program *program, results *to, fp3_bench_outcome *x,
+                            fp3_error *error) {
     const int is_ship = fp3_bench_is_ship(program);
+    const fp3_status status = is_ship ? load_ship(to, error) : FP3_OK;
     x->what.program = program;
-    x->what.params = is_ship || o->params ? to->params : to->none;
+    x->what.params = to->params ? to->params : to->none;
     x->what.truth = is_ship ? to->ship : program->model;
+    return status;
 }
 
 /* One pair. *is_unfit: it is left out, and error says why. */
 static fp3_status bench_pair(const options *o, const fp3_program *program, fp3_bench_outcome *x,
                              results *to, int *is_unfit, fp3_error *error) {
-    fill_case(o, program, to, x);
+    fp3_status status = fill_case(program, to, x, error);
+    if (status)
+        return status;
     if (!to->is_headed)
         fp3_bench_head(o->steps, program, x->program);
     to->is_headed = 1;
-    fp3_status status = fp3_bench_run(&x->what, &x->got, is_unfit, error);
+    status = fp3_bench_run(&x->what, &x->got, is_unfit, error);
     if (status && !*is_unfit) {
         const fp3_error why = *error;
         return fp3_fail(error, status, "%s, %s: %s", x->program, x->config->name, why.text);
@@ -112,9 +123,10 @@ static fp3_status bench_config(const options *o, const char *path, const char *n
     fp3_bench_outcome x = {.config = config, .program = name};
     x.what =
         (fp3_bench_case){.config = config->name, .awake_of = 1, .steps = steps_for(o, config) + 1};
-    fp3_status status = open_program(path, config->name, &program, error);
+    fp3_status status = open_program(o, path, config->name, to, &program, error);
     /* A model that does not fit is refused by the compiler. */
-    *is_unfit = status == FP3_E_PROGRAM && fp3_program_is_model(path);
+    *is_unfit =
+        status == FP3_E_PROGRAM && !*to->report && (o->is_model || fp3_program_is_model(path));
     if (!status)
         status = bench_pair(o, program, &x, to, is_unfit, error);
     fp3_program_close(&program);
@@ -193,11 +205,11 @@ static fp3_status bench_scene(const options *o, const scene *s, double *referenc
                               .awake_of = s->awake_of,
                               .steps = s->steps};
     snprintf(path, sizeof path, "programs/%s.s", s->program);
-    fp3_status status = open_program(path, SCENES, &program, error);
-    if (!status) {
-        fill_case(o, program, to, &x);
+    fp3_status status = open_program(o, path, SCENES, to, &program, error);
+    if (!status)
+        status = fill_case(program, to, &x, error);
+    if (!status)
         status = fp3_bench_run(&x.what, &x.got, &is_unfit, error);
-    }
     if (!status) {
         const double per =
             (double)x.got.all.counter[FP3_COUNTER_CYCLES] / (double)x.got.all.object_steps;
@@ -235,55 +247,68 @@ static fp3_status check_config(const options *o, fp3_error *error) {
     return status;
 }
 
-/* Asked for by a path, or by a name: assembly, else a model. */
-static void find_programs(const options *o, char *pattern, size_t size) {
-    const char *program = o->program;
-    if (!program || strchr(program, '/')) {
-        snprintf(pattern, size, "%s", program ? program : PROGRAMS);
+/* Asked for by a path, or by a name in programs/: assembly, else a model. */
+static void find_program(const char *program, char *path, size_t size) {
+    snprintf(path, size, "%s", program);
+    if (strchr(program, '/') || fp3_program_is_named(program))
         return;
-    }
-    snprintf(pattern, size, "programs/%s.ode", program);
     struct stat found;
     char assembly[4096];
+    snprintf(path, size, "programs/%s.ode", program);
     snprintf(assembly, sizeof assembly, "programs/%s.s", program);
-    if (stat(assembly, &found) == 0 || stat(pattern, &found) != 0)
-        snprintf(pattern, size, "%s", assembly);
+    if (stat(assembly, &found) == 0 || stat(path, &found) != 0)
+        snprintf(path, size, "%s", assembly);
 }
 
-static fp3_status bench_programs(const options *o, results *to, fp3_error *error) {
-    char pattern[4096];
-    find_programs(o, pattern, sizeof pattern);
+static fp3_status bench_ships(const options *o, results *to, fp3_error *error) {
     glob_t paths = {0};
     fp3_status status = FP3_OK;
-    if (glob(pattern, 0, NULL, &paths))
-        status = fp3_fail(error, FP3_E_ARGUMENT, "no program %s", pattern);
+    if (glob(PROGRAMS, 0, NULL, &paths))
+        status = fp3_fail(error, FP3_E_ARGUMENT, "no program " PROGRAMS);
     for (size_t i = 0; i < paths.gl_pathc && !status; i++)
         status = bench_program(o, paths.gl_pathv[i], to, error);
-    if (!status && json_array_size(to->runs) == 0)
-        status =
-            fp3_fail(error, FP3_E_ARGUMENT, "no configuration asked for can execute %s", pattern);
     globfree(&paths);
     return status;
 }
 
-static fp3_status bench(const options *o, fp3_error *error) {
-    results to = {.runs = json_array(), .scenes = json_array()};
-    char *report = NULL;
-    fp3_status status = check_config(o, error);
+static fp3_status bench_programs(const options *o, const char *path, results *to,
+                                 fp3_error *error) {
+    const fp3_status status =
+        o->program ? bench_program(o, path, to, error) : bench_ships(o, to, error);
+    if (status || json_array_size(to->runs) > 0)
+        return status;
+    return fp3_fail(error, FP3_E_ARGUMENT, "no configuration asked for can execute %s",
+                    o->program ? path : PROGRAMS);
+}
+
+static fp3_status check_files(const options *o, const char *program, fp3_error *error) {
+    fp3_files files = {0};
+    fp3_files_read(&files, "--program", program);
+    fp3_files_read(&files, "--params", o->params);
+    fp3_files_write(&files, "--json", o->json);
+    if (o->program && !strcmp(o->program, "-"))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--program: found '-', expected a file: each configuration reads it again");
+    return fp3_files_check(&files, error);
+}
+
+static fp3_status bench(const options *o, char **report, fp3_error *error) {
+    results to = {.runs = json_array(), .scenes = json_array(), .report = report};
+    char path[4096] = "";
+    if (o->program)
+        find_program(o->program, path, sizeof path);
+    fp3_status status = check_files(o, o->program ? path : NULL, error);
     if (!status)
-        status = fp3_params_make(&to.params, error);
+        status = check_config(o, error);
     if (!status)
         status = fp3_params_make(&to.none, error);
+    if (!status && o->params && !(status = fp3_params_make(&to.params, error)))
+        status = fp3_params_load(to.params, o->params, error);
     if (!status)
-        status = fp3_params_load(to.params, o->params ? o->params : SHIP_PARAMS, error);
-    if (!status)
-        status = fp3_model_load(SHIP_MODEL, &to.ship, &report, error);
-    free(report);
-    if (!status)
-        status = bench_programs(o, &to, error);
+        status = bench_programs(o, path, &to, error);
     if (!status && o->scenes)
         status = bench_scenes(o, &to, error);
-    if (!status)
+    if (!status && o->json)
         status = write_json(o->json, to.runs, to.scenes, error);
     if (!status && to.mismatch.text[0])
         status = fp3_fail(error, FP3_E_MISMATCH, "%s", to.mismatch.text);
@@ -295,21 +320,23 @@ static fp3_status bench(const options *o, fp3_error *error) {
     return status;
 }
 
+enum { KEY_MODEL = 256 };
+
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "One configuration (default: all)", 0},
     {"program", 'p', "NAME", 0,
-     "programs/NAME.s or .ode, or a path with a / (default: " PROGRAMS ")", 0},
+     "programs/NAME.s or .ode, or a path: with a / or an ending (default: " PROGRAMS ")", 0},
+    {"model", KEY_MODEL, NULL, 0, "The program is a model, whatever its name", 0},
     {"steps", 'n', "N", 0,
      "Integrations after the first, of one object or shared by many (default: 10000)", 0},
     {"params", 'P', "FILE", 0, "Values (default: " SHIP_PARAMS " for a ship, a model's own)", 0},
     {"scenes", 's', NULL, 0, "Also run scenes of 10,000 objects from the store", 0},
-    {"json", 'j', "FILE", 0, "Where the figures go (default: build/results/sim.json)", 0},
+    {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
     {0},
 };
 
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
-    char *end;
     switch (key) {
     case 'c':
         o->config = text;
@@ -324,10 +351,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->json = text;
         break;
     case 'n':
-        o->steps = strtoull(text, &end, 10);
-        if (end == text || *end || *text < '0' || *text > '9' || o->steps < 1 ||
-            o->steps > 10000000)
-            argp_error(state, "--steps: '%s' is no number from 1 to 10000000", text);
+        o->steps = fp3_arguments_number(state, "--steps", text, 1, 10000000);
+        break;
+    case KEY_MODEL:
+        o->is_model = 1;
         break;
     case 's':
         o->scenes = 1;
@@ -342,7 +369,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 }
 
 int fp3_cmd_bench(int argc, char **argv) {
-    options o = {.json = "build/results/sim.json", .steps = 10000};
+    options o = {.steps = 10000};
     const struct argp argp = {
         .options = table,
         .parser = parse,
@@ -350,8 +377,11 @@ int fp3_cmd_bench(int argc, char **argv) {
             "Runs the ship, or another program or model, on the hardware under Verilator: compares "
             "every write of a state with golden (a ship by hand) or the isa engine bit for bit, "
             "counts cycles, measures the error against truth. Exit code 1 on any mismatch."};
-    argp_parse(&argp, argc, argv, 0, NULL, &o);
+    fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error = {""};
-    fp3_status status = bench(&o, &error);
-    return fp3_cli_done("bench", status ? fp3_cli_fail("bench", status, &error) : 0);
+    char *report = NULL;
+    const fp3_status status = bench(&o, &report, &error);
+    const int exit_code = fp3_cli_end("bench", status, &error, report);
+    free(report);
+    return exit_code;
 }

@@ -1,8 +1,8 @@
 /* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 
-#include <argp.h>
-#include <ctype.h>
 #include <fp3/convergence.h>
 #include <fp3/engine.h>
 #include <fp3/reference.h>
@@ -43,7 +43,7 @@ typedef struct {
     unsigned integrator_count;
     double span;
     uint64_t most_steps;
-    int is_quick, has_errors;
+    int is_quick, has_errors, is_model;
 } options;
 
 typedef struct {
@@ -315,9 +315,10 @@ static fp3_status compare(comparison *k, fp3_error *error) {
 
 /* ---- the command ---- */
 
-enum { KEY_JSON = 256, KEY_SPAN, KEY_STEPS, KEY_QUICK, KEY_ERRORS };
+enum { KEY_JSON = 256, KEY_SPAN, KEY_STEPS, KEY_QUICK, KEY_ERRORS, KEY_MODEL };
 
 static const struct argp_option table[] = {
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
     {"integrator", 'i', "NAME", 0, "May be repeated (default: all that are built in)", 0},
     {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
     {"errors", KEY_ERRORS, NULL, 0, "... with the error at every number of steps", 0},
@@ -345,13 +346,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_SPAN:
         o->span = strtod(text, &end);
-        if (*end || !(o->span > 0) || isinf(o->span))
+        if (end == text || *end || !(o->span > 0) || isinf(o->span))
             argp_error(state, "found '%s', expected a time above 0", text);
         break;
     case KEY_STEPS:
-        o->most_steps = strtoull(text, &end, 10);
-        if (*end || !isdigit((unsigned char)*text) || o->most_steps < FP3_LOOKS)
-            argp_error(state, "found '%s', expected a number of steps from %d on", text, FP3_LOOKS);
+        o->most_steps =
+            fp3_arguments_number(state, "--most-steps", text, FP3_LOOKS, FP3_STEPS_MOST);
         break;
     case KEY_QUICK:
         o->is_quick = 1;
@@ -361,6 +361,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
             argp_error(state, "found '%s', expected one model", text);
         o->model = text;
         break;
+    case KEY_MODEL:
+        o->is_model = 1;
+        break;
+    case ARGP_KEY_END:
+        fp3_arguments_model(state, o->model, o->is_model);
+        break;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "expected a model (*.ode)");
         break;
@@ -368,6 +374,15 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         return ARGP_ERR_UNKNOWN;
     }
     return 0;
+}
+
+static fp3_status check_files(const options *o, fp3_error *error) {
+    fp3_files files = {0};
+    fp3_files_read(&files, "MODEL", o->model);
+    for (unsigned i = 0; i < o->integrator_count; i++)
+        fp3_files_read(&files, "--integrator", fp3_cli_integrator_file(o->integrators[i]));
+    fp3_files_write(&files, "--json", o->json);
+    return fp3_files_check(&files, error);
 }
 
 int fp3_cmd_compare(int argc, char **argv) {
@@ -381,23 +396,20 @@ int fp3_cmd_compare(int argc, char **argv) {
             "error that any time step reaches (relative, root of the mean square over states and "
             "8 times of the span), and words in which hardware, C model and equations differ."};
     options o = {.most_steps = 131072};
-    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
-        return 1;
+    fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;
     fp3_model *model = NULL;
     char *text = NULL;
-    fp3_status status = fp3_model_load(o.model, &model, &text, &error);
+    fp3_status status = check_files(&o, &error);
+    if (!status)
+        status = fp3_model_load(o.model, &model, &text, &error);
     comparison k = {.o = &o, .model = model, .rows = json_array(), .left_out = json_array()};
     if (!status)
         status = compare(&k, &error);
-    int exit_code = fp3_exit_code(status);
-    if (status && text)
-        fputs(text, stderr);
-    else if (status)
-        exit_code = fp3_cli_fail("compare", status, &error);
+    const int exit_code = fp3_cli_end("compare", status, &error, text);
     json_decref(k.rows);
     json_decref(k.left_out);
     free(text);
     fp3_model_free(&model);
-    return fp3_cli_done("compare", exit_code);
+    return exit_code;
 }

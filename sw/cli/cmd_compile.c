@@ -1,7 +1,8 @@
 /* cmd_compile.c - fp3 compile: a model and an integrator to assembly. */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 
-#include <argp.h>
 #include <fp3/program.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -20,21 +21,32 @@ typedef struct {
     int wants_report;
 } options;
 
-enum { KEY_WITH = 256, KEY_WITHOUT, KEY_REPORT, KEY_IMAGE, KEY_PARAMS, KEY_LIST, KEY_OBSERVE };
+enum {
+    KEY_WITH = 256,
+    KEY_WITHOUT,
+    KEY_REPORT,
+    KEY_IMAGE,
+    KEY_PARAMS,
+    KEY_LIST,
+    KEY_OBSERVE,
+    KEY_MODEL
+};
 
 static const struct argp_option table[] = {
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
     {"integrator", 'i', "NAME", 0, "A built-in table, or a file (default rk4)", 0},
     {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
     {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
     {"observe", KEY_OBSERVE, "STATE", 0,
      "A state that somebody reads; may be repeated (default all)", 0},
-    {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits", 0},
-    {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none", 0},
+    {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits; may be repeated", 0},
+    {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none; may be repeated", 0},
     {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
     {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
     {"params", KEY_PARAMS, "FILE", 0, "Write what the host gives the program, for fp3 run --params",
      0},
-    {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params", 0},
+    {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params; may be repeated",
+     0},
     {"report", KEY_REPORT, NULL, 0,
      "Print what a step costs and what each pass saved, instead of assembly", 0},
     {"list", KEY_LIST, NULL, 0, "List integrators and passes", 0},
@@ -55,7 +67,7 @@ static int list(void) {
     for (int i = 0; i < FP3_PASS_COUNT; i++)
         printf("  %-14s %s%s\n", fp3_pass_name((fp3_pass)i), fp3_pass_doc((fp3_pass)i),
                fp3_pass_changes_bits((fp3_pass)i) ? " (changes bits; off by default)" : "");
-    return fp3_cli_done("compile", 0);
+    return 0;
 }
 
 static void turn(struct argp_state *state, options *o, const char *name, int is_on) {
@@ -116,14 +128,17 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_ARG:
         if (o->model)
             argp_error(state, "found '%s', expected one model", text);
-        if (!fp3_program_is_model(text))
-            argp_error(state, "found '%s', expected a model (*.ode)", text);
         o->model = text;
         break;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "expected a model (*.ode)");
         break;
+    case KEY_MODEL:
+        o->def.is_model = 1;
+        break;
     case ARGP_KEY_END:
+        fp3_arguments_model(state, o->model, o->def.is_model);
+        o->def.is_model = 1;
         if (fp3_params_count(o->params) && !o->values)
             argp_error(state, "--set: values are of the host's, and go to --params FILE");
         break;
@@ -201,6 +216,16 @@ static fp3_status write_outputs(const options *o, const fp3_program *program, fp
     return status;
 }
 
+static fp3_status check_files(const options *o, fp3_error *error) {
+    fp3_files files = {0};
+    fp3_files_read(&files, "MODEL", o->model);
+    fp3_files_read(&files, "--integrator", fp3_cli_integrator_file(o->def.integrator));
+    fp3_files_write(&files, "--output", o->assembly);
+    fp3_files_write(&files, "--image", o->image);
+    fp3_files_write(&files, "--params", o->values);
+    return fp3_files_check(&files, error);
+}
+
 int fp3_cmd_compile(int argc, char **argv) {
     static const struct argp argp = {
         .options = table,
@@ -213,21 +238,18 @@ int fp3_cmd_compile(int argc, char **argv) {
     options o = {.def = fp3_program_default()};
     if (fp3_params_make(&o.params, &error))
         return fp3_cli_fail("compile", FP3_E_SYSTEM, &error);
-    if (argp_parse(&argp, argc, argv, 0, NULL, &o))
-        return 1;
+    fp3_arguments_parse(&argp, argc, argv, &o);
 
     fp3_program *program = NULL;
     char *text = NULL;
-    fp3_status status = fp3_program_open(o.model, &o.def, &program, &text, &error);
+    fp3_status status = check_files(&o, &error);
+    if (!status)
+        status = fp3_program_open(o.model, &o.def, &program, &text, &error);
     if (!status)
         status = write_outputs(&o, program, &error);
-    int exit_code = fp3_exit_code(status);
-    if (status && text)
-        fputs(text, stderr);
-    else if (status)
-        exit_code = fp3_cli_fail("compile", status, &error);
+    const int exit_code = fp3_cli_end("compile", status, &error, text);
     free(text);
     fp3_program_close(&program);
     fp3_params_free(&o.params);
-    return fp3_cli_done("compile", exit_code);
+    return exit_code;
 }

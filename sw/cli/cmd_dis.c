@@ -1,7 +1,8 @@
 /* cmd_dis.c - fp3 dis: an image, or single words, to assembly text. */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 
-#include <argp.h>
 #include <errno.h>
 #include <fp3/asm.h>
 #include <stdio.h>
@@ -93,16 +94,16 @@ int fp3_cmd_dis(int argc, char **argv) {
         .doc = "Disassembles IMAGE to text that assembles to the same image.",
     };
     options o = {.words = calloc((size_t)argc + 1, sizeof *o.words)};
-    if (!o.words || argp_parse(&argp, argc, argv, 0, NULL, &o)) {
-        free(o.words);
+    if (!o.words)
         return 1;
-    }
+    fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;
     char *text = NULL;
-    fp3_status status;
-    if (o.image && o.output && fp3_file_same(o.image, o.output))
-        status = fp3_fail(&error, FP3_E_ARGUMENT, "%s would be overwritten", o.image);
-    else
+    fp3_files files = {0};
+    fp3_files_read(&files, "IMAGE", o.image);
+    fp3_files_write(&files, "--output", o.output);
+    fp3_status status = fp3_files_check(&files, &error);
+    if (!status)
         status = o.image ? image_text(&o, &text, &error) : words_text(&o, &text, &error);
     if (!status && o.output)
         status = fp3_file_write(o.output, text, strlen(text), &error);
@@ -110,5 +111,5 @@ int fp3_cmd_dis(int argc, char **argv) {
         fputs(text, stdout);
     free(text);
     free(o.words);
-    return status ? fp3_cli_fail("dis", status, &error) : fp3_cli_done("dis", 0);
+    return fp3_cli_end("dis", status, &error, NULL);
 }

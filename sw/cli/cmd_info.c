@@ -1,7 +1,8 @@
 /* cmd_info.c - fp3 info: what an image needs, or what this build has. */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 
-#include <argp.h>
 #include <fp3/engine.h>
 #include <stdio.h>
 #include <string.h>
@@ -104,7 +105,7 @@ static int print_image(const char *path) {
                fits ? "" : error.text);
     }
     fp3_image_free(&image);
-    return fp3_cli_done("info", 0);
+    return 0;
 }
 
 static const char *plural(uint32_t count) { return count == 1 ? "" : "s"; }
@@ -143,7 +144,7 @@ static int print_build(void) {
     printf("\n");
     for (uint32_t i = 0; i < fp3_config_count; i++)
         print_config(&fp3_configs[i]);
-    return fp3_cli_done("info", 0);
+    return 0;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -164,7 +165,12 @@ int fp3_cmd_info(int argc, char **argv) {
                "this is.",
     };
     const char *image = NULL;
-    if (argp_parse(&argp, argc, argv, 0, NULL, &image))
-        return 1;
+    fp3_arguments_parse(&argp, argc, argv, &image);
+    fp3_files files = {0};
+    fp3_error error;
+    fp3_files_read(&files, "IMAGE", image);
+    const fp3_status status = fp3_files_check(&files, &error);
+    if (status)
+        return fp3_cli_fail("info", status, &error);
     return image ? print_image(image) : print_build();
 }

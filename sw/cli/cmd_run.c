@@ -1,14 +1,13 @@
 /* cmd_run.c - fp3 run: a program, or a scene of several, on an engine, from the host's values to the
  * final ones.
  */
+#include "arguments.h"
 #include "cli.h"
+#include "files.h"
 #include "run_print.h"
 
-#include <argp.h>
-#include <errno.h>
 #include <fp3/scene.h>
 #include <fp3/trace.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +15,9 @@
 typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
     uint64_t steps, cycle_limit, objects, visit;
-    int all, has_steps, is_compensated;
+    int all, has_steps, is_compensated, is_model;
     fp3_params *params;
+    fp3_files files;
 } options;
 
 enum {
@@ -28,11 +28,13 @@ enum {
     KEY_VISIT,
     KEY_KANATA,
     KEY_ALL,
-    KEY_SCENE
+    KEY_SCENE,
+    KEY_MODEL
 };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
+    {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "ENGINE", 0,
@@ -42,8 +44,10 @@ static const struct argp_option table[] = {
      0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
-    {"params", KEY_PARAMS, "FILE", 0, "Values of states, parameters and shared constants", 0},
-    {"set", KEY_SET, "NAME=VALUE", 0, "One such value; replaces what was given before it", 0},
+    {"params", KEY_PARAMS, "FILE", 0,
+     "Values of states, parameters and shared constants; may be repeated", 0},
+    {"set", KEY_SET, "NAME=VALUE", 0,
+     "One such value; replaces what was given before it; may be repeated", 0},
     {"scene", KEY_SCENE, "FILE", 0,
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
      "--steps and --visit replace what it says",
@@ -55,17 +59,6 @@ static const struct argp_option table[] = {
     {0},
 };
 
-static uint64_t number(struct argp_state *state, const char *option, const char *text,
-                       uint64_t least, uint64_t most) {
-    char *end;
-    errno = 0;
-    const uint64_t value = strtoull(text, &end, 10);
-    if (errno || end == text || *end || *text < '0' || *text > '9' || value < least || value > most)
-        argp_error(state, "%s: '%s' is no number from %" PRIu64 " to %" PRIu64, option, text, least,
-                   most);
-    return value;
-}
-
 /* What belongs to an image, and what to a scene. */
 static void check(const options *o, struct argp_state *state) {
     if (!o->program && !o->scene)
@@ -73,8 +66,11 @@ static void check(const options *o, struct argp_state *state) {
     if (o->program && o->scene)
         argp_error(state, "--scene: found '%s', but the scene names its programs itself",
                    o->program);
-    if ((o->integrator || o->is_compensated) && !(o->program && fp3_program_is_model(o->program)))
-        argp_error(state, "--integrator, --compensated: only a model (*.ode) is compiled");
+    if (o->is_model && !o->program)
+        argp_error(state, "--model: a scene's programs are known by their names");
+    if ((o->integrator || o->is_compensated) && !o->is_model)
+        argp_error(state,
+                   "--integrator, --compensated: only a model (*.ode, or --model) is compiled");
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->params))
@@ -83,6 +79,8 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--kanata: a log is of one program, not of a scene");
     if (o->kanata && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline");
+    if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
+        argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -96,7 +94,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->engine = text;
         break;
     case 'o':
-        o->objects = number(state, "--objects", text, 1, UINT32_MAX);
+        o->objects = fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);
         break;
     case 'i':
         o->integrator = text;
@@ -104,8 +102,11 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case 'k':
         o->is_compensated = 1;
         break;
+    case KEY_MODEL:
+        o->is_model = 1;
+        break;
     case KEY_VISIT:
-        o->visit = number(state, "--visit", text, 1, UINT32_MAX);
+        o->visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
         break;
     case KEY_ALL:
         o->all = 1;
@@ -114,19 +115,20 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->kanata = text;
         break;
     case 'n':
-        o->steps = number(state, "--steps", text, 0, UINT64_MAX);
+        o->steps = fp3_arguments_number(state, "--steps", text, 0, UINT32_MAX);
         o->has_steps = 1;
         break;
     case KEY_SCENE:
         o->scene = text;
         break;
     case KEY_LIMIT:
-        o->cycle_limit = number(state, "--cycle-limit", text, 0, UINT64_MAX);
+        o->cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
         break;
     case KEY_BUS_LOG:
         o->bus_log = text;
         break;
     case KEY_PARAMS:
+        fp3_files_read(&o->files, "--params", text);
         if (fp3_params_load(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
         break;
@@ -140,6 +142,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->program = text;
         break;
     case ARGP_KEY_END:
+        o->is_model = o->is_model || (o->program && fp3_program_is_model(o->program));
         check(o, state);
         break;
     default:
@@ -201,19 +204,38 @@ static void define(const options *o, fp3_engine_def *def, fp3_error *error) {
     def->error = error;
 }
 
-static fp3_status run_program(const options *o, fp3_error *error) {
+static fp3_status check_files(options *o, fp3_error *error) {
+    fp3_files_read(&o->files, "PROGRAM", o->program);
+    fp3_files_read(&o->files, "--scene", o->scene);
+    fp3_files_read(&o->files, "--integrator", fp3_cli_integrator_file(o->integrator));
+    fp3_files_write(&o->files, "--kanata", o->kanata);
+    fp3_files_write(&o->files, "--bus-log", o->bus_log);
+    return fp3_files_check(&o->files, error);
+}
+
+static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && o->bus_log && i < scene->group_count; i++) {
+        fp3_files files = {0};
+        fp3_files_read(&files, "program", scene->groups[i].path);
+        fp3_files_write(&files, "--bus-log", o->bus_log);
+        status = fp3_files_check(&files, error);
+    }
+    return status;
+}
+
+static fp3_status run_program(const options *o, char **report, fp3_error *error) {
     fp3_program_def how = fp3_program_default();
     fp3_engine_def def = fp3_engine_default();
     fp3_program *program = NULL;
-    def.config = o->config                          ? o->config
-                 : fp3_program_is_model(o->program) ? how.compile.config
-                                                    : def.config;
+    def.config = o->config ? o->config : o->is_model ? how.compile.config : def.config;
+    how.is_model = o->is_model;
     how.compile.config = def.config;
     how.compile.is_compensated = o->is_compensated;
     how.integrator = o->integrator ? o->integrator : how.integrator;
     def.objects = (uint32_t)o->objects;
     define(o, &def, error);
-    fp3_status status = fp3_program_open(o->program, &how, &program, NULL, error);
+    fp3_status status = fp3_program_open(o->program, &how, &program, report, error);
     if (!status)
         status = run_and_log(o, &(fp3_run_task){.program = program}, &def, error);
     fp3_program_close(&program);
@@ -227,10 +249,12 @@ static fp3_status run_scene(options *o, fp3_error *error) {
     fp3_status status = fp3_scene_open(o->scene, o->config, &scene, error);
     if (status)
         return status;
+    status = check_files_of(scene, o, error);
     fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
     define(o, &def, error);
-    status = run(o, &(fp3_run_task){.scene = scene}, &def, &has_run, error);
+    if (!status)
+        status = run(o, &(fp3_run_task){.scene = scene}, &def, &has_run, error);
     fp3_scene_close(&scene);
     return status;
 }
@@ -248,10 +272,15 @@ int fp3_cmd_run(int argc, char **argv) {
             "its own."};
     fp3_error error = {""};
     fp3_status status = fp3_params_make(&o.params, &error);
-    if (!status) {
-        argp_parse(&argp, argc, argv, 0, NULL, &o);
-        status = o.scene ? run_scene(&o, &error) : run_program(&o, &error);
-    }
+    if (status)
+        return fp3_cli_fail("run", status, &error);
+    char *report = NULL;
+    fp3_arguments_parse(&argp, argc, argv, &o);
+    status = check_files(&o, &error);
+    if (!status)
+        status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
+    const int exit_code = fp3_cli_end("run", status, &error, report);
+    free(report);
     fp3_params_free(&o.params);
-    return fp3_cli_done("run", status ? fp3_cli_fail("run", status, &error) : 0);
+    return exit_code;
 }

@@ -1,9 +1,12 @@
 /* main.c - the command fp3: finds the subcommand and hands it the rest of the line. */
 #include "cli.h"
+#include "text/nearest.h"
 
 #include <argp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* X(name, what it does) */
 #define COMMANDS(X)                                                                                \
@@ -48,6 +51,14 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
     return ARGP_ERR_UNKNOWN;
 }
 
+/* However a command ends, --help included: what was printed has arrived, or the exit code is 1. */
+static void check_standard_output(void) {
+    if (!fflush(stdout) && !ferror(stdout))
+        return;
+    fprintf(stderr, "fp3: cannot write the output\n");
+    _exit(1);
+}
+
 int main(int argc, char **argv) {
     static char name[64];
     static const struct argp argp = {
@@ -55,6 +66,7 @@ int main(int argc, char **argv) {
     argp_program_version = "fp3 " FP3_VERSION;
     argp_err_exit_status = 2;
     int at = 0;
+    atexit(check_standard_output);
     if (argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &at))
         return 1;
     for (int i = 0; i < COUNT; i++) {
@@ -64,9 +76,13 @@ int main(int argc, char **argv) {
         argv[at] = name;
         return commands[i].run(argc - at, argv + at);
     }
+    const char *best = NULL;
+    const fp3_token wanted = {.text = argv[at], .length = strlen(argv[at])};
+    for (int i = 0; i < COUNT; i++)
+        fp3_nearest(wanted, commands[i].name, &best);
     fprintf(stderr, "fp3: found '%s', expected a command:", argv[at]);
     for (int i = 0; i < COUNT; i++)
         fprintf(stderr, " %s", commands[i].name);
-    fprintf(stderr, "\n");
+    fprintf(stderr, best ? "; did you mean %s?\n" : "\n", best);
     return 2;
 }

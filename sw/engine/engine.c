@@ -76,6 +76,10 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     if (!backend)
         return fp3_fail(def->error, FP3_E_ARGUMENT, "no engine '%s': there are rtl and isa",
                         def->engine ? def->engine : "");
+    if (def->bus_log && backend != &fp3_backend_rtl)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "bus log %s: engine '%s' has no host port; rtl has", def->bus_log,
+                        def->engine);
     const fp3_config *config = fp3_config_find(def->config);
     if (!config)
         return no_config(def);

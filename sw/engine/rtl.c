@@ -5,11 +5,11 @@
  */
 #include "backend.h"
 
+#include "base/file.h"
 #include "hardware.h"
 #include "in_flight.h"
 
 #include "gen/registers.h"
-#include <errno.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -24,7 +24,8 @@
 typedef struct {
     fp3_hardware hardware;
     fp3_rtl *rtl;
-    FILE *log;
+    fp3_output *output;       /* NULL unless there is a bus log ... */
+    FILE *log;                /* ... and its stream */
     fp3_in_flight *in_flight; /* NULL unless somebody traces */
     uint64_t hash;            /* FNV-1a of all retirements: the log ends each run with it */
 } rtl_engine;
@@ -171,9 +172,12 @@ static fp3_status rtl_open(fp3_engine *engine) {
     const fp3_rtl_watch watch = {self->in_flight ? note_issue : NULL, note_end, engine};
     if (!(self->rtl = self->hardware.ops->open(&watch)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    if (engine->def.bus_log && !(self->log = fopen(engine->def.bus_log, "w")))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "%s: %s", engine->def.bus_log,
-                        strerror(errno));
+    if (engine->def.bus_log) {
+        status = fp3_output_open(engine->def.bus_log, &self->output, engine->def.error);
+        if (status)
+            return status;
+        self->log = fp3_output_stream(self->output);
+    }
     return check_build(engine);
 }
 
@@ -183,8 +187,8 @@ static void rtl_close(fp3_engine *engine) {
         self->hardware.ops->close(self->rtl);
     if (self)
         fp3_hardware_unload(&self->hardware);
-    if (self && self->log)
-        fclose(self->log);
+    if (self)
+        fp3_output_close(&self->output);
     if (self)
         fp3_in_flight_free(self->in_flight);
     free(self);
@@ -389,10 +393,7 @@ static fp3_status close_log_of_run(fp3_engine *engine) {
         return FP3_OK;
     fprintf(self->log, "h %08" PRIx64 " %08" PRIx64 "\n", self->hash >> 32,
             self->hash & UINT32_MAX);
-    if (fflush(self->log) == 0)
-        return FP3_OK;
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "%s: %s", engine->def.bus_log,
-                    strerror(errno));
+    return fp3_output_publish(self->output, engine->def.error);
 }
 
 /* Asks every scheduler; *illegal: the first that met an illegal word, and which. */

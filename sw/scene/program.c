@@ -4,6 +4,7 @@
 #include <fp3/asm.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/file.h"
 
@@ -13,10 +14,14 @@ fp3_program_def fp3_program_default(void) {
 
 static int ends(const char *path, const char *end) {
     const size_t size = strlen(path), length = strlen(end);
-    return size > length && strcmp(path + size - length, end) == 0;
+    return size > length && strcasecmp(path + size - length, end) == 0;
 }
 
 int fp3_program_is_model(const char *path) { return ends(path, ".ode"); }
+
+int fp3_program_is_named(const char *path) {
+    return fp3_program_is_model(path) || ends(path, ".s") || ends(path, ".fp3");
+}
 
 /* *report is taken from the assembly. */
 static fp3_status assemble(const char *path, fp3_program *program, char **report,
@@ -62,7 +67,7 @@ fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_pr
     *program = calloc(1, sizeof **program);
     if (!*program)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    else if (fp3_program_is_model(path))
+    else if (def->is_model || fp3_program_is_model(path))
         status = compile(path, def, *program, &said, error);
     else if (ends(path, ".s"))
         status = assemble(path, *program, &said, error);

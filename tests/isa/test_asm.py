@@ -381,14 +381,6 @@ def test_outputs_are_replaced_whole_or_not_at_all(run, tmp_path):
     assert not list(tmp_path.glob("*.tmp"))
 
 
-@pytest.mark.parametrize("arguments", [("-o", "in.s"), ("-o", "x", "--hex", "x"), ("--hex", "./in.s")])
-def test_no_file_is_written_over_another(run, tmp_path, arguments):
-    (tmp_path / "in.s").write_text(STEP)
-    got = run("asm", "in.s", *arguments)
-    assert got.returncode == 2 and "would be overwritten" in got.stderr
-    assert (tmp_path / "in.s").read_text() == STEP
-
-
 def test_hex_holds_the_words_of_the_image(assemble, root, tmp_path):
     words = assemble((root / "programs" / "ship.s").read_text(), "--hex", "out.hex")
     lines = (tmp_path / "out.hex").read_text().splitlines()

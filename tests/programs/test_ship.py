@@ -20,7 +20,7 @@ def bench(fp3, root, tmp_path):
     """Runs `fp3 bench`; returns what it printed and, if it came so far, its figures."""
 
     def run(*arguments, steps=200):
-        path = tmp_path / "deeper" / "sim.json"
+        path = tmp_path / "sim.json"
         path.unlink(missing_ok=True)
         done = subprocess.run([fp3, "bench", "--steps", str(steps), "--json", path, *arguments],
                               cwd=root, capture_output=True, text=True, timeout=300)

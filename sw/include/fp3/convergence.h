@@ -18,6 +18,7 @@
 FP3_API_BEGIN
 
 #define FP3_RUNGS_MOST 40
+#define FP3_STEPS_MOST 8388608 /* of the last of so many rungs */
 #define FP3_LOOKS                                                                                  \
     8 /* times at which a run is compared with the truth, evenly, the last at its end */
 

@@ -89,7 +89,8 @@ typedef struct {
     void *retire_user;
     fp3_trace_fn *trace; /* called for every instruction in every lane, or NULL; likewise */
     void *trace_user;
-    /* rtl: file for every transfer on the host port, as sim/replay.v reads it, or NULL:
+    /* rtl only: file for every transfer on the host port, as sim/replay.v reads it, or NULL. It has
+     * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
      * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
      * row within the lane, register, bits, flags. */

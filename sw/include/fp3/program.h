@@ -22,6 +22,7 @@ FP3_API_BEGIN
 /* How a model is compiled; of no effect on assembly and images. */
 typedef struct {
     const char *integrator; /* a built-in table, or a file */
+    int is_model;           /* the program is a model, whatever its name */
     fp3_compile_def compile;
 } fp3_program_def;
 
@@ -36,10 +37,13 @@ typedef struct {
     fp3_integrator *integrator;
 } fp3_program;
 
-/* Whether the name ends in .ode. */
+/* Whether the name ends in .ode, in letters of any case. */
 int fp3_program_is_model(const char *path);
+/* Whether it ends in .ode, .s or .fp3. */
+int fp3_program_is_named(const char *path);
 
-/* By the end of its name: .ode is a model, .s assembly, all else an image. The caller closes
+/* By the end of its name, in letters of any case: .ode is a model, .s assembly, all else an image; or
+ * as def says. "-" is standard input. The caller closes
  * *program, which is NULL on failure. *report is as of fp3_model_load; report may be NULL. Messages
  * begin with the path. */
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,

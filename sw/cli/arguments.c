@@ -1,0 +1,143 @@
+/* arguments.c - see arguments.h. */
+#include "arguments.h"
+
+#include "text/nearest.h"
+
+#include <errno.h>
+#include <fp3/program.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TABLE_MOST = 64 };
+
+/* What argp adds to every table. */
+static const char *const everywhere[] = {"help", "usage", "version"};
+enum { EVERYWHERE = sizeof everywhere / sizeof *everywhere };
+
+typedef struct {
+    const struct argp_option *table;
+    const char *command;
+    int given[TABLE_MOST];
+} arguments;
+
+/* ---- finding ---- */
+
+/* Whether a name is the beginning of one that argp adds. */
+static int is_everywhere(const char *name, size_t length) {
+    for (size_t i = 0; i < EVERYWHERE; i++)
+        if (!strncmp(everywhere[i], name, length))
+            return 1;
+    return 0;
+}
+
+/* By its name, or the beginning of it. *count: how many begin so. */
+static int find_long(const arguments *a, const char *name, size_t length, int *count) {
+    int found = -1;
+    *count = is_everywhere(name, length);
+    for (int i = 0; a->table[i].name; i++) {
+        if (strncmp(a->table[i].name, name, length) != 0)
+            continue;
+        ++*count;
+        found = i;
+        if (strlen(a->table[i].name) == length) {
+            *count = 1;
+            break;
+        }
+    }
+    return found;
+}
+
+static int find_short(const arguments *a, char key) {
+    for (int i = 0; a->table[i].name; i++)
+        if (a->table[i].key == key)
+            return i;
+    return -1;
+}
+
+/* ---- refusing ---- */
+
+static void usage(const arguments *a) {
+    fprintf(stderr, "Try '%s --help' for more information.\n", a->command);
+    exit(argp_err_exit_status);
+}
+
+static void refuse_unknown(const arguments *a, const char *name, size_t length) {
+    const fp3_token wanted = {.text = name, .length = length, .kind = FP3_TOKEN_NAME};
+    const char *best = NULL;
+    for (int i = 0; a->table[i].name; i++)
+        fp3_nearest(wanted, a->table[i].name, &best);
+    for (size_t i = 0; i < EVERYWHERE; i++)
+        fp3_nearest(wanted, everywhere[i], &best);
+    fprintf(stderr, "%s: there is no option --%.*s", a->command, (int)length, name);
+    fprintf(stderr, best ? "; did you mean --%s?\n" : "\n", best);
+    usage(a);
+}
+
+static void note(arguments *a, int option) {
+    const struct argp_option *o = &a->table[option];
+    if (!o->arg || strstr(o->doc, "may be repeated") || !a->given[option]++)
+        return;
+    fprintf(stderr, "%s: --%s is given twice\n", a->command, o->name);
+    usage(a);
+}
+
+/* ---- walking ---- */
+
+/* Whether the next word is the value of the option in this one. */
+static int walk_long(arguments *a, const char *text) {
+    const size_t length = strcspn(text, "=");
+    int count;
+    const int option = find_long(a, text, length, &count);
+    if (count == 0)
+        refuse_unknown(a, text, length);
+    if (option < 0 || count > 1) /* argp's own, or argp says that it is ambiguous */
+        return 0;
+    note(a, option);
+    return a->table[option].arg && !text[length];
+}
+
+static int walk_short(arguments *a, const char *text) {
+    for (; *text; text++) {
+        const int option = find_short(a, *text);
+        if (option < 0)
+            return 0;
+        note(a, option);
+        if (a->table[option].arg)
+            return !text[1];
+    }
+    return 0;
+}
+
+static void walk(arguments *a, int argc, char **argv) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (argv[i][0] != '-' || !argv[i][1])
+            continue;
+        i += argv[i][1] == '-' ? walk_long(a, argv[i] + 2) : walk_short(a, argv[i] + 1);
+    }
+}
+
+void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *input) {
+    static const struct argp_option none[] = {{0}};
+    arguments a = {.table = argp->options ? argp->options : none, .command = argv[0]};
+    walk(&a, argc, argv);
+    if (argp_parse(argp, argc, argv, 0, NULL, input))
+        exit(argp_err_exit_status);
+}
+
+uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
+                              uint64_t least, uint64_t most) {
+    char *end;
+    errno = 0;
+    const uint64_t value = strtoull(text, &end, 10);
+    if (errno || end == text || *end || *text < '0' || *text > '9' || value < least || value > most)
+        argp_error(state, "%s: '%s' is no number from %" PRIu64 " to %" PRIu64, option, text, least,
+                   most);
+    return value;
+}
+
+void fp3_arguments_model(struct argp_state *state, const char *path, int is_model) {
+    if (path && !is_model && fp3_program_is_named(path) && !fp3_program_is_model(path))
+        argp_error(state, "found '%s', expected a model (*.ode, or --model)", path);
+}

@@ -1,0 +1,21 @@
+/* arguments.h - a command line, by argp, with what all commands have in common. */
+#ifndef FP3_CLI_ARGUMENTS_H
+#define FP3_CLI_ARGUMENTS_H
+
+#include <argp.h>
+#include <stdint.h>
+
+/* argp_parse, for options that need no argp children. Ends with 2 and a message at an option that
+ * there is not, naming the nearest; and at an option with a value that is given twice, unless
+ * its help says "may be repeated". */
+void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *input);
+
+/* A number in decimal digits; ends with 2 and a message if it is none from least to most. */
+uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
+                              uint64_t least, uint64_t most);
+
+/* Ends with 2 and a message if the name says that it is another program than a model, and the
+ * option --model was not given. */
+void fp3_arguments_model(struct argp_state *state, const char *path, int is_model);
+
+#endif

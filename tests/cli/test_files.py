@@ -1,0 +1,200 @@
+"""Files of a command: none is lost, outputs are whole or not there, what cannot be written is found before the work."""
+
+import os
+import stat
+import subprocess
+
+import pytest
+
+MODEL = "state x = 1\nstate v = 0\nx' = v\nv' = -x\nstep 0.01\n"
+SOURCE = ".state x\nstep:\nadd x, x, 1.0\n"
+
+
+@pytest.fixture
+def folder(fp3, tmp_path):
+    (tmp_path / "m.ode").write_text(MODEL)
+    (tmp_path / "p.s").write_text(SOURCE)
+    (tmp_path / "euler.cfg").write_text('order = 1; a = []; b = ["1"];\n')
+    (tmp_path / "x.cfg").write_text("x = 1;\n")
+    (tmp_path / "m.scene").write_text('config = "many_full"; groups = ( { program = "m.ode"; objects = 3; } );\n')
+    (tmp_path / "link").symlink_to("m.ode")
+    (tmp_path / "dangling").symlink_to("new")
+    os.link(tmp_path / "m.ode", tmp_path / "hard")
+    (tmp_path / "folder").mkdir()
+    subprocess.run([fp3, "asm", "p.s", "-o", "p.fp3"], cwd=tmp_path, check=True)
+    return tmp_path
+
+
+@pytest.fixture
+def start(fp3, folder):
+    def start(command, **options):
+        return subprocess.run([fp3, *command.split()], cwd=folder, capture_output=True, timeout=120, **options)
+    return start
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+# Which output would be lost: each command line, and what the message says.
+COLLISIONS = {
+    "compile m.ode -o m.ode": "--output m.ode would overwrite MODEL m.ode",
+    "compile m.ode -o ./folder/../m.ode": "would overwrite",
+    "compile m.ode --image link": "--image link would overwrite",
+    "compile m.ode --params hard": "--params hard would overwrite",
+    "compile link -o m.ode": "would overwrite",
+    "compile m.ode -i euler.cfg -o euler.cfg": "would overwrite --integrator euler.cfg",
+    "compile m.ode -o a --image a": "--output a and --image a are one file",
+    "compile m.ode -o a --image ./a": "are one file",
+    "compile m.ode -o new --image dangling": "are one file",
+    "compile m.ode -o - --image -": "are one file",
+    "compile m.ode -o - --image /dev/stdout": "are one file",
+    "run m.ode --kanata m.ode": "--kanata m.ode would overwrite PROGRAM m.ode",
+    "run m.ode --bus-log link": "--bus-log link would overwrite",
+    "run m.ode --params x.cfg --bus-log x.cfg": "would overwrite --params x.cfg",
+    "run m.ode --kanata a --bus-log a": "are one file",
+    "run p.fp3 --bus-log p.fp3": "would overwrite",
+    "run --scene m.scene --bus-log m.scene": "would overwrite --scene m.scene",
+    "run --scene m.scene --bus-log m.ode": "would overwrite program m.ode",
+    "compare m.ode --quick --json hard": "--json hard would overwrite",
+    "compare m.ode --quick -i euler.cfg --json euler.cfg": "would overwrite",
+    "bench -p ./m.ode --json link": "--json link would overwrite",
+    "bench -p ./m.ode -P x.cfg --json x.cfg": "would overwrite",
+    "asm p.s -o p.s": "would overwrite SOURCE p.s",
+    "asm p.s --hex a --listing a": "are one file",
+    "dis p.fp3 -o p.fp3": "would overwrite IMAGE p.fp3",
+    "compile - --params -": "",  # no collision: one is read, the other written
+}
+
+
+@pytest.mark.parametrize("command", COLLISIONS)
+def test_no_file_is_lost(start, folder, command):
+    before = contents(folder)
+    done = start(command, input=MODEL.encode())
+    said = COLLISIONS[command]
+    assert (done.returncode, done.stdout[:0] if not said else done.stdout) == (2 if said else 0, b""), done.stderr
+    assert said in done.stderr.decode() and contents(folder) == before
+
+
+UNWRITABLE = ["compile m.ode -o", "compile m.ode --image", "compile m.ode --params", "run m.ode --kanata",
+              "run m.ode --bus-log", "compare m.ode --json", "bench -p ./m.ode --json", "asm p.s -o", "asm p.s --hex",
+              "asm p.s --listing", "dis p.fp3 -o"]
+
+
+@pytest.mark.parametrize("command", UNWRITABLE)
+def test_what_cannot_be_written_is_found_before_the_work(start, folder, command):
+    before = contents(folder)
+    for path in ("nowhere/file", "folder", "m.ode/file", "x" * 256):
+        done = start(f"{command} {path}")
+        assert (done.returncode, done.stdout) == (2, b""), (path, done)
+        assert f"{path}: cannot write: ".encode() in done.stderr
+    assert contents(folder) == before
+
+
+def test_devices_and_pipes_are_written_directly(start, folder):
+    assert start("compile m.ode -o /dev/null --image /dev/null").returncode == 0
+    whole = start("compile m.ode").stdout
+    for name in ("-", "/dev/stdout", "/dev/fd/1"):
+        assert start(f"compile m.ode -o {name}").stdout == whole
+    assert start("compile m.ode -o /dev/stderr").stderr == whole
+    assert start("asm p.s -o -").stdout == (folder / "p.fp3").read_bytes()
+    full = start("compile m.ode -o /dev/full")
+    assert full.returncode == 1 and b"/dev/full: cannot write: No space" in full.stderr
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+def test_a_named_pipe_is_read_and_written_and_nobody_waits_for_ever(fp3, start, folder):
+    os.mkfifo(folder / "pipe")
+    whole = start("compile m.ode").stdout
+    with subprocess.Popen([fp3, "compile", "m.ode", "-o", "pipe"], cwd=folder) as writer:
+        assert (folder / "pipe").read_bytes() == whole and writer.wait() == 0
+    with subprocess.Popen([fp3, "compile", "pipe", "--model", "-o", "from.s"], cwd=folder) as reader:
+        (folder / "pipe").write_text(MODEL)
+        assert reader.wait() == 0 and (folder / "from.s").read_bytes().endswith(whole[-100:])
+    done = start("compile pipe")
+    assert done.returncode == 2 and b"pipe: a pipe that nobody writes into" in done.stderr
+    done = start("compile m.ode -o pipe")
+    assert done.returncode == 2 and b"pipe: cannot write" in done.stderr
+
+
+def test_standard_input_is_read_by_every_command(start, folder):
+    assert start("compile -", input=MODEL.encode()).stdout.replace(b"# _ by", b"# m by") == start("compile m.ode").stdout
+    image = start("asm - -o -", input=SOURCE.encode()).stdout
+    assert image == (folder / "p.fp3").read_bytes()
+    assert start("dis -", input=image).stdout == start("dis p.fp3").stdout
+    assert start("info -", input=image).stdout == start("info p.fp3").stdout
+    cut = lambda done: [line for line in done.stdout.splitlines() if b"object " in line]
+    assert cut(start("run - -e isa --set x=1", input=image)) == cut(start("run p.fp3 -e isa --set x=1")) != []
+    assert cut(start("run - --model -e isa", input=MODEL.encode())) == cut(start("run m.ode -e isa")) != []
+    assert b"_" in start("compare - --quick -i euler --most-steps 64", input=MODEL.encode()).stdout
+    twice = start("compile - -i -", input=MODEL.encode())
+    assert twice.returncode == 2 and b"standard input can be read once" in twice.stderr
+    assert b"each configuration reads it again" in start("bench -p -").stderr
+
+
+def test_what_is_printed_makes_room_for_data_on_standard_output(start):
+    done = start("run m.ode --kanata -")
+    assert done.returncode == 0 and done.stdout.startswith(b"Kanata\t") and b"object_steps" not in done.stdout
+    assert b"object_steps" in done.stderr
+    done = start("compare m.ode --quick -i euler --most-steps 64 --json -")
+    assert done.stdout.startswith(b"{") and b"floor" in done.stderr
+
+
+def test_the_standard_output_is_a_file_like_others(fp3, folder):
+    for command, target in (("run m.ode", "m.ode"), ("run m.ode --bus-log log", "log"), ("compile m.ode -o out", "out")):
+        with open(folder / target, "ab") as out:
+            done = subprocess.run([fp3, *command.split()], cwd=folder, stdout=out, stderr=subprocess.PIPE)
+        assert done.returncode == 2 and b"standard output" in done.stderr, command
+    assert (folder / "m.ode").read_text() == MODEL
+
+
+def test_a_name_may_begin_with_a_hyphen(start, folder):
+    (folder / "-m.ode").write_text(MODEL)
+    assert start("compile -o -out -- -m.ode").returncode == 0
+    assert (folder / "-out").read_bytes() == start("compile ./-m.ode").stdout
+
+
+def test_a_file_keeps_its_mode_and_a_link_stays_one(start, folder):
+    (folder / "secret").write_text("old")
+    (folder / "secret").chmod(0o640)
+    (folder / "to").symlink_to("secret")
+    assert start("compile m.ode -o to").returncode == 0 and start("compile m.ode -o dangling").returncode == 0
+    assert (folder / "to").is_symlink() and stat.S_IMODE((folder / "secret").stat().st_mode) == 0o640
+    assert (folder / "secret").read_bytes() == (folder / "new").read_bytes() == start("compile m.ode").stdout
+
+
+def test_a_bus_log_is_there_whole_or_not_at_all(start, folder):
+    (folder / "log").write_text("old")
+    assert start("run m.ode --set nope=1 --bus-log log").returncode == 2  # found after the hardware was opened
+    assert (folder / "log").read_text() == "old"
+    assert start("run m.ode --bus-log log").returncode == 0
+    assert (folder / "log").read_text().startswith("r 0")
+    done = start("run m.ode -e isa --bus-log log2")
+    assert done.returncode == 2 and b"only the hardware" in done.stderr
+    (folder / "isa.scene").write_text('engine = "isa"; ' + (folder / "m.scene").read_text())
+    done = start("run --scene isa.scene --bus-log log2")
+    assert done.returncode == 2 and b"no host port" in done.stderr
+    assert not [path for path in folder.iterdir() if path.name.startswith(".") or path.name == "log2"]
+
+
+@pytest.mark.parametrize("command", ["--help", "--version", "--usage", "run --help", "info", "compile m.ode", "compile --list",
+                                     "dis p.fp3", "run m.ode", "compare m.ode --quick -i euler --most-steps 64"])
+def test_a_full_disk_is_no_success(fp3, folder, command):
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([fp3, *command.split()], cwd=folder, stdout=full, stderr=subprocess.PIPE, timeout=120)
+    assert done.returncode == 1 and b"cannot write the output" in done.stderr
+
+
+@pytest.mark.parametrize("name, option", [("M.ODE", ""), ("m.Ode", ""), ("model", "--model"), ("m.s", "--model")])
+def test_a_model_is_known_by_its_ending_in_any_case_or_by_an_option(start, folder, name, option):
+    (folder / name).write_text("\ufeff" + MODEL, encoding="utf-8")
+    states = [line for line in start("run m.ode -e isa").stdout.splitlines() if b"object " in line][:2]
+    assert start(f"run {option} {name} -e isa").stdout.splitlines()[:2] == states
+    assert start(f"compile {option} {name}").returncode == 0
+
+
+def test_assembly_and_images_have_endings_in_any_case(start, folder):
+    (folder / "P.S").write_text("\ufeff" + SOURCE, encoding="utf-8")
+    assert start("asm P.S -o P.FP3").returncode == 0 and start("run P.S -e isa --set x=1").returncode == 0
+    done = start("compile P.S")
+    assert done.returncode == 2 and b"expected a model (*.ode, or --model)" in done.stderr
