@@ -3,7 +3,29 @@
 
 #include "machine/operation.h"
 
+#include <fp3/isa.h>
 #include <inttypes.h>
+
+/* Whether a sine or a cosine is among what the program computes: `small-angles` is for these. */
+static int has_angles(const fp3_step *step) {
+    for (uint32_t i = 0; i < step->model->expr_count; i++) {
+        const fp3_expr *e = &step->model->exprs[i];
+        if ((e->op == FP3_EXPR_SIN || e->op == FP3_EXPR_COS) && !e->is_known)
+            return 1;
+    }
+    return 0;
+}
+
+/* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as the
+ * polynomials are good for. */
+static fp3_status check_rounding(const fp3_config *config, uint32_t op, const char *note,
+                                 fp3_error *error) {
+    if (op != FP3_OP_RINT || config->nearest)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "%s needs rounding to nearest, and configuration '%s' truncates",
+                    note ? note : "the model", config->name);
+}
 
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
                             const fp3_config *config, fp3_error *error) {
@@ -12,8 +34,14 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
         const char *note = fp3_note_text(&step->notes, ops[i].note);
         if (key != FP3_KEY_NONE)
             return fp3_fail(
-                error, FP3_E_PROGRAM, "%s%sneeds `%s`, which configuration '%s' does not have",
-                note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name);
+                error, FP3_E_PROGRAM, "%s%sneeds `%s`, which configuration '%s' does not have%s",
+                note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name,
+                key == FP3_KEY_ROUND && has_angles(step)
+                    ? " (sines and cosines of at most pi/2 do without: pass `small-angles`)"
+                    : "");
+        const fp3_status status = check_rounding(config, ops[i].op, note, error);
+        if (status)
+            return status;
     }
     return FP3_OK;
 }

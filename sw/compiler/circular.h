@@ -4,7 +4,8 @@
 
 #include "term.h"
 
-/* Of x in radians, |x| <= pi. */
+/* Of x in radians, |x| < 2^16; with the pass `small-angles`, |x| <= pi/2. Beyond that the value is a NaN
+ * and raises invalid. */
 term fp3_sine(dag *g, term x);
 term fp3_cosine(dag *g, term x);
 

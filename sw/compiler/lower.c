@@ -5,6 +5,7 @@
 #include "division.h"
 #include "ops.h"
 
+#include <fp3/passes.h>
 #include <stdlib.h>
 
 fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {
@@ -172,6 +173,17 @@ static term lower(lowering *l, uint32_t expr) {
     }
 }
 
+/* A function's own constants are no known factors: its error is that of these products. */
+static term lower_as_written(lowering *l, uint32_t expr) {
+    const fp3_expr_op op = expr_of(l, expr)->op;
+    const unsigned passes = l->g->passes;
+    if (op == FP3_EXPR_SIN || op == FP3_EXPR_COS)
+        l->g->passes &= ~FP3_PASS(FP3_PASS_FOLD_PRODUCT);
+    const term made = lower(l, expr);
+    l->g->passes = passes;
+    return made;
+}
+
 /* The base of a denominator, of which a root is never formed. */
 static void want_base(lowering *l, uint32_t base) {
     l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
@@ -217,7 +229,7 @@ term fp3_lower(lowering *l, uint32_t root) {
         if (!l->is_wanted[i] || l->is_made[i])
             continue;
         l->g->note = fp3_note_expr(l->notes, l->model, i, l->place);
-        l->value[i] = lower(l, i);
+        l->value[i] = lower_as_written(l, i);
         l->is_made[i] = 1;
     }
     l->g->note = outside;

@@ -34,8 +34,10 @@ static const function functions[] = {
     {"sqrt(x)", "sqrt(x)", root, 0x1p-100, 0x1p100, 1, 0},
     {"1/sqrt(x)", "1/sqrt(x)", inverse_root, 0x1p-100, 0x1p100, 1, 0},
     {"a/sqrt(x)", "a/sqrt(x)", over_root, 0x1p-60, 0x1p60, 1, 0},
-    {"sin(x)", "sin(x)", sine, -3.1415925, 3.1415925, 0, 1},
-    {"cos(x)", "cos(x)", cosine, -3.1415925, 3.1415925, 0, 1},
+    {"sin(x)", "sin(x)", sine, -10, 10, 0, 1},
+    {"cos(x)", "cos(x)", cosine, -10, 10, 0, 1},
+    {"sin(x):far", "sin(x)", sine, -65535.99, 65535.99, 0, 1},
+    {"cos(x):far", "cos(x)", cosine, -65535.99, 65535.99, 0, 1},
 };
 
 static void fail(const char *what, const fp3_error *error) {
