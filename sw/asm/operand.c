@@ -1,7 +1,6 @@
 #include "operand.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,12 +41,8 @@ const char *fp3_asm_number(fp3_token t, uint32_t *bits) {
     float value = strtof(text, &end);
     if (end == text || *end)
         return "a number";
-    if (isinf(value) && !infinite)
-        return "a number below 3.4028236e38, the end of FP32";
-    if (value == 0 && errno == ERANGE)
-        return "0 or a number above 7e-46, the start of FP32";
     memcpy(bits, &value, sizeof value);
-    return NULL;
+    return fp3_number_fits(value, errno != ERANGE, infinite);
 }
 
 int fp3_asm_register(fp3_token t, uint32_t *operand) {

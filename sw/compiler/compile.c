@@ -106,10 +106,10 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error) {
     *compiled = NULL;
-    const fp3_config *config = fp3_config_find(def->config);
-    if (!config)
-        return fp3_fail(error, FP3_E_ARGUMENT, "no configuration '%s'",
-                        def->config ? def->config : "");
+    const fp3_config *config = NULL;
+    fp3_status status = fp3_config_choose(def->config, &config, error);
+    if (status)
+        return status;
     fp3_compiled *made = calloc(1, sizeof *made);
     fp3_compilation *k = calloc(1, sizeof *k);
     if (!made || !k) {
@@ -122,7 +122,7 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .is_compensated = def->is_compensated,
                                .has_notes = 1};
     made->self = k;
-    fp3_status status = compile(k, model, integrator, def, made, error);
+    status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)
         status = FP3_E_PROGRAM; /* what is too large for a machine is a wrong program for it */
     if (status)

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "text/number.h"
+
 /* A part of the program: the nodes between its leaves and its roots. */
 typedef struct {
     const fp3_step *step;
@@ -23,6 +25,12 @@ typedef struct {
 
 /* ---- places ---- */
 
+/* 0: what it is rounded to stands for another number, and is refused where it is named. */
+static int fits(double number) {
+    float single;
+    return !fp3_number_single(number, &single);
+}
+
 static uint32_t number_bits(double number) {
     const float f = (float)number;
     uint32_t bits;
@@ -35,6 +43,7 @@ static known_slot *same_number(const converter *c, const known *k) {
     const known_table *table = &c->step->known;
     for (uint32_t i = 0; k->op == KNOWN_NUMBER && i < table->count; i++)
         if (table->list[i].op == KNOWN_NUMBER && c->made->slots[i].at != FP3_AT_NOWHERE &&
+            fits(k->number) && fits(table->list[i].number) &&
             number_bits(table->list[i].number) == number_bits(k->number))
             return &c->made->slots[i];
     return NULL;

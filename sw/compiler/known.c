@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "text/number.h"
+
 static uint32_t add(known_table *table, known wanted) {
     for (uint32_t i = 0; i < table->count; i++) {
         const known *k = &table->list[i];
@@ -142,6 +144,10 @@ int fp3_known_is(const known_table *table, uint32_t id, double number) {
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error) {
     const fp3_model *model = table->model;
+    float single;
+    const char *expected = fp3_number_step(h, &single);
+    if (expected)
+        return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
     double *exprs = malloc((model->expr_count + 1) * sizeof *exprs);
     double *states = calloc(model->state_count + 1, sizeof *states);
     if (!exprs || !states) {

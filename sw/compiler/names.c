@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "text/number.h"
+
 static int is_taken(const fp3_names *names, const fp3_model *model, const char *name) {
     for (uint32_t i = 0; i < names->object_count; i++)
         if (strcmp(names->object[i], name) == 0)
@@ -79,11 +81,14 @@ static const char *reader_of(const fp3_step *step, const fp3_step_code *code, ui
 
 static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, uint32_t constant,
                               double number, char name[FP3_NAME_SIZE], fp3_error *error) {
-    const float f = (float)number;
+    float f;
     uint32_t bits;
-    if (!isfinite(f))
-        return fp3_fail(error, FP3_E_PROGRAM, "%s: found %.9g, expected a finite FP32 number",
-                        reader_of(step, code, constant), number);
+    const char *expected = fp3_number_single(number, &f);
+    if (!expected && !isfinite(f))
+        expected = "a finite number";
+    if (expected)
+        return fp3_fail(error, FP3_E_PROGRAM, "%s: found %.9g, expected %s",
+                        reader_of(step, code, constant), number, expected);
     memcpy(&bits, &f, sizeof bits);
     fp3_number_text(bits, name);
     return FP3_OK;

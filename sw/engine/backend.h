@@ -32,6 +32,9 @@ typedef struct {
 
 extern const fp3_backend fp3_backend_rtl, fp3_backend_isa;
 
+/* By the name of its engine, which may be NULL; NULL with an error if there is none. */
+const fp3_backend *fp3_backend_find(const char *name, fp3_error *error);
+
 struct fp3_engine {
     const fp3_backend *backend;
     const fp3_config *config;

@@ -16,20 +16,18 @@ fp3_engine_def fp3_engine_default(void) {
     return (fp3_engine_def){.engine = "rtl", .config = "single", .cookie = COOKIE};
 }
 
-static fp3_status no_config(const fp3_engine_def *def) {
-    char names[512] = "";
-    for (uint32_t i = 0; i < fp3_config_count; i++) {
-        strncat(names, i ? ", " : "", sizeof names - strlen(names) - 1);
-        strncat(names, fp3_configs[i].name, sizeof names - strlen(names) - 1);
-    }
-    return fp3_fail(def->error, FP3_E_ARGUMENT, "no configuration '%s': there are %s",
-                    def->config ? def->config : "", names);
+const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
+    for (size_t i = 0; i < COUNT(backends); i++)
+        if (name && strcmp(backends[i]->name, name) == 0)
+            return backends[i];
+    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl and isa", name ? name : "");
+    return NULL;
 }
 
 static fp3_status count_objects(fp3_engine *engine) {
     const fp3_config *config = engine->config;
     const uint32_t columns = fp3_config_schedulers(config) * config->lanes;
-    const uint32_t most = config->interleave ? fp3_placement_rows(config, 0) * columns : 1;
+    const uint32_t most = fp3_placement_room(config);
     const uint32_t full = config->contexts * columns;
     engine->objects = engine->def.objects ? engine->def.objects : full < most ? full : most;
     if (engine->objects > most || !most)
@@ -69,26 +67,23 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     if (def->cookie != COOKIE) /* then def->error may be anything, too */
         return FP3_E_ARGUMENT;
 
-    const fp3_backend *backend = NULL;
-    for (size_t i = 0; i < COUNT(backends); i++)
-        if (def->engine && strcmp(backends[i]->name, def->engine) == 0)
-            backend = backends[i];
+    const fp3_config *config = NULL;
+    const fp3_backend *backend = fp3_backend_find(def->engine, def->error);
     if (!backend)
-        return fp3_fail(def->error, FP3_E_ARGUMENT, "no engine '%s': there are rtl and isa",
-                        def->engine ? def->engine : "");
+        return FP3_E_ARGUMENT;
     if (def->bus_log && backend != &fp3_backend_rtl)
         return fp3_fail(def->error, FP3_E_ARGUMENT,
                         "bus log %s: engine '%s' has no host port; rtl has", def->bus_log,
                         def->engine);
-    const fp3_config *config = fp3_config_find(def->config);
-    if (!config)
-        return no_config(def);
+    fp3_status status = fp3_config_choose(def->config, &config, def->error);
+    if (status)
+        return status;
 
     fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     *made = (fp3_engine){.backend = backend, .config = config, .def = *def};
-    fp3_status status = make_room(made);
+    status = make_room(made);
     if (!status)
         status = backend->open(made);
     if (status)

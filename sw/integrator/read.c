@@ -1,5 +1,6 @@
 /* read.c - an integrator from its table, and what is wrong with the table. */
 #include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include <assert.h>
 #include <math.h>
@@ -8,7 +9,7 @@
 #include <string.h>
 
 #include "conditions.h"
-#include "setting.h"
+#include "settings/settings.h"
 
 typedef struct {
     fp3_settings in;
@@ -36,9 +37,14 @@ static const struct {
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
+static fp3_status read_text(const reader *r, const char *key, const char **text) {
+    const config_setting_t *setting = fp3_setting_need(&r->in, key);
+    return setting ? fp3_setting_text(&r->in, setting, key, text) : FP3_E_PROGRAM;
+}
+
 static fp3_status read_name(const reader *r) {
     const char *text = NULL;
-    const fp3_status status = fp3_setting_text(&r->in, "name", &text);
+    const fp3_status status = read_text(r, "name", &text);
     if (status)
         return status;
     if (!fp3_name_valid(text))
@@ -50,7 +56,7 @@ static fp3_status read_name(const reader *r) {
 
 static fp3_status read_string(const reader *r, const char *key, char **copy) {
     const char *text = NULL;
-    const fp3_status status = fp3_setting_text(&r->in, key, &text);
+    const fp3_status status = read_text(r, key, &text);
     if (status)
         return status;
     *copy = strdup(text);
@@ -59,7 +65,7 @@ static fp3_status read_string(const reader *r, const char *key, char **copy) {
 
 static fp3_status read_kind(const reader *r) {
     const char *text = NULL;
-    const fp3_status status = fp3_setting_text(&r->in, "kind", &text);
+    const fp3_status status = read_text(r, "kind", &text);
     if (status)
         return status;
     for (unsigned i = 0; i < KINDS; i++)
@@ -76,29 +82,18 @@ static fp3_status read_order(const reader *r) {
     const config_setting_t *setting = fp3_setting_need(&r->in, "order");
     if (!setting)
         return FP3_E_PROGRAM;
-    if (config_setting_type(setting) != CONFIG_TYPE_INT)
-        return fp3_setting_wrong(&r->in, setting,
-                                 "order: found %s, expected an integer from 1 to %d",
-                                 fp3_setting_type(setting), FP3_TREE_ORDER);
-    const int order = config_setting_get_int(setting);
-    if (order < 1 || order > FP3_TREE_ORDER)
-        return fp3_setting_wrong(&r->in, setting,
-                                 "order: found %d, expected an integer from 1 to %d", order,
-                                 FP3_TREE_ORDER);
+    uint64_t order = 0;
+    const fp3_status status =
+        fp3_setting_count(&r->in, setting, "order", 1, FP3_TREE_ORDER, &order);
     r->table->order = (unsigned)order;
-    return FP3_OK;
+    return status;
 }
 
 /* The key is optional. */
 static fp3_status read_late(const reader *r) {
     const config_setting_t *setting = config_setting_get_member(r->in.root, "late_position");
-    if (!setting)
-        return FP3_OK;
-    if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
-        return fp3_setting_wrong(&r->in, setting, "late_position: found %s, expected true or false",
-                                 fp3_setting_type(setting));
-    r->table->is_position_late = config_setting_get_bool(setting);
-    return FP3_OK;
+    return setting ? fp3_setting_flag(&r->in, setting, "late_position", &r->table->is_position_late)
+                   : FP3_OK;
 }
 
 /* ---- tables ---------------------------------------------------------------------------------- */
@@ -110,8 +105,7 @@ static fp3_status read_list(const reader *r, const char *key, const char *what,
     if (!*list)
         return FP3_E_PROGRAM;
     if (!fp3_setting_is_list(*list))
-        return fp3_setting_wrong(&r->in, *list, "%s: found %s, expected a list ( )", key,
-                                 fp3_setting_type(*list));
+        return fp3_setting_expected(&r->in, *list, key, "a list ( )");
     const int length = config_setting_length(*list);
     if (length < 1 || length > FP3_STAGES_MAX)
         return fp3_setting_wrong(&r->in, *list, "%s: found %d %s, expected 1 to %d", key, length,
@@ -120,12 +114,25 @@ static fp3_status read_list(const reader *r, const char *key, const char *what,
     return FP3_OK;
 }
 
+/* A number, or a formula in a text. */
+static fp3_status read_coefficient(const reader *r, const config_setting_t *setting,
+                                   const char *what, double *number) {
+    const char *formula = config_setting_get_string(setting);
+    fp3_error why;
+    if (formula && fp3_constant_read(formula, number, &why))
+        return fp3_setting_wrong(&r->in, setting, "%s: %s", what, why.text);
+    if (!formula && !fp3_setting_is_number(setting))
+        return fp3_setting_expected(&r->in, setting, what, "a number or a text like \"1/6\"");
+    return formula ? FP3_OK : fp3_setting_number(&r->in, setting, what, number);
+}
+
 /* A row has the numbers below the diagonal, or all of a square matrix. */
 static fp3_status read_row(const reader *r, const config_setting_t *row, unsigned i) {
     fp3_integrator *table = r->table;
+    char name[32];
+    snprintf(name, sizeof name, "A[%u]", i + 1);
     if (!fp3_setting_is_list(row))
-        return fp3_setting_wrong(&r->in, row, "A[%u]: found %s, expected a list ( )", i + 1,
-                                 fp3_setting_type(row));
+        return fp3_setting_expected(&r->in, row, name, "a list ( )");
     const unsigned length = (unsigned)config_setting_length(row);
     if (length != i && length != table->stages)
         return fp3_setting_wrong(
@@ -136,7 +143,7 @@ static fp3_status read_row(const reader *r, const config_setting_t *row, unsigne
         const config_setting_t *setting = config_setting_get_elem(row, j);
         char what[32];
         snprintf(what, sizeof what, "A[%u][%u]", i + 1, j + 1);
-        status = fp3_setting_number(&r->in, setting, what, &table->a[i][j]);
+        status = read_coefficient(r, setting, what, &table->a[i][j]);
         if (!status && j >= i && table->a[i][j] != 0)
             status = fp3_setting_wrong(
                 &r->in, setting,
@@ -152,8 +159,7 @@ static fp3_status read_weights(const reader *r) {
     if (!b)
         return FP3_E_PROGRAM;
     if (!fp3_setting_is_list(b))
-        return fp3_setting_wrong(&r->in, b, "b: found %s, expected a list ( )",
-                                 fp3_setting_type(b));
+        return fp3_setting_expected(&r->in, b, "b", "a list ( )");
     const unsigned length = (unsigned)config_setting_length(b);
     if (length != r->table->stages)
         return fp3_setting_wrong(&r->in, b,
@@ -164,7 +170,7 @@ static fp3_status read_weights(const reader *r) {
     for (unsigned i = 0; i < length && !status; i++) {
         char what[32];
         snprintf(what, sizeof what, "b[%u]", i + 1);
-        status = fp3_setting_number(&r->in, config_setting_get_elem(b, i), what, &r->table->b[i]);
+        status = read_coefficient(r, config_setting_get_elem(b, i), what, &r->table->b[i]);
         sum += r->table->b[i];
     }
     if (!status && !(fabs(sum - 1) <= FP3_CONDITION_TOLERANCE))
@@ -189,16 +195,13 @@ static fp3_status read_substep(const reader *r, const config_setting_t *setting,
             ? config_setting_get_elem(setting, 0)
             : NULL;
     const char *which = member ? config_setting_name(member) : "";
-    substep->is_kick = strcmp(which, "kick") == 0;
-    if (!substep->is_kick && strcmp(which, "drift") != 0)
-        return fp3_setting_wrong(
-            &r->in, setting,
-            "substeps[%u]: found %s%s, expected { kick = number; } or { drift = number; }", i + 1,
-            member ? which : fp3_setting_type(setting),
-            member || !config_setting_is_group(setting) ? "" : " of several or none");
     char what[32];
     snprintf(what, sizeof what, "substeps[%u]", i + 1);
-    return fp3_setting_number(&r->in, member, what, &substep->coefficient);
+    substep->is_kick = strcmp(which, "kick") == 0;
+    if (!substep->is_kick && strcmp(which, "drift") != 0)
+        return fp3_setting_expected(&r->in, setting, what,
+                                    "{ kick = number; } or { drift = number; }");
+    return read_coefficient(r, member, what, &substep->coefficient);
 }
 
 static fp3_status read_splitting(const reader *r) {
@@ -254,20 +257,17 @@ static fp3_status check_order(const reader *r) {
 }
 
 static fp3_status check_keys(const reader *r) {
-    for (int i = 0; i < config_setting_length(r->in.root); i++) {
-        const config_setting_t *setting = config_setting_get_elem(r->in.root, (unsigned)i);
-        const char *key = config_setting_name(setting);
-        char known[128] = "";
-        unsigned k = 0;
-        while (k < KEYS && strcmp(key, keys[k].key) != 0)
-            strcat(strcat(known, k ? ", " : ""), keys[k].key), k++;
-        if (k == KEYS)
-            return fp3_setting_wrong(&r->in, setting, "found '%s', expected one of %s", key, known);
-        if (!(keys[k].kinds & KIND(r->table->kind)))
-            return fp3_setting_wrong(&r->in, setting, "found '%s', which kind %s does not have",
-                                     key, kind_names[r->table->kind]);
+    const char *names[KEYS + 1] = {NULL};
+    for (unsigned k = 0; k < KEYS; k++)
+        names[k] = keys[k].key;
+    fp3_status status = fp3_setting_keys(&r->in, r->in.root, "an integrator", names);
+    for (unsigned k = 0; !status && k < KEYS; k++) {
+        const config_setting_t *setting = config_setting_get_member(r->in.root, keys[k].key);
+        if (setting && !(keys[k].kinds & KIND(r->table->kind)))
+            status = fp3_setting_wrong(&r->in, setting, "found '%s', which kind %s does not have",
+                                       keys[k].key, kind_names[r->table->kind]);
     }
-    return FP3_OK;
+    return status;
 }
 
 static fp3_status read_table(const reader *r) {
@@ -308,17 +308,11 @@ fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrato
     fp3_integrator *table = calloc(1, sizeof *table);
     if (!table)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    config_t config;
-    config_init(&config);
-    fp3_status status;
-    if (!config_read_string(&config, text)) {
-        status = fp3_fail(error, FP3_E_PROGRAM, "%s:%d: %s", name, config_error_line(&config),
-                          config_error_text(&config));
-    } else {
-        const reader r = {{name, config_root_setting(&config), error}, table};
+    reader r = {.table = table};
+    fp3_status status = fp3_settings_read(text, strlen(text), name, FP3_E_PROGRAM, &r.in, error);
+    if (!status)
         status = read_table(&r);
-    }
-    config_destroy(&config);
+    fp3_settings_close(&r.in);
     if (status)
         fp3_integrator_free(&table);
     else

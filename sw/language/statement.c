@@ -7,6 +7,7 @@
 #include "expression.h"
 #include "keyword.h"
 #include "symbol.h"
+#include "text/number.h"
 #include "utf8.h"
 #include "vector.h"
 
@@ -133,8 +134,14 @@ static void time_statement(ode_parser *p, fp3_token keyword, ode_time *time) {
     if (fp3_token_exists(time->at))
         fp3_ode_wrong(&p->in, keyword, "no second '%.*s' (line %u has one)", length, keyword.text,
                       time->at.location.line);
-    if (fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant) && constant.value[0] <= 0)
-        fp3_ode_wrong(&p->in, value_at, "a %.*s above 0", length, keyword.text);
+    if (fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant)) {
+        float single;
+        const char *expected = fp3_number_step(constant.value[0], &single);
+        if (constant.value[0] <= 0)
+            fp3_ode_wrong(&p->in, value_at, "a %.*s above 0", length, keyword.text);
+        else if (time == &p->step && expected)
+            fp3_ode_wrong(&p->in, value_at, "%s", expected);
+    }
     if (!fp3_token_exists(time->at))
         *time = (ode_time){constant.value[0], constant.dimension, keyword};
 }

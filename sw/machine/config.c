@@ -18,6 +18,19 @@ const fp3_config *fp3_config_find(const char *name) {
     return NULL;
 }
 
+fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_error *error) {
+    char names[512] = "";
+    *config = fp3_config_find(name);
+    if (*config)
+        return FP3_OK;
+    for (uint32_t i = 0; i < fp3_config_count; i++) {
+        strncat(names, i ? ", " : "", sizeof names - strlen(names) - 1);
+        strncat(names, fp3_configs[i].name, sizeof names - strlen(names) - 1);
+    }
+    return fp3_fail(error, FP3_E_ARGUMENT, "no configuration '%s': there are %s", name ? name : "",
+                    names);
+}
+
 uint32_t fp3_config_schedulers(const fp3_config *config) {
     return config->tiles * config->schedulers;
 }

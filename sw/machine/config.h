@@ -4,6 +4,7 @@
 
 #include "gen/configs.h"
 
+#include <fp3/status.h>
 #include <stddef.h>
 
 extern const fp3_config fp3_configs[];
@@ -11,6 +12,8 @@ extern const uint32_t fp3_config_count;
 
 /* By name, which may be NULL; NULL if there is none. */
 const fp3_config *fp3_config_find(const char *name);
+/* FP3_E_ARGUMENT: there is none; the message lists those that there are. */
+fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_error *error);
 
 /* Schedulers in all: each has its own program and counters. */
 uint32_t fp3_config_schedulers(const fp3_config *config);

@@ -24,6 +24,12 @@ uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2) {
     return records < ROWS_MAX ? records : ROWS_MAX;
 }
 
+uint32_t fp3_placement_room(const fp3_config *config) {
+    if (!config->interleave)
+        return 1;
+    return fp3_placement_rows(config, 0) * fp3_config_schedulers(config) * config->lanes;
+}
+
 static uint32_t divide_up(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
 
 uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units) {

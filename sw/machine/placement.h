@@ -29,6 +29,8 @@ typedef struct {
 /* Objects of a lane, at most: their numbers have 16 bits, and the smallest record has 8 words. */
 #define FP3_RECORD_LOG2 3u
 uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2);
+/* Objects of a configuration, at most. */
+uint32_t fp3_placement_room(const fp3_config *config);
 
 /* Of its objects the fullest lane of a group with so many units has. */
 uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units);

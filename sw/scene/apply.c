@@ -4,6 +4,8 @@
 
 #include "values.h"
 
+#include "text/number.h"
+
 #include <assert.h>
 #include <fp3/start.h>
 #include <math.h>
@@ -21,58 +23,65 @@ static int image_has(const void *image, const char *name) {
     return fp3_image_find(image, name, FP3_CLASSES_HOST) != NULL;
 }
 
-/* The bits of a register or constant: an FP32 number, or the number of a step. */
-static fp3_status word_of(const char *name, double value, int is_slept, uint32_t *bits,
-                          fp3_error *error) {
-    const float number = (float)value;
-    if (is_slept && !(value >= 0 && value <= UINT32_MAX && floor(value) == value))
-        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is the number of a step, not %g",
-                        name, value);
-    if (isfinite(value) && !isfinite(number))
-        return fp3_fail(error, FP3_E_ARGUMENT, "parameter '%s' is too large: %g", name, value);
-    if (is_slept)
-        *bits = (uint32_t)value;
-    else
-        memcpy(bits, &number, sizeof *bits);
-    return FP3_OK;
+/* How a value becomes the word of a register or constant. */
+typedef enum { WORD_NUMBER, WORD_H, WORD_SLEPT } word_kind;
+
+static word_kind kind_of(const fp3_symbol *symbol, int slept) {
+    if (symbol->symbol_class == FP3_SYMBOL_SHARED)
+        return strcmp(symbol->name, "h") == 0 ? WORD_H : WORD_NUMBER;
+    return symbol->symbol_class == FP3_SYMBOL_STATE && (int)symbol->index == slept ? WORD_SLEPT
+                                                                                   : WORD_NUMBER;
+}
+
+/* NULL, or what is expected instead. */
+static const char *word_of(double value, word_kind kind, float *word) {
+    if (kind == WORD_NUMBER)
+        return fp3_number_single(value, word);
+    if (kind == WORD_H)
+        return fp3_number_step(value, word);
+    if (!(value >= 0 && value <= UINT32_MAX && floor(value) == value))
+        return "the number of a step, an integer from 0 to 4294967295";
+    const uint32_t step = (uint32_t)value;
+    memcpy(word, &step, sizeof step);
+    return NULL;
 }
 
 /* What a symbol is for an object. */
-static fp3_status word_at(const fp3_params *params, const fp3_symbol *symbol, int is_slept,
+static fp3_status word_at(const fp3_params *params, const fp3_symbol *symbol, word_kind kind,
                           double share, float *word, int *is_spread, fp3_error *error) {
     double value = 0;
-    uint32_t bits = 0;
     fp3_status status = fp3_values_at(params, symbol->name, share, &value, is_spread, error);
-    if (!status)
-        status = word_of(symbol->name, value, is_slept, &bits, error);
-    memcpy(word, &bits, sizeof *word);
-    return status;
+    const char *expected = status ? NULL : word_of(value, kind, word);
+    return expected
+               ? fp3_value_wrong(params, symbol->name, error, "parameter '%s' is %.9g: expected %s",
+                                 symbol->name, value, expected)
+               : status;
 }
 
 static fp3_status apply_shared(const fp3_params *params, const fp3_apply_to *to,
                                const fp3_symbol *symbol, fp3_error *error) {
     float word;
     int is_spread = 0;
-    fp3_status status = word_at(params, symbol, 0, 0, &word, &is_spread, error);
+    fp3_status status = word_at(params, symbol, kind_of(symbol, -1), 0, &word, &is_spread, error);
     if (!status && is_spread)
-        status = fp3_fail(error, FP3_E_ARGUMENT,
-                          "parameter '%s' is spread, and the program has one for all objects",
-                          symbol->name);
+        status = fp3_value_wrong(
+            params, symbol->name, error,
+            "parameter '%s' is spread, and the program has one for all objects", symbol->name);
     return status ? status
                   : fp3_engine_write_shared_of(to->engine, to->group, symbol->index, 1, &word);
 }
 
-/* is_slept: the symbol is the register that sleep writes. */
+/* A register that sleep writes has a default: awake. */
 static fp3_status apply_object(const fp3_params *params, const fp3_apply_to *to,
-                               const fp3_symbol *symbol, int is_slept, fp3_error *error) {
+                               const fp3_symbol *symbol, word_kind kind, fp3_error *error) {
     float word = 0;
     int is_spread = 1;
     fp3_status status = FP3_OK;
-    if (is_slept && !fp3_params_has(params, symbol->name))
+    if (kind == WORD_SLEPT && !fp3_params_has(params, symbol->name))
         return FP3_OK;
     for (size_t i = 0; !status && i < to->objects; i++) {
         if (is_spread)
-            status = word_at(params, symbol, is_slept, share_of(to, i), &word, &is_spread, error);
+            status = word_at(params, symbol, kind, share_of(to, i), &word, &is_spread, error);
         if (!status)
             status = fp3_engine_write(to->engine, to->first + i, 1, symbol->index, &word);
     }
@@ -85,12 +94,10 @@ static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < image->symbol_count && !status; i++) {
         const fp3_symbol *symbol = &image->symbols[i];
-        const int is_slept =
-            symbol->symbol_class == FP3_SYMBOL_STATE && (int)symbol->index == slept;
         if (symbol->symbol_class == FP3_SYMBOL_SHARED)
             status = apply_shared(params, to, symbol, error);
         else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST)
-            status = apply_object(params, to, symbol, is_slept, error);
+            status = apply_object(params, to, symbol, kind_of(symbol, slept), error);
     }
     return status ? status : fp3_values_check(params, image_has, image, error);
 }
@@ -123,9 +130,9 @@ static fp3_status take_quantity(const fp3_params *params, const fp3_quantity *q,
     *value = q->value;
     fp3_status status = take(params, q->name, share, value, &is_spread, error);
     if (!status && q->is_shared && is_spread)
-        status =
-            fp3_fail(error, FP3_E_ARGUMENT,
-                     "parameter '%s' is spread, and the model has one for all objects", q->name);
+        status = fp3_value_wrong(params, q->name, error,
+                                 "parameter '%s' is spread, and the model has one for all objects",
+                                 q->name);
     *is_any_spread |= is_spread;
     return status;
 }
@@ -146,8 +153,24 @@ static fp3_status take_all(const fp3_model *model, const fp3_params *params, dou
         fp3_model_state(model, "h") == FP3_NONE)
         status = take(params, "h", share, &to->h, &is_spread, error);
     if (!status && is_spread)
-        status = fp3_fail(error, FP3_E_ARGUMENT, "'h' is spread, and all objects have the same");
+        status =
+            fp3_value_wrong(params, "h", error, "'h' is spread, and all objects have the same");
     return status;
+}
+
+/* What it refuses is made of several values: it has the place of all. */
+static fp3_status inputs_of(const fp3_program *program, const fp3_params *params,
+                            const object_values *of, float *values, fp3_error *error) {
+    float h;
+    const char *expected = fp3_number_step(of->h, &h);
+    if (expected)
+        return fp3_value_wrong(params, "h", error, "'h' is %.9g: expected %s", of->h, expected);
+    fp3_error why = {""};
+    const fp3_status status =
+        fp3_compiled_inputs(program->compiled, of->params, of->initial, of->h, values, &why);
+    return status == FP3_E_ARGUMENT ? fp3_value_wrong(params, "", error, "%s", why.text)
+           : status                 ? fp3_fail(error, status, "%s", why.text)
+                                    : FP3_OK;
 }
 
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
@@ -163,7 +186,7 @@ fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *para
     if (!status)
         status = fp3_values_check(params, model_has, model, error);
     if (!status)
-        status = fp3_compiled_inputs(program->compiled, of.params, of.initial, of.h, values, error);
+        status = inputs_of(program, params, &of, values, error);
     *is_spread = of.is_spread;
     free(of.params);
     free(of.initial);

@@ -2,6 +2,7 @@
 #include <fp3/scene.h>
 
 #include "apply.h"
+#include "engine/backend.h"
 #include "scene_read.h"
 
 #include <stdlib.h>
@@ -60,6 +61,10 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
         groups[i] = (fp3_group){scene->groups[i].program->image, scene->groups[i].objects};
     fp3_status status = fp3_engine_load_groups(engine, groups, scene->group_count);
     free(groups);
+    if (status && engine->def.error) {
+        const fp3_error why = *engine->def.error;
+        fp3_fail(engine->def.error, status, "%s:%d: %s", scene->path, scene->line, why.text);
+    }
     return status;
 }
 
@@ -68,10 +73,7 @@ fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error 
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
         const fp3_apply_to to = {engine, i, group->first, group->objects};
-        fp3_error why = {""};
-        status = fp3_apply(group->program, group->params, &to, &why);
-        if (status && why.text[0]) /* else the engine has said it */
-            fp3_fail(error, status, "%s:%d: %s", scene->path, group->line, why.text);
+        status = fp3_apply(group->program, group->params, &to, error);
     }
     return status;
 }

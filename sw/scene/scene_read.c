@@ -1,10 +1,13 @@
 /* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line. */
 #include "scene_read.h"
 
+#include "engine/backend.h"
+#include "machine/config.h"
+#include "machine/placement.h"
+#include "text/number.h"
 #include "values.h"
 
 #include <inttypes.h>
-#include <libconfig.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,8 +15,10 @@
 typedef struct {
     fp3_scene *scene;
     const char *path, *config; /* config: what replaces the file's, or NULL */
+    const fp3_config *machine; /* the one or the other */
     double h;
-    int h_line; /* 0: the file gives no h */
+    const config_setting_t *h_at; /* NULL: the file gives no h */
+    fp3_settings in;
     fp3_error *error;
 } reader;
 
@@ -44,61 +49,20 @@ static char *beside(const char *path, const char *name) {
 
 /* ---- settings ---- */
 
-static const char *type_of(const config_setting_t *setting) {
-    switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_GROUP:
-        return "a group";
-    case CONFIG_TYPE_INT:
-    case CONFIG_TYPE_INT64:
-        return "an integer";
-    case CONFIG_TYPE_FLOAT:
-        return "a number with a fraction";
-    case CONFIG_TYPE_STRING:
-        return "a text";
-    case CONFIG_TYPE_BOOL:
-        return "true or false";
-    default:
-        return "a list";
-    }
-}
-
-static fp3_status expected(const reader *r, const config_setting_t *setting, const char *what) {
-    return fp3_fail(r->error, FP3_E_ARGUMENT, "%s:%d: '%s': found %s, expected %s", r->path,
-                    config_setting_source_line(setting), config_setting_name(setting),
-                    type_of(setting), what);
-}
-
-static fp3_status missing(const reader *r, int line, const char *what) {
-    return fp3_fail(r->error, FP3_E_ARGUMENT, "%s:%d: expected %s", r->path, line, what);
-}
-
-/* names are separated by blanks. */
-static fp3_status check_names(const reader *r, const config_setting_t *group, const char *where,
-                              const char *names) {
-    for (int i = 0; i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
-        const char *name = config_setting_name(setting);
-        const char *found = strstr(names, name);
-        while (found && ((found > names && found[-1] != ' ') ||
-                         (found[strlen(name)] && found[strlen(name)] != ' ')))
-            found = strstr(found + 1, name);
-        if (!found)
-            return fp3_fail(r->error, FP3_E_ARGUMENT,
-                            "%s:%d: found '%s', expected a setting of %s: %s", r->path,
-                            config_setting_source_line(setting), name, where, names);
-    }
-    return FP3_OK;
+static fp3_status missing(const reader *r, const config_setting_t *at, const char *what) {
+    return fp3_setting_wrong(&r->in, at, "expected %s", what);
 }
 
 /* *text is unchanged if it is not there. */
 static fp3_status read_text(const reader *r, const config_setting_t *group, const char *name,
                             char **text) {
     const config_setting_t *setting = config_setting_get_member(group, name);
+    const char *found = NULL;
     if (!setting)
         return FP3_OK;
-    const char *found = config_setting_get_string(setting);
-    if (!found)
-        return expected(r, setting, "a text in quotes");
+    fp3_status status = fp3_setting_text(&r->in, setting, name, &found);
+    if (status)
+        return status;
     *text = copy(found, strlen(found));
     return *text ? FP3_OK : no_memory(r);
 }
@@ -106,18 +70,7 @@ static fp3_status read_text(const reader *r, const config_setting_t *group, cons
 static fp3_status read_count(const reader *r, const config_setting_t *group, const char *name,
                              uint64_t least, uint64_t *count) {
     const config_setting_t *setting = config_setting_get_member(group, name);
-    if (!setting)
-        return FP3_OK;
-    const int type = config_setting_type(setting);
-    if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
-        return expected(r, setting, "an integer");
-    const long long value = config_setting_get_int64(setting);
-    if (value < (long long)least || value > UINT32_MAX)
-        return fp3_fail(r->error, FP3_E_ARGUMENT,
-                        "%s:%d: '%s': found %lld, expected a number from %" PRIu64 " to 4294967295",
-                        r->path, config_setting_source_line(setting), name, value, least);
-    *count = (uint64_t)value;
-    return FP3_OK;
+    return setting ? fp3_setting_count(&r->in, setting, name, least, UINT32_MAX, count) : FP3_OK;
 }
 
 /* ---- programs ---- */
@@ -135,42 +88,32 @@ static fp3_status read_integrator(const reader *r, const config_setting_t *from,
     return *to ? FP3_OK : no_memory(r);
 }
 
-static fp3_status read_is_compensated(const reader *r, const config_setting_t *from,
-                                      int *is_compensated) {
-    const config_setting_t *setting = config_setting_get_member(from, "compensated");
-    if (!setting)
-        return FP3_OK;
-    if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
-        return expected(r, setting, "true or false");
-    *is_compensated = config_setting_get_bool(setting);
-    return FP3_OK;
-}
-
 /* What a model is compiled with; nothing else is. */
 static fp3_status read_def(const reader *r, const config_setting_t *from, const fp3_scene_group *to,
                            char **integrator, fp3_program_def *def) {
-    const char *config = r->config ? r->config : r->scene->config;
+    const config_setting_t *compensated = config_setting_get_member(from, "compensated");
     const int is_model = fp3_program_is_model(to->path);
     fp3_status status = read_integrator(r, from, integrator);
-    if (!status)
-        status = read_is_compensated(r, from, &def->compile.is_compensated);
-    if (!status && !is_model && (*integrator || config_setting_get_member(from, "compensated")))
-        status = fp3_fail(r->error, FP3_E_ARGUMENT,
-                          "%s:%d: integrator, compensated: only a model (*.ode) is compiled",
-                          r->path, to->line);
-    if (!status && is_model && !config)
-        status = missing(r, to->line, "a configuration to compile for, config = \"...\" above");
+    if (!status && compensated)
+        status = fp3_setting_flag(&r->in, compensated, "compensated", &def->compile.is_compensated);
+    if (!status && !is_model && (*integrator || compensated))
+        status = fp3_setting_wrong(&r->in, from,
+                                   "integrator, compensated: only a model (*.ode) is compiled");
     def->integrator = *integrator ? *integrator : def->integrator;
-    def->compile.config = config;
+    def->compile.config = r->machine->name;
     return status;
 }
 
 static fp3_status open_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     char *integrator = NULL;
+    fp3_error why = {""};
     fp3_program_def def = fp3_program_default();
     fp3_status status = read_def(r, from, to, &integrator, &def);
-    if (!status)
-        status = fp3_program_open(to->path, &def, &to->program, NULL, r->error);
+    if (!status) {
+        status = fp3_program_open(to->path, &def, &to->program, NULL, &why);
+        if (status)
+            fp3_fail(r->error, status, "%s:%d: %s", r->path, to->line, why.text);
+    }
     free(integrator);
     return status;
 }
@@ -186,18 +129,19 @@ static int has_known_end(const char *path) {
 
 static fp3_status read_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     const config_setting_t *setting = config_setting_get_member(from, "program");
+    const char *name = NULL;
     if (!setting)
-        return missing(r, to->line, "a program in this group");
-    const char *name = config_setting_get_string(setting);
-    if (!name)
-        return expected(r, setting, "a text in quotes");
+        return missing(r, from, "a program in this group");
+    fp3_status status = fp3_setting_text(&r->in, setting, "program", &name);
+    if (status)
+        return status;
     to->path = beside(r->path, name);
     if (!to->path)
         return no_memory(r);
     if (!has_known_end(to->path))
-        return fp3_fail(r->error, FP3_E_ARGUMENT,
-                        "%s:%d: found program '%s', expected a name that ends in .ode, .s or .fp3",
-                        r->path, config_setting_source_line(setting), name);
+        return fp3_setting_wrong(
+            &r->in, setting, "found program '%s', expected a name that ends in .ode, .s or .fp3",
+            name);
     return open_program(r, from, to);
 }
 
@@ -210,14 +154,17 @@ static fp3_status read_params_file(const reader *r, const config_setting_t *from
     if (status || !name)
         return status;
     char *path = beside(r->path, name);
-    status = path ? fp3_params_load(to->params, path, r->error) : no_memory(r);
+    fp3_error why = {""};
+    status = path ? fp3_params_load(to->params, path, &why) : no_memory(r);
+    if (status && why.text[0])
+        fp3_fail(r->error, status, "%s:%u: %s", r->path,
+                 fp3_setting_line(config_setting_get_member(from, "params")), why.text);
     free(path);
     free(name);
     return status;
 }
 
-typedef fp3_status read_fn(fp3_params *params, const config_setting_t *from, const char *path,
-                           fp3_error *error);
+typedef fp3_status read_fn(fp3_params *params, const fp3_settings *s, const config_setting_t *from);
 
 static fp3_status read_values(const reader *r, const config_setting_t *from, const char *name,
                               read_fn *read, fp3_scene_group *to) {
@@ -225,8 +172,9 @@ static fp3_status read_values(const reader *r, const config_setting_t *from, con
     if (!setting)
         return FP3_OK;
     if (!config_setting_is_group(setting))
-        return expected(r, setting, "a group of values, { name = value; ... }");
-    return read(to->params, setting, r->path, r->error);
+        return fp3_setting_expected(&r->in, setting, name,
+                                    "a group of values, { name = value; ... }");
+    return read(to->params, &r->in, setting);
 }
 
 static int has_h(const fp3_scene_group *group) {
@@ -237,8 +185,10 @@ static int has_h(const fp3_scene_group *group) {
 static fp3_status read_params(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     fp3_status status = fp3_params_make(&to->params, r->error);
     if (!status)
+        status = fp3_values_place(to->params, r->path, (unsigned)to->line, r->error);
+    if (!status)
         status = read_params_file(r, from, to);
-    if (!status && r->h_line && has_h(to))
+    if (!status && r->h_at && has_h(to))
         status = fp3_params_put(to->params, "h", r->h, r->error);
     if (!status)
         status = read_values(r, from, "set", fp3_values_read, to);
@@ -247,115 +197,151 @@ static fp3_status read_params(const reader *r, const config_setting_t *from, fp3
 
 /* ---- the file ---- */
 
-static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
+static fp3_status read_objects(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     uint64_t objects = 0;
-    to->line = config_setting_source_line(from);
-    if (!config_setting_is_group(from))
-        return missing(r, to->line, "a group, { program = ...; objects = ...; ... }");
-    fp3_status status =
-        check_names(r, from, "a group", "program integrator compensated objects params set spread");
-    if (!status)
-        status = read_count(r, from, "objects", 1, &objects);
-    if (!status && !objects)
-        status = missing(r, to->line, "the number of objects of this group");
-    if (!status)
-        status = read_program(r, from, to);
+    fp3_status status = read_count(r, from, "objects", 1, &objects);
+    if (status)
+        return status;
+    if (!objects)
+        return missing(r, from, "the number of objects of this group");
+    const uint64_t room = fp3_placement_room(r->machine);
+    if (objects > room - r->scene->objects)
+        return fp3_setting_wrong(&r->in, config_setting_get_member(from, "objects"),
+                                 "objects: found %" PRIu64 ", expected at most %" PRIu64
+                                 "%s: configuration '%s' has room for %" PRIu64 " object%s",
+                                 objects, room - r->scene->objects,
+                                 r->scene->objects ? " more" : "", r->machine->name, room,
+                                 room == 1 ? "" : "s");
     to->first = r->scene->objects;
     to->objects = objects;
     r->scene->objects += objects;
+    return FP3_OK;
+}
+
+static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
+    static const char *const names[] = {"program", "integrator", "compensated", "objects",
+                                        "params",  "set",        "spread",      NULL};
+    to->line = (int)fp3_setting_line(from);
+    if (!config_setting_is_group(from))
+        return missing(r, from, "a group, { program = ...; objects = ...; ... }");
+    fp3_status status = fp3_setting_keys(&r->in, from, "a group", names);
+    if (!status)
+        status = read_objects(r, from, to);
+    if (!status)
+        status = read_program(r, from, to);
     return status ? status : read_params(r, from, to);
 }
 
-static fp3_status read_groups(const reader *r, const config_setting_t *root) {
+/* Before any program is opened: many groups take long. */
+static fp3_status check_count(const reader *r, const config_setting_t *list) {
+    const int count = config_setting_length(list);
+    if (count == 0)
+        return missing(r, list, "a group in groups");
+    const uint32_t most = fp3_config_schedulers(r->machine);
+    if ((uint32_t)count <= most)
+        return FP3_OK;
+    return fp3_setting_wrong(&r->in, list,
+                             "found %d groups, each with a program of its own: configuration '%s' "
+                             "has %" PRIu32 " scheduler%s",
+                             count, r->machine->name, most, most == 1 ? "" : "s");
+}
+
+static fp3_status read_groups(const reader *r) {
     fp3_scene *scene = r->scene;
-    const config_setting_t *list = config_setting_get_member(root, "groups");
+    const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
     if (!list)
-        return missing(r, 1, "groups = ( { ... }, ... )");
+        return missing(r, r->in.root, "groups = ( { ... }, ... )");
     if (!config_setting_is_list(list))
-        return expected(r, list, "a list of groups, ( { ... }, ... )");
-    if (config_setting_length(list) == 0)
-        return missing(r, config_setting_source_line(list), "a group in groups");
+        return fp3_setting_expected(&r->in, list, "groups", "a list of groups, ( { ... }, ... )");
+    fp3_status status = check_count(r, list);
+    if (status)
+        return status;
     const size_t count = (size_t)config_setting_length(list);
     scene->groups = calloc(count, sizeof *scene->groups);
     if (!scene->groups)
         return no_memory(r);
     scene->group_count = count;
-    fp3_status status = FP3_OK;
+    scene->line = (int)fp3_setting_line(list);
     for (size_t i = 0; !status && i < count; i++)
         status = read_group(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
     return status;
 }
 
-static fp3_status read_h(reader *r, const config_setting_t *root) {
-    const config_setting_t *setting = config_setting_get_member(root, "h");
-    if (!setting)
+static fp3_status read_h(reader *r) {
+    float single;
+    r->h_at = config_setting_get_member(r->in.root, "h");
+    if (!r->h_at)
         return FP3_OK;
-    if (!config_setting_is_number(setting))
-        return expected(r, setting, "a number");
-    r->h_line = config_setting_source_line(setting);
-    r->h = config_setting_type(setting) == CONFIG_TYPE_FLOAT
-               ? config_setting_get_float(setting)
-               : (double)config_setting_get_int64(setting);
-    return FP3_OK;
+    fp3_status status = fp3_setting_number(&r->in, r->h_at, "h", &r->h);
+    const char *expected = status ? NULL : fp3_number_step(r->h, &single);
+    return expected ? fp3_setting_expected(&r->in, r->h_at, "h", expected) : status;
 }
 
 static fp3_status check_h(const reader *r) {
     for (size_t i = 0; i < r->scene->group_count; i++)
         if (has_h(&r->scene->groups[i]))
             return FP3_OK;
-    return r->h_line == 0 ? FP3_OK
-                          : fp3_fail(r->error, FP3_E_ARGUMENT, "%s:%d: no program has an 'h'",
-                                     r->path, r->h_line);
+    return r->h_at ? fp3_setting_wrong(&r->in, r->h_at, "no program has an 'h'") : FP3_OK;
 }
 
-static fp3_status choose_config(const reader *r) {
-    char **config = &r->scene->config;
-    if (r->config) {
-        free(*config);
-        *config = copy(r->config, strlen(r->config));
-        return *config ? FP3_OK : no_memory(r);
-    }
-    return *config ? FP3_OK
-                   : fp3_fail(r->error, FP3_E_ARGUMENT, "%s: expected config = \"...\"", r->path);
-}
-
-static fp3_status read_scene(reader *r, const config_setting_t *root) {
+/* What replaces the file's is the caller's own mistake, if it is one: it has no line. */
+static fp3_status read_config(reader *r) {
     fp3_scene *scene = r->scene;
+    const config_setting_t *setting = config_setting_get_member(r->in.root, "config");
+    fp3_error why;
+    fp3_status status = read_text(r, r->in.root, "config", &scene->config);
+    if (!status && r->config) {
+        free(scene->config);
+        scene->config = copy(r->config, strlen(r->config));
+        status = scene->config ? FP3_OK : no_memory(r);
+    }
+    if (status)
+        return status;
+    if (!scene->config)
+        return missing(r, r->in.root, "config = \"...\"");
+    status = fp3_config_choose(scene->config, &r->machine, &why);
+    if (status && r->config)
+        return fp3_fail(r->error, status, "%s", why.text);
+    return status ? fp3_setting_wrong(&r->in, setting, "config: %s", why.text) : FP3_OK;
+}
+
+static fp3_status read_engine(const reader *r) {
+    fp3_error why;
+    fp3_status status = read_text(r, r->in.root, "engine", &r->scene->engine);
+    if (!status && r->scene->engine && !fp3_backend_find(r->scene->engine, &why))
+        status = fp3_setting_wrong(&r->in, config_setting_get_member(r->in.root, "engine"),
+                                   "engine: %s", why.text);
+    return status;
+}
+
+static fp3_status read_scene(reader *r) {
+    static const char *const names[] = {"config", "engine", "steps", "visit", "h", "groups", NULL};
+    const config_setting_t *root = r->in.root;
     uint64_t visit = 0;
-    fp3_status status = check_names(r, root, "a scene", "config engine steps visit h groups");
+    fp3_status status = fp3_setting_keys(&r->in, root, "a scene", names);
     if (!status)
-        status = read_text(r, root, "config", &scene->config);
+        status = read_config(r);
     if (!status)
-        status = read_text(r, root, "engine", &scene->engine);
+        status = read_engine(r);
     if (!status)
-        status = read_count(r, root, "steps", 0, &scene->steps);
+        status = read_count(r, root, "steps", 0, &r->scene->steps);
     if (!status)
         status = read_count(r, root, "visit", 1, &visit);
-    scene->visit = (uint32_t)visit;
+    r->scene->visit = (uint32_t)visit;
     if (!status)
-        status = read_h(r, root);
+        status = read_h(r);
     if (!status)
-        status = read_groups(r, root);
+        status = read_groups(r);
     if (!status)
         status = check_h(r);
-    if (!status && scene->objects > UINT32_MAX)
-        status = fp3_fail(r->error, FP3_E_ARGUMENT, "%s: %zu objects: 4294967295 at most", r->path,
-                          scene->objects);
-    return status ? status : choose_config(r);
+    return status;
 }
 
 fp3_status fp3_scene_read(fp3_scene *scene, const char *config, fp3_error *error) {
-    reader of = {.scene = scene, .path = scene->path, .config = config, .error = error}, *r = &of;
-    fp3_status status;
-    config_t file;
-    config_init(&file);
-    if (config_read_file(&file, r->path))
-        status = read_scene(r, config_root_setting(&file));
-    else if (config_error_type(&file) == CONFIG_ERR_FILE_IO)
-        status = fp3_fail(r->error, FP3_E_ARGUMENT, "%s: cannot be read", r->path);
-    else
-        status = fp3_fail(r->error, FP3_E_ARGUMENT, "%s:%d: %s", r->path, config_error_line(&file),
-                          config_error_text(&file));
-    config_destroy(&file);
+    reader r = {.scene = scene, .path = scene->path, .config = config, .error = error};
+    fp3_status status = fp3_settings_load(r.path, FP3_E_ARGUMENT, &r.in, error);
+    if (!status)
+        status = read_scene(&r);
+    fp3_settings_close(&r.in);
     return status;
 }

@@ -3,14 +3,21 @@
 #define FP3_SCENE_VALUES_H
 
 #include <fp3/params.h>
-#include <libconfig.h>
 
-/* Puts the values of a group of settings in a file that has been read; path is for messages. spread:
- * each is [FIRST, LAST], of the first and the last object; those between lie evenly between. */
-fp3_status fp3_values_read(fp3_params *params, const config_setting_t *from, const char *path,
-                           fp3_error *error);
-fp3_status fp3_values_spread(fp3_params *params, const config_setting_t *from, const char *path,
-                             fp3_error *error);
+#include "settings/settings.h"
+
+/* Puts the values of a group of settings. spread: each is [FIRST, LAST], of the first and the last
+ * object; those between lie evenly between. */
+fp3_status fp3_values_read(fp3_params *params, const fp3_settings *s, const config_setting_t *from);
+fp3_status fp3_values_spread(fp3_params *params, const fp3_settings *s,
+                             const config_setting_t *from);
+
+/* Where messages about values point that no file has set. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_values_place(fp3_params *params, const char *path, unsigned line, fp3_error *error);
+/* FP3_E_ARGUMENT, "path:line: ..." with the place where the value was set, if there is one. */
+__attribute__((format(printf, 4, 5))) fp3_status fp3_value_wrong(const fp3_params *params,
+                                                                 const char *name, fp3_error *error,
+                                                                 const char *format, ...);
 
 /* The value of an object; share is 0 of the first to 1 of the last. *is_spread: another share gives
  * another value. */

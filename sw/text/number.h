@@ -19,4 +19,18 @@ void fp3_number_locale_leave(fp3_number_locale locale);
 enum { FP3_NUMBER_SIZE = 256 };
 const char *fp3_number_copy(fp3_token token, char text[FP3_NUMBER_SIZE]);
 
+/* What follows gives NULL, or what is expected instead; reading needs the locale "C". */
+
+/* A decimal without a sign: 2, 0.5, 1.5e-3. */
+const char *fp3_number_decimal(const char *text, double *value);
+/* The same with a sign, a C hexadecimal float, inf or nan: the numbers of assembly. */
+const char *fp3_number_read(const char *text, double *value);
+/* Whether a number may become this FP32 number, to which it is rounded: a finite one not an infinity,
+ * one other than 0 not 0. */
+const char *fp3_number_fits(float rounded, int is_zero, int is_infinite);
+/* Rounds once, to nearest. */
+const char *fp3_number_single(double value, float *single);
+/* The same for the step of an integrator, which is above 0. */
+const char *fp3_number_step(double value, float *single);
+
 #endif

@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "text/number.h"
+
 #define SAMPLES 32            /* of the truth, for the scale */
 #define ABOVE_NOISE 5         /* as squares it is then 4 % of the error */
 #define METHOD_LEAST 1e-10    /* the truth is good to about a hundredth of it */
@@ -66,6 +68,19 @@ static fp3_status climb(fp3_ladder *l, double span, uint64_t most, fp3_error *er
     return status;
 }
 
+static fp3_status round_all(const fp3_quantity *quantities, uint32_t count, double *values,
+                            fp3_error *error) {
+    for (uint32_t i = 0; i < count; i++) {
+        float single;
+        const char *expected = fp3_number_single(quantities[i].value, &single);
+        if (expected)
+            return fp3_fail(error, FP3_E_PROGRAM, "line %u: '%s' is %g: expected %s",
+                            quantities[i].line, quantities[i].name, quantities[i].value, expected);
+        values[i] = single;
+    }
+    return FP3_OK;
+}
+
 static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_error *error) {
     const fp3_model *model = l->model;
     l->params = calloc(model->param_count + 1u, sizeof(double));
@@ -74,11 +89,11 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
     if (!l->params || !l->initial || !l->scale)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     /* The object starts at FP32 numbers: what they are rounded from would be another object. */
-    for (uint32_t i = 0; i < model->param_count; i++)
-        l->params[i] = (float)model->params[i].value;
-    for (uint32_t i = 0; i < model->state_count; i++)
-        l->initial[i] = (float)model->states[i].value;
-    fp3_status status = find_scale(l, span, error);
+    fp3_status status = round_all(model->params, model->param_count, l->params, error);
+    if (!status)
+        status = round_all(model->states, model->state_count, l->initial, error);
+    if (!status)
+        status = find_scale(l, span, error);
     return status ? status : climb(l, span, most_steps, error);
 }
 

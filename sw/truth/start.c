@@ -8,14 +8,17 @@
 #include "before.h"
 #include "compiler/compiled.h"
 #include "compiler/inputs.h"
+#include "text/number.h"
 
 static fp3_status round_all(const fp3_compiled *made, const double *wanted, float *values,
                             fp3_error *error) {
     for (uint32_t i = 0; i < made->input_count; i++) {
-        values[i] = (float)wanted[i];
-        if (!isfinite(values[i]))
-            return fp3_fail(error, FP3_E_ARGUMENT, "'%s' = %s is %g: expected a finite FP32 number",
-                            made->inputs[i].name, made->inputs[i].formula, wanted[i]);
+        const char *expected = fp3_number_single(wanted[i], &values[i]);
+        if (!expected && !isfinite(values[i]))
+            expected = "a finite number";
+        if (expected)
+            return fp3_fail(error, FP3_E_ARGUMENT, "'%s' = %s is %.9g: expected %s",
+                            made->inputs[i].name, made->inputs[i].formula, wanted[i], expected);
     }
     return FP3_OK;
 }

@@ -42,12 +42,12 @@ typedef struct {
     uint32_t visit; /* 0: all steps */
     fp3_scene_group *groups;
     size_t group_count, objects;
+    int line; /* of the file's `groups` */
 } fp3_scene;
 
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. What the
  * file does not say is: engine "rtl", steps 1, visit 0. The caller closes *scene, which is NULL on
- * failure. Messages begin with the path, and the line where there is one; those about a program or a
- * parameter file with its own path. */
+ * failure. Messages begin with the path and the line of the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error);
 /* Sets *scene to NULL; that it was NULL before does no harm. */
@@ -58,7 +58,7 @@ void fp3_scene_close(fp3_scene **scene);
 fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
 
 /* Loads programs and values into an engine that has as many objects as the scene. What the engine
- * refuses is told where its definition says. */
+ * refuses is told where its definition says, with the path and the line of `groups` in front. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
 
 FP3_API_END

@@ -13,7 +13,8 @@
 FP3_API_BEGIN
 
 /* values[i] of inputs[i] for an object with these params and start (model->param_count and
- * state_count numbers) and time step h: computed in double, rounded once. FP3_E_ARGUMENT: a value is not finite. */
+ * state_count numbers) and time step h: computed in double, rounded once. FP3_E_ARGUMENT: h
+ * is not above 0, a value is not finite, or one other than 0 rounds to 0 or an infinity. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
 
