@@ -1,46 +1,62 @@
-/* circular.c - sine and cosine: the argument less a multiple of pi, and a polynomial. */
+/* circular.c - sine, cosine, tangent: the argument less a multiple of pi or pi/2, and a polynomial. */
 #include "circular.h"
 
+#include "division.h"
 #include "ops.h"
 
 #include <fp3/passes.h>
 
 #define PI 3.14159265358979323846
 
-/* Minimax over |r| <= 1.575, a little more than pi/2 since n is found with rounded numbers: highest power
- * first, of z = r^2. sin(r) = r + r z s(z), relative error 6e-9; cos(r) = 1 + z c(z), absolute error
- * 5e-8. The rest of what tests/ode/accuracy.c finds is rounding. */
+/* Minimax, of z = r^2, highest power first. |r| is at most half of what is
+ * subtracted, and a little more since n is found with rounded numbers. sin(r) = r + r z s(z), relative error
+ * 6e-9; cos(r) = 1 + z c(z), absolute error 5e-8; r/tan(r) = 1 - z t(z), relative error 6e-9. The rest
+ * of what the tests find is rounding. */
 static const double sine[] = {2.6049796955608703e-06, -1.9809259638245343e-04,
                               8.333061854128796e-03, -0.16666659392646654};
 static const double cosine[] = {2.318603927151998e-05, -1.3855580403143559e-03,
                                 0.041663946880750535, -0.49999930849444146};
+static const double cotangent[] = {2.480716381451633e-04, 2.0964135709987406e-03,
+                                   0.022226493584336364, 0.3333330490981909};
 
 /* x = n pi + r, and sin(x) = sign sin(r), cos(x) = sign cos(r). */
 typedef struct {
     uint32_t r, z, sign; /* z = r^2; sign is 1 or -1, or FP3_NONE: 1 */
 } angle;
 
-/* pi in three parts. n has at most 15 bits where |x| < 2^16, and the first two parts have 9 each, so n
- * times them is exact. So are the first two differences: each is a multiple of the last place of x or
- * of the part, and is no larger than 2 (Cody and Waite, Software Manual for the Elementary Functions,
- * 1980, chapter 8). The first part is above pi, so that the second is negative: an infinite n gives
- * infinity minus infinity. */
+/* pi and pi/2 in parts. Where |x| < 2^16, n pi has n of at most 15 bits, n pi/2 of 16, and all parts but
+ * the last have 9 and 8 bits, so n times them is exact. So are all differences but the last: each is a
+ * multiple of the last place of x or of the part, and fits 24 bits (Cody and Waite, Software Manual for the
+ * Elementary Functions, 1980, chapter 8). The first part is too large, so that the second is negative: an
+ * infinite n gives infinity minus infinity. A tangent grows without limit as r falls, so it takes four. */
 static const double pi_part[] = {0x1.93p+1, -0x1.c1p-8, 0x1.aa22168c234c5p-18};
+static const double half_pi_part[] = {0x1.94p+0, -0x1.ep-8, -0x1.2cp-18, 0x1.110b4611a6263p-26};
 
-/* x 2^112 overflows from |x| = 2^16 on. Then n is infinite, the result is a NaN, and invalid is raised:
+/* x 2^112 overflows from |x| = 2^16 on. Then n, the multiple of unit nearest to x, is infinite, the result is a NaN, and invalid is raised:
  * beyond the range there is a flag and no number. */
 #define LIMIT 0x1p112
 
-static angle reduced(dag *g, uint32_t x) {
-    const uint32_t turns = mul(g, mul(g, x, num(g, LIMIT)), num(g, 1 / (LIMIT * PI)));
-    const uint32_t n = op1(g, FP3_OP_RINT, turns);
-    uint32_t r = x;
-    for (int i = 0; i < 3; i++)
-        r = sub(g, r, mul(g, n, num(g, pi_part[i])));
-    /* n is odd where n/2 is not integral. */
+static uint32_t nearest(dag *g, uint32_t x, double unit) {
+    const uint32_t multiple = mul(g, mul(g, x, num(g, LIMIT)), num(g, 1 / (LIMIT * unit)));
+    return op1(g, FP3_OP_RINT, multiple);
+}
+
+/* x - n (part[0] + part[1] + ...) */
+static uint32_t less(dag *g, uint32_t x, uint32_t n, const double *part, int count) {
+    for (int i = 0; i < count; i++)
+        x = sub(g, x, mul(g, n, num(g, part[i])));
+    return x;
+}
+
+/* Not 0 if n is odd: then n/2 is not integral. */
+static uint32_t is_odd(dag *g, uint32_t n) {
     const uint32_t half = mul(g, n, num(g, 0.5));
-    const uint32_t odd = sub(g, half, op1(g, FP3_OP_RINT, half));
-    return (angle){r, mul(g, r, r), sel(g, odd, num(g, -1), num(g, 1))};
+    return sub(g, half, op1(g, FP3_OP_RINT, half));
+}
+
+static angle reduced(dag *g, uint32_t x) {
+    const uint32_t n = nearest(g, x, PI), r = less(g, x, n, pi_part, 3);
+    return (angle){r, mul(g, r, r), sel(g, is_odd(g, n), num(g, -1), num(g, 1))};
 }
 
 /* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on: then it times 0 is a NaN. */
@@ -70,4 +86,14 @@ term fp3_cosine(dag *g, term x) {
     const uint32_t one = a.sign == FP3_NONE ? num(g, 1) : a.sign;
     const uint32_t p = polynomial(g, a.z, cosine, 4);
     return fp3_term(add(g, one, mul(g, signed_by(g, &a, a.z), p)));
+}
+
+/* r/d or, of an odd multiple of pi/2, d/-r, with d = r/tan(r). */
+term fp3_tangent(dag *g, term x) {
+    const uint32_t n = nearest(g, x.node, PI / 2), odd = is_odd(g, n);
+    const uint32_t r = less(g, x.node, n, half_pi_part, 4), z = mul(g, r, r);
+    const uint32_t d = sub(g, num(g, 1), mul(g, z, polynomial(g, z, cotangent, 4)));
+    const uint32_t minus_r = fp3_term_value(g, fp3_term_negated(fp3_term(r)));
+    const uint32_t below = sel(g, odd, minus_r, d), above = sel(g, odd, d, r);
+    return (term){fp3_corrected(g, fp3_term(above), fp3_reciprocal(g, below)).node, x.is_negative};
 }

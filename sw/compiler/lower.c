@@ -1,6 +1,7 @@
 /* lower.c - expressions to operations of the machine, functions to those of the files that make them. */
 #include "lower.h"
 
+#include "arc.h"
 #include "circular.h"
 #include "division.h"
 #include "ops.h"
@@ -168,6 +169,16 @@ static term lower(lowering *l, uint32_t expr) {
         return fp3_sine(g, at(l, e->operand[0]));
     case FP3_EXPR_COS:
         return fp3_cosine(g, at(l, e->operand[0]));
+    case FP3_EXPR_TAN:
+        return fp3_tangent(g, at(l, e->operand[0]));
+    case FP3_EXPR_ATAN:
+        return fp3_term(fp3_atan(g, value(l, e->operand[0])));
+    case FP3_EXPR_ATAN2:
+        return fp3_term(fp3_atan2(g, value(l, e->operand[0]), value(l, e->operand[1])));
+    case FP3_EXPR_ASIN:
+        return fp3_term(fp3_asin(g, value(l, e->operand[0])));
+    case FP3_EXPR_ACOS:
+        return fp3_term(fp3_acos(g, value(l, e->operand[0])));
     default:
         return choose(l, e);
     }
@@ -177,7 +188,8 @@ static term lower(lowering *l, uint32_t expr) {
 static term lower_as_written(lowering *l, uint32_t expr) {
     const fp3_expr_op op = expr_of(l, expr)->op;
     const unsigned passes = l->g->passes;
-    if (op == FP3_EXPR_SIN || op == FP3_EXPR_COS)
+    if (op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN ||
+        op == FP3_EXPR_ACOS)
         l->g->passes &= ~FP3_PASS(FP3_PASS_FOLD_PRODUCT);
     const term made = lower(l, expr);
     l->g->passes = passes;

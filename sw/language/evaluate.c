@@ -80,6 +80,8 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
         return log(a);
     case FP3_EXPR_TAN:
         return tan(a);
+    case FP3_EXPR_ATAN:
+        return atan(a);
     case FP3_EXPR_ASIN:
         return asin(a);
     case FP3_EXPR_ACOS:

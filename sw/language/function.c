@@ -4,16 +4,16 @@
 #include "vector.h"
 
 static const ode_function functions[] = {
-    {"sqrt", 1, ODE_OF_NUMBERS, FP3_EXPR_SQRT},  {"sin", 1, ODE_OF_NUMBERS, FP3_EXPR_SIN},
-    {"cos", 1, ODE_OF_NUMBERS, FP3_EXPR_COS},    {"min", 2, ODE_OF_NUMBERS, FP3_EXPR_MIN},
-    {"max", 2, ODE_OF_NUMBERS, FP3_EXPR_MAX},    {"abs", 1, ODE_OF_NUMBERS, FP3_EXPR_ABS},
-    {"exp", 1, ODE_OF_NUMBERS, FP3_EXPR_EXP},    {"log", 1, ODE_OF_NUMBERS, FP3_EXPR_LOG},
-    {"tan", 1, ODE_OF_NUMBERS, FP3_EXPR_TAN},    {"asin", 1, ODE_OF_NUMBERS, FP3_EXPR_ASIN},
-    {"acos", 1, ODE_OF_NUMBERS, FP3_EXPR_ACOS},  {"atan2", 2, ODE_OF_NUMBERS, FP3_EXPR_ATAN2},
-    {"sinh", 1, ODE_OF_NUMBERS, FP3_EXPR_SINH},  {"cosh", 1, ODE_OF_NUMBERS, FP3_EXPR_COSH},
-    {"tanh", 1, ODE_OF_NUMBERS, FP3_EXPR_TANH},  {"select", 3, ODE_OF_CHOICE, FP3_EXPR_SELECT},
-    {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},   {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT},
-    {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
+    {"sqrt", 1, ODE_OF_NUMBERS, FP3_EXPR_SQRT},    {"sin", 1, ODE_OF_NUMBERS, FP3_EXPR_SIN},
+    {"cos", 1, ODE_OF_NUMBERS, FP3_EXPR_COS},      {"min", 2, ODE_OF_NUMBERS, FP3_EXPR_MIN},
+    {"max", 2, ODE_OF_NUMBERS, FP3_EXPR_MAX},      {"abs", 1, ODE_OF_NUMBERS, FP3_EXPR_ABS},
+    {"exp", 1, ODE_OF_NUMBERS, FP3_EXPR_EXP},      {"log", 1, ODE_OF_NUMBERS, FP3_EXPR_LOG},
+    {"tan", 1, ODE_OF_NUMBERS, FP3_EXPR_TAN},      {"atan", 1, ODE_OF_NUMBERS, FP3_EXPR_ATAN},
+    {"asin", 1, ODE_OF_NUMBERS, FP3_EXPR_ASIN},    {"acos", 1, ODE_OF_NUMBERS, FP3_EXPR_ACOS},
+    {"atan2", 2, ODE_OF_NUMBERS, FP3_EXPR_ATAN2},  {"sinh", 1, ODE_OF_NUMBERS, FP3_EXPR_SINH},
+    {"cosh", 1, ODE_OF_NUMBERS, FP3_EXPR_COSH},    {"tanh", 1, ODE_OF_NUMBERS, FP3_EXPR_TANH},
+    {"select", 3, ODE_OF_CHOICE, FP3_EXPR_SELECT}, {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},
+    {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT}, {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
 };
 enum { FUNCTIONS = sizeof functions / sizeof *functions };
 

@@ -56,10 +56,12 @@ static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t 
         return 0;
     }
     if (fp3_ode_is_host_only(op) && p->context == ODE_IN_EQUATION) {
-        fp3_ode_wrong(&p->in, at,
-                      "a function of states that the hardware has: sqrt, sin, cos, min, max or abs "
-                      "(%.*s may stand where no state is, or in an invariant)",
-                      shown(at), at.text);
+        fp3_ode_wrong(
+            &p->in, at,
+            "a function of states that the hardware has: sqrt, sin, cos, tan, atan, atan2, "
+            "asin, acos, min, max or abs "
+            "(%.*s may stand where no state is, or in an invariant)",
+            shown(at), at.text);
         return 0;
     }
     return 1;

@@ -18,6 +18,7 @@ typedef struct {
     double (*truth)(double x, double a);
     double from, to; /* of x: between them evenly, or, if logarithmic, in every binade alike */
     int is_logarithmic, is_absolute;
+    int has_any_sign; /* of x and a; then a is logarithmic, too */
 } function;
 
 static double reciprocal(double x, double a) { return (void)a, 1 / x; }
@@ -27,17 +28,29 @@ static double inverse_root(double x, double a) { return (void)a, 1 / sqrt(x); }
 static double over_root(double x, double a) { return a / sqrt(x); }
 static double sine(double x, double a) { return (void)a, sin(x); }
 static double cosine(double x, double a) { return (void)a, cos(x); }
+static double tangent(double x, double a) { return (void)a, tan(x); }
+static double arctangent(double x, double a) { return (void)a, atan(x); }
+static double arcsine(double x, double a) { return (void)a, asin(x); }
+static double arccosine(double x, double a) { return (void)a, acos(x); }
 
 static const function functions[] = {
-    {"1/x", "1/x", reciprocal, 0x1p-100, 0x1p100, 1, 0},
-    {"a/x", "a/x", quotient, 0x1p-60, 0x1p60, 1, 0},
-    {"sqrt(x)", "sqrt(x)", root, 0x1p-100, 0x1p100, 1, 0},
-    {"1/sqrt(x)", "1/sqrt(x)", inverse_root, 0x1p-100, 0x1p100, 1, 0},
-    {"a/sqrt(x)", "a/sqrt(x)", over_root, 0x1p-60, 0x1p60, 1, 0},
-    {"sin(x)", "sin(x)", sine, -10, 10, 0, 1},
-    {"cos(x)", "cos(x)", cosine, -10, 10, 0, 1},
-    {"sin(x):far", "sin(x)", sine, -65535.99, 65535.99, 0, 1},
-    {"cos(x):far", "cos(x)", cosine, -65535.99, 65535.99, 0, 1},
+    {"1/x", "1/x", reciprocal, 0x1p-100, 0x1p100, 1, 0, 0},
+    {"a/x", "a/x", quotient, 0x1p-60, 0x1p60, 1, 0, 0},
+    {"sqrt(x)", "sqrt(x)", root, 0x1p-100, 0x1p100, 1, 0, 0},
+    {"1/sqrt(x)", "1/sqrt(x)", inverse_root, 0x1p-100, 0x1p100, 1, 0, 0},
+    {"a/sqrt(x)", "a/sqrt(x)", over_root, 0x1p-60, 0x1p60, 1, 0, 0},
+    {"sin(x)", "sin(x)", sine, -10, 10, 0, 1, 0},
+    {"cos(x)", "cos(x)", cosine, -10, 10, 0, 1, 0},
+    {"sin(x):far", "sin(x)", sine, -65535.99, 65535.99, 0, 1, 0},
+    {"cos(x):far", "cos(x)", cosine, -65535.99, 65535.99, 0, 1, 0},
+    {"tan(x)", "tan(x)", tangent, -1.57, 1.57, 0, 0, 0},
+    {"tan(x):far", "tan(x)", tangent, -65535.99, 65535.99, 0, 0, 0},
+    {"atan(x)", "atan(x)", arctangent, 0x1p-100, 0x1p127, 1, 0, 0},
+    {"atan(x):-", "atan(x)", arctangent, -4, 4, 0, 0, 0},
+    {"asin(x)", "asin(x)", arcsine, -1, 1, 0, 0, 0},
+    {"acos(x)", "acos(x)", arccosine, -1, 1, 0, 0, 0},
+    {"atan2(x,a)", "atan2(x, a)", atan2, 0x1p-4, 0x1p4, 1, 0, 1},
+    {"atan2:wide", "atan2(x, a)", atan2, 0x1p-60, 0x1p60, 1, 0, 1},
 };
 
 static void fail(const char *what, const fp3_error *error) {
@@ -76,13 +89,18 @@ static double worst_of(const function *f) {
     for (unsigned i = 0; i < SAMPLES; i++) {
         const double u = (double)i / SAMPLES;
         /* volatile: gcc 12 -O2 was seen to leave the rounding out. */
-        const volatile float x = (float)(f->is_logarithmic ? f->from * pow(f->to / f->from, u)
-                                                           : f->from + (f->to - f->from) * u);
-        const volatile float a = (float)(1 + fraction(i));
+        const double size =
+            f->is_logarithmic ? f->from * pow(f->to / f->from, u) : f->from + (f->to - f->from) * u;
+        const volatile float x = (float)size;
+        const volatile float a =
+            (float)(f->has_any_sign ? pow(f->to / f->from, fraction(i) - 0.5) : 1 + fraction(i));
         float states[3] = {0};
-        if (fp3_compiled_reference(compiled, NULL, (double[]){x, a, 0}, 1, &one, 1, states, &error))
+        const double signs[] = {f->has_any_sign && i & 1 ? -1 : 1,
+                                f->has_any_sign && i & 2 ? -1 : 1};
+        const double start[] = {signs[0] * (double)x, signs[1] * (double)a, 0};
+        if (fp3_compiled_reference(compiled, NULL, start, 1, &one, 1, states, &error))
             fail(f->name, &error);
-        const double truth = f->truth(x, a);
+        const double truth = f->truth(start[0], start[1]);
         const double off = fabs(states[2] - truth) / (f->is_absolute ? 1 : unit((float)truth));
         if (!(off <= worst))
             worst = off;

@@ -16,7 +16,7 @@ class Maker:
 
     def __init__(self, rng, is_plain):
         self.rng = rng
-        self.kinds = 11 if is_plain else 20
+        self.kinds = 11 if is_plain else 22
         names = rng.sample(NAMES, len(NAMES))
         self.states = [names.pop() for _ in range(rng.choice([1, 2, 2, 3, 4]))]
         self.params = [names.pop() for _ in range(rng.randint(0, 3))]
@@ -85,7 +85,11 @@ class Maker:
             return f"abs({a})"
         if kind == 18:
             return f"({self.condition(depth - 2)} ? {a} : {b})"
-        return f"{self.rng.choice(['sin', 'cos', 'sqrt'])}({a})"
+        if kind == 19:
+            return f"{self.rng.choice(['sin', 'cos', 'sqrt'])}({a})"
+        if kind == 20:
+            return f"atan2({a}, {b})"
+        return f"{self.rng.choice(['tan', 'atan', 'asin', 'acos'])}({a})"
 
     def derivative(self, state):
         kind = self.rng.random()

@@ -283,7 +283,8 @@ def test_a_configuration_without_the_unit_is_refused(name, config, unit):
 
 def test_accuracy_of_what_is_made_of_division_roots_and_sines():
     most = {"1/x": 1.08, "a/x": 1.73, "sqrt(x)": 1.36, "1/sqrt(x)": 0.99, "a/sqrt(x)": 1.55, "sin(x)": 1.3e-7,
-            "cos(x)": 2.4e-7, "sin(x):far": 1.3e-7, "cos(x):far": 2.4e-7}
+            "cos(x)": 2.4e-7, "sin(x):far": 1.3e-7, "cos(x):far": 2.4e-7, "tan(x)": 2.6, "tan(x):far": 4, "atan(x)": 2.5,
+            "atan(x):-": 2.5, "asin(x)": 3.1, "acos(x)": 1.9, "atan2(x,a)": 4, "atan2:wide": 4}
     text = subprocess.run([os.path.join(BUILD, "tests", "accuracy")], capture_output=True, text=True, check=True).stdout
     found = {line.split()[0]: float(line.split()[1]) for line in text.splitlines()}
     assert found.keys() == most.keys()
@@ -307,10 +308,10 @@ def test_a_pendulum_that_turns_over_is_where_it_should_be(engine, config):
 
 
 def one_value(path, config, engine, x, *options):
-    """What y' = f(x) is, by a step of Euler's method with h = 1 from y = 0, and the exceptions that it raised."""
+    """What y' = f(x) is, by a step of Euler's method with h = 1 from y = -0, and the exceptions that it raised."""
     image, params = path.with_suffix(".fp3"), path.with_suffix(".cfg")
-    fp3("compile", path, "-i", "euler", "-c", config, "--set", f"x={x}", "--set", "h=1", *options, "--image", image,
-        "--params", params)
+    fp3("compile", path, "-i", "euler", "-c", config, "--set", f"x={x}", "--set", "h=1", "--set", "y=-0", *options,
+        "--image", image, "--params", params)
     text = fp3("run", image, "-c", config, "--engine", engine, "--steps", 1, "--params", params, check=False).stdout
     return re.search(r"^y +(\S+)", text, re.M)[1], re.search(r"^flags +(.*)", text, re.M)[1].split()
 
@@ -344,6 +345,37 @@ def test_small_angles_need_no_reduction_and_larger_ones_are_no_number(tmp_path, 
         for x in (1.570797, -1.570797, 3, 1e30):
             value, flags = one_value(path, "single", engine, x, "--with", "small-angles")
             assert value == "nan" and {"invalid", "overflow"} <= set(flags), (x, value, flags)
+
+
+NAN = (math.nan, "invalid")  # value, and of invalid and overflow what is raised
+OVER = (math.nan, "invalid overflow")
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("engine, config", [("isa", "single_full"), ("rtl", "many_full")])
+@pytest.mark.parametrize("function, values", [
+    ("tan(x)", {"0": 0, "65535.99": math.tan(65535.98828125), "65536": OVER, "-3e38": OVER, "inf": NAN}),
+    ("atan(x)", {"-0": "-0", "1": math.pi / 4, "-3e38": -math.pi / 2, "1e-40": 1e-40, "inf": NAN}),
+    ("asin(x)", {"-0": "-0", "1": math.pi / 2, "-1": -math.pi / 2, "1.0000002": OVER, "-1.0000002": OVER, "-2": OVER, "inf": NAN}),
+    ("acos(x)", {"0": math.pi / 2, "1": 0, "-1": math.pi, "1.0000002": OVER, "-1.0000002": OVER, "3e38": OVER, "inf": NAN}),
+    ("atan2(x, 0*x + 1)", {"0": 0, "-0": 0, "1": math.pi / 4, "-3e38": -math.pi / 2, "1e-40": 1e-40, "inf": NAN}),
+    ("atan2(x, 0*x - 1)", {"0": math.pi, "-0": math.pi, "-1": -3 * math.pi / 4, "1e-30": math.pi, "-1e-30": -math.pi}),
+    ("atan2(x, 0*x)", {"0": 0, "-0": 0, "1e-37": math.pi / 2, "-3e38": -math.pi / 2, "1e-40": NAN}),
+    ("atan2(x, x)", {"3e38": math.pi / 4, "-3e38": -3 * math.pi / 4, "1e-36": math.pi / 4, "1e-38": NAN}),
+    ("atan2(0*x, x)", {"1": 0, "-1": math.pi, "-3e38": math.pi}),
+])
+def test_special_values_of_tangents_and_arcs(tmp_path, engine, config, function, values):
+    for x, wanted in values.items():
+        expression = function if x != "inf" else function.replace("x", "(x*x - x)")
+        path = written(tmp_path, "state x = 1", "state y = 0", "x' = 0", f"y' = {expression}")
+        value, flags = one_value(path, config, engine, x if x != "inf" else "3e38")
+        found, raised = wanted if isinstance(wanted, tuple) else (wanted, "")
+        raised = set(raised.split()) | ({"overflow"} if x == "inf" else set())
+        assert set(flags) & {"invalid", "overflow"} == raised, (x, value, flags)
+        if isinstance(found, str):
+            assert value == found, x
+        else:
+            assert float(value) == pytest.approx(found, rel=5e-7, nan_ok=True), x
 
 
 def test_a_configuration_that_cannot_reduce_angles_is_told_what_it_can_do():

@@ -53,10 +53,11 @@ FP3_API_BEGIN
     X(SELECT, 3, 0) /* a ? b : c */                                                                \
     X(EXP, 1, 1)                                                                                   \
     X(LOG, 1, 1)                                                                                   \
-    X(TAN, 1, 1)                                                                                   \
-    X(ASIN, 1, 1)                                                                                  \
-    X(ACOS, 1, 1)                                                                                  \
-    X(ATAN2, 2, 1)                                                                                 \
+    X(TAN, 1, 0)                                                                                   \
+    X(ATAN, 1, 0)                                                                                  \
+    X(ASIN, 1, 0)                                                                                  \
+    X(ACOS, 1, 0)                                                                                  \
+    X(ATAN2, 2, 0)                                                                                 \
     X(SINH, 1, 1)                                                                                  \
     X(COSH, 1, 1)                                                                                  \
     X(TANH, 1, 1)
