@@ -1,6 +1,8 @@
 /* loop.c - list scheduling of a loop, with the write port. */
 #include "loop.h"
 
+#include "room.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +26,7 @@ typedef struct {
     int64_t now;
     uint64_t writes; /* bit k: a result is written in cycle now + k */
     uint32_t live;
+    fp3_room *room; /* NULL: no plan */
 } list;
 
 /* An execution of the step part has steps of its own, and the next one's ahead. */
@@ -146,6 +149,31 @@ static int64_t polite(const list *l, uint32_t node, int64_t cycle, int64_t urgen
     return written < 64 && wanted[written] >= urgency + l->loop->guard ? cycle + POLITE : cycle;
 }
 
+static uint32_t take_at(list *l, uint32_t at) {
+    const uint32_t node = l->ready[at];
+    l->ready[at] = l->ready[--l->ready_count];
+    return node;
+}
+
+/* The first of all that can issue without keeping the rest of the plan from its registers. */
+static uint32_t take_planned(list *l) {
+    int64_t best = INT64_MAX;
+    uint32_t at = 0;
+    for (uint32_t k = 0; k < l->ready_count; k++) {
+        const uint32_t node = l->ready[k];
+        const int64_t cycle = cycle_of(l, node);
+        const int is_sooner =
+            cycle < best ||
+            (cycle == best && fp3_room_turn(l->room, node) < fp3_room_turn(l->room, l->ready[at]));
+        if (is_sooner && fp3_room_allows(l->room, node)) {
+            best = cycle;
+            at = k;
+        }
+    }
+    fp3_room_issue(l->room, l->ready[at]);
+    return take_at(l, at);
+}
+
 static uint32_t take_best(list *l) {
     const int is_full = l->live >= l->loop->limit, is_guarded = l->loop->guard != FP3_NO_GUARD;
     int64_t wanted[64], best_first = INT64_MIN, best_second = INT64_MIN;
@@ -166,9 +194,7 @@ static uint32_t take_best(list *l) {
             at = k;
         }
     }
-    const uint32_t node = l->ready[at];
-    l->ready[at] = l->ready[--l->ready_count];
-    return node;
+    return take_at(l, at);
 }
 
 /* ---- a round ---- */
@@ -199,10 +225,12 @@ static void issue(list *l, uint32_t node) {
 
 static int make_round(list *l, uint32_t *order) {
     begin_round(l);
+    if (l->room)
+        fp3_room_begin(l->room, l->loop->plan);
     for (uint32_t p = 0; p < l->block->count; p++) {
         if (!l->ready_count)
             return 0;
-        order[p] = take_best(l);
+        order[p] = l->room ? take_planned(l) : take_best(l);
         issue(l, order[p]);
     }
     return 1;
@@ -215,7 +243,9 @@ fp3_status fp3_loop_order(const fp3_block *block, const fp3_loop *loop, uint32_t
     fp3_status status = FP3_OK;
     l.waits = calloc(4 * n, sizeof *l.waits);
     l.soonest = calloc(2 * n, sizeof *l.soonest);
-    if (l.waits && l.soonest) {
+    if (loop->plan)
+        l.room = fp3_room_make(block, loop->is_ahead, loop->limit);
+    if (l.waits && l.soonest && (l.room || !loop->plan)) {
         l.old_readers = l.waits + n;
         l.new_readers = l.old_readers + n;
         l.ready = l.new_readers + n;
@@ -231,6 +261,7 @@ fp3_status fp3_loop_order(const fp3_block *block, const fp3_loop *loop, uint32_t
     } else {
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
+    fp3_room_free(&l.room);
     free(l.waits);
     free(l.soonest);
     return status;

@@ -23,6 +23,10 @@ typedef struct {
     int32_t guard;
     /* With so many temporary values or more, whoever ends most of them comes first. */
     uint32_t limit;
+    /* NULL, or an order with at most `limit` values at a time (room.h), which then counts variables
+     * and params, too: in each cycle the first of it issues that can, as long as the rest has its
+     * registers. Urgency, loss and guard do not count. */
+    const uint32_t *plan;
 } fp3_loop;
 
 /* order has room for block->count nodes. */

@@ -19,6 +19,8 @@
 #define MOVES_MOST 1000u
 /* Sizes of the part that is executed ahead. */
 #define ROTATIONS 16u
+/* How many registers fewer a plan is filled within. */
+#define SPARE_MOST 4u
 
 typedef struct {
     const fp3_step_code *code;
@@ -27,6 +29,7 @@ typedef struct {
     fp3_dependences graph;
     fp3_choice *best; /* places.reg is NULL as long as nothing fits */
     uint32_t fewest;  /* registers of the orders proposed */
+    int is_tight;     /* an order would be better if it fitted */
 } search;
 
 static fp3_status no_memory(fp3_error *error) {
@@ -34,6 +37,10 @@ static fp3_status no_memory(fp3_error *error) {
 }
 
 /* ---- choice ---- */
+
+static double best_cycles(const search *m) {
+    return m->best->places.reg ? m->best->cycles : INFINITY;
+}
 
 static void mark_ahead(const fp3_block *block, const char *is_ahead) {
     for (uint32_t i = 0; i < block->count; i++)
@@ -76,6 +83,7 @@ static fp3_status propose(search *m, const uint32_t *order, const char *is_ahead
     }
     if (!status && least < m->fewest)
         m->fewest = least;
+    m->is_tight |= least > m->config->registers;
     if (!status && least <= m->config->registers && is_better(m, &places, cycles))
         take(m, order, is_ahead, &places, cycles);
     fp3_places_free(&places);
@@ -179,6 +187,51 @@ static fp3_status propose_polished(search *m, const fp3_interval *found, uint32_
     return status ? status : propose(m, order, is_ahead, error);
 }
 
+/* A plan within the registers, and what becomes of it as the list fills its cycles. Values that fit
+ * in number may yet find no registers: then with fewer of them. */
+static fp3_status propose_plan(search *m, fp3_loop *loop, const uint32_t *plan, uint32_t *order,
+                               fp3_error *error) {
+    uint32_t least = 0;
+    mark_ahead(m->block, loop->is_ahead);
+    fp3_status status = fp3_allocate_least(m->block, plan, &least, error);
+    loop->plan = plan;
+    for (uint32_t spare = 0; !status && spare < SPARE_MOST; spare++) {
+        const double before = best_cycles(m);
+        loop->limit = m->config->registers - spare;
+        if (least > loop->limit)
+            break;
+        status = fp3_loop_order(m->block, loop, order, error);
+        if (!status)
+            status = propose(m, order, loop->is_ahead, error);
+        if (best_cycles(m) < before)
+            break;
+    }
+    return status;
+}
+
+/* Where registers run short: plans with few values, made faster while they fit. */
+static fp3_status propose_planned(search *m, const fp3_interval *found, uint32_t interval,
+                                  uint32_t *order, char *is_ahead, fp3_error *error) {
+    static const fp3_next plans[] = {FP3_NEXT_FEWEST, FP3_NEXT_DEEP, FP3_NEXT_LONG};
+    const double before = best_cycles(m);
+    uint32_t *plan = malloc((m->block->count + 1) * sizeof *plan);
+    fp3_loop loop = {.graph = fp3_interval_dependences(found),
+                     .is_ahead = is_ahead,
+                     .urgency = fp3_interval_heights(found, interval),
+                     .interval = interval};
+    fp3_status status = plan ? FP3_OK : no_memory(error);
+    memset(is_ahead, 0, m->block->count);
+    for (size_t i = 0; !status && i < sizeof plans / sizeof *plans; i++) {
+        status = fp3_order_list(m->block, &m->graph, plans[i], plan, error);
+        if (!status)
+            status = propose_plan(m, &loop, plan, order, error);
+    }
+    free(plan);
+    if (!status && best_cycles(m) < before)
+        status = propose_polished(m, found, interval, order, is_ahead, error);
+    return status;
+}
+
 /* The solo machine: orders that know how long everything takes. */
 static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     const uint32_t count = m->block->count;
@@ -200,6 +253,8 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
         status = propose_rotated(m, found, interval, order, is_ahead, error);
     if (interval && !status)
         status = propose_polished(m, found, interval, order, is_ahead, error);
+    if (interval && !status && m->is_tight)
+        status = propose_planned(m, found, interval, order, is_ahead, error);
     fp3_interval_free(&found);
     free(is_ahead);
     return status;

@@ -447,15 +447,23 @@ def test_the_largest_model_compiles_within_a_tenth_of_a_second():
 # ---- rows ----
 
 @pytest.fixture(scope="module")
-def rows():
+def results():
     with open(os.path.join(BUILD, "results", "models.json")) as file:
-        return json.load(file)["rows"]
+        return json.load(file)
 
 
-def test_every_model_has_rows(rows):
+@pytest.fixture(scope="module")
+def rows(results):
+    return results["rows"]
+
+
+def test_every_model_has_rows(rows, results):
+    """Unless all 64 registers are too few."""
     assert {row["model"] for row in rows} == {os.path.basename(path)[:-4] for path in MODELS}
     for name in {row["model"] for row in rows}:
         mine = {(row["integrator"], row["arithmetic"]) for row in rows if row["model"] == name}
+        mine |= {(row["integrator"], row["arithmetic"]) for row in results["left_out"]
+                 if row["model"] == name and "registers" in row["why"]}
         for integrator in ("euler", "midpoint", "heun", "ralston3", "rk4", "rk4_paper", "rk38", "rk6"):
             assert {(integrator, "plain"), (integrator, "compensated")} <= mine
 

@@ -10,7 +10,7 @@ from tables import kepler
 
 pytestmark = pytest.mark.smoke
 NAMES = ["arenstorf", "double_spring", "fitzhugh_nagumo", "kepler", "lorenz", "lotka_volterra", "oscillator", "pendulum",
-         "projectile", "rigid_body", "ship", "ship_drag", "van_der_pol"]
+         "projectile", "rigid_body", "ship", "ship_drag", "three_body", "van_der_pol"]
 CLOSED = ["double_spring", "oscillator", "ship", "ship_drag"]  # all states have closed forms
 
 
@@ -85,7 +85,8 @@ def test_a_step_back_and_a_step_forth_is_none(name, show, truth):
         assert after[state] == pytest.approx(start, rel=1e-10, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", ["arenstorf", "double_spring", "kepler", "lotka_volterra", "pendulum", "rigid_body"])
+@pytest.mark.parametrize("name", ["arenstorf", "double_spring", "kepler", "lotka_volterra", "pendulum", "rigid_body",
+                                  "three_body"])
 def test_invariants_are_constant(name, show, truth):
     model = show(name)
     start = truth(name, 0)
@@ -228,6 +229,21 @@ def test_arenstorfs_orbit_closes(truth):
     got = truth("arenstorf", 17.0652165601579625588917206249)
     assert (got["r_x"], got["r_y"]) == (pytest.approx(0.994, abs=1e-9), pytest.approx(0, abs=1e-9))
     assert (got["v_x"], got["v_y"]) == (pytest.approx(0, abs=1e-8), pytest.approx(-2.0015851063790825, abs=1e-8))
+
+
+EIGHT = {"r1": (0.97000436, -0.24308753), "r2": (-0.97000436, 0.24308753), "r3": (0, 0),
+         "v1": (0.466203685, 0.43236573), "v2": (0.466203685, 0.43236573), "v3": (-0.93240737, -0.86473146)}
+
+
+@pytest.mark.parametrize("thirds, follows", [(3, "123"), (1, "312"), (2, "231"), (-3, "123")])
+def test_three_bodies_follow_each_other_along_an_eight(thirds, follows, truth):
+    """Period and starts as published, with eight digits; each body is where another one was a third of a period before."""
+    got = truth("three_body", thirds * 6.32591398 / 3)
+    for body, before in zip("123", follows):
+        for what in "rv":
+            now = [got[f"{what}{body}_{axis}"] for axis in "xy"]
+            assert now == pytest.approx(EIGHT[what + before], abs=1e-7), (body, what)
+    assert got["energy"] == pytest.approx(-1.287142, abs=1e-6)
 
 
 # ---- where there is no truth --------------------------------------------------------------------
