@@ -4,8 +4,6 @@
 #include "machine/operation.h"
 
 #include <fp3/isa.h>
-#include <inttypes.h>
-
 /* Whether a sine or a cosine is among what the program computes: `small-angles` is for these. */
 static int has_angles(const fp3_step *step) {
     for (uint32_t i = 0; i < step->model->expr_count; i++) {
@@ -46,34 +44,23 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
     return FP3_OK;
 }
 
-static fp3_status check_words(const fp3_config *config, uint32_t words, fp3_error *error) {
-    if (words <= config->program_words)
-        return FP3_OK;
-    return fp3_fail(error, FP3_E_PROGRAM,
-                    "the program needs %" PRIu32 " words, configuration '%s' has %" PRIu32, words,
-                    config->name, config->program_words);
-}
-
 /* The first part has no operation that the step part has not. */
 fp3_status fp3_check_code(const fp3_step *step, const fp3_step_code *code, const fp3_config *config,
                           fp3_error *error) {
+    fp3_needs needs = fp3_code_needs(code);
+    needs.constants = 0; /* copies may need one more */
     fp3_status status = check_ops(step, code->step, code->step_count, config, error);
     if (!status)
         status = check_ops(step, code->last, code->last_count, config, error);
-    if (!status)
-        status =
-            check_words(config, code->first_count + code->step_count + code->last_count, error);
-    return status;
+    return status ? status : fp3_needs_check(&needs, config, error);
 }
 
-fp3_status fp3_check_schedule(const fp3_schedule *schedule, const fp3_config *config,
-                              fp3_error *error) {
-    const fp3_schedule *s = schedule;
-    if (s->constants > config->registers)
-        return fp3_fail(error, FP3_E_PROGRAM,
-                        "the step needs %" PRIu32
-                        " shared constants, configuration '%s' has %" PRIu32,
-                        s->constants, config->name, config->registers);
-    return check_words(
-        config, s->first_count + s->step_count + s->last_count + s->loads + s->stores, error);
+fp3_status fp3_check_schedule(const fp3_step_code *code, const fp3_schedule *s,
+                              const fp3_config *config, fp3_error *error) {
+    fp3_needs needs = fp3_code_needs(code);
+    needs.registers = s->registers;
+    needs.constants = s->constants;
+    needs.words = s->first_count + s->step_count + s->last_count + s->loads + s->stores;
+    needs.is_visited = s->loads + s->stores > 0;
+    return fp3_needs_check(&needs, config, error);
 }

@@ -9,8 +9,8 @@
 /* Before an order is searched for: operations and words. FP3_E_PROGRAM, in words. */
 fp3_status fp3_check_code(const fp3_step *step, const fp3_step_code *code, const fp3_config *config,
                           fp3_error *error);
-/* After it: words, with the loads and stores of a visit, and constants. */
-fp3_status fp3_check_schedule(const fp3_schedule *schedule, const fp3_config *config,
-                              fp3_error *error);
+/* After it: words, with the loads and stores of a visit, registers and constants. */
+fp3_status fp3_check_schedule(const fp3_step_code *code, const fp3_schedule *schedule,
+                              const fp3_config *config, fp3_error *error);
 
 #endif

@@ -28,7 +28,7 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
     if (!status)
         status = fp3_schedule_make(&c.code, config, &schedule, error);
     if (!status)
-        status = fp3_check_schedule(schedule, config, error);
+        status = fp3_check_schedule(&c.code, schedule, config, error);
     if (!status && (!p->schedule || is_better(schedule, p->schedule))) {
         fp3_schedule_free(&p->schedule);
         fp3_convert_close(&p->code);

@@ -1,11 +1,21 @@
 /* load.c - programs and groups: whether the configuration has room for them, and loading them. */
 #include "checks.h"
 #include "luggage.h"
+#include "machine/needs.h"
 #include "machine/operation.h"
 
 #include <inttypes.h>
 
-#define COUNT(array) (sizeof(array) / sizeof *(array))
+static fp3_needs needs_of(const fp3_image *image) {
+    fp3_needs needs = {
+        .registers = image->registers, .constants = image->shared, .words = image->code_count};
+    for (uint32_t i = 0; i < image->code_count; i++) {
+        fp3_instruction instruction;
+        if (!fp3_word_decode(image->code[i], &instruction, NULL))
+            needs.operations |= UINT32_C(1) << instruction.op;
+    }
+    return needs;
+}
 
 static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
@@ -22,32 +32,23 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
 }
 
 static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
-    const fp3_config *config = engine->config;
-    const struct {
-        const char *what;
-        uint32_t needs, has;
-    } rows[] = {{"object registers", image->registers, config->registers},
-                {"shared constants", image->shared, config->registers},
-                {"words of instruction memory", image->code_count, config->program_words}};
-    for (size_t i = 0; i < COUNT(rows); i++)
-        if (rows[i].needs > rows[i].has)
-            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                            "the program needs %" PRIu32 " %s, configuration '%s' has %" PRIu32,
-                            rows[i].needs, rows[i].what, config->name, rows[i].has);
-    return check_operations(engine, image);
+    const fp3_needs needs = needs_of(image);
+    const fp3_status status = fp3_needs_check(&needs, engine->config, engine->def.error);
+    return status ? status : check_operations(engine, image);
 }
 
 /* What is there besides the image's words, and what an object needs of the store. */
-static fp3_status check_visit(fp3_engine *engine, const fp3_visit *visit, size_t objects) {
+static fp3_status check_visit(fp3_engine *engine, const fp3_image *image, const fp3_visit *visit,
+                              size_t objects) {
     const fp3_config *config = engine->config;
     const uint32_t lanes = fp3_config_schedulers(config) * config->lanes;
     const uint64_t room = (uint64_t)fp3_placement_rows(config, visit->log2) * lanes;
-    if (visit->code_count > config->program_words)
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                        "the program needs %" PRIu32
-                        " words of instruction memory with its loads and stores, configuration "
-                        "'%s' has %" PRIu32,
-                        visit->code_count, config->name, config->program_words);
+    fp3_needs needs = needs_of(image);
+    needs.words = visit->code_count;
+    needs.is_visited = 1;
+    const fp3_status status = fp3_needs_check(&needs, config, engine->def.error);
+    if (status)
+        return status;
     if (objects > room)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "the program needs %u words of the object store for each object: "
@@ -72,7 +73,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     if (!status && engine->config->interleave)
         status = fp3_visit_make(to->image, &to->visit, error);
     if (!status && to->visit && check)
-        status = check_visit(engine, to->visit, from->objects);
+        status = check_visit(engine, to->image, to->visit, from->objects);
     if (status)
         return status;
     to->objects = (uint32_t)from->objects;

@@ -1,8 +1,8 @@
 /* allocate.c - which gaps a value needs, and a register that is free there. */
 #include "allocate.h"
 
+#include <assert.h>
 #include <fp3/isa.h>
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -266,10 +266,12 @@ fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp
     return fp3_allocate(block, order, FP3_BORROW_VARIABLES, places, error);
 }
 
-fp3_status fp3_allocate_refuse(const fp3_config *config, uint32_t needed, fp3_error *error) {
-    return fp3_fail(error, FP3_E_LIMIT,
-                    "%" PRIu32 " object registers are needed, configuration '%s' has %" PRIu32,
-                    needed, config->name, config->registers);
+fp3_status fp3_allocate_refuse(const fp3_block *block, uint32_t needed, fp3_error *error) {
+    fp3_needs needs = fp3_code_needs(block->code);
+    needs.registers = needed;
+    const fp3_status status = fp3_needs_check(&needs, block->config, error);
+    assert(status);
+    return status ? FP3_E_LIMIT : FP3_OK;
 }
 
 void fp3_places_free(fp3_places *places) {

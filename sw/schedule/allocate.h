@@ -33,8 +33,8 @@ void fp3_places_free(fp3_places *places);
 fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp3_places *places,
                                fp3_error *error);
 
-/* FP3_E_LIMIT, in words. */
-fp3_status fp3_allocate_refuse(const fp3_config *config, uint32_t needed, fp3_error *error);
+/* FP3_E_LIMIT, in words: so many registers are needed, more than there are. */
+fp3_status fp3_allocate_refuse(const fp3_block *block, uint32_t needed, fp3_error *error);
 
 /* Fewer registers than this will not do for the order: values that are there at the same time. */
 fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uint32_t *registers,

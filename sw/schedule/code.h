@@ -6,7 +6,7 @@
 #define FP3_CODE_H
 
 #include <fp3/status.h>
-#include <machine/config.h>
+#include <machine/needs.h>
 #include <stdint.h>
 
 typedef enum {
@@ -53,5 +53,8 @@ typedef struct {
     int allow_ahead; /* operations of the next step may be executed at the end of this one */
 } fp3_step_code;
 #define FP3_NONE_INDEX UINT32_MAX
+
+/* Its operations, constants and words, as far as they are known before it is scheduled. */
+fp3_needs fp3_code_needs(const fp3_step_code *code);
 
 #endif

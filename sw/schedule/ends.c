@@ -70,7 +70,7 @@ static fp3_status finish_block(const fp3_block *block, fp3_schedule *made, fp3_l
             fewest = places.registers;
     }
     if (!status && fewest > block->config->registers)
-        status = fp3_allocate_refuse(block->config, fewest, error);
+        status = fp3_allocate_refuse(block, fewest, error);
     if (!status)
         status = fp3_places_lines(block, order, &places, lines, error);
     if (!status) {

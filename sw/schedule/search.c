@@ -282,7 +282,7 @@ fp3_status fp3_search(fp3_block *block, fp3_choice *choice, fp3_error *error) {
     if (!status)
         status = propose_all(&m, error);
     if (!status && !choice->places.reg)
-        status = fp3_allocate_refuse(block->config, m.fewest, error);
+        status = fp3_allocate_refuse(block, m.fewest, error);
     fp3_dependences_free(&m.graph);
     if (status)
         fp3_choice_free(choice);

@@ -263,7 +263,8 @@ def test_words_are_counted_with_loads_and_stores(tmp_path):
         image, params = tmp_path / "c.fp3", tmp_path / "c.cfg"
         fits = fp3("compile", path, "-i", "euler", "-c", "many", "--image", image, "--params", params, check=False)
         if fits.returncode:
-            assert "words, configuration 'many' has 512" in fits.stderr
+            assert re.search("words of instruction memory( with its loads and stores)?, configuration 'many' has 512; "
+                             "'many_full' has 2048\n", fits.stderr), fits.stderr
         else:
             final(image, params, 1, "many")
         seen.add(fits.returncode)
@@ -409,6 +410,42 @@ def test_errors(arguments, text):
         assert done.returncode == 0
     else:
         assert done.returncode == 2 and text in done.stderr and not done.stdout
+
+
+LARGE = os.path.join(HERE, "large", "twelve_masses.ode")
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("path, config, text", [
+    (LARGE, "uncut", r"the program needs \d+ object registers, configuration 'uncut' has 32; 'single_full' has 64\n"),
+    (LARGE, "many", r"the program needs \d+ object registers, configuration 'many' has 32; 'many_full' has 64\n"),
+    (LARGE, "paper", r"the program needs 572 words of instruction memory, configuration 'paper' has 512; "
+                     r"'single_full' has 2048\n"),
+    (model("lorenz"), "lanes", r"the program needs \d+ object registers, configuration 'lanes' has 16; 'many' has 32\n"),
+    (model("three_body"), "single_full", r"the program needs \d+ object registers, configuration 'single_full' has 64; "
+                                         r"none has enough\n"),
+])
+def test_what_does_not_fit_names_the_nearest_configuration_that_it_fits(path, config, text):
+    done = fp3("compile", path, "-i", "rk4" if path == LARGE else "rk6", "-k" if "lorenz" in path else "--without=dead",
+               "-c", config, check=False)
+    assert done.returncode == 2 and re.search(text, done.stderr) and not done.stdout, done.stderr
+
+
+@pytest.mark.smoke
+def test_constants_and_words_of_an_image_are_counted_against_the_configuration(tmp_path):
+    """The nearest configuration with room must have the program's instructions, too."""
+    numbers = written(tmp_path, "state x = 1", "x' = " + " + ".join(f"{i}.5*x" for i in range(40)))
+    done = fp3("compile", numbers, "-c", "uncut", "-i", "euler", check=False)
+    assert re.search(r"needs 4\d shared constants, configuration 'uncut' has 32; 'single_full' has 64\n", done.stderr)
+    source, image = tmp_path / "p.s", tmp_path / "p.fp3"
+    source.write_text(".state x\nstep:\n" + "    addh x, x, x\n" * 600)
+    fp3("asm", source, "-o", image)
+    done = fp3("run", image, "-c", "many", "--set", "x=1", "--steps", 1, check=False)
+    assert done.returncode == 2 and "needs 600 words of instruction memory, configuration 'many' has 512; " \
+        "'shared_full' has 2048" in done.stderr, done.stderr
+    source.write_text(".state x\nstep:\n    add r40, x, x\n    add x, x, r40\n")
+    done = fp3("run", source, "-c", "paper", "--set", "x=1", "--steps", 1, check=False)
+    assert done.returncode == 2 and "needs 41 object registers, configuration 'paper' has 32; 'single_full' has 64" in done.stderr
 
 
 def test_a_number_beyond_fp32_is_told_with_its_equation(tmp_path):
