@@ -97,6 +97,13 @@ static int parse_declaration(asm_source *a, fp3_symbol_class symbol_class) {
             advance(a);
         }
     }
+    if (good && !unnamed) {
+        char text[FP3_NAME_SIZE] = {0};
+        memcpy(text, made.at.text, made.at.length);
+        const char *expected = fp3_name_expected(text, symbol_class);
+        if (expected)
+            fp3_report_expected(&a->report, made.at, "%s", expected);
+    }
     if (symbol_class == FP3_SYMBOL_CONST) {
         const char *expected = fp3_asm_number(a->next, &made.bits);
         if (expected) /* the name is declared nevertheless, so its uses are right */

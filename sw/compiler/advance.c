@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#define COEFFICIENT_ERROR 1e-9 /* of a table's row sums; the order conditions allow 1e-10 */
+
 fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix,
                               term (*state)(lowering *l, uint32_t state), void *user,
                               fp3_error *error) {
@@ -28,6 +30,27 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
 
 term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state) {
     return fp3_term(fp3_dag_variable(g, fp3_step_find(a->step, role, state)));
+}
+
+/* n h, or (n + 1) h: one rounding each, and the second is the first of the next step. Between them
+ * n h + c h, where c h is a known value. n is exact, so no error adds up over steps. */
+term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
+    const uint32_t outside = g->note;
+    const int is_end = fabs(c - 1) < COEFFICIENT_ERROR, is_begin = fabs(c) < COEFFICIENT_ERROR;
+    term n = fp3_advance_held(a, g, ROLE_STEPS, FP3_NONE);
+    const term h = fp3_term(fp3_dag_known(g, fp3_known_step(g->known)));
+    if (is_end) {
+        g->note = fp3_note(&a->step->notes, "steps made");
+        n = fp3_term_add(g, n, fp3_term(fp3_dag_number(g, 1)));
+    }
+    g->note = fp3_note(&a->step->notes, "t = steps*h");
+    term t = fp3_term_mul(g, n, h);
+    if (!is_begin && !is_end) {
+        g->note = fp3_note(&a->step->notes, "t = steps*h + %.6g h", c);
+        t = fp3_term_add(g, t, fp3_advance_scaled_step(a, c, 1));
+    }
+    g->note = outside;
+    return t;
 }
 
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n) {

@@ -31,6 +31,10 @@ static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state)
 /* A variable as it was when the step began, which dag g calls it. */
 term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);
 
+/* t at the time c h after the beginning of the step that dag g is of. In the last part c is 0: the
+ * variables there are those after the step. Call it only where fit->has_time. */
+term fp3_advance_time(const fp3_advance *a, dag *g, double c);
+
 /* coefficient * h^n as a known value, its sign outside. */
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);
 

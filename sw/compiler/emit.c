@@ -41,8 +41,12 @@ static void put_state(const fp3_step *step, FILE *out, const variable *v, const 
     static const char *const meaning[] = {[ROLE_LOST] = "what updates of %s rounded away",
                                           [ROLE_BEFORE] = "%s one step ago",
                                           [ROLE_LOST_BEFORE] = "what was lost of %s one step ago"};
-    const fp3_quantity *q = &step->model->states[v->state];
     char comment[COMMENT_SIZE];
+    if (v->role == ROLE_STEPS) {
+        put_declaration(out, ".state", name, "steps made: t is this times h");
+        return;
+    }
+    const fp3_quantity *q = &step->model->states[v->state];
     if (v->role != ROLE_STATE) {
         const char *percent = strchr(meaning[v->role], '%');
         snprintf(comment, sizeof comment, "%.*s%s%s", (int)(percent - meaning[v->role]),

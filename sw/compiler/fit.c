@@ -11,7 +11,8 @@ typedef struct {
     const fp3_model *model;
     const fp3_integrator *integrator;
     fp3_fit *fit;
-    uint64_t *needs; /* of each expression: the states that it depends on */
+    uint64_t *needs;  /* of each expression: the states that it depends on */
+    char *needs_time; /* and whether it depends on t */
 } fitting;
 
 static uint64_t find_positions(const fp3_model *model) {
@@ -35,9 +36,12 @@ static void find_needs(const fitting *f) {
     for (uint32_t i = 0; i < f->model->expr_count; i++) {
         const fp3_expr *e = &f->model->exprs[i];
         f->needs[i] = e->op == FP3_EXPR_STATE ? BIT(e->index) : 0;
+        f->needs_time[i] = e->op == FP3_EXPR_TIME;
         for (int j = 0; j < 3; j++)
-            if (e->operand[j] != FP3_NONE)
+            if (e->operand[j] != FP3_NONE) {
                 f->needs[i] |= f->needs[e->operand[j]];
+                f->needs_time[i] |= f->needs_time[e->operand[j]];
+            }
     }
 }
 
@@ -62,6 +66,13 @@ static void find_live(const fitting *f, const fp3_options *options) {
             if (before & BIT(s))
                 *live |= needs_of(f, s) | found_by(f, s);
     }
+}
+
+static int has_time(const fitting *f) {
+    for (uint32_t s = 0; s < f->model->state_count; s++)
+        if (fp3_fit_is_live(f->fit, s) && f->needs_time[f->model->states[s].derivative])
+            return 1;
+    return 0;
 }
 
 static fp3_status check_splitting(const fitting *f, fp3_error *error) {
@@ -119,13 +130,18 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
     assert(model->state_count <= FP3_STATES_MAX);
     *fit = (fp3_fit){.positions = find_positions(model)};
     f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);
-    if (!f.needs)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    find_needs(&f);
-    find_live(&f, options);
-    const fp3_status status = check(&f, error);
+    f.needs_time = calloc(model->expr_count + 1u, 1);
+    fp3_status status =
+        f.needs && f.needs_time ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status) {
+        find_needs(&f);
+        find_live(&f, options);
+        fit->has_time = has_time(&f);
+        status = check(&f, error);
+    }
     if (!status)
         fit->order = order_of(&f);
     free(f.needs);
+    free(f.needs_time);
     return status;
 }

@@ -10,6 +10,7 @@
 typedef struct {
     uint64_t live;      /* what somebody observes, and what that depends on */
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
+    int has_time;       /* the derivative of a live state has t in it */
     unsigned order;     /* theoretical, of the worst live state */
 } fp3_fit;
 

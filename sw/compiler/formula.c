@@ -110,6 +110,8 @@ static void print(printer *p, uint32_t expr, int around) {
         put_number(p, e->number, around);
     else if (e->op == FP3_EXPR_STATE)
         put(p, p->model->states[e->index].name);
+    else if (e->op == FP3_EXPR_TIME)
+        put(p, "t");
     else if (e->op == FP3_EXPR_PARAM)
         put(p, p->model->params[e->index].name);
     else if (e->op == FP3_EXPR_NEGATE) {

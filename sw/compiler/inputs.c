@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 int fp3_inputs_has_variable(const variable *v) { return v->role != ROLE_CARRIED; }
 
@@ -30,6 +31,8 @@ static fp3_status add(input_list *l, const char *name, int is_shared, uint32_t s
 
 static char *variable_formula(const fp3_step *step, const variable *v) {
     char *text = NULL;
+    if (v->role == ROLE_STEPS)
+        return strdup("0");
     const char *name = step->model->states[v->state].name;
     if (asprintf(&text,
                  v->role == ROLE_STATE    ? "%s at the start"

@@ -27,7 +27,8 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
     if (!add_variables(a, ROLE_STATE, 1, 1) ||
         !add_variables(a, ROLE_LOST, has_lost, has_lost && !is_stoermer) ||
         !add_variables(a, ROLE_BEFORE, is_stoermer, 0) ||
-        !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0))
+        !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0) ||
+        (a->fit->has_time && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)))
         return no_memory(error);
     for (uint32_t i = 0; i < a->step->variable_count; i++) {
         const variable *v = &a->step->variables[i];
@@ -40,14 +41,18 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
 }
 
 static term next_of(const fp3_advance *a, const variable *v) {
+    dag *g = &a->step->values;
     switch (v->role) {
     case ROLE_STATE:
         return a->now[v->state];
     case ROLE_LOST:
         return a->lost[v->state];
+    case ROLE_STEPS:
+        g->note = fp3_note(&a->step->notes, "steps made");
+        return fp3_term_add(g, fp3_advance_held(a, g, v->role, v->state),
+                            fp3_term(fp3_dag_number(g, 1)));
     default:
-        return fp3_advance_held(a, &a->step->values,
-                                v->role == ROLE_BEFORE ? ROLE_STATE : ROLE_LOST, v->state);
+        return fp3_advance_held(a, g, v->role == ROLE_BEFORE ? ROLE_STATE : ROLE_LOST, v->state);
     }
 }
 

@@ -151,6 +151,8 @@ static term lower(lowering *l, uint32_t expr) {
     switch (e->op) {
     case FP3_EXPR_STATE:
         return l->state(l, e->index);
+    case FP3_EXPR_TIME:
+        return l->time;
     case FP3_EXPR_NEGATE:
         return fp3_term_negated(at(l, e->operand[0]));
     case FP3_EXPR_ADD:

@@ -15,6 +15,7 @@ typedef struct lowering {
     dag *g;
     term (*state)(struct lowering *l, uint32_t state); /* the value of a state there */
     void *user;                                        /* of the function above */
+    term time;                                         /* t there, if the model has it */
     fp3_notes *notes;
     char place[FP3_PLACE_SIZE]; /* as notes call it */
     uint32_t index;

@@ -100,7 +100,9 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
         [ROLE_LOST] = "_lost", [ROLE_BEFORE] = "_before", [ROLE_LOST_BEFORE] = "_lost_before"};
     const variable *v = &step->variables[i];
     char wanted[FP3_NAME_SIZE + 16];
-    if (v->role == ROLE_CARRIED)
+    if (v->role == ROLE_STEPS)
+        snprintf(wanted, sizeof wanted, "%s", FP3_NAME_STEPS);
+    else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
     else
         snprintf(wanted, sizeof wanted, "%s%s", step->model->states[v->state].name,

@@ -51,7 +51,8 @@ static const char *subject_of(const fp3_model *model, uint32_t expr, const char 
 }
 
 uint32_t fp3_note_expr(fp3_notes *notes, const fp3_model *model, uint32_t expr, const char *place) {
-    if (!notes->is_on || model->exprs[expr].is_known || model->exprs[expr].op == FP3_EXPR_STATE)
+    const fp3_expr *e = &model->exprs[expr];
+    if (!notes->is_on || e->is_known || e->op == FP3_EXPR_STATE || e->op == FP3_EXPR_TIME)
         return FP3_NONE;
     char *text = fp3_formula_expr(model, expr);
     if (!text) {

@@ -205,6 +205,8 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_advance_places(a, a->integrator->stages, "k", state_at, &r, error);
+    for (uint32_t i = 0; !status && a->fit->has_time && i < a->integrator->stages; i++)
+        a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
     for (int late = 0; !status && late < 2; late++)
         for (uint32_t s = 0; s < states; s++)
             if (fp3_fit_is_live(a->fit, s) && is_late(&r, s) == late)

@@ -36,7 +36,13 @@ static void advance(const fp3_advance *a, unsigned i, const fp3_substep *substep
 
 fp3_status fp3_splitting(fp3_advance *a, fp3_error *error) {
     const fp3_status status = fp3_advance_places(a, a->integrator->stages, "", state_now, a, error);
-    for (unsigned i = 0; !status && i < a->integrator->stages; i++)
-        advance(a, i, &a->integrator->substeps[i]);
+    double drifted = 0; /* time moves with the positions */
+    for (unsigned i = 0; !status && i < a->integrator->stages; i++) {
+        const fp3_substep *substep = &a->integrator->substeps[i];
+        if (a->fit->has_time)
+            a->places[i].time = fp3_advance_time(a, &a->step->values, drifted);
+        drifted += substep->is_kick ? 0 : substep->coefficient;
+        advance(a, i, substep);
+    }
     return status;
 }

@@ -15,12 +15,13 @@ typedef enum {
     ROLE_LOST,        /* what its updates have rounded away */
     ROLE_BEFORE,      /* the state one step ago */
     ROLE_LOST_BEFORE, /* what was lost one step ago */
+    ROLE_STEPS,       /* how many steps were made: t is that times h */
     ROLE_CARRIED      /* a value that the next step needs again; the host does not see it */
 } role;
 
 typedef struct {
     role role;
-    uint32_t state; /* of the model */
+    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE */
     uint32_t next;  /* node: its value after the step */
     uint32_t first; /* CARRIED: node that computes it when a visit begins */
     uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */

@@ -38,6 +38,8 @@ static fp3_status find_velocity(fp3_advance *a, uint32_t s, fp3_error *error) {
     l.user = a;
     l.notes = &a->step->notes;
     l.place[0] = '1';
+    if (!status && a->fit->has_time)
+        l.time = fp3_advance_time(a, g, 0);
     if (status) {
         fp3_lower_close(&l);
         return status;
@@ -61,6 +63,8 @@ static fp3_status find_velocity(fp3_advance *a, uint32_t s, fp3_error *error) {
 fp3_status fp3_stoermer(fp3_advance *a, fp3_error *error) {
     const fp3_model *model = a->step->model;
     fp3_status status = fp3_advance_places(a, 1, "", state_at_begin, a, error);
+    if (!status && a->fit->has_time)
+        a->places[0].time = fp3_advance_time(a, &a->step->values, 0);
     for (uint32_t s = 0; !status && s < model->state_count; s++)
         if (fp3_fit_is_live(a->fit, s) && fp3_fit_is_position(a->fit, s)) {
             advance_position(a, s);

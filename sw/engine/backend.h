@@ -46,6 +46,7 @@ struct fp3_engine {
     /* Of each object, what its sleep register held when it was last looked at. */
     uint32_t *slept;
     int is_slept_known;                      /* slept is up to date */
+    int is_counted;                          /* so is what groups have counted */
     int is_listed;                           /* the next run begins with the right objects */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     void *self;                              /* the backend's own */

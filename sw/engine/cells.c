@@ -29,6 +29,8 @@ fp3_status fp3_engine_write_cell(fp3_engine *engine, size_t object, uint32_t reg
         engine->slept[object] = bits;
         engine->is_listed = 0;
     }
+    if (fp3_engine_counter_of(engine, object) == (int)reg)
+        engine->is_counted = 0;
     engine->is_touched = 1;
     return engine->backend->write(engine, object, reg, bits);
 }

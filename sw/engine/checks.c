@@ -31,6 +31,10 @@ int fp3_engine_slept_of(const fp3_engine *engine, size_t object) {
     return fp3_layout_group_of(&engine->layout, object)->program.slept;
 }
 
+int fp3_engine_counter_of(const fp3_engine *engine, size_t object) {
+    return fp3_layout_group_of(&engine->layout, object)->counter;
+}
+
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
     return fp3_engine_slept_of(engine, object) < 0 || engine->slept[object] == 0;
 }

@@ -45,7 +45,7 @@ static fp3_status place_objects(fp3_engine *engine) {
     if (status)
         return status;
     layout->groups[0].objects = engine->objects;
-    layout->groups[0].program.slept = -1;
+    layout->groups[0].program.slept = layout->groups[0].counter = -1;
     return fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
 }
 

@@ -20,6 +20,8 @@ typedef struct {
     uint32_t scheduler_count, columns;
     const uint32_t *schedulers; /* ascending */
     uint64_t steps;             /* that its objects made in the last run */
+    int counter;                /* register in which the program counts its steps, or -1 */
+    int64_t counted;            /* the most steps that an object has there */
     uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
 } fp3_members;
 

@@ -78,6 +78,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
         return status;
     to->objects = (uint32_t)from->objects;
     to->program = program_of(to->image, to->visit);
+    to->counter = fp3_image_steps(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
     return FP3_OK;
 }
@@ -140,7 +141,7 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     engine->layout = *layout;
     *layout = old;
     engine->clock = 0;
-    engine->is_slept_known = engine->is_listed = 0;
+    engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
     fp3_status status = engine->backend->load(engine);
     if (!status && l->objects)

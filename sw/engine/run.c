@@ -1,5 +1,6 @@
 /* run.c - a run: who is awake at its beginning, what it cost, how many steps were made. */
 #include "checks.h"
+#include "count.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -69,10 +70,13 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
     for (uint32_t i = 0; i < engine->layout.count; i++)
         engine->layout.groups[i].steps = 0;
-    fp3_status status = list_who_is_awake(engine);
+    fp3_status status = fp3_engine_check_count(engine, steps);
+    if (!status)
+        status = list_who_is_awake(engine);
     if (status)
         return status;
-    engine->is_slept_known = engine->is_listed = 0;
+    const int was_counted = engine->is_counted;
+    engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
     status = engine->backend->run(engine, steps, stats);
     sum_counters(engine, stats);
@@ -80,7 +84,9 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
         status = count_steps(engine, steps, stats);
     if (!status) {
         engine->is_slept_known = engine->is_listed = 1;
+        engine->is_counted = was_counted;
         engine->clock += steps;
+        fp3_engine_count(engine, steps);
     }
     return status;
 }

@@ -23,6 +23,15 @@ int fp3_name_valid(const char *text) {
     return length > 0 && length < FP3_NAME_SIZE && !text[length] && !(*text >= '0' && *text <= '9');
 }
 
+const char *fp3_name_expected(const char *name, fp3_symbol_class symbol_class) {
+    const unsigned classes = FP3_CLASS(symbol_class) & FP3_CLASSES_HOST;
+    if (!strcmp(name, FP3_NAME_STEP) && classes & ~FP3_CLASS(FP3_SYMBOL_SHARED))
+        return "another name ('h' is the time step, a .shared: all objects have the same)";
+    if (!strcmp(name, FP3_NAME_STEPS) && classes & ~FP3_CLASS(FP3_SYMBOL_STATE))
+        return "another name ('steps' is how many steps an object has made, a .state)";
+    return NULL;
+}
+
 int fp3_class_is_object(fp3_symbol_class symbol_class) {
     return (FP3_CLASS(symbol_class) & FP3_CLASSES_OBJECT) != 0;
 }
@@ -51,6 +60,11 @@ const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index) {
         if (image->constants[i].index == index)
             return &image->constants[i].bits;
     return NULL;
+}
+
+int fp3_image_steps(const fp3_image *image) {
+    const fp3_symbol *s = fp3_image_find(image, FP3_NAME_STEPS, FP3_CLASS(FP3_SYMBOL_STATE));
+    return s ? (int)s->index : -1;
 }
 
 static int names_slept(uint32_t word, uint32_t *d) {
@@ -128,6 +142,10 @@ static fp3_status check_symbols(const fp3_image *image, fp3_error *error) {
         if (!memchr(symbol->name, 0, FP3_NAME_SIZE) || !fp3_name_valid(symbol->name))
             return fp3_fail(error, FP3_E_PROGRAM, "symbol %u has '%.*s' for a name", i,
                             FP3_NAME_SIZE - 1, symbol->name);
+        const char *expected = fp3_name_expected(symbol->name, symbol->symbol_class);
+        if (expected)
+            return fp3_fail(error, FP3_E_PROGRAM, "symbol %u: found the %s '%s', expected %s", i,
+                            fp3_class_name(symbol->symbol_class), symbol->name, expected);
         if (symbol->symbol_class == FP3_SYMBOL_LABEL) {
             if (symbol->index > image->code_count)
                 return fp3_fail(error, FP3_E_PROGRAM,
@@ -167,6 +185,10 @@ static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
                             "code word %u sleeps in r%u, but one before it in r%d: a program has "
                             "one sleep register",
                             i, d, slept);
+    if (slept == fp3_image_steps(image))
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "r%d, in which objects sleep, is 'steps', how many steps an object has made", slept);
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *s = &image->symbols[i];
         if (s->index == (uint32_t)slept && fp3_class_is_object(s->symbol_class) &&

@@ -90,9 +90,10 @@ static ode_value start_of(ode_parser *p, fp3_token name, const ode_symbol *s, un
 }
 
 static ode_value time_now(ode_parser *p, fp3_token name) {
-    if (p->context == ODE_IN_EXACT)
+    if (p->context != ODE_IN_CONSTANT && p->context != ODE_IN_START)
         return fp3_ode_leaf(p, name, FP3_EXPR_TIME, 0, 0);
-    fp3_ode_wrong(&p->in, name, "a name other than t, the time, which may stand in 'exact' alone");
+    fp3_ode_wrong(&p->in, name,
+                  "a value that is known before the start (t is the time since then)");
     return nothing;
 }
 

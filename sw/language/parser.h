@@ -40,9 +40,9 @@ typedef struct {
 typedef enum {
     ODE_IN_CONSTANT,  /* numbers */
     ODE_IN_START,     /* numbers and params */
-    ODE_IN_EQUATION,  /* what the hardware can compute from states, and anything of params */
+    ODE_IN_EQUATION,  /* what the hardware can compute from states and t, and anything of params */
     ODE_IN_EXACT,     /* numbers, params, t and v(0) */
-    ODE_IN_INVARIANT, /* numbers, params and states */
+    ODE_IN_INVARIANT, /* numbers, params, states and t */
 } ode_context;
 
 typedef enum { ODE_STATE, ODE_PARAM, ODE_DEFINITION, ODE_INVARIANT } ode_class;
@@ -95,10 +95,10 @@ typedef struct {
     uint32_t expr_count;
     fp3_expr exprs[ODE_EXPRS];
     /* Of each expression: where it is written, its dimension once checked, whether it depends on a
-     * state. */
+     * state, and on t. */
     fp3_token expr_at[ODE_EXPRS];
     ode_dimension dimensions[ODE_EXPRS];
-    char has_state[ODE_EXPRS];
+    char has_state[ODE_EXPRS], has_time[ODE_EXPRS];
     double values[ODE_EXPRS]; /* while a constant is read */
 } ode_parser;
 

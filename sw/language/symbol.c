@@ -69,6 +69,13 @@ static const ode_symbol *occupied(const ode_parser *p, fp3_token name, unsigned 
     return NULL;
 }
 
+/* What every program has, or may have, beside the model's own names. */
+static const struct {
+    const char *name, *meaning;
+} given[] = {{"t", "the time"},
+             {FP3_NAME_STEP, "the time step, which `step` and --set h= give"},
+             {FP3_NAME_STEPS, "the number of steps made"}};
+
 int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size) {
     char text[FP3_NAME_SIZE];
     unsigned room = FP3_NAME_SIZE - (size > 1 ? 3 : 1);
@@ -81,6 +88,11 @@ int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size) {
         fp3_ode_wrong(&p->in, name, "a name without a '.'");
         return 0;
     }
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        if (fp3_token_is(name, given[i].name)) {
+            fp3_ode_wrong(&p->in, name, "another name ('%s' is %s)", text, given[i].meaning);
+            return 0;
+        }
     if (!fp3_name_valid(text) || fp3_ode_is_keyword(name) || fp3_ode_function(name)) {
         fp3_ode_wrong(&p->in, name, "a name ('%s' has a meaning of its own)", text);
         return 0;

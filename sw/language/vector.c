@@ -23,7 +23,7 @@ static fp3_expr *new_expr(ode_parser *p, fp3_token at, fp3_expr_op op) {
     }
     uint32_t i = p->expr_count++;
     p->expr_at[i] = at;
-    p->has_state[i] = 0;
+    p->has_state[i] = p->has_time[i] = 0;
     p->exprs[i] = (fp3_expr){.op = op,
                              .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
                              .line = at.location.line,
@@ -39,6 +39,7 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     e->number = number;
     e->is_known = op == FP3_EXPR_NUMBER || op == FP3_EXPR_PARAM;
     p->has_state[p->expr_count - 1] = op == FP3_EXPR_STATE;
+    p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME;
     return (ode_value){1, {p->expr_count - 1}};
 }
 
@@ -46,10 +47,10 @@ static int is_small_integer(const fp3_expr *e) {
     return e->op == FP3_EXPR_NUMBER && fabs(e->number) <= 8 && e->number == floor(e->number);
 }
 
-/* Whether the hardware can compute it. Reports it if not. */
+/* Whether the hardware can compute it. Reports it if not. varies: it is not known before a run. */
 static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t operand[3],
-                    int has_state) {
-    if (!has_state)
+                    int varies) {
+    if (!varies)
         return 1;
     if (op == FP3_EXPR_POWER && !is_small_integer(&p->exprs[operand[1]])) {
         fp3_ode_wrong(&p->in, at, "an integer from -8 to 8 as the power of a state");
@@ -70,20 +71,24 @@ static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t 
 static uint32_t operation(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t a, uint32_t b,
                           uint32_t c) {
     const uint32_t operand[3] = {a, b, c};
-    int has_state = 0, is_known = 1;
+    int has_state = 0, has_time = 0, is_known = 1;
     if (p->in.is_over)
         return FP3_NONE;
     for (unsigned i = 0; i < fp3_ode_operands(op); i++) {
         assert(operand[i] < p->expr_count); /* operands stand before the operation */
         has_state |= p->has_state[operand[i]];
+        has_time |= p->has_time[operand[i]];
         is_known &= p->exprs[operand[i]].is_known;
     }
-    fp3_expr *e = possible(p, at, op, operand, has_state) ? new_expr(p, at, op) : NULL;
+    /* The host computes closed forms, and there t is a number. */
+    const int varies = has_state || (has_time && p->context == ODE_IN_EQUATION);
+    fp3_expr *e = possible(p, at, op, operand, varies) ? new_expr(p, at, op) : NULL;
     if (!e)
         return FP3_NONE;
     memcpy(e->operand, operand, sizeof operand);
     e->is_known = is_known;
     p->has_state[p->expr_count - 1] = (char)has_state;
+    p->has_time[p->expr_count - 1] = (char)has_time;
     return p->expr_count - 1;
 }
 

@@ -24,11 +24,13 @@ static int image_has(const void *image, const char *name) {
 }
 
 /* How a value becomes the word of a register or constant. */
-typedef enum { WORD_NUMBER, WORD_H, WORD_SLEPT } word_kind;
+typedef enum { WORD_NUMBER, WORD_H, WORD_SLEPT, WORD_STEPS } word_kind;
 
 static word_kind kind_of(const fp3_symbol *symbol, int slept) {
     if (symbol->symbol_class == FP3_SYMBOL_SHARED)
-        return strcmp(symbol->name, "h") == 0 ? WORD_H : WORD_NUMBER;
+        return strcmp(symbol->name, FP3_NAME_STEP) == 0 ? WORD_H : WORD_NUMBER;
+    if (strcmp(symbol->name, FP3_NAME_STEPS) == 0)
+        return WORD_STEPS;
     return symbol->symbol_class == FP3_SYMBOL_STATE && (int)symbol->index == slept ? WORD_SLEPT
                                                                                    : WORD_NUMBER;
 }
@@ -39,6 +41,12 @@ static const char *word_of(double value, word_kind kind, float *word) {
         return fp3_number_single(value, word);
     if (kind == WORD_H)
         return fp3_number_step(value, word);
+    if (kind == WORD_STEPS) {
+        *word = (float)value;
+        return fabs(value) <= FP3_STEPS_LIMIT && floor(value) == value
+                   ? NULL
+                   : "a whole number from -16777216 to 16777216";
+    }
     if (!(value >= 0 && value <= UINT32_MAX && floor(value) == value))
         return "the number of a step, an integer from 0 to 4294967295";
     const uint32_t step = (uint32_t)value;
@@ -50,7 +58,10 @@ static const char *word_of(double value, word_kind kind, float *word) {
 static fp3_status word_at(const fp3_params *params, const fp3_symbol *symbol, word_kind kind,
                           double share, float *word, int *is_spread, fp3_error *error) {
     double value = 0;
-    fp3_status status = fp3_values_at(params, symbol->name, share, &value, is_spread, error);
+    fp3_status status = FP3_OK;
+    *is_spread = 0;
+    if (kind != WORD_STEPS || fp3_params_has(params, symbol->name)) /* else none were made */
+        status = fp3_values_at(params, symbol->name, share, &value, is_spread, error);
     const char *expected = status ? NULL : word_of(value, kind, word);
     return expected
                ? fp3_value_wrong(params, symbol->name, error, "parameter '%s' is %.9g: expected %s",
@@ -104,9 +115,20 @@ static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
 
 /* ---- of a model ---- */
 
-static int model_has(const void *model, const char *name) {
-    return strcmp(name, "h") == 0 || fp3_model_param(model, name) != FP3_NONE ||
-           fp3_model_state(model, name) != FP3_NONE;
+/* Which input is the number of steps made; FP3_NONE: the equations have no t. */
+static uint32_t steps_input(const fp3_compiled *c) {
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (strcmp(c->inputs[i].name, FP3_NAME_STEPS) == 0)
+            return i;
+    return FP3_NONE;
+}
+
+static int model_has(const void *of, const char *name) {
+    const fp3_program *program = of;
+    return strcmp(name, FP3_NAME_STEP) == 0 ||
+           (strcmp(name, FP3_NAME_STEPS) == 0 && steps_input(program->compiled) != FP3_NONE) ||
+           fp3_model_param(program->model, name) != FP3_NONE ||
+           fp3_model_state(program->model, name) != FP3_NONE;
 }
 
 /* What the inputs of an object are computed from. */
@@ -147,11 +169,9 @@ static fp3_status take_all(const fp3_model *model, const fp3_params *params, dou
     for (uint32_t i = 0; !status && i < model->state_count; i++)
         status =
             take_quantity(params, &model->states[i], share, &to->initial[i], &to->is_spread, error);
-    /* A model's own h hides that of the integrator. */
     to->h = model->step;
-    if (!status && fp3_model_param(model, "h") == FP3_NONE &&
-        fp3_model_state(model, "h") == FP3_NONE)
-        status = take(params, "h", share, &to->h, &is_spread, error);
+    if (!status)
+        status = take(params, FP3_NAME_STEP, share, &to->h, &is_spread, error);
     if (!status && is_spread)
         status =
             fp3_value_wrong(params, "h", error, "'h' is spread, and all objects have the same");
@@ -173,6 +193,28 @@ static fp3_status inputs_of(const fp3_program *program, const fp3_params *params
                                     : FP3_OK;
 }
 
+/* Where an object starts in time: at h times its number of steps. */
+static fp3_status take_steps(const fp3_program *program, const fp3_params *params, double share,
+                             float *values, int *is_any_spread, fp3_error *error) {
+    const uint32_t input = steps_input(program->compiled);
+    double n = 0;
+    int is_spread = 0;
+    if (input == FP3_NONE)
+        return FP3_OK;
+    fp3_status status = take(params, FP3_NAME_STEPS, share, &n, &is_spread, error);
+    const char *expected = status ? NULL : word_of(n, WORD_STEPS, &values[input]);
+    if (expected)
+        return fp3_value_wrong(params, FP3_NAME_STEPS, error, "'steps' is %.9g: expected %s", n,
+                               expected);
+    if (!status && n != 0 && program->integrator->kind == FP3_STOERMER)
+        return fp3_value_wrong(params, FP3_NAME_STEPS, error,
+                               "'steps' is %.9g: integrator '%s' begins at 0, since it is there "
+                               "that the position one step before is known",
+                               n, program->integrator->name);
+    *is_any_spread |= is_spread;
+    return status;
+}
+
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
                               float *values, int *is_spread, fp3_error *error) {
     const fp3_model *model = program->model;
@@ -184,9 +226,11 @@ fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *para
     if (!status)
         status = take_all(model, params, share, &of, error);
     if (!status)
-        status = fp3_values_check(params, model_has, model, error);
+        status = fp3_values_check(params, model_has, program, error);
     if (!status)
         status = inputs_of(program, params, &of, values, error);
+    if (!status)
+        status = take_steps(program, params, share, values, &of.is_spread, error);
     *is_spread = of.is_spread;
     free(of.params);
     free(of.initial);

@@ -2,6 +2,7 @@
 #include <fp3/reference.h>
 
 #include <fp3/isa.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,6 +101,11 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, in
 static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
                       int is_exact, const uint64_t *steps, size_t count, double *states,
                       fp3_error *error) {
+    const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;
+    if (is_counted && count && steps[count - 1] > FP3_STEPS_LIMIT)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%" PRIu64 " steps of equations with t: FP32 counts to %d",
+                        steps[count - 1], FP3_STEPS_LIMIT);
     double *start = calloc(b->variable_count + 1u, sizeof *start);
     fp3_status status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)

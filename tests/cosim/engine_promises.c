@@ -10,6 +10,7 @@
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <machine/config.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -500,6 +501,40 @@ static void an_object_knows_when_it_failed(bench *b) {
     EXPECT(status[0].flags == overflow && status[1].flags == 0);
 }
 
+/* The host counts along, and asks again where it wrote, or where a run ended before its time. */
+static void steps_are_counted_as_far_as_fp32_does(bench *b) {
+    static const char *const program =
+        ".state steps x\nstep:\nadd steps, steps, 1.0\nadd x, x, 1.0\n";
+    const size_t last = fp3_engine_objects(b->engine) - 1;
+    fp3_image *image = assemble(program);
+    float n = FP3_STEPS_LIMIT - 3, half = 0.5f, none = NAN, x;
+    EXPECT(image && fp3_image_steps(image) == 0 && !fp3_engine_load(b->engine, image));
+    EXPECT(fp3_engine_run(b->engine, FP3_STEPS_LIMIT + 1, NULL) == FP3_E_ARGUMENT && SAYS("FP32"));
+    EXPECT(!fp3_engine_run(b->engine, 2, NULL) && !fp3_engine_write(b->engine, last, 1, 0, &n));
+    EXPECT(fp3_engine_run(b->engine, 4, NULL) == FP3_E_ARGUMENT && SAYS("16777213"));
+    EXPECT(!fp3_engine_run(b->engine, 1, NULL) && !fp3_engine_run(b->engine, 1, NULL));
+    EXPECT(fp3_engine_run(b->engine, 2, NULL) == FP3_E_ARGUMENT && SAYS("16777215"));
+    EXPECT(!fp3_engine_run(b->engine, 1, NULL) && !fp3_engine_run(b->engine, 0, NULL));
+    EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && SAYS("16777216"));
+    EXPECT(!fp3_engine_get(b->engine, last, "steps", &x) && x == FP3_STEPS_LIMIT);
+    EXPECT(!fp3_engine_get(b->engine, last, "x", &x) && x == 5);
+    EXPECT(!fp3_engine_load(b->engine, image)); /* registers stay */
+    EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && SAYS("16777216"));
+    EXPECT(!fp3_engine_write(b->engine, last, 1, 0, &half));
+    EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && SAYS("'steps' is 0.5"));
+    EXPECT(!fp3_engine_write(b->engine, last, 1, 0, &none));
+    EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && SAYS("nan"));
+    n = -FP3_STEPS_LIMIT;
+    EXPECT(!fp3_engine_set(b->engine, "steps", n) && !fp3_engine_run(b->engine, 1, NULL));
+    EXPECT(!fp3_engine_get(b->engine, 0, "steps", &x) && x == n + 1);
+    /* A run that the cycle limit ended. */
+    b->def.cycle_limit = 1000;
+    EXPECT(!reopen(b) && !fp3_engine_load(b->engine, image));
+    EXPECT(fp3_engine_run(b->engine, 10000000, NULL) == FP3_E_LIMIT);
+    EXPECT(fp3_engine_run(b->engine, 10000000, NULL) == FP3_E_LIMIT);
+    fp3_image_free(&image);
+}
+
 /* Which configurations a promise is about. */
 typedef enum { ANY, STORE, SLEEP, STATUS } about;
 
@@ -513,6 +548,7 @@ typedef enum { ANY, STORE, SLEEP, STATUS } about;
     X(names_are_those_of_the_program, ANY)                                                         \
     X(an_illegal_word_ends_the_run_there, ANY)                                                     \
     X(the_cycle_limit_stops_a_run, ANY)                                                            \
+    X(steps_are_counted_as_far_as_fp32_does, ANY)                                                  \
     X(no_steps_execute_nothing, ANY)                                                               \
     X(flags_are_those_of_the_last_run, ANY)                                                        \
     X(the_bus_log_has_every_transfer, ANY)                                                         \

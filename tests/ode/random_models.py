@@ -7,7 +7,7 @@ INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5",
                "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]
 CONFIGS = ["single_full", "many_full", "sixteen"]
 PLAIN = ["single", "many", "uncut", "paper", "shared"]  # without comparison, selection, estimates
-NAMES = ["h", "t0", "t1", "over_m", "c1", "kept2", "step_", "r0", "k0", "add", "x_lost", "x", "v", "m", "p1",
+NAMES = ["h_", "steps_", "t0", "t1", "over_m", "c1", "kept2", "step_", "r0", "k0", "add", "x_lost", "x", "v", "m", "p1",
          "madd", "a234567890123456789012345678901", "b234567890123456789012345678901", "h2", "e", "over_h", "x_before"]
 
 
@@ -23,6 +23,8 @@ class Maker:
         self.known = list(self.params)
         self.values = list(self.states)
         self.definitions = []
+        self.times = rng.choice([[], [], ["t"]])
+        self.values += self.times
         self.names = names
         self.made = []
 
@@ -133,7 +135,7 @@ def mechanics(rng, is_plain):
     m.states = [s for pair in pairs for s in pair]
     m.params = [p for p in m.params if p not in m.states]
     m.known = list(m.params)
-    m.values = positions if rng.random() < 0.7 else list(m.states)
+    m.values = (positions if rng.random() < 0.7 else list(m.states)) + m.times
     equations = {x: v for x, v in pairs}
     equations.update({v: m.expression(rng.randint(1, 3)) for _, v in pairs})
     m.derivative = equations.__getitem__

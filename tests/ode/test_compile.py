@@ -226,11 +226,6 @@ def test_comments_say_what_is_computed(tmp_path):
     assert max(map(len, lines)) < 140 and not any("+  +" in line for line in lines)
 
 
-def test_the_own_h_of_a_model_is_not_the_time_step(tmp_path):
-    path = written(tmp_path, "param h = 2", "state v = 1", "v' = h")
-    assert ends(path, "-i", "euler", steps=1, settings=["h=4"]) == {("v", 0): "0x3fc00000"}  # 1 + 4/8
-
-
 @pytest.mark.smoke
 def test_what_is_made_of_params_alike_is_kept_once(tmp_path):
     """However often the equations say it; and what is computed with it is computed once."""

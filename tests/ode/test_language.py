@@ -399,8 +399,13 @@ WRONG = [
     ("q.x = 1", 1, "'q.x'", "expected a name without a '.'"),
     ("param step = 1", 7, "'step'", NAME_OF_ITS_OWN.format("step")),
     *[(f"param {word} = 1", 7, f"'{word}'", NAME_OF_ITS_OWN.format(word))
-      for word in "t pi sin select norm and not model exact first last inf nan".split()],
-    ("t = 1", 1, "'t'", NAME_OF_ITS_OWN.format("t")),
+      for word in "pi sin select norm and not model exact first last inf nan".split()],
+    ("t = 1", 1, "'t'", "expected another name ('t' is the time)"),
+    ("param h = 1", 7, "'h'", "expected another name ('h' is the time step, which `step` and --set h= give)"),
+    ("state h = 1", 7, "'h'", "expected another name ('h' is the time step, which `step` and --set h= give)"),
+    ("h = x", 1, "'h'", "expected another name ('h' is the time step, which `step` and --set h= give)"),
+    ("invariant h = x", 11, "'h'", "expected another name ('h' is the time step, which `step` and --set h= give)"),
+    ("shared steps = 1", 8, "'steps'", "expected another name ('steps' is the number of steps made)"),
     ("n" * 32 + " = 1", 1, "'" + "n" * 32 + "'", "expected a name of at most 31 characters"),
     ("param " + "n" * 30 + "[2] = (1, 2)", 7, "'" + "n" * 30 + "'", "expected a name of at most 29 characters"),
     ("n" * 30 + " = r", 1, "'" + "n" * 30 + "'", "expected a name of at most 29 characters"),
@@ -431,7 +436,8 @@ WRONG = [
     ("exact x = k(0)", 12, "'('", "expected an operator ('k' is no function)"),
     ("invariant 3", 11, "'3'", "expected a name for the invariant"),
     ("invariant q 3", 13, "'3'", "expected '='"),
-    ("invariant q = t", 15, "'t'", "expected a name other than t, the time, which may stand in 'exact' alone"),
+    ("param q = t", 11, "'t'", "expected a value that is known before the start (t is the time since then)"),
+    ("state q = 2*t", 13, "'t'", "expected a value that is known before the start (t is the time since then)"),
     ("invariant q = x(0)", 16, "'('", "expected an operator (the start of a state may stand in 'exact' alone)"),
     # expressions
     ("q = ", 5, "end of file", OPERAND),
@@ -468,7 +474,7 @@ WRONG = [
     ("q = k(x)", 6, "'('", "expected an operator ('k' is no function)"),
     ("q = FF + x", 5, "'FF'", "expected a name that is defined (did you mean 'F'?)"),
     ("q = q", 5, "'q'", "expected a name that is defined above"),
-    ("q = t", 5, "'t'", "expected a name other than t, the time, which may stand in 'exact' alone"),
+    ("q = 2^t", 6, "'^'", POWER),
     ("q = x(0)", 6, "'('", "expected an operator (the start of a state may stand in 'exact' alone)"),
     # what the hardware cannot
     *[(f"q = {f}(c*x*0)", 5, f"'{f}'", HOST.format(f))
@@ -738,7 +744,7 @@ def test_constants(constant, text, expected):
     ("1\n", "column 2: found end of line, expected an operator or the end"),
     ("1 [m]", "column 3: found '[', expected an operator or the end"),
     ("x", "column 1: found 'x', expected a number or a function"),
-    ("t", "column 1: found 't', expected a name other than t, the time, which may stand in 'exact' alone"),
+    ("t", "column 1: found 't', expected a value that is known before the start (t is the time since then)"),
     ("1/0", "column 1: found '1', expected a finite value (this is infinite)"),
     ("sqrt(-1)", "column 1: found 'sqrt', expected a finite value (this is not a number)"),
     ("(1, 2)", "column 1: found '(', expected a number (this is a vector of 2)"),

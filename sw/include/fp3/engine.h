@@ -183,6 +183,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
 /* Every object that is awake makes this number of steps, from 0 to 2^32 - 1. Each visit executes the
  * first part once, the step part once per step, and the last part once. 0 steps execute nothing. An
  * object that falls asleep still executes the last part of that visit, and nothing after it.
+ * FP3_E_ARGUMENT: too many, or more than a program can count in `steps` (FP3_STEPS_LIMIT) from what an
+ * object has there; nothing was executed.
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
  * within a step, a few cycles late. After both, registers can be read, stats (may be NULL) is filled,
  * and the next run numbers its steps as if this one had not been. If the configuration interleaves,

@@ -56,6 +56,14 @@ typedef enum {
     (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_SHARED))
 #define FP3_CLASSES_ALL (FP3_CLASS(FP3_SYMBOL_CLASSES) - 1)
 
+/* Two names that mean the same in every program. `h` is the time step, one for all objects. `steps`
+ * is how many steps an object has made, as an FP32 number: a program that has it adds 1 in each step,
+ * and an engine refuses to run it beyond FP3_STEPS_LIMIT. What the host gives by these names can only
+ * be a .shared and a .state. */
+#define FP3_NAME_STEP "h"
+#define FP3_NAME_STEPS "steps"
+#define FP3_STEPS_LIMIT 16777216 /* 2^24: FP32 has no 2^24 + 1 */
+
 typedef struct {
     fp3_symbol_class symbol_class;
     uint32_t index; /* 0..63 within its bank, or a code word's index */
@@ -95,7 +103,7 @@ uint32_t fp3_word_encode(const fp3_instruction *instruction);
  * and shared are counted (the draft's are ignored), constants and symbols sorted.
  * Refused: step < last <= code_count <= FP3_IMAGE_CODE_LIMIT not held, an index out of its bank, a
  * malformed or a double name, two names or two values for one register, a .const without a value or
- * a .shared with one, sleep and lds with different destinations or with a .param or .temp. Illegal
+ * a .shared with one, a .param `steps` or a .state `h`, sleep and lds with different destinations or with a .param or .temp. Illegal
  * code words are let through: they are an engine's to refuse. */
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
 /* Sets *image to NULL; that it was NULL before does no harm. */
@@ -122,6 +130,8 @@ const char *fp3_image_name(const fp3_image *image, uint32_t operand);
 const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
 /* The object register that sleep writes and lds reads, or -1 in a program without them. */
 int fp3_image_slept(const fp3_image *image);
+/* The object register that counts the object's steps, FP3_NAME_STEPS, or -1. */
+int fp3_image_steps(const fp3_image *image);
 /* "state" and so on; "?" for what is no class. */
 const char *fp3_class_name(fp3_symbol_class symbol_class);
 /* Whether the class names object registers. */
@@ -129,6 +139,8 @@ int fp3_class_is_object(fp3_symbol_class symbol_class);
 /* Whether text is a name: a letter or _, then letters, digits or _, 31 characters at most, and not
  * one of the words that mean something by themselves: first, step, last, inf, nan. */
 int fp3_name_valid(const char *text);
+/* NULL, or what is expected instead of this name for a symbol of the class. */
+const char *fp3_name_expected(const char *name, fp3_symbol_class symbol_class);
 
 FP3_API_END
 

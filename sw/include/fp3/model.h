@@ -30,7 +30,7 @@ FP3_API_BEGIN
     X(NUMBER, 0, 0)                                                                                \
     X(STATE, 0, 0)   /* index: of states */                                                        \
     X(PARAM, 0, 0)   /* index: of params */                                                        \
-    X(TIME, 0, 1)    /* t, 0 at the start */                                                       \
+    X(TIME, 0, 0)    /* t, 0 at the start */                                                       \
     X(INITIAL, 0, 1) /* v(0): state index at the start */                                          \
     X(NEGATE, 1, 0)                                                                                \
     X(ADD, 2, 0)                                                                                   \

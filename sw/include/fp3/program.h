@@ -53,7 +53,8 @@ void fp3_program_close(fp3_program **program);
 
 /* Loads the program into the engine, and gives all objects their values.
  * params names states, params and shared constants of the program; of a model its states, its params
- * and h, which have defaults. The register that `sleep` writes has one, too: awake.
+ * and h, which have defaults. The register that `sleep` writes has one, too: awake; and so has `steps`
+ * where a program counts them: 0. An object starts at time steps * h.
  * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not have.
  * After a failure the program may be loaded, and some of the values written. What the engine refuses
  * is told where its definition says, not in error. params may not be NULL. */

@@ -1,0 +1,12 @@
+/* count.h - programs that count their steps in an FP32 number, and where that ends. */
+#ifndef FP3_ENGINE_COUNT_H
+#define FP3_ENGINE_COUNT_H
+
+#include "backend.h"
+
+/* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
+fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
+/* So many steps were made. */
+void fp3_engine_count(fp3_engine *engine, uint32_t steps);
+
+#endif
