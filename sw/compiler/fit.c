@@ -32,6 +32,13 @@ uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_
     return FP3_NONE;
 }
 
+int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event) {
+    for (uint32_t i = 0; i < event->count; i++)
+        if (fp3_fit_is_live(fit, model->assignments[event->first + i].state))
+            return 1;
+    return 0;
+}
+
 static void find_needs(const fitting *f) {
     for (uint32_t i = 0; i < f->model->expr_count; i++) {
         const fp3_expr *e = &f->model->exprs[i];
@@ -55,6 +62,20 @@ static uint64_t found_by(const fitting *f, uint32_t state) {
     return f->integrator->kind == FP3_STOERMER && position != FP3_NONE ? BIT(position) : 0;
 }
 
+/* What is needed to change the states of this set, if events do. */
+static uint64_t needs_of_events(const fitting *f, uint64_t states) {
+    uint64_t needs = 0;
+    for (uint32_t i = 0; i < f->model->event_count; i++) {
+        const fp3_event *event = &f->model->events[i];
+        for (uint32_t j = 0; j < event->count; j++) {
+            const fp3_assignment *a = &f->model->assignments[event->first + j];
+            if (states & BIT(a->state))
+                needs |= f->needs[event->condition] | f->needs[a->expr];
+        }
+    }
+    return needs;
+}
+
 static void find_live(const fitting *f, const fp3_options *options) {
     const uint32_t count = f->model->state_count;
     const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
@@ -65,6 +86,7 @@ static void find_live(const fitting *f, const fp3_options *options) {
         for (uint32_t s = 0; s < count; s++)
             if (before & BIT(s))
                 *live |= needs_of(f, s) | found_by(f, s);
+        *live |= needs_of_events(f, before);
     }
 }
 
@@ -72,6 +94,15 @@ static int has_time(const fitting *f) {
     for (uint32_t s = 0; s < f->model->state_count; s++)
         if (fp3_fit_is_live(f->fit, s) && f->needs_time[f->model->states[s].derivative])
             return 1;
+    for (uint32_t i = 0; i < f->model->event_count; i++) {
+        const fp3_event *event = &f->model->events[i];
+        for (uint32_t j = 0; j < event->count; j++) {
+            const fp3_assignment *a = &f->model->assignments[event->first + j];
+            if (fp3_fit_is_live(f->fit, a->state) &&
+                (f->needs_time[event->condition] || f->needs_time[a->expr]))
+                return 1;
+        }
+    }
     return 0;
 }
 
@@ -82,6 +113,19 @@ static fp3_status check_splitting(const fitting *f, fp3_error *error) {
                     "integrator '%s' moves positions: found no state whose derivative is another "
                     "state (as in s' = v), expected one",
                     f->integrator->name);
+}
+
+/* Every live state is a position, or a velocity that is found from two of them. */
+static fp3_status check_stoermer_events(const fitting *f, fp3_error *error) {
+    for (uint32_t i = 0; i < f->model->event_count; i++) {
+        const fp3_event *event = &f->model->events[i];
+        if (fp3_fit_has_event(f->fit, f->model, event))
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "line %" PRIu32 ": integrator '%s' goes on from the positions of two "
+                            "steps: found an event, which would change one of them",
+                            event->line, f->integrator->name);
+    }
+    return FP3_OK;
 }
 
 static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
@@ -101,7 +145,7 @@ static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
                             "'%s', whose derivative depends on more than positions",
                             q->line, f->integrator->name, q->name);
     }
-    return FP3_OK;
+    return check_stoermer_events(f, error);
 }
 
 static fp3_status check(const fitting *f, fp3_error *error) {
@@ -111,8 +155,18 @@ static fp3_status check(const fitting *f, fp3_error *error) {
     return status || f->integrator->kind == FP3_SPLITTING ? status : check_stoermer(f, error);
 }
 
+/* An event happens up to a step late. */
+static int has_events(const fitting *f) {
+    for (uint32_t i = 0; i < f->model->event_count; i++)
+        if (fp3_fit_has_event(f->fit, f->model, &f->model->events[i]))
+            return 1;
+    return 0;
+}
+
 static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
+    if (has_events(f))
+        return 1;
     if (integrator->kind == FP3_RUNGE_KUTTA)
         return integrator->is_position_late && f->fit->live & f->fit->positions
                    ? integrator->position_order

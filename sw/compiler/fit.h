@@ -10,13 +10,16 @@
 typedef struct {
     uint64_t live;      /* what somebody observes, and what that depends on */
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
-    int has_time;       /* the derivative of a live state has t in it */
+    int has_time;       /* the equations or events of a live state have t in them */
     unsigned order;     /* theoretical, of the worst live state */
 } fp3_fit;
 
 /* FP3_E_PROGRAM: the model has not the positions and velocities that the integrator moves. */
 fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator,
                         const fp3_options *options, fp3_fit *fit, fp3_error *error);
+
+/* Whether the event changes a live state. */
+int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event);
 
 /* The first position that this state is the velocity of, or FP3_NONE. */
 uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_t velocity);

@@ -2,6 +2,7 @@
 #include "integrate.h"
 
 #include "advance.h"
+#include "events.h"
 #include "runge_kutta.h"
 #include "splitting.h"
 #include "stoermer.h"
@@ -80,6 +81,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
         status = make_variables(&a, error);
     if (!status)
         status = advance(&a, error);
+    if (!status)
+        status = fp3_events(&a, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++)
         step->variables[i].next = fp3_term_value(&step->values, next_of(&a, &step->variables[i]));
     for (uint32_t i = 0; i < a.place_count; i++)

@@ -147,4 +147,8 @@ void fp3_ode_check_equations(ode_parser *p) {
         check(p, &s->second, &second, "a second derivative");
         check(p, &s->exact, &s->dimension, "a closed form");
     }
+    for (uint32_t i = 0; i < p->assignment_count && !fp3_report_full(&p->in.report); i++) {
+        const ode_assignment *a = &p->assignments[i];
+        check(p, &a->to, &p->states[a->state].dimension, "a value");
+    }
 }

@@ -104,3 +104,22 @@ void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *
     for (uint32_t i = 0; i < model->expr_count; i++)
         values[i] = fp3_ode_compute(&model->exprs[i], point, values);
 }
+
+static int is_other(double a, double b) { return a != b && !(isnan(a) && isnan(b)); }
+
+int fp3_model_fire(const fp3_model *model, const double *params, double t, double *states,
+                   double *values) {
+    int has_changed = 0;
+    for (uint32_t i = 0; i < model->event_count; i++) {
+        const fp3_event *event = &model->events[i];
+        fp3_model_evaluate(model, &(fp3_point){.states = states, .params = params, .t = t}, values);
+        if (values[event->condition] == 0)
+            continue;
+        for (uint32_t j = 0; j < event->count; j++) {
+            const fp3_assignment *a = &model->assignments[event->first + j];
+            has_changed |= is_other(states[a->state], values[a->expr]);
+            states[a->state] = values[a->expr];
+        }
+    }
+    return has_changed;
+}

@@ -20,6 +20,8 @@ void fp3_model_free(fp3_model **model) {
     free_quantities(m->params, m->param_count);
     free(m->definitions);
     free(m->invariants);
+    free(m->events);
+    free(m->assignments);
     free(m->exprs);
     free(m->doc);
     free(m);

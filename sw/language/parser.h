@@ -9,6 +9,7 @@
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
+ *     event              `when`, what happens at the end of a step
  *     statement          what each statement says
  *     finish             what only the end of the source can tell
  *     read               the source from statement to statement, and the calls of fp3/model.h
@@ -27,6 +28,8 @@ enum {
     ODE_EXPRS = 4096,
     ODE_DEFINITIONS = 1024, /* and as many invariants */
     ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS,
+    ODE_EVENTS = 64,
+    ODE_ASSIGNMENTS = 256,
     ODE_DEPTH = 200,
     ODE_VECTOR = 3
 };
@@ -73,6 +76,16 @@ typedef struct {
 } ode_time;
 
 typedef struct {
+    uint32_t condition, first, count; /* as of fp3_event */
+    fp3_token at;
+} ode_event;
+
+typedef struct {
+    uint32_t state;
+    ode_equation to;
+} ode_assignment;
+
+typedef struct {
     ode_cursor in;
     ode_context context; /* of the expression that is read */
     unsigned depth;      /* of that expression */
@@ -86,6 +99,10 @@ typedef struct {
     ode_quantity states[ODE_QUANTITIES], params[ODE_QUANTITIES];
     fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
     uint32_t state_count, param_count, definition_count, invariant_count;
+
+    ode_event events[ODE_EVENTS];
+    ode_assignment assignments[ODE_ASSIGNMENTS];
+    uint32_t event_count, assignment_count;
 
     ode_symbol symbols[ODE_SYMBOLS];
     uint32_t symbol_count;

@@ -45,6 +45,22 @@ static fp3_quantity *take_quantities(ode_quantity *from, uint32_t count) {
     return made;
 }
 
+static fp3_event *take_events(const ode_parser *p) {
+    fp3_event *made = calloc(p->event_count + 1u, sizeof *made);
+    for (uint32_t i = 0; made && i < p->event_count; i++) {
+        const ode_event *e = &p->events[i];
+        made[i] = (fp3_event){e->condition, e->first, e->count, e->at.location.line};
+    }
+    return made;
+}
+
+static fp3_assignment *take_assignments(const ode_parser *p) {
+    fp3_assignment *made = calloc(p->assignment_count + 1u, sizeof *made);
+    for (uint32_t i = 0; made && i < p->assignment_count; i++)
+        made[i] = (fp3_assignment){p->assignments[i].state, p->assignments[i].to.expr};
+    return made;
+}
+
 static fp3_model *take_model(ode_parser *p, const char *path) {
     fp3_model *m = calloc(1, sizeof *m);
     if (!m)
@@ -65,8 +81,13 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->params = take_quantities(p->params, p->param_count);
     m->definitions = copy(p->definitions, p->definition_count, sizeof *p->definitions);
     m->invariants = copy(p->invariants, p->invariant_count, sizeof *p->invariants);
+    m->events = take_events(p);
+    m->assignments = take_assignments(p);
+    m->event_count = p->event_count;
+    m->assignment_count = p->assignment_count;
     m->exprs = copy(p->exprs, p->expr_count, sizeof *p->exprs);
-    if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->exprs)
+    if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
+        !m->assignments || !m->exprs)
         fp3_model_free(&m);
     return m;
 }

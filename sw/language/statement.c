@@ -4,8 +4,9 @@
 #include <string.h>
 
 #include "constant.h"
-#include "expression.h"
+#include "event.h"
 #include "keyword.h"
+#include "side.h"
 #include "symbol.h"
 #include "text/number.h"
 #include "utf8.h"
@@ -146,39 +147,13 @@ static void time_statement(ode_parser *p, fp3_token keyword, ode_time *time) {
         *time = (ode_time){constant.value[0], constant.dimension, keyword};
 }
 
-/* "= expression" of this size (0: of any); a value of size 0 after an error. */
-static ode_value right_side(ode_parser *p, ode_context context, unsigned size) {
-    fp3_token equals = p->in.next;
-    fp3_ode_expect(&p->in, "=", "'='");
-    ode_value value = fp3_ode_expression(p, context);
-    if (p->in.is_lost)
-        return (ode_value){0}; /* only a part of it was read */
-    if (!value.size || !size || value.size == size)
-        return value;
-    fp3_ode_wrong(&p->in, equals, "%s on both sides (on the right is %s)", fp3_ode_shape(size),
-                  fp3_ode_shape(value.size));
-    return (ode_value){0};
-}
-
-/* The state, or component of one, that an equation is for. NULL after an error. */
-static const ode_symbol *target_of(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
-    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
-    if (s && s->class == ODE_STATE)
-        return s;
-    if (s)
-        fp3_ode_wrong(&p->in, name, "a state (line %u declares something else)",
-                      s->at.location.line);
-    *size = 0;
-    return NULL;
-}
-
 /* Which of a state's equations. */
 typedef enum { FIRST, SECOND, CLOSED } which_equation;
 
 static void equation(ode_parser *p, fp3_token name, which_equation which) {
     unsigned start = 0, size = 0;
-    const ode_symbol *s = target_of(p, name, &start, &size);
-    ode_value value = right_side(p, which == CLOSED ? ODE_IN_EXACT : ODE_IN_EQUATION, size);
+    const ode_symbol *s = fp3_ode_target(p, name, &start, &size);
+    ode_value value = fp3_ode_right_side(p, which == CLOSED ? ODE_IN_EXACT : ODE_IN_EQUATION, size);
     for (unsigned i = 0; s && i < size; i++) {
         ode_quantity *q = &p->states[s->first + start + i];
         ode_equation *e = which == FIRST ? &q->first : which == SECOND ? &q->second : &q->exact;
@@ -201,7 +176,8 @@ static void definition(ode_parser *p, fp3_token name, ode_class class) {
     fp3_definition *array = class == ODE_INVARIANT ? p->invariants : p->definitions;
     uint32_t *count = class == ODE_INVARIANT ? &p->invariant_count : &p->definition_count;
     int is_new = fp3_ode_is_new_name(p, name, 1);
-    ode_value value = right_side(p, class == ODE_INVARIANT ? ODE_IN_INVARIANT : ODE_IN_EQUATION, 0);
+    ode_value value =
+        fp3_ode_right_side(p, class == ODE_INVARIANT ? ODE_IN_INVARIANT : ODE_IN_EQUATION, 0);
     if (is_new && value.size > 1)
         is_new = fp3_ode_is_new_name(p, name, value.size);
     if (!is_new)
@@ -253,7 +229,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "or an equation");
+                     "when, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
@@ -272,6 +248,8 @@ void fp3_ode_statement(ode_parser *p) {
         exact_statement(p);
     else if (fp3_token_is(first, "invariant"))
         invariant_statement(p);
+    else if (fp3_token_is(first, "when"))
+        fp3_ode_event(p, first);
     else
         named_statement(p, first);
     if (!fp3_ode_at_end(&p->in))

@@ -10,11 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "crossing.h"
+
 #define ROUGH 1e-6      /* tolerance of the run that finds out how large each state becomes */
 #define TOLERANCE 1e-14 /* of a step, relative to that size */
 #define AGREEMENT 1e-9  /* of two ways, relative to that size */
 #define ROUNDING 1e-14  /* of two ways, relative to the largest state */
 #define STEPS_MAX 500000
+#define LOOKS 1024 /* for events, at least, on the way: one that ends between two is not seen */
 
 typedef struct {
     const fp3_model *model;
@@ -23,6 +26,7 @@ typedef struct {
     double *guess;  /* of each state's size */
     double *peak;   /* largest size of each state so far */
     double *other;  /* states, the second way */
+    double reached; /* time */
 } orbit;
 
 static int derivative(double t, const double y[], double dydt[], void *self) {
@@ -60,33 +64,79 @@ static int guess_sizes(orbit *o, double t) {
     return result;
 }
 
+static void see_peaks(const orbit *o, const double *y) {
+    for (uint32_t i = 0; i < o->model->state_count; i++)
+        o->peak[i] = of_two(o->peak[i], y[i]);
+}
+
+/* One step of GSL's, up to an event if one happens. */
+static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *now,
+                   double *h, double *y) {
+    const uint32_t count = (uint32_t)driver->sys->dimension;
+    const double from = *now;
+    int is_found = 0;
+    if (!events)
+        return gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
+    *h = fmin(*h, t / LOOKS);
+    memcpy(events->from, y, count * sizeof *y);
+    int result =
+        gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
+    if (!result)
+        result = fp3_crossing_find(events, from, now, y, &is_found);
+    if (is_found) {
+        gsl_odeiv2_evolve_reset(driver->e);
+        gsl_odeiv2_step_reset(driver->s);
+    }
+    return result;
+}
+
 /* y goes from time 0 to t; peak becomes the largest size of each state on the way. */
+static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *y) {
+    double h = t * 1e-6, now = 0;
+    unsigned steps = 0;
+    int result = events ? fp3_crossing_fire(events, 0, y) : GSL_SUCCESS;
+    while (!result && now != t) {
+        result = advance(driver, events, t, &now, &h, y);
+        see_peaks(o, y);
+        o->reached = now;
+        if (!result && ++steps == STEPS_MAX)
+            result = GSL_EMAXITER;
+    }
+    return result;
+}
+
 static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance,
                      const double *sizes, double t, double *y) {
     const uint32_t count = o->model->state_count;
     gsl_odeiv2_system system = {derivative, NULL, count, o};
-    double h = t * 1e-6, now = 0;
-    gsl_odeiv2_driver *driver =
-        gsl_odeiv2_driver_alloc_scaled_new(&system, how, h, tolerance, tolerance, 1, 0, sizes);
+    gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_scaled_new(
+        &system, how, t * 1e-6, tolerance, tolerance, 1, 0, sizes);
+    fp3_crossing events = {0};
     int result = driver ? GSL_SUCCESS : GSL_ENOMEM;
+    if (!result && o->model->event_count)
+        result = fp3_crossing_open(&events, o->model, o->params, &system, how);
     memcpy(y, o->initial, count * sizeof *y);
     for (uint32_t i = 0; i < count; i++)
         o->peak[i] = fabs(y[i]);
-    unsigned steps = 0;
-    while (!result && now != t) {
-        result = gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, &system, &now, t, &h, y);
-        for (uint32_t i = 0; i < count; i++)
-            o->peak[i] = of_two(o->peak[i], y[i]);
-        if (!result && ++steps == STEPS_MAX)
-            result = GSL_EMAXITER;
-    }
+    if (!result)
+        result = go(o, driver, o->model->event_count ? &events : NULL, t, y);
+    fp3_crossing_close(&events);
     if (driver)
         gsl_odeiv2_driver_free(driver);
     return result;
 }
 
 /* result is of integrate: a state that leaves all bounds, or memory. */
-static fp3_status stopped(const char *how, double t, int result, fp3_error *error) {
+static fp3_status stopped(const orbit *o, const char *how, double t, int result, fp3_error *error) {
+    if (result == FP3_CROSSING_STAYS)
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "no truth from time %.9g on: what an event does there makes it happen again",
+            o->reached);
+    if (result == FP3_CROSSING_MOST)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "no truth from time %.9g on: more than %d events happened until then",
+                        o->reached, FP3_EVENTS_MOST);
     return fp3_fail(error, result == GSL_ENOMEM ? FP3_E_SYSTEM : FP3_E_ARGUMENT,
                     "GSL's %s does not reach time %.9g: %s", how, t, gsl_strerror(result));
 }
@@ -129,7 +179,7 @@ static fp3_status check_again(orbit *o, double t, const double *states, fp3_erro
         return FP3_OK;
     const int result = integrate(o, gsl_odeiv2_step_rkck, TOLERANCE, o->guess, t, o->other);
     if (result)
-        return stopped("rkck", t, result, error);
+        return stopped(o, "rkck", t, result, error);
     for (uint32_t i = 0; i < o->model->state_count; i++)
         if (apart(o, states[i], o->other[i], i))
             return disagree(&o->model->states[i], t, "rkck", o->other[i], states[i], error);
@@ -146,7 +196,7 @@ static fp3_status follow(orbit *o, double t, double *states, fp3_error *error) {
     if (!result)
         result = integrate(o, gsl_odeiv2_step_rk8pd, TOLERANCE, o->guess, t, states);
     if (result)
-        return stopped("rk8pd", t, result, error);
+        return stopped(o, "rk8pd", t, result, error);
     const fp3_status status = check_exact(o, t, states, error);
     return status ? status : check_again(o, t, states, error);
 }
@@ -155,6 +205,9 @@ static fp3_status check_arguments(const fp3_model *model, const double *params,
                                   const double *initial, double t, fp3_error *error) {
     if (!isfinite(t))
         return fp3_fail(error, FP3_E_ARGUMENT, "the time is %g", t);
+    if (t < 0 && model->event_count)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "no truth at time %.9g: events cannot be followed back", t);
     for (uint32_t i = 0; i < model->param_count; i++)
         if (!isfinite(params[i]))
             return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is %g", model->params[i].name, params[i]);

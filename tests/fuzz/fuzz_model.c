@@ -31,7 +31,13 @@ static const unsigned char is_host_only[] = {
 };
 
 /* What an expression depends on, one bit each. */
-enum { HAS_STATE = 1, HAS_TIME = 2, HAS_HOST_OF_STATE = 4, HAS_POWER_OF_STATE = 8 };
+enum {
+    HAS_STATE = 1,
+    HAS_TIME = 2,
+    HAS_INITIAL = 4,
+    HAS_HOST_OF_STATE = 8,
+    HAS_POWER_OF_STATE = 16
+};
 
 static int is_small_integer(const fp3_expr *e) {
     return e->op == FP3_EXPR_NUMBER && fabs(e->number) <= 8 && e->number == floor(e->number);
@@ -66,8 +72,10 @@ static void check_expressions(const fp3_model *m, unsigned char *has) {
             of |= HAS_POWER_OF_STATE;
         if (e->op == FP3_EXPR_STATE)
             of |= HAS_STATE;
-        if (e->op == FP3_EXPR_TIME || e->op == FP3_EXPR_INITIAL)
+        if (e->op == FP3_EXPR_TIME)
             of |= HAS_TIME;
+        if (e->op == FP3_EXPR_INITIAL)
+            of |= HAS_INITIAL;
         has[i] = (unsigned char)of;
     }
 }
@@ -86,7 +94,7 @@ static void check_states(const fp3_model *m, const unsigned char *has) {
         const fp3_quantity *s = &m->states[i];
         REQUIRE(fp3_model_state(m, s->name) == i && fp3_model_param(m, s->name) == FP3_NONE);
         REQUIRE(s->derivative < m->expr_count);
-        REQUIRE(!(has[s->derivative] & (HAS_TIME | HAS_HOST_OF_STATE | HAS_POWER_OF_STATE)));
+        REQUIRE(!(has[s->derivative] & ~(HAS_STATE | HAS_TIME)));
         const fp3_expr *d = &m->exprs[s->derivative];
         int has_velocity = d->op == FP3_EXPR_STATE && d->index != i;
         REQUIRE(s->velocity == (has_velocity ? d->index : FP3_NONE));
@@ -103,6 +111,25 @@ static void check_definitions(const fp3_model *m, const fp3_definition *d, uint3
     }
 }
 
+static void check_events(const fp3_model *m, const unsigned char *has) {
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < m->event_count; i++) {
+        const fp3_event *e = &m->events[i];
+        uint64_t set = 0;
+        REQUIRE(e->condition < m->expr_count && !(has[e->condition] & ~(HAS_STATE | HAS_TIME)));
+        REQUIRE(e->first == next && e->count > 0 && e->line > 0);
+        next += e->count;
+        REQUIRE(next <= m->assignment_count);
+        for (uint32_t j = e->first; j < next; j++) {
+            const fp3_assignment *a = &m->assignments[j];
+            REQUIRE(a->state < m->state_count && !(set >> a->state & 1));
+            REQUIRE(a->expr < m->expr_count && !(has[a->expr] & ~(HAS_STATE | HAS_TIME)));
+            set |= UINT64_C(1) << a->state;
+        }
+    }
+    REQUIRE(next == m->assignment_count);
+}
+
 static void check_model(const fp3_model *m) {
     unsigned char *has = calloc((size_t)m->expr_count + 1, 1);
     REQUIRE(has && m->expr_count <= 4096);
@@ -111,8 +138,10 @@ static void check_model(const fp3_model *m) {
     check_expressions(m, has);
     check_states(m, has);
     check_quantities(m->params, m->param_count);
-    check_definitions(m, m->definitions, m->definition_count, has, HAS_STATE);
-    check_definitions(m, m->invariants, m->invariant_count, has, HAS_STATE | HAS_HOST_OF_STATE);
+    check_definitions(m, m->definitions, m->definition_count, has, HAS_STATE | HAS_TIME);
+    check_definitions(m, m->invariants, m->invariant_count, has,
+                      HAS_STATE | HAS_TIME | HAS_HOST_OF_STATE);
+    check_events(m, has);
     free(has);
 }
 
@@ -123,6 +152,9 @@ static void evaluate(const fp3_model *m) {
         start[i] = m->states[i].value;
     for (uint32_t i = 0; i < m->param_count; i++)
         params[i] = m->params[i].value;
+    double fired[64];
+    memcpy(fired, start, sizeof start);
+    fp3_model_fire(m, params, m->step, fired, values);
     const fp3_point points[] = {{start, params, start, 0}, {start, params, NULL, m->step}};
     for (unsigned i = 0; i < 2; i++)
         fp3_model_evaluate(m, &points[i], values);

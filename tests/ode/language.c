@@ -43,6 +43,21 @@ static json_t *definitions(const fp3_definition *d, uint32_t count) {
     return array;
 }
 
+static json_t *events(const fp3_model *m) {
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < m->event_count; i++) {
+        const fp3_event *e = &m->events[i];
+        json_t *sets = json_array();
+        for (uint32_t j = 0; j < e->count; j++) {
+            const fp3_assignment *a = &m->assignments[e->first + j];
+            json_array_append_new(sets, json_pack("[s i]", m->states[a->state].name, (int)a->expr));
+        }
+        json_array_append_new(array, json_pack("{si so si}", "condition", (int)e->condition, "sets",
+                                               sets, "line", (int)e->line));
+    }
+    return array;
+}
+
 static json_t *expressions(const fp3_model *m, const double *values) {
     json_t *array = json_array();
     char value[40];
@@ -107,11 +122,12 @@ static int show_model(char **arguments) {
     const fp3_point point = {states, params, initial, t};
     fp3_model_evaluate(m, &point, values);
     json_t *all =
-        json_pack("{ss ss sf sf so so so so so}", "name", m->name, "doc", m->doc, "step", m->step,
-                  "span", m->span, "states", quantities(m->states, m->state_count), "params",
-                  quantities(m->params, m->param_count), "definitions",
+        json_pack("{ss ss sf sf so so so so so so}", "name", m->name, "doc", m->doc, "step",
+                  m->step, "span", m->span, "states", quantities(m->states, m->state_count),
+                  "params", quantities(m->params, m->param_count), "definitions",
                   definitions(m->definitions, m->definition_count), "invariants",
-                  definitions(m->invariants, m->invariant_count), "exprs", expressions(m, values));
+                  definitions(m->invariants, m->invariant_count), "events", events(m), "exprs",
+                  expressions(m, values));
     json_dumpf(all, stdout, JSON_COMPACT);
     json_decref(all);
     free(values);

@@ -107,6 +107,11 @@ class Maker:
             return state
         return self.expression(self.rng.randint(1, 4))
 
+    def event(self):
+        states = self.rng.sample(self.states, self.rng.randint(1, min(3, len(self.states))))
+        sets = [f"{s} = {self.rng.choice([self.expression(1), self.expression(2), self.leaf(), '-' + s])}" for s in states]
+        return f"when {self.condition(self.rng.randint(0, 2))}: {', '.join(sets)}"
+
     def text(self):
         rng = self.rng
         lines = [f"{rng.choice(['param', 'shared'])} {p} = {rng.choice(['2', '0.3', '-1.7', '1', '0.5', '9.81'])}"
@@ -124,6 +129,8 @@ class Maker:
                 lines.append(f"{name} = {self.expression(2)}")
                 self.values.append(name)
         lines += [f"{s}' = {self.derivative(s)}" for s in self.states]
+        if rng.random() < 0.3 and self.kinds > 11:  # conditions need `select`
+            lines += [self.event() for _ in range(rng.randint(1, 3))]
         return "\n".join(lines + [f"step {rng.choice(['0.125', '0.01', '1', '2'])}", "span 1", ""])
 
 

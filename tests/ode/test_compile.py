@@ -20,6 +20,7 @@ PROGRAMS = os.path.join(ROOT, "programs")
 MODELS = sorted(glob.glob(os.path.join(PROGRAMS, "*.ode")))
 KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "ahead"]
 CHANGING = ["fold-step", "fold-product", "small-angles"]
+EVENTS = ["bouncing_ball", "thermostat"]  # their errors do not fall evenly
 
 
 def fp3(*arguments, check=True):
@@ -525,7 +526,7 @@ def test_errors_fall_at_the_order(rows):
     """In double, where steps can be as fine as an order asks for; in FP32 as in double, where it can be seen. The pendulum's
     sine is a polynomial, so that its truth cannot be followed as far."""
     for row in rows:
-        least = row["order"] - (0.8 if row["model"] == "pendulum" else 0.3)
+        least = row["order"] - (0.8 if row["model"] == "pendulum" else 0.5 if row["model"] in EVENTS else 0.3)
         assert row["finest_order"] is None or row["finest_order"] > least, row
         assert row["measured_order"] is None or abs(row["measured_order"] - row["method_order"]) < 0.35, row
     assert sum(row["finest_order"] is not None for row in rows) > 0.95 * len(rows)

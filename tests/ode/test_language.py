@@ -322,11 +322,13 @@ F = 2*x
 LINE = BEFORE.count("\n") + 1
 
 NAME_OF_ITS_OWN = "expected a name ('{}' has a meaning of its own)"
-STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, or an "
+STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, when, or an "
              "equation")
 END = "expected an operator or the end of the line"
 OPERAND = "expected a number, a name or '('"
 UNIT = "expected a unit as m, 1/s or kg*m/s^2"
+WHEN = "expected an operator or ':', and then what happens, as in `x = 0`"
+ACT = "expected the name of a state, as in `when x < 0: x = -x, v = -v`"
 POWER = "expected an integer from -8 to 8 as the power of a state"
 HOST = ("expected a function of states that the hardware has: sqrt, sin, cos, tan, atan, atan2, asin, acos, min, max or abs ({} may "
         "stand where no state is, or in an invariant)")
@@ -436,6 +438,46 @@ WRONG = [
     ("exact x = k(0)", 12, "'('", "expected an operator ('k' is no function)"),
     ("invariant 3", 11, "'3'", "expected a name for the invariant"),
     ("invariant q 3", 13, "'3'", "expected '='"),
+    # events
+    ("when", 5, "end of file", OPERAND),
+    ("when x", 7, "end of file", WHEN),
+    ("when x < 0", 11, "end of file", WHEN),
+    ("when x < 0 x = 1", 12, "'x'", WHEN),
+    ("when x < 0, x = 1", 11, "','", WHEN),
+    ("when x < 0 then x = 1", 12, "'then'", WHEN),
+    ("when (x < 0: x = 1", 12, "':'", "expected an operator or ')'"),
+    ("when x ? 1 : x = 1", 16, "'='", "expected an operator or ':', and then what happens, as in `x = 0`"),
+    ("when r: x = 1", 6, "'r'", "expected a number as the condition (this is a vector of 2)"),
+    ("when x = 0: x = 1", 8, "'='", WHEN),
+    ("when x == c: x = x + 1 [m]", 24, "'['", END),
+    ("when x < 0:", 12, "end of file", ACT),
+    ("when x < 0: 3", 13, "'3'", ACT),
+    ("when x < 0: -x = 3", 13, "'-'", ACT),
+    ("when x < 0: x", 14, "end of file", "expected '='"),
+    ("when x < 0: x: 1", 14, "':'", "expected '='"),
+    ("when x < 0: x == 1", 15, "'=='", "expected '='"),
+    ("when x < 0: x = ", 17, "end of file", OPERAND),
+    ("when x < 0: x = 1,", 19, "end of file", ACT),
+    ("when x < 0: x = 1, , u = 1", 20, "','", ACT),
+    ("when x < 0: x = 1; u = 1", 18, "';'", END),
+    ("when x < 0: x = 1: u = 1", 18, "':'", END),
+    ("when x < 0: x' = 1", 14, "'''", "expected '=' (an event gives a state its value, not its derivative)"),
+    ("when x < 0: k = 1", 13, "'k'", "expected a state (line 5 declares something else)"),
+    ("when x < 0: F = 1", 13, "'F'", "expected a state (line 11 declares something else)"),
+    ("when x < 0: t = 1", 13, "'t'", "expected a name that is defined above"),
+    ("when x < 0: q = 1", 13, "'q'", "expected a name that is defined above"),
+    ("when x < 0: r.z = 1", 13, "'r.z'", "expected a component .x or .y of it"),
+    ("when x < 0: r = x", 15, "'='", "expected a vector of 2 on both sides (on the right is a number)"),
+    ("when x < 0: x = r", 15, "'='", "expected a number on both sides (on the right is a vector of 2)"),
+    ("when x < 0: x = u", 13, "'x'", "expected a value in [m] (its right side is in [m/s])"),
+    ("when x < u: x = 0", 8, "'<'", "expected two values of one unit (these are in [m] and [m/s])"),
+    ("when x < 0: x = -x, x = 0", 21, "'x'", "expected another state (this `when` gives it a value already)"),
+    ("when x < 0: r.y = 0, r = r", 22, "'r'", "expected another state (this `when` gives it a value already)"),
+    ("when x < 0: x = x(0)", 18, "'('", "expected an operator (the start of a state may stand in 'exact' alone)"),
+    ("when 2^x > 1: x = 0", 7, "'^'", POWER),
+    ("when = 1", 6, "'='", OPERAND),
+    ("state when = 1", 7, "'when'", NAME_OF_ITS_OWN.format("when")),
+    ("wen x < 0: x = 0", 1, "'wen'", "expected a statement (did you mean 'when'?)"),
     ("param q = t", 11, "'t'", "expected a value that is known before the start (t is the time since then)"),
     ("state q = 2*t", 13, "'t'", "expected a value that is known before the start (t is the time since then)"),
     ("invariant q = x(0)", 16, "'('", "expected an operator (the start of a state may stand in 'exact' alone)"),
@@ -575,6 +617,14 @@ def test_reading_goes_on_after_an_error(errors):
                                     "in.ode:7:1", "in.ode:7:6", "in.ode:8:1"]
 
 
+def test_events_are_read_in_their_order(model):
+    m = model("step 1\nstate x = 1\nstate r[2] = (1, 2)\nx' = 1\nr' = (1, 1)\nlow = x < 0\n"
+              "when low and\n  t > 1 or r.y:  x = -x,\n  r = (r.y, r.x)\nwhen x ? 1 : 0 : r.y = 3  # last\n")
+    assert [(e["line"], [name for name, _ in e["sets"]]) for e in m["events"]] == [(7, ["x", "r_x", "r_y"]), (10, ["r_y"])]
+    assert [m["exprs"][e["condition"]]["op"] for e in m["events"]] == ["OR", "SELECT"]
+    assert [m["exprs"][expr]["op"] for _, expr in m["events"][0]["sets"]] == ["NEGATE", "STATE", "STATE"]
+
+
 def test_the_end_of_a_line_is_an_end(errors):
     report = errors("step\nspan 1 +\nstate\nx' \n")
     assert places(report) == ["in.ode:1:5", "in.ode:3:1", "in.ode:3:6", "in.ode:4:1", "in.ode:4:4",
@@ -626,6 +676,10 @@ SMALL = "step 1\nstate x = 0\nx' = 1\n"
      "expected fewer than 1024 definitions"),
     (lambda n: SMALL + "".join(f"invariant a{i} = 1\n" for i in range(n)), 1022,
      "expected fewer than 1024 invariants"),
+    (lambda n: SMALL + "when x > 1: x = 0\n" * n, 64, "expected at most 64 events"),
+    (lambda n: "step 1\n" + "".join(f"state x{i} = 0\nx{i}' = 1\n" for i in range(16))
+     + ("when x0 > 1: " + ", ".join(f"x{i} = 0" for i in range(16)) + "\n") * (n // 16) + "when x0: x0 = 0" * (n % 16), 256,
+     "expected at most 256 values given by events"),
     (lambda n: SMALL + "#" * (n - len(SMALL)), 1 << 20, "expected at most 1048576"),
 ])
 def test_limits(model, errors, text, limit, message):

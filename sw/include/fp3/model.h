@@ -100,14 +100,31 @@ typedef struct {
     uint32_t line;
 } fp3_definition;
 
+/* Part of an event: a state gets a value. */
+typedef struct {
+    uint32_t state, expr;
+} fp3_assignment;
+
+/* At the end of a step, if the condition is not 0, each state gets the value that its expression had
+ * before any of them changed. Events come in the order of the text, and each sees what those before it
+ * left. No state is assigned twice by one event. */
+typedef struct {
+    uint32_t condition;    /* expression */
+    uint32_t first, count; /* which of fp3_model.assignments */
+    uint32_t line;
+} fp3_event;
+
 typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
     double step, span; /* the default time step, and the time that benchmarks integrate (1000 steps
                           if the text does not say it) */
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;
+    uint32_t event_count, assignment_count;
     fp3_quantity *states, *params;
     fp3_definition *definitions, *invariants;
+    fp3_event *events;
+    fp3_assignment *assignments;
     fp3_expr *exprs;
 } fp3_model;
 
@@ -130,6 +147,12 @@ typedef struct {
 /* Sets values[i] to the value of expression i, for all expr_count expressions. If initial is NULL,
  * those that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
+
+/* What the events of the model, in their order, make of these states at time t. values has room for
+ * expr_count numbers. Returns whether a state is another than before: a -0 for a 0 is none, nor is a NaN
+ * for a NaN. */
+int fp3_model_fire(const fp3_model *model, const double *params, double t, double *states,
+                   double *values);
 
 /* Index by name, or FP3_NONE. */
 uint32_t fp3_model_state(const fp3_model *model, const char *name);

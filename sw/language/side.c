@@ -1,0 +1,29 @@
+#include "side.h"
+
+#include "expression.h"
+#include "symbol.h"
+#include "vector.h"
+
+ode_value fp3_ode_right_side(ode_parser *p, ode_context context, unsigned size) {
+    fp3_token equals = p->in.next;
+    fp3_ode_expect(&p->in, "=", "'='");
+    ode_value value = fp3_ode_expression(p, context);
+    if (p->in.is_lost)
+        return (ode_value){0}; /* only a part of it was read */
+    if (!value.size || !size || value.size == size)
+        return value;
+    fp3_ode_wrong(&p->in, equals, "%s on both sides (on the right is %s)", fp3_ode_shape(size),
+                  fp3_ode_shape(value.size));
+    return (ode_value){0};
+}
+
+const ode_symbol *fp3_ode_target(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
+    if (s && s->class == ODE_STATE)
+        return s;
+    if (s)
+        fp3_ode_wrong(&p->in, name, "a state (line %u declares something else)",
+                      s->at.location.line);
+    *size = 0;
+    return NULL;
+}

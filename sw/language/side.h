@@ -1,0 +1,12 @@
+/* side.h - the two sides of an equation: whose it is, and what that is. */
+#ifndef FP3_ODE_SIDE_H
+#define FP3_ODE_SIDE_H
+
+#include "parser.h"
+
+/* The state, or component of one, that an equation is for. NULL after an error. */
+const ode_symbol *fp3_ode_target(ode_parser *p, fp3_token name, unsigned *start, unsigned *size);
+/* "= expression" of this size (0: of any); a value of size 0 after an error. */
+ode_value fp3_ode_right_side(ode_parser *p, ode_context context, unsigned size);
+
+#endif
