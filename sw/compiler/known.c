@@ -1,9 +1,11 @@
 /* known.c - values that the host computes. */
 #include "known.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "language/loss.h"
 #include "text/number.h"
 
 static uint32_t add(known_table *table, known wanted) {
@@ -108,25 +110,31 @@ uint32_t fp3_known_model(known_table *table, uint32_t expr) {
         (known){.op = KNOWN_MODEL, .a = table->same[expr], .is_shared = table->is_shared[expr]});
 }
 
-static double apply(known_op op, double a, double b) {
-    switch (op) {
-    case KNOWN_NEGATE:
-        return -a;
-    case KNOWN_ADD:
-        return a + b;
-    case KNOWN_SUB:
-        return a - b;
-    case KNOWN_MUL:
-        return a * b;
-    default:
-        return a / b;
-    }
+/* As an expression whose operands are known values. */
+static fp3_expr expr_of(known_op op, uint32_t a, uint32_t b) {
+    static const fp3_expr_op ops[KNOWN_DIV + 1] = {[KNOWN_NEGATE] = FP3_EXPR_NEGATE,
+                                                   [KNOWN_ADD] = FP3_EXPR_ADD,
+                                                   [KNOWN_SUB] = FP3_EXPR_SUB,
+                                                   [KNOWN_MUL] = FP3_EXPR_MUL,
+                                                   [KNOWN_DIV] = FP3_EXPR_DIV};
+    return (fp3_expr){.op = ops[op], .operand = {a, b, FP3_NONE}};
+}
+
+/* Of two numbers. 0: what double has no room for is left to fp3_known_evaluate. */
+static int fold(known_op op, double a, double b, double *result) {
+    double values[3] = {a, b, 0};
+    char is_lost[3] = {0};
+    const fp3_expr e = expr_of(op, 0, 1);
+    fp3_ode_compute_careful(&e, NULL, 2, values, is_lost);
+    *result = values[2];
+    return !is_lost[2];
 }
 
 uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b) {
     const known *x = &table->list[a], *y = &table->list[b];
-    if (x->op == KNOWN_NUMBER && y->op == KNOWN_NUMBER)
-        return fp3_known_number(table, apply(op, x->number, y->number));
+    double number;
+    if (x->op == KNOWN_NUMBER && y->op == KNOWN_NUMBER && fold(op, x->number, y->number, &number))
+        return fp3_known_number(table, number);
     if (op == KNOWN_NEGATE && x->op == KNOWN_NEGATE)
         return x->a;
     if (op == KNOWN_MUL && x->op == KNOWN_NUMBER && x->number == 1)
@@ -141,6 +149,38 @@ int fp3_known_is(const known_table *table, uint32_t id, double number) {
     return k->op == KNOWN_NUMBER && memcmp(&k->number, &number, sizeof number) == 0;
 }
 
+/* Room for what is evaluated, and whether each value has lost digits. */
+typedef struct {
+    double *exprs, *states;
+    char *is_expr_lost, *is_lost;
+} evaluation;
+
+static void evaluate_model(const known_table *table, const double *params, const evaluation *e) {
+    const fp3_point point = {.states = e->states, .params = params};
+    for (uint32_t i = 0; i < table->model->expr_count; i++)
+        fp3_ode_compute_careful(&table->model->exprs[i], &point, i, e->exprs, e->is_expr_lost);
+}
+
+static void evaluate_all(const known_table *table, double h, const evaluation *e, double *values) {
+    for (uint32_t i = 0; i < table->count; i++) {
+        const known *k = &table->list[i];
+        const fp3_expr made = expr_of(k->op, k->a, k->b);
+        if (k->op == KNOWN_NUMBER)
+            values[i] = k->number;
+        else if (k->op == KNOWN_STEP)
+            values[i] = h;
+        else if (k->op == KNOWN_MODEL)
+            values[i] = e->exprs[k->a];
+        else
+            fp3_ode_compute_careful(&made, NULL, i, values, e->is_lost);
+        if (k->op == KNOWN_MODEL)
+            e->is_lost[i] = e->is_expr_lost[k->a];
+    }
+    for (uint32_t i = 0; i < table->count; i++)
+        if (e->is_lost[i])
+            values[i] = NAN;
+}
+
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error) {
     const fp3_model *model = table->model;
@@ -148,26 +188,18 @@ fp3_status fp3_known_evaluate(const known_table *table, const double *params, do
     const char *expected = fp3_number_step(h, &single);
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
-    double *exprs = malloc((model->expr_count + 1) * sizeof *exprs);
-    double *states = calloc(model->state_count + 1, sizeof *states);
-    if (!exprs || !states) {
-        free(exprs);
-        free(states);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const evaluation e = {.exprs = malloc((model->expr_count + 1) * sizeof *e.exprs),
+                          .states = calloc(model->state_count + 1, sizeof *e.states),
+                          .is_expr_lost = calloc(model->expr_count + 1, 1),
+                          .is_lost = calloc(table->count + 1, 1)};
+    const int is_good = e.exprs && e.states && e.is_expr_lost && e.is_lost;
+    if (is_good) {
+        evaluate_model(table, params, &e);
+        evaluate_all(table, h, &e, values);
     }
-    fp3_model_evaluate(model, &(fp3_point){.states = states, .params = params}, exprs);
-    for (uint32_t i = 0; i < table->count; i++) {
-        const known *k = &table->list[i];
-        if (k->op == KNOWN_NUMBER)
-            values[i] = k->number;
-        else if (k->op == KNOWN_STEP)
-            values[i] = h;
-        else if (k->op == KNOWN_MODEL)
-            values[i] = exprs[k->a];
-        else
-            values[i] = apply(k->op, values[k->a], values[k->b]);
-    }
-    free(exprs);
-    free(states);
-    return FP3_OK;
+    free(e.exprs);
+    free(e.states);
+    free(e.is_expr_lost);
+    free(e.is_lost);
+    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }

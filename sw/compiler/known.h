@@ -47,7 +47,8 @@ uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b)
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);
 
-/* All of them, values[i] of number i. FP3_E_ARGUMENT: h is no time step. */
+/* All of them, values[i] of number i. A value that double has no room for, below
+ * 2.2e-308, is NAN. FP3_E_ARGUMENT: h is no time step. */
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error);
 

@@ -3,18 +3,18 @@
 #include <math.h>
 
 #include "dimension_check.h"
-#include "evaluate.h"
 #include "expression.h"
+#include "loss.h"
 #include "vector.h"
 
-/* Values of the expressions from .. expr_count-1. */
+/* Values of the expressions from .. expr_count-1 */
 static void compute(ode_parser *p, uint32_t from) {
     double params[ODE_QUANTITIES];
     for (uint32_t i = 0; i < p->param_count; i++)
         params[i] = p->params[i].quantity.value;
     const fp3_point point = {.params = params};
     for (uint32_t i = from; i < p->expr_count; i++)
-        p->values[i] = fp3_ode_compute(&p->exprs[i], &point, p->values);
+        fp3_ode_compute_careful(&p->exprs[i], &point, i, p->values, p->is_lost);
 }
 
 /* The value of the expression as a constant. 0 after an error. */
@@ -36,6 +36,10 @@ static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
             fp3_ode_wrong(&p->in, at, "a value in %s (this is in %s)",
                           fp3_ode_dimension_text(&p->dimension_names, &constant->dimension, wanted),
                           fp3_ode_dimension_text(&p->dimension_names, dimension, is));
+            return 0;
+        }
+        if (p->is_lost[value.expr[i]]) {
+            fp3_ode_wrong(&p->in, at, "a value made of none below 2.2e-308, where double ends");
             return 0;
         }
         if (!isfinite(constant->value[i])) {

@@ -117,6 +117,7 @@ typedef struct {
     ode_dimension dimensions[ODE_EXPRS];
     char has_state[ODE_EXPRS], has_time[ODE_EXPRS];
     double values[ODE_EXPRS]; /* while a constant is read */
+    char is_lost[ODE_EXPRS];  /* of values: language/loss.h */
 } ode_parser;
 
 #endif
