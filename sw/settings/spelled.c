@@ -136,7 +136,7 @@ static fp3_status replace_number(writer *w) {
             return fp3_fail(w->error, FP3_E_SYSTEM, "out of memory");
         made->numbers = more;
     }
-    fprintf(w->out, "%zu ", made->count); /* the next may be a number, too */
+    fprintf(w->out, " %zu ", made->count); /* not a part of what stands beside it */
     made->numbers[made->count++] = number;
     w->in.next += number.length;
     return FP3_OK;

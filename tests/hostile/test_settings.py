@@ -1,7 +1,9 @@
 """Hostile files in libconfig's syntax: scenes, values and tables of integrators. Each is refused by name, line and limit, or
 read as what it says."""
 
+import re
 import struct
+import subprocess
 
 import pytest
 
@@ -100,6 +102,9 @@ SCENES = [
     (grouped("h = 1e400;"), r"x\.scene:2: h: found '1e400', expected a number below 1\.8e308"),
     (grouped("h = 0x1p-7;"), r"x\.scene:2: h: found '0x1p-7', expected a number as 2, 0\.5, 1\.5e-3 or 0x1f"),
     (grouped("h = 1-7;"), r"x\.scene:2: syntax error"),
+    (grouped("h = --7;"), r"x\.scene:2: syntax error"),
+    (grouped("h = -+7;"), r"x\.scene:2: syntax error"),
+    (grouped("h = - 7;"), r"x\.scene:2: syntax error"),
     (grouped("h = 1+7;"), r"x\.scene:2: syntax error"),
     (grouped("h = 0x1-7;"), r"x\.scene:2: syntax error"),
     (grouped("h = nan;"), r"x\.scene:2: syntax error"),
@@ -296,3 +301,11 @@ def test_a_mark_in_front_of_a_scene_and_a_table_is_no_error(hostile):
     done = hostile({**FILES, "x.scene": BOM + swing('integrator = "mine.cfg";').encode(), "mine.cfg": BOM + TABLE.encode()},
                    ["run", "--scene", "x.scene", "--engine", "isa"])
     assert done.returncode == 0, done.stderr
+
+
+def test_libconfig_sees_the_numbers_that_were_replaced_and_no_other(build):
+    """50,000 damaged files; to repeat: build/tests/spelled 1 50000."""
+    done = subprocess.run([build / "tests/spelled", "1", "50000"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout
+    read, refused = map(int, re.findall(r"\d+", done.stdout))
+    assert read > 1000 and refused > 1000
