@@ -1,6 +1,8 @@
 /* fit.c - positions, velocities, and what depends on what. */
 #include "fit.h"
 
+#include "notes.h"
+
 #include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -129,21 +131,21 @@ static fp3_status check_stoermer_events(const fitting *f, fp3_error *error) {
 }
 
 static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
+    char at[FP3_AT_SIZE];
     for (uint32_t s = 0; s < f->model->state_count; s++) {
         const fp3_quantity *q = &f->model->states[s];
         if (!fp3_fit_is_live(f->fit, s) || fp3_fit_is_position(f->fit, s))
             continue;
         if (fp3_fit_position_of(f->fit, f->model, s) == FP3_NONE)
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "line %" PRIu32 ": integrator '%s' has positions and their "
+                            "%sintegrator '%s' has positions and their "
                             "accelerations: found state '%s', which is neither",
-                            q->line, f->integrator->name, q->name);
+                            fp3_expr_at(f->model, q->derivative, at), f->integrator->name, q->name);
         if (needs_of(f, s) & ~f->fit->positions)
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "line %" PRIu32
-                            ": integrator '%s' has no velocity within a step: found "
+                            "%sintegrator '%s' has no velocity within a step: found "
                             "'%s', whose derivative depends on more than positions",
-                            q->line, f->integrator->name, q->name);
+                            fp3_expr_at(f->model, q->derivative, at), f->integrator->name, q->name);
     }
     return check_stoermer_events(f, error);
 }

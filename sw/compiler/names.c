@@ -64,7 +64,7 @@ static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
 }
 
 /* What the first operation that reads a constant is for. */
-static const char *reader_of(const fp3_step *step, const fp3_step_code *code, uint32_t constant) {
+static uint32_t reader_of(const fp3_step *step, const fp3_step_code *code, uint32_t constant) {
     const fp3_op *parts[] = {code->first, code->step, code->last};
     const uint32_t counts[] = {code->first_count, code->step_count, code->last_count};
     for (int part = 0; part < 3; part++)
@@ -74,9 +74,9 @@ static const char *reader_of(const fp3_step *step, const fp3_step_code *code, ui
             for (int j = 0; j < 3; j++)
                 if (refs[j]->at == FP3_AT_CONSTANT && refs[j]->index == constant &&
                     fp3_note_text(&step->notes, op->note))
-                    return fp3_note_text(&step->notes, op->note);
+                    return op->note;
         }
-    return "the model";
+    return FP3_NONE;
 }
 
 static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, uint32_t constant,
@@ -86,9 +86,14 @@ static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, u
     const char *expected = fp3_number_single(number, &f);
     if (!expected && !isfinite(f))
         expected = "a finite number";
-    if (expected)
-        return fp3_fail(error, FP3_E_PROGRAM, "%s: found %.9g, expected %s",
-                        reader_of(step, code, constant), number, expected);
+    if (expected) {
+        char at[FP3_AT_SIZE];
+        const uint32_t note = reader_of(step, code, constant);
+        const char *reader = fp3_note_text(&step->notes, note);
+        return fp3_fail(error, FP3_E_PROGRAM, "%s%s: found %.9g, expected %s",
+                        fp3_note_at(&step->notes, note, at), reader ? reader : "the model", number,
+                        expected);
+    }
     memcpy(&bits, &f, sizeof bits);
     fp3_number_text(bits, name);
     return FP3_OK;

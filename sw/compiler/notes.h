@@ -7,7 +7,12 @@
 #define FP3_PLACE_SIZE 24
 
 typedef struct {
-    char **list;
+    char *text;
+    uint32_t line, column; /* of the expression that it is about; line 0: none */
+} fp3_noted;
+
+typedef struct {
+    fp3_noted *list;
     uint32_t count, room;
     int is_on;      /* else every note is FP3_NONE */
     int has_failed; /* out of memory */
@@ -21,5 +26,11 @@ uint32_t fp3_note_expr(fp3_notes *notes, const fp3_model *model, uint32_t expr, 
 
 /* NULL: there is none. */
 const char *fp3_note_text(const fp3_notes *notes, uint32_t note);
+
+/* How a message about an expression begins, "line:column: error: ". */
+#define FP3_AT_SIZE 48
+const char *fp3_expr_at(const fp3_model *model, uint32_t expr, char text[FP3_AT_SIZE]);
+/* Likewise of what a note is about; "" if that is nowhere in the model. */
+const char *fp3_note_at(const fp3_notes *notes, uint32_t note, char text[FP3_AT_SIZE]);
 
 #endif

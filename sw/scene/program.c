@@ -2,11 +2,13 @@
 #include <fp3/program.h>
 
 #include <fp3/asm.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/file.h"
+#include "text/report.h"
 
 fp3_program_def fp3_program_default(void) {
     return (fp3_program_def){.integrator = "rk4", .compile = fp3_compile_default()};
@@ -44,20 +46,37 @@ static fp3_status assemble(const char *path, fp3_program *program, char **report
     return status;
 }
 
+/* What the compiler says of a model: at a place in it as its reader does, with the line and a caret. */
+static fp3_status tell(const char *path, const char *text, size_t size, fp3_status status,
+                       const char *why, char **report, fp3_error *error) {
+    fp3_location at;
+    int length = 0;
+    if (sscanf(why, "%u:%u: error: %n", &at.line, &at.column, &length) != 2 || !length)
+        return fp3_fail(error, status, "%s: %s", path, why);
+    *report = fp3_report_one(path, text, size, at, why + length);
+    return fp3_fail(error, status, "%s:%s", path, why);
+}
+
 static fp3_status compile(const char *path, const fp3_program_def *def, fp3_program *program,
                           char **report, fp3_error *error) {
+    char *text = NULL;
+    size_t size = 0;
     fp3_error why;
-    fp3_status status = fp3_model_load(path, &program->model, report, error);
+    fp3_status status = fp3_file_read(path, &text, &size, error);
+    if (!status)
+        status = fp3_model_read(text, size, path, &program->model, report, error);
     if (!status)
         status = fp3_integrator_find(def->integrator, &program->integrator, error);
-    if (status)
-        return status;
-    status =
-        fp3_compile(program->model, program->integrator, &def->compile, &program->compiled, &why);
-    if (status)
-        return fp3_fail(error, status, "%s: %s", path, why.text);
-    program->image = program->compiled->image;
-    return FP3_OK;
+    if (!status) {
+        status = fp3_compile(program->model, program->integrator, &def->compile, &program->compiled,
+                             &why);
+        if (status)
+            tell(path, text, size, status, why.text, report, error);
+        else
+            program->image = program->compiled->image;
+    }
+    free(text);
+    return status;
 }
 
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,

@@ -1,5 +1,7 @@
 #include "report.h"
 
+#include "scanner.h"
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +40,8 @@ static void show_line(FILE *out, const fp3_report *r, const char *at) {
     const char *start = at, *end = at, *source_end = r->source + r->size;
     while (start > r->source && start[-1] != '\n' && at - start < BEFORE)
         start--;
+    if (start == r->source)
+        start = fp3_scanner_open(r->source, r->size).next; /* behind a byte order mark */
     while (end < source_end && *end != '\n' && end - at < AFTER)
         end++;
     while (end > at && end[-1] == '\r')
@@ -46,6 +50,14 @@ static void show_line(FILE *out, const fp3_report *r, const char *at) {
     for (const char *p = start; p < end; p++)
         fputc(printable(*p), out);
     fprintf(out, "\n    %*s^\n", (int)(at - start), "");
+}
+
+static void show(FILE *out, const fp3_report *r, fp3_location location, const char *at,
+                 const char *text) {
+    for (const char *c = r->name; *c; c++)
+        fputc((unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c, out);
+    fprintf(out, ":%u:%u: error: %s\n", location.line, location.column, text);
+    show_line(out, r, at);
 }
 
 /* Errors at one location stay in the order in which they were found. */
@@ -69,11 +81,7 @@ char *fp3_report_text(const fp3_report *r) {
     if (!out)
         return NULL;
     for (unsigned i = 0; i < r->count; i++) {
-        for (const char *c = r->name; *c; c++)
-            fputc((unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c, out);
-        fprintf(out, ":%u:%u: error: %s\n", r->entry[order[i]].location.line,
-                r->entry[order[i]].location.column, r->entry[order[i]].text);
-        show_line(out, r, r->entry[order[i]].at);
+        show(out, r, r->entry[order[i]].location, r->entry[order[i]].at, r->entry[order[i]].text);
     }
     if (fp3_report_full(r))
         fprintf(out, "%d errors; there may be more\n", FP3_REPORT_LIMIT);
@@ -82,4 +90,29 @@ char *fp3_report_text(const fp3_report *r) {
         return NULL;
     }
     return text;
+}
+
+/* The byte at a location. */
+static const char *find(const fp3_scanner *from, fp3_location location) {
+    fp3_scanner s = *from;
+    for (const char *newline; s.line < location.line && (newline = fp3_scanner_newline(&s));)
+        fp3_scanner_new_line(&s, newline + 1);
+    const size_t left = (size_t)(s.end - s.next);
+    return s.next + (location.column - 1 < left ? location.column - 1 : left);
+}
+
+char *fp3_report_one(const char *name, const char *source, size_t size, fp3_location location,
+                     const char *text) {
+    const fp3_report r = {.name = name, .source = source, .size = size};
+    const fp3_scanner s = fp3_scanner_open(source, size);
+    char *made = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&made, &length);
+    if (!out)
+        return NULL;
+    show(out, &r, location, find(&s, location), text);
+    if (!fclose(out))
+        return made;
+    free(made);
+    return NULL;
 }

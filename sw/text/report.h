@@ -28,4 +28,8 @@ int fp3_report_full(const fp3_report *report);
 /* The whole report in the order of the source; malloc'ed, or NULL when out of memory. */
 char *fp3_report_text(const fp3_report *report);
 
+/* One error as a report has it, of a source that has been read before; malloc'ed, or NULL. */
+char *fp3_report_one(const char *name, const char *source, size_t size, fp3_location at,
+                     const char *text);
+
 #endif

@@ -392,7 +392,7 @@ def test_a_configuration_that_cannot_reduce_angles_is_told_what_it_can_do():
     ([model("ship"), "--params", "/dev/null", "--set", "w=1"], "no parameter 'w'"),
     ([model("ship"), "--params", "/dev/null", "--set", "m=0"], "finite"),
     ([model("ship"), "--params", "/dev/null", "--set", "m=x"], "m=x"),
-    ([model("ship"), "-i", "stoermer_verlet"], "line "),
+    ([model("ship"), "-i", "stoermer_verlet"], ":17:15: error: integrator"),
     ([model("lorenz"), "-i", "verlet"], "no state whose derivative is another state"),
     ([model("lorenz"), "-i", "verlet"], "lorenz.ode: "),
     ([model("ship"), "--set", "m=2"], "--params"),
@@ -454,7 +454,7 @@ def test_a_number_beyond_fp32_is_told_with_its_equation(tmp_path):
                                            ("--span", "inf"), ("--span", "nan"), ("--span", "0")])
 def test_comparisons_refuse(option, value):
     done = fp3("compare", model("ship"), "--quick", "-i", "euler", f"{option}={value}", check=False)
-    assert done.returncode == 2 and f"found '{value}', expected" in done.stderr and not done.stdout
+    assert done.returncode == 2 and f"'{value}'" in done.stderr and not done.stdout
 
 
 def test_nothing_is_written_after_an_error(tmp_path):

@@ -59,8 +59,8 @@ typedef struct {
 
 /* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the integrator does not fit the
  * model (a splitting of what has no velocities), a number is beyond FP32, or the configuration lacks
- * an operation, registers, constants or words: how many are needed. Messages about the model begin
- * with its line. */
+ * an operation, registers, constants or words: how many are needed. Messages about a place in the
+ * model begin "line:column: error: ". */
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error);
 /* Sets *compiled to NULL; that it was NULL before does no harm. */
