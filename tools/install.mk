@@ -12,6 +12,14 @@ COMMAND := $(DESTDIR)$(PREFIX)/bin/fp3
 RTL_DIR := $(DESTDIR)$(LIBDIR)/fp3
 VERSION  = $(shell sed -n 's/^.define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/api.h)
 
+# A place that the command, the library and pkg-config can name: make, pc files and -D options break at
+# blanks and quotes, and what is installed is used from other directories.
+NAMED = $(if $(filter 1,$(words $(1))),$(if $(strip $(foreach c,' " \ $$ : ; & | < > ( ) * ? `,$(findstring $(c),$(1)))),,$(1)))
+ifneq ($(filter install uninstall,$(MAKECMDGOALS)),)
+$(foreach v,PREFIX LIBDIR,$(if $(filter /%,$(call NAMED,$($(v)))),,$(error $(v) is '$($(v))': expected an absolute path without blanks, quotes and other signs of the shell)))
+$(if $(DESTDIR),$(if $(call NAMED,$(DESTDIR)),,$(error DESTDIR is '$(DESTDIR)': expected a path without blanks, quotes and other signs of the shell)))
+endif
+
 # The one object that knows where the library lives.
 $(eval $(call NOTE,$(BUILD)/place,$(LIBDIR)/fp3))
 $(BUILD)/obj/sw/engine/install.o: $(BUILD)/place

@@ -17,39 +17,47 @@ typedef struct {
     size_t count;
 } dirs;
 
-/* Adds <the directory of file>/below. */
-static void add_beside(dirs *p, const char *file, const char *below) {
-    const char *slash = strrchr(file, '/');
-    const int length = slash ? (int)(slash - file) : 0;
-    char *dir = p->dir[p->count];
-    if (slash && snprintf(dir, PATH_MAX, "%.*s/%s", length, file, below) < PATH_MAX)
-        p->count++;
-}
-
+/* Each place once. */
 static void add(dirs *p, const char *dir) {
+    for (size_t i = 0; i < p->count; i++)
+        if (strcmp(p->dir[i], dir) == 0)
+            return;
     if (snprintf(p->dir[p->count], PATH_MAX, "%s", dir) < PATH_MAX)
         p->count++;
 }
 
+/* Adds <the directory of file, up levels above>/below; file is behind all links. */
+static void add_beside(dirs *p, const char *file, int up, const char *below) {
+    char dir[2 * PATH_MAX];
+    snprintf(dir, PATH_MAX, "%s", file);
+    for (; up >= 0; up--) {
+        char *slash = strrchr(dir, '/');
+        if (!slash)
+            return;
+        *slash = '\0';
+    }
+    snprintf(dir + strlen(dir), PATH_MAX, "/%s", below);
+    add(p, dir);
+}
+
 static void list_dirs(dirs *p) {
     const char *chosen = secure_getenv("FP3_RTL_DIR");
-    char path[PATH_MAX] = "";
+    char program[PATH_MAX] = "", path[PATH_MAX] = "";
     Dl_info own;
     p->count = 0;
     if (chosen && *chosen) {
         add(p, chosen);
         return;
     }
-    /* In a program that links libfp3.a the name is argv[0]: without a slash it says nothing of where
-     * the program is, and the working directory is nobody's place for code. */
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    /* Beside libfp3.so. In a program that links libfp3.a this is the program, or a name without a slash:
+     * the working directory is nobody's place for code. */
     if (dladdr(fp3_install_rtl_dir, &own) && strchr(own.dli_fname, '/') &&
-        realpath(own.dli_fname, path))
-        add_beside(p, path, "fp3");
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
-    if (length > 0) {
-        path[length] = '\0';
-        add_beside(p, path, "../lib/fp3");
-    }
+        realpath(own.dli_fname, path) && strcmp(path, program) != 0)
+        add_beside(p, path, 0, "fp3");
+    if (*program)
+        add_beside(p, program, 1, "lib/fp3");
     add(p, fp3_install_rtl_dir);
 }
 
