@@ -211,6 +211,10 @@ def slope(x):
     return "–" if x is None else f"{x:.2f}"
 
 
+def error(x):
+    return "–" if x is None else f"{x:.1e}"
+
+
 def models(rows):
     lines = []
     for row in rows:
@@ -219,8 +223,8 @@ def models(rows):
             single = row["single_full"]
             lines.append([f"`{row['model']}`", row["operations"], row["instructions"], number(row["many_full"]["measured"], 2),
                           number(single["measured"], 1), number(single["bound"], 1), slope(row["measured_order"]),
-                          slope(row["method_order"]), slope(row["finest_order"]), f"{row['floor']:.1e}",
-                          f"{more['floor']:.1e}", number(more["many_full"]["measured"], 2)])
+                          slope(row["method_order"]), slope(row["finest_order"]), error(row["floor"]),
+                          error(more["floor"]), number(more["many_full"]["measured"], 2)])
     return table(["model", "operations", "instructions", "cycles, many", "cycles, one object", "its bound", "slope in FP32",
                   "in double, same steps", "in double, finest", "smallest error", "compensated", "its cycles, many"], lines)
 

@@ -43,6 +43,7 @@ typedef struct {
     /* Of each state of object 0 after all steps, relative, against the truth; NaN: it is 0, or there
      * is none. */
     double error[FP3_BENCH_STATES];
+    fp3_error no_truth; /* why there is no truth, if it was asked for */
 } fp3_bench_result;
 
 /* Whether it is a ship written by hand: v, s, T, C, rm and h are declared. */

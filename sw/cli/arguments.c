@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fp3/program.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -140,4 +141,23 @@ uint64_t fp3_arguments_number(struct argp_state *state, const char *option, cons
 void fp3_arguments_model(struct argp_state *state, const char *path, int is_model) {
     if (path && !is_model && fp3_program_is_named(path) && !fp3_program_is_model(path))
         argp_error(state, "found '%s', expected a model (*.ode, or --model)", path);
+}
+
+double fp3_arguments_frequency(struct argp_state *state, const char *option, const char *text) {
+    static const struct {
+        const char *name;
+        double hertz;
+    } units[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}};
+    char *unit;
+    const double number = strtod(text, &unit);
+    const int is_decimal = strspn(text, "0123456789.eE+-") >= (size_t)(unit - text);
+    while (*unit == ' ')
+        unit++;
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (!strcmp(unit, units[i].name) && is_decimal && number > 0 &&
+            isnormal(number * units[i].hertz))
+            return number * units[i].hertz;
+    argp_error(state, "%s: '%s' is no frequency: expected a number above 0 and Hz, kHz, MHz or GHz",
+               option, text);
+    return 0;
 }

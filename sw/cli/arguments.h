@@ -18,4 +18,7 @@ uint64_t fp3_arguments_number(struct argp_state *state, const char *option, cons
  * option --model was not given. */
 void fp3_arguments_model(struct argp_state *state, const char *path, int is_model);
 
+/* In Hz, of a number above 0 and a unit, as 130MHz; ends with 2 and a message if it is none. */
+double fp3_arguments_frequency(struct argp_state *state, const char *option, const char *text);
+
 #endif

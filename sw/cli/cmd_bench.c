@@ -7,6 +7,7 @@
 #include "cli.h"
 #include "files.h"
 #include "machine/config.h"
+#include "progress.h"
 
 #include <glob.h>
 #include <inttypes.h>
@@ -46,6 +47,7 @@ typedef struct {
     fp3_params *none;   /* a model has its own */
     fp3_model *ship;    /* SHIP_MODEL, likewise */
     char **report;      /* errors of a source */
+    fp3_progress *progress;
     int is_headed;      /* the table has its head */
     fp3_error mismatch; /* the first of all */
 } results;
@@ -103,7 +105,10 @@ static fp3_status bench_pair(const options *o, const fp3_program *program, fp3_b
     if (!to->is_headed)
         fp3_bench_head(o->steps, program, x->program);
     to->is_headed = 1;
+    fflush(stdout);
+    fp3_progress_resume(to->progress);
     status = fp3_bench_run(&x->what, &x->got, is_unfit, error);
+    fp3_progress_pause(to->progress);
     if (status && !*is_unfit) {
         const fp3_error why = *error;
         return fp3_fail(error, status, "%s, %s: %s", x->program, x->config->name, why.text);
@@ -111,6 +116,9 @@ static fp3_status bench_pair(const options *o, const fp3_program *program, fp3_b
     if (status)
         return status;
     fp3_bench_row(x);
+    if (x->got.no_truth.text[0])
+        printf("%s, %s: no truth, so no error: %s\n", x->program, x->config->name,
+               x->got.no_truth.text);
     json_array_append_new(to->runs, fp3_bench_json(x));
     note_mismatch(x, to);
     return FP3_OK;
@@ -123,10 +131,12 @@ static fp3_status bench_config(const options *o, const char *path, const char *n
     fp3_bench_outcome x = {.config = config, .program = name};
     x.what =
         (fp3_bench_case){.config = config->name, .awake_of = 1, .steps = steps_for(o, config) + 1};
+    fp3_progress_say(to->progress, "%s, %s", name, config->name);
+    fp3_progress_resume(to->progress);
     fp3_status status = open_program(o, path, config->name, to, &program, error);
+    fp3_progress_pause(to->progress);
     /* A model that does not fit is refused by the compiler. */
-    *is_unfit =
-        status == FP3_E_PROGRAM && !*to->report && (o->is_model || fp3_program_is_model(path));
+    *is_unfit = status == FP3_E_PROGRAM && (o->is_model || fp3_program_is_model(path));
     if (!status)
         status = bench_pair(o, program, &x, to, is_unfit, error);
     fp3_program_close(&program);
@@ -147,6 +157,8 @@ static fp3_status bench_program(const options *o, const char *path, results *to,
         status = bench_config(o, path, name, config, to, &is_unfit, error);
         if (is_unfit && !(o->config && o->program)) {
             printf("%s, %s: left out: %s\n", name, config->name, error->text);
+            free(*to->report);
+            *to->report = NULL;
             status = FP3_OK;
         }
     }
@@ -208,8 +220,11 @@ static fp3_status bench_scene(const options *o, const scene *s, double *referenc
     fp3_status status = open_program(o, path, SCENES, to, &program, error);
     if (!status)
         status = fill_case(program, to, &x, error);
+    fp3_progress_say(to->progress, "scene '%s'", s->name);
+    fp3_progress_resume(to->progress);
     if (!status)
         status = fp3_bench_run(&x.what, &x.got, &is_unfit, error);
+    fp3_progress_pause(to->progress);
     if (!status) {
         const double per =
             (double)x.got.all.counter[FP3_COUNTER_CYCLES] / (double)x.got.all.object_steps;
@@ -304,10 +319,13 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
         status = fp3_params_make(&to.none, error);
     if (!status && o->params && !(status = fp3_params_make(&to.params, error)))
         status = fp3_params_load(to.params, o->params, error);
+    to.progress = status ? NULL : fp3_progress_begin("bench");
+    fp3_progress_pause(to.progress); /* tables are printed in between */
     if (!status)
         status = bench_programs(o, path, &to, error);
     if (!status && o->scenes)
         status = bench_scenes(o, &to, error);
+    fp3_progress_end(&to.progress);
     if (!status && o->json)
         status = write_json(o->json, to.runs, to.scenes, error);
     if (!status && to.mismatch.text[0])

@@ -2,6 +2,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
+#include "progress.h"
 
 #include <fp3/convergence.h>
 #include <fp3/engine.h>
@@ -65,6 +66,8 @@ typedef struct {
     fp3_engine *rtl[MACHINES], *model_engine[MACHINES];
     json_t *rows, *left_out;
     unsigned wrong;
+    fp3_error no_reference; /* why there is no ladder; "": there is */
+    fp3_progress *progress;
 } comparison;
 
 /* ---- agreement and cycles ---- */
@@ -183,10 +186,13 @@ static fp3_status measure(comparison *k, const fp3_compiled *c, int machine, row
 
 /* ---- rows ---- */
 
+static const fp3_convergence no_convergence = {
+    .order = NAN, .method_order = NAN, .finest_order = NAN, .floor = NAN};
+
 static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int arithmetic, row *r,
                            fp3_error *error) {
     fp3_status status = FP3_OK;
-    *r = (row){0};
+    *r = (row){.c = no_convergence};
     for (int i = 0; !status && i < MACHINES; i++) {
         fp3_compile_def def = fp3_compile_default();
         fp3_compiled *c = NULL;
@@ -201,7 +207,7 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int 
                           .instructions = c->instructions,
                           .operations = c->operations};
         r->order = c->order;
-        if (i == 0)
+        if (i == 0 && k->ladder)
             status = fp3_converge(k->ladder, c, c->order, &r->c, error);
         if (!status && !k->o->is_quick)
             status = measure(k, c, i, r, error);
@@ -215,7 +221,7 @@ static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(
 /* Steps over the span, and the error of each, up to where only noise is left. */
 static json_t *errors_of(const comparison *k, const row *r) {
     json_t *steps = json_array(), *errors = json_array();
-    for (unsigned i = 0; i < k->ladder->count && !isnan(r->c.noise[i]); i++) {
+    for (unsigned i = 0; k->ladder && i < k->ladder->count && !isnan(r->c.noise[i]); i++) {
         json_array_append_new(steps, json_integer((json_int_t)k->ladder->steps[i]));
         json_array_append_new(errors, number(r->c.error[i]));
     }
@@ -231,8 +237,8 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
                   number(r->on[0].cycles), "bound", number(r->on[0].bound), "order",
                   (json_int_t)r->order, "measured_order", number(r->c.order), "method_order",
                   number(r->c.method_order), "finest_order", number(r->c.finest_order), "floor",
-                  number(r->c.floor), "floor_h", number(k->ladder->h[r->c.best]), "mismatches",
-                  (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
+                  number(r->c.floor), "floor_h", number(k->ladder ? k->ladder->h[r->c.best] : NAN),
+                  "mismatches", (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     for (int i = 0; i < MACHINES; i++)
         json_object_set_new(o, machines[i],
                             json_pack("{s:I, s:o, s:o, s:o}", "instructions",
@@ -242,6 +248,7 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
     if (k->o->has_errors)
         json_object_set_new(o, "errors", errors_of(k, r));
     json_array_append_new(k->rows, o);
+    fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-12s %5" PRIu32 " %5" PRIu32
            " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "\n",
            k->model->name, integrator->name, arithmetics[arithmetic].name, r->on[0].operations,
@@ -249,14 +256,18 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
            r->c.order, r->c.method_order, r->c.finest_order, r->c.floor, r->mismatches,
            r->compared);
     fflush(stdout);
+    fp3_progress_resume(k->progress);
 }
 
 static void leave_out(comparison *k, const char *integrator, int arithmetic, const char *why) {
     json_array_append_new(k->left_out, json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name,
                                                  "integrator", integrator, "arithmetic",
                                                  arithmetics[arithmetic].name, "why", why));
+    fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-12s left out: %s\n", k->model->name, integrator,
            arithmetics[arithmetic].name, why);
+    fflush(stdout);
+    fp3_progress_resume(k->progress);
 }
 
 static fp3_status compare_integrator(comparison *k, const char *name, fp3_error *error) {
@@ -267,6 +278,7 @@ static fp3_status compare_integrator(comparison *k, const char *name, fp3_error 
         fp3_error why;
         if (arithmetics[i].with && integrator->kind != FP3_RUNGE_KUTTA)
             continue; /* there h is in the coefficients anyway */
+        fp3_progress_say(k->progress, "%s, %s", name, arithmetics[i].name);
         const fp3_status made = make_row(k, integrator, i, &r, &why);
         if (made == FP3_E_PROGRAM || made == FP3_E_LIMIT)
             leave_out(k, name, i, why.text);
@@ -283,6 +295,8 @@ static fp3_status compare_integrator(comparison *k, const char *name, fp3_error 
 
 static fp3_status write_json(const comparison *k, fp3_error *error) {
     json_t *all = json_pack("{s:O, s:O}", "rows", k->rows, "left_out", k->left_out);
+    if (all && k->no_reference.text[0])
+        json_object_set_new(all, "no_reference", json_string(k->no_reference.text));
     char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
     fp3_status status = text ? fp3_file_write(k->o->json, text, strlen(text), error)
                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -291,9 +305,25 @@ static fp3_status write_json(const comparison *k, fp3_error *error) {
     return status;
 }
 
+/* Cycles and agreement need no reference; orders and errors do. */
+static fp3_status open_ladder(comparison *k, fp3_error *error) {
+    fp3_progress_say(k->progress, "the reference");
+    const fp3_status status =
+        fp3_ladder_open(k->model, k->o->span, k->o->most_steps, &k->ladder, error);
+    if (status != FP3_E_ARGUMENT && status != FP3_E_MISMATCH)
+        return status;
+    k->no_reference = *error;
+    fp3_progress_pause(k->progress);
+    printf("%s: no reference, so no measured order and no error (nan): %s\n", k->model->name,
+           error->text);
+    fflush(stdout);
+    fp3_progress_resume(k->progress);
+    return FP3_OK;
+}
+
 static fp3_status compare(comparison *k, fp3_error *error) {
     const options *o = k->o;
-    fp3_status status = fp3_ladder_open(k->model, o->span, o->most_steps, &k->ladder, error);
+    fp3_status status = open_ladder(k, error);
     if (!status && !o->is_quick)
         status = open_engines(k, error);
     if (!status)
@@ -319,7 +349,8 @@ enum { KEY_JSON = 256, KEY_SPAN, KEY_STEPS, KEY_QUICK, KEY_ERRORS, KEY_MODEL };
 
 static const struct argp_option table[] = {
     {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
-    {"integrator", 'i', "NAME", 0, "May be repeated (default: all that are built in)", 0},
+    {"integrator", 'i', "NAME", 0,
+     "A built-in table, or a file; may be repeated (default: all that are built in)", 0},
     {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
     {"errors", KEY_ERRORS, NULL, 0, "... with the error at every number of steps", 0},
     {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
@@ -404,8 +435,11 @@ int fp3_cmd_compare(int argc, char **argv) {
     if (!status)
         status = fp3_model_load(o.model, &model, &text, &error);
     comparison k = {.o = &o, .model = model, .rows = json_array(), .left_out = json_array()};
-    if (!status)
+    if (!status) {
+        k.progress = fp3_progress_begin("compare");
         status = compare(&k, &error);
+        fp3_progress_end(&k.progress);
+    }
     const int exit_code = fp3_cli_end("compare", status, &error, text);
     json_decref(k.rows);
     json_decref(k.left_out);

@@ -2,6 +2,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
+#include "progress.h"
 
 #include <fp3/program.h>
 #include <inttypes.h>
@@ -243,8 +244,11 @@ int fp3_cmd_compile(int argc, char **argv) {
     fp3_program *program = NULL;
     char *text = NULL;
     fp3_status status = check_files(&o, &error);
+    fp3_progress *progress = status ? NULL : fp3_progress_begin("compile");
+    fp3_progress_say(progress, "looking for an order of instructions");
     if (!status)
         status = fp3_program_open(o.model, &o.def, &program, &text, &error);
+    fp3_progress_end(&progress);
     if (!status)
         status = write_outputs(&o, program, &error);
     const int exit_code = fp3_cli_end("compile", status, &error, text);

@@ -4,6 +4,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
+#include "progress.h"
 #include "run_print.h"
 
 #include <fp3/scene.h>
@@ -18,6 +19,8 @@ typedef struct {
     int all, has_steps, is_compensated, is_model;
     fp3_params *params;
     fp3_files files;
+    double clock; /* Hz; 0: not given */
+    fp3_progress *progress;
 } options;
 
 enum {
@@ -29,7 +32,9 @@ enum {
     KEY_KANATA,
     KEY_ALL,
     KEY_SCENE,
-    KEY_MODEL
+    KEY_MODEL,
+    KEY_CLOCK,
+    KEY_SPREAD
 };
 
 static const struct argp_option table[] = {
@@ -48,10 +53,14 @@ static const struct argp_option table[] = {
      "Values of states, parameters and shared constants; may be repeated", 0},
     {"set", KEY_SET, "NAME=VALUE", 0,
      "One such value; replaces what was given before it; may be repeated", 0},
+    {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
+     "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated", 0},
     {"scene", KEY_SCENE, "FILE", 0,
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
      "--steps and --visit replace what it says",
      0},
+    {"clock", KEY_CLOCK, "FREQUENCY", 0,
+     "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
     {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the host port to FILE", 0},
@@ -74,11 +83,13 @@ static void check(const options *o, struct argp_state *state) {
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->params))
-        argp_error(state, "--scene: values are in the scene, not in --params or --set");
+        argp_error(state, "--scene: values are in the scene, not in --params, --set or --spread");
     if (o->scene && o->kanata)
         argp_error(state, "--kanata: a log is of one program, not of a scene");
     if (o->kanata && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline");
+    if (o->clock > 0 && o->engine && strcmp(o->engine, "rtl") != 0)
+        argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
     if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
 }
@@ -121,6 +132,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_SCENE:
         o->scene = text;
         break;
+    case KEY_CLOCK:
+        o->clock = fp3_arguments_frequency(state, "--clock", text);
+        break;
     case KEY_LIMIT:
         o->cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
         break;
@@ -130,6 +144,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_PARAMS:
         fp3_files_read(&o->files, "--params", text);
         if (fp3_params_load(o->params, text, &error))
+            argp_failure(state, 2, 0, "%s", error.text);
+        break;
+    case KEY_SPREAD:
+        if (fp3_params_spread(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
         break;
     case KEY_SET:
@@ -152,8 +170,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 }
 
 /* *has_run: it came as far. */
-static fp3_status run(const options *o, const fp3_run_task *of, const fp3_engine_def *def,
-                      int *has_run, fp3_error *error) {
+static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *def, int *has_run,
+                      fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_stats stats;
     fp3_status status = fp3_engine_open(def, &engine);
@@ -161,11 +179,13 @@ static fp3_status run(const options *o, const fp3_run_task *of, const fp3_engine
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
                            : fp3_program_load(of->program, o->params, engine, error);
     if (!status) {
+        fp3_progress_say(o->progress, "running");
         status = fp3_engine_run(engine, o->steps, &stats);
+        fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            fp3_run_print(engine, of, def, &stats, o->all);
+            fp3_run_print(engine, of, def, &stats, o->all, o->clock);
         *error = why;
     }
     fp3_engine_close(&engine);
@@ -173,7 +193,7 @@ static fp3_status run(const options *o, const fp3_run_task *of, const fp3_engine
 }
 
 /* With the pipeline's log, if that is asked for; of a run that ended before its time, too. */
-static fp3_status run_and_log(const options *o, const fp3_run_task *of, fp3_engine_def *def,
+static fp3_status run_and_log(options *o, const fp3_run_task *of, fp3_engine_def *def,
                               fp3_error *error) {
     fp3_kanata *kanata = NULL;
     if (o->kanata) {
@@ -201,6 +221,8 @@ static void define(const options *o, fp3_engine_def *def, fp3_error *error) {
     def->visit = o->visit ? (uint32_t)o->visit : def->visit;
     def->cycle_limit = o->cycle_limit;
     def->bus_log = o->bus_log;
+    def->progress = o->progress ? fp3_progress_share : NULL;
+    def->progress_user = o->progress;
     def->error = error;
 }
 
@@ -224,7 +246,7 @@ static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_e
     return status;
 }
 
-static fp3_status run_program(const options *o, char **report, fp3_error *error) {
+static fp3_status run_program(options *o, char **report, fp3_error *error) {
     fp3_program_def how = fp3_program_default();
     fp3_engine_def def = fp3_engine_default();
     fp3_program *program = NULL;
@@ -277,8 +299,12 @@ int fp3_cmd_run(int argc, char **argv) {
     char *report = NULL;
     fp3_arguments_parse(&argp, argc, argv, &o);
     status = check_files(&o, &error);
-    if (!status)
+    if (!status) {
+        o.progress = fp3_progress_begin("run");
+        fp3_progress_say(o.progress, "reading and compiling");
         status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
+        fp3_progress_end(&o.progress);
+    }
     const int exit_code = fp3_cli_end("run", status, &error, report);
     free(report);
     fp3_params_free(&o.params);

@@ -89,8 +89,22 @@ static void print_cost(const fp3_stats *stats) {
         if (stats->flags >> i & 1)
             printf(" %s", flags[i]);
     putchar('\n');
-    printf("%-16s %.0f\n", "cycles/second",
-           stats->seconds > 0 ? (double)stats->counter[FP3_COUNTER_CYCLES] / stats->seconds : 0.0);
+}
+
+/* What the cycles take on hardware with this clock, and what they took to simulate. */
+static void print_time(const fp3_stats *stats, int is_rtl, double clock) {
+    const double cycles = (double)stats->counter[FP3_COUNTER_CYCLES];
+    if (clock > 0) {
+        printf("%-16s %.6g s at %.6g MHz: %.0f cycles\n", "time", cycles / clock, clock / 1e6,
+               cycles);
+        if (stats->object_steps)
+            printf("%-16s %.6g s\n", "per object-step",
+                   cycles / clock / (double)stats->object_steps);
+    }
+    printf("%-16s %.3g s for this simulation", "simulator", stats->seconds);
+    if (stats->seconds > 0)
+        printf(", %.3g %s/second", cycles / stats->seconds, is_rtl ? "cycles" : "instructions");
+    printf("; no time of the hardware\n");
 }
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number, int all) {
@@ -124,7 +138,7 @@ static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
 }
 
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_stats *stats, int all) {
+                   const fp3_stats *stats, int all, double clock) {
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     if (of->program) {
         const part objects = {of->program->image, 0, fp3_engine_objects(engine)};
@@ -134,6 +148,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
         print_group(engine, of->scene, i, all);
     print_cost(stats);
+    print_time(stats, is_rtl, clock);
     if (is_rtl)
         print_occupancy(engine, stats);
     if (is_rtl && of->scene)

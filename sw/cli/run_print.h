@@ -10,8 +10,9 @@ typedef struct {
     const fp3_scene *scene;
 } fp3_run_task;
 
-/* A run that ended before its time has a state, too. */
+/* A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
+ * 0: not asked for. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_stats *stats, int all);
+                   const fp3_stats *stats, int all, double clock);
 
 #endif

@@ -43,6 +43,7 @@ struct fp3_engine {
     fp3_layout layout; /* one group without a program until a load */
     int is_touched;    /* some register, constant or status may be other than 0 */
     uint32_t clock;    /* steps of earlier runs */
+    double expected;   /* instructions of this run, if nobody sleeps */
     /* Of each object, what its sleep register held when it was last looked at. */
     uint32_t *slept;
     int is_slept_known;                      /* slept is up to date */
@@ -58,6 +59,9 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 /* fp3_engine_load without its checks: for tests of what the hardware does with words that are none
  * of its own. */
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
+
+/* Tells the caller how far the run is, by the instructions that objects have executed so far. */
+void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);
 
 /* The two ends of a run that are not its own, in the same words from every engine; index counts in
  * the program of the group. */

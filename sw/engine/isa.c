@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define TELL_INSTRUCTIONS 65536 /* from one report of progress to the next */
+
 /* What an object does with an instruction of its visit. */
 typedef enum {
     AWAY,   /* nothing: not in the round, or absent since its lds */
@@ -29,9 +31,9 @@ typedef struct {
     uint32_t *shared;          /* of all groups */
     const uint32_t *constants; /* those of the group whose turn it is */
     presence *now;
-    char *listed;  /* the next round visits the object */
-    char *is_over; /* the group's run has ended before its time */
-    uint64_t executed;
+    char *listed;            /* the next round visits the object */
+    char *is_over;           /* the group's run has ended before its time */
+    uint64_t executed, told; /* instructions of this run: all, and when that was last told */
 } isa;
 
 /* A round of a run, for one group. */
@@ -239,6 +241,12 @@ static int is_anybody_awake(const round_of *r) {
     return 0;
 }
 
+static void tell(const fp3_engine *engine) {
+    isa *self = engine->self;
+    self->told = self->executed;
+    fp3_engine_tell(engine, self->executed);
+}
+
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
@@ -255,6 +263,8 @@ static fp3_status make_round(round_of *r) {
         if (limit && self->executed >= limit)
             return fp3_engine_limit(r->engine);
         sweep(r, &in, pc >= program->last);
+        if (self->executed >= self->told + TELL_INSTRUCTIONS)
+            tell(r->engine);
         pc++;
         if (pc == program->last && --left)
             pc = program->step;
@@ -334,7 +344,7 @@ static fp3_status isa_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
     fenv_t callers;
     fp3_execute_begin(engine->config, &callers);
     stats->schedulers = 1;
-    ((isa *)engine->self)->executed = 0;
+    ((isa *)engine->self)->executed = ((isa *)engine->self)->told = 0;
     const fp3_status status = run_rounds(engine, steps, stats);
     fp3_execute_end(&callers);
     return status;

@@ -19,6 +19,7 @@
 /* Nothing issues or retires for so long: time to ask whether the run has ended. Asking early costs
  * the simulation some cycles, the hardware none; it may be wrong about a long stall. */
 #define QUIET_CYCLES 64
+#define TELL_CYCLES 4096  /* from one report of progress to the next */
 #define STOP_CYCLES 10000 /* from control.stop to the end of a run */
 
 typedef struct {
@@ -27,6 +28,7 @@ typedef struct {
     fp3_output *output;       /* NULL unless there is a bus log ... */
     FILE *log;                /* ... and its stream */
     fp3_in_flight *in_flight; /* NULL unless somebody traces */
+    uint64_t executed;        /* instructions of this run */
     uint64_t hash;            /* FNV-1a of all retirements: the log ends each run with it */
 } rtl_engine;
 
@@ -107,6 +109,7 @@ static void note_issue(void *user, const fp3_rtl_issue *issue) {
 static void note_end(void *user, const fp3_rtl_end *end) {
     const fp3_engine *engine = user;
     rtl_engine *self = engine->self;
+    self->executed += end->outcome == FP3_EXECUTED;
     fp3_retirement r = end->result;
     const uint32_t row = r.object, column = r.scheduler * engine->config->lanes + r.lane;
     r.object =
@@ -301,6 +304,20 @@ static fp3_status start(fp3_engine *engine, uint32_t steps) {
     return put_all(engine, list + without, sizeof list / sizeof *list - without);
 }
 
+/* Until nothing happens any more; with somebody who wants to know how far it is, piece by piece. */
+static void clock_in_pieces(fp3_engine *engine, uint64_t cycles) {
+    const rtl_engine *self = engine->self;
+    uint64_t piece = engine->def.progress ? TELL_CYCLES : cycles;
+    uint64_t clocked = piece;
+    for (; cycles > 0 && clocked == piece; cycles -= clocked) {
+        const uint64_t begin = self->hardware.ops->now(self->rtl);
+        piece = piece < cycles ? piece : cycles;
+        self->hardware.ops->clock(self->rtl, piece, QUIET_CYCLES);
+        clocked = self->hardware.ops->now(self->rtl) - begin;
+        fp3_engine_tell(engine, self->executed);
+    }
+}
+
 /* Clocks until no scheduler runs, for so many cycles at most; *outcome is the OR of all status words. */
 static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t *outcome) {
     rtl_engine *self = engine->self;
@@ -308,7 +325,7 @@ static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t 
     const uint64_t begin = self->hardware.ops->now(self->rtl);
     for (uint64_t clocked = 0;; clocked = self->hardware.ops->now(self->rtl) - begin) {
         if (clocked < cycles)
-            self->hardware.ops->clock(self->rtl, cycles - clocked, QUIET_CYCLES);
+            clock_in_pieces(engine, cycles - clocked);
         status = transfer(engine, 0, of_all(engine, FP3_ADDR_STATUS), outcome);
         if (status || !FIELD(*outcome, STATUS_RUNNING) || clocked >= cycles)
             return status;
@@ -415,8 +432,9 @@ static fp3_status ask_units(fp3_engine *engine, fp3_stats *stats, uint32_t *all,
 }
 
 static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    const rtl_engine *self = engine->self;
+    rtl_engine *self = engine->self;
     uint32_t all = 0, illegal = 0, word = 0;
+    self->executed = 0;
     fp3_status status = start(engine, steps);
     if (!status)
         status = wait_or_stop(engine);

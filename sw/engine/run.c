@@ -3,6 +3,7 @@
 #include "count.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 #include <time.h>
 
@@ -65,6 +66,27 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
     return status;
 }
 
+/* Each visit executes the first and the last part once. */
+static double count_instructions(const fp3_engine *engine, uint32_t steps) {
+    const uint32_t visit =
+        engine->config->interleave && engine->def.visit ? engine->def.visit : steps;
+    const double visits = steps ? ceil((double)steps / visit) : 0;
+    double sum = 0;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const fp3_code *p = &group->program;
+        sum += group->objects *
+               (visits * (p->step + p->count - p->last) + (double)steps * (p->last - p->step));
+    }
+    return sum;
+}
+
+void fp3_engine_tell(const fp3_engine *engine, uint64_t executed) {
+    if (engine->def.progress && engine->expected > 0)
+        engine->def.progress(engine->def.progress_user,
+                             fmin(1, (double)executed / engine->expected));
+}
+
 /* After an end before its time nobody knows who slept, and the lists are in pieces. */
 static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
@@ -78,6 +100,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     const int was_counted = engine->is_counted;
     engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
+    engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
     sum_counters(engine, stats);
     if (!status)

@@ -3,6 +3,7 @@
 
 #include <fp3/image.h>
 #include <fp3/model.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -156,16 +157,42 @@ static fp3_status read_number(const char *set, const char *text, double *number,
     return fp3_fail(error, FP3_E_ARGUMENT, "'%s': '%s' is no number: %s", set, text, why.text);
 }
 
-fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error) {
+/* The name in front of the = of text, and what is behind it, or NULL. */
+static const char *split(const char *text, char name[FP3_NAME_SIZE]) {
     const char *equals = strchr(text, '=');
-    char name[FP3_NAME_SIZE];
-    double number = 0;
-    if (!equals || (size_t)(equals - text) >= sizeof name)
-        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is not name=value", text);
+    if (!equals || (size_t)(equals - text) >= FP3_NAME_SIZE)
+        return NULL;
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
-    fp3_status status = read_number(text, equals + 1, &number, error);
+    return equals + 1;
+}
+
+fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error) {
+    char name[FP3_NAME_SIZE];
+    double number = 0;
+    const char *is = split(text, name);
+    if (!is)
+        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is not name=value", text);
+    fp3_status status = read_number(text, is, &number, error);
     return status ? status : fp3_params_put(params, name, number, error);
+}
+
+fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *error) {
+    char name[FP3_NAME_SIZE];
+    value pair = {.is_spread = 1};
+    const char *first = split(text, name), *colon = first ? strchr(first, ':') : NULL;
+    if (!colon)
+        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is not name=first:last", text);
+    char *copy = strndup(first, (size_t)(colon - first));
+    fp3_status status = copy ? read_number(text, copy, &pair.value, error)
+                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(copy);
+    if (!status)
+        status = read_number(text, colon + 1, &pair.last, error);
+    if (!status && !(isfinite(pair.value) && isfinite(pair.last)))
+        status = fp3_fail(error, FP3_E_ARGUMENT, "'%s': found %g, expected finite numbers", text,
+                          isfinite(pair.value) ? pair.last : pair.value);
+    return status ? status : put(params, name, pair, error);
 }
 
 /* ---- files ---- */

@@ -138,7 +138,8 @@ static fp3_status stopped(const orbit *o, const char *how, double t, int result,
                         "no truth from time %.9g on: more than %d events happened until then",
                         o->reached, FP3_EVENTS_MOST);
     return fp3_fail(error, result == GSL_ENOMEM ? FP3_E_SYSTEM : FP3_E_ARGUMENT,
-                    "GSL's %s does not reach time %.9g: %s", how, t, gsl_strerror(result));
+                    "GSL's %s does not reach time %.9g: %s (an explicit method: no stiff model)",
+                    how, t, gsl_strerror(result));
 }
 
 /* a and b are of state i. What has just begun to move is small beside what it is computed from: a

@@ -73,8 +73,12 @@ typedef struct {
 } fp3_traced;
 typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
 
+/* Called now and then in a run: how much of its instructions is executed, 0 to 1, counted as if nobody
+ * slept. Must not call the engine. */
+typedef void fp3_progress_fn(void *user, double share);
+
 /* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error,
- * retire_user and trace_user point to; they must outlive the engine. */
+ * retire_user, trace_user and progress_user point to; they must outlive the engine. */
 typedef struct {
     const char *engine;   /* "rtl" (default) or "isa" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
@@ -89,6 +93,8 @@ typedef struct {
     void *retire_user;
     fp3_trace_fn *trace; /* called for every instruction in every lane, or NULL; likewise */
     void *trace_user;
+    fp3_progress_fn *progress; /* or NULL; a run is the same with it and without */
+    void *progress_user;
     /* rtl only: file for every transfer on the host port, as sim/replay.v reads it, or NULL. It has
      * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;

@@ -33,7 +33,9 @@ void fp3_params_free(fp3_params **params);
 fp3_status fp3_params_load(fp3_params *params, const char *path, fp3_error *error);
 /* One value; text is "name=value", value a number or a constant expression like 2^-7. */
 fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error);
-/* The same with a number. */
+/* Of the first and the last object, as "name=first:last"; those between lie evenly between. */
+fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *error);
+/* As fp3_params_set, with a number. */
 fp3_status fp3_params_put(fp3_params *params, const char *name, double value, fp3_error *error);
 
 size_t fp3_params_count(const fp3_params *params);
