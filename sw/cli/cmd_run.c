@@ -240,6 +240,8 @@ static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_e
     for (size_t i = 0; !status && o->bus_log && i < scene->group_count; i++) {
         fp3_files files = {0};
         fp3_files_read(&files, "program", scene->groups[i].path);
+        fp3_files_read(&files, "integrator", scene->groups[i].integrator_file);
+        fp3_files_read(&files, "params", scene->groups[i].params_file);
         fp3_files_write(&files, "--bus-log", o->bus_log);
         status = fp3_files_check(&files, error);
     }

@@ -35,6 +35,7 @@ static const char text[] =
     "Commands:\n" LINES "\n"
     "'fp3 COMMAND --help' lists a command's options.\n"
     "Exit codes: 0 well, 1 failed, 2 bad input or usage.\n"
+    "A file named - is standard input, or standard output.\n"
     "Environment: FP3_RTL_DIR is the directory of the simulated hardware, if "
     "it is not where it was installed.";
 

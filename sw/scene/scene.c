@@ -33,6 +33,8 @@ void fp3_scene_close(fp3_scene **scene) {
         return;
     for (size_t i = 0; i < s->group_count; i++) {
         free(s->groups[i].path);
+        free(s->groups[i].integrator_file);
+        free(s->groups[i].params_file);
         fp3_program_close(&s->groups[i].program);
         fp3_params_free(&s->groups[i].params);
     }

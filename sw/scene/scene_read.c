@@ -76,7 +76,8 @@ static fp3_status read_count(const reader *r, const config_setting_t *group, con
 /* ---- programs ---- */
 
 /* A built-in table by its name, one of a file from where the scene is. */
-static fp3_status read_integrator(const reader *r, const config_setting_t *from, char **to) {
+static fp3_status read_integrator(const reader *r, const config_setting_t *from, char **to,
+                                  char **file) {
     char *name = NULL;
     fp3_status status = read_text(r, from, "integrator", &name);
     if (status || !name)
@@ -85,15 +86,17 @@ static fp3_status read_integrator(const reader *r, const config_setting_t *from,
     const int is_file = strchr(name, '/') || (size > 4 && strcmp(name + size - 4, ".cfg") == 0);
     *to = is_file ? beside(r->path, name) : copy(name, size);
     free(name);
-    return *to ? FP3_OK : no_memory(r);
+    if (*to && is_file)
+        *file = strdup(*to);
+    return *to && (!is_file || *file) ? FP3_OK : no_memory(r);
 }
 
 /* What a model is compiled with; nothing else is. */
-static fp3_status read_def(const reader *r, const config_setting_t *from, const fp3_scene_group *to,
+static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_scene_group *to,
                            char **integrator, fp3_program_def *def) {
     const config_setting_t *compensated = config_setting_get_member(from, "compensated");
     const int is_model = fp3_program_is_model(to->path);
-    fp3_status status = read_integrator(r, from, integrator);
+    fp3_status status = read_integrator(r, from, integrator, &to->integrator_file);
     if (!status && compensated)
         status = fp3_setting_flag(&r->in, compensated, "compensated", &def->compile.is_compensated);
     if (!status && !is_model && (*integrator || compensated))
@@ -118,15 +121,6 @@ static fp3_status open_program(const reader *r, const config_setting_t *from, fp
     return status;
 }
 
-static int has_known_end(const char *path) {
-    static const char *const ends[] = {".ode", ".s", ".fp3"};
-    const char *dot = strrchr(path, '.');
-    for (size_t i = 0; dot && i < sizeof ends / sizeof *ends; i++)
-        if (strcmp(dot, ends[i]) == 0)
-            return 1;
-    return 0;
-}
-
 static fp3_status read_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     const config_setting_t *setting = config_setting_get_member(from, "program");
     const char *name = NULL;
@@ -138,7 +132,7 @@ static fp3_status read_program(const reader *r, const config_setting_t *from, fp
     to->path = beside(r->path, name);
     if (!to->path)
         return no_memory(r);
-    if (!has_known_end(to->path))
+    if (!fp3_program_is_named(to->path))
         return fp3_setting_wrong(
             &r->in, setting, "found program '%s', expected a name that ends in .ode, .s or .fp3",
             name);
@@ -153,13 +147,12 @@ static fp3_status read_params_file(const reader *r, const config_setting_t *from
     fp3_status status = read_text(r, from, "params", &name);
     if (status || !name)
         return status;
-    char *path = beside(r->path, name);
+    to->params_file = beside(r->path, name);
     fp3_error why = {""};
-    status = path ? fp3_params_load(to->params, path, &why) : no_memory(r);
+    status = to->params_file ? fp3_params_load(to->params, to->params_file, &why) : no_memory(r);
     if (status && why.text[0])
         fp3_fail(r->error, status, "%s:%u: %s", r->path,
                  fp3_setting_line(config_setting_get_member(from, "params")), why.text);
-    free(path);
     free(name);
     return status;
 }

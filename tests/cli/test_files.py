@@ -11,12 +11,13 @@ SOURCE = ".state x\nstep:\nadd x, x, 1.0\n"
 
 
 @pytest.fixture
-def folder(fp3, tmp_path):
+def folder(fp3, root, tmp_path):
     (tmp_path / "m.ode").write_text(MODEL)
+    (tmp_path / "M.ODE").write_text(MODEL)
     (tmp_path / "p.s").write_text(SOURCE)
-    (tmp_path / "euler.cfg").write_text('order = 1; a = []; b = ["1"];\n')
+    (tmp_path / "euler.cfg").write_bytes((root / "programs/integrators/euler.cfg").read_bytes())
     (tmp_path / "x.cfg").write_text("x = 1;\n")
-    (tmp_path / "m.scene").write_text('config = "many_full"; groups = ( { program = "m.ode"; objects = 3; } );\n')
+    (tmp_path / "m.scene").write_text('config = "many_full"; groups = ( { program = "M.ODE"; objects = 3; params = "x.cfg"; integrator = "euler.cfg"; } );\n')
     (tmp_path / "link").symlink_to("m.ode")
     (tmp_path / "dangling").symlink_to("new")
     os.link(tmp_path / "m.ode", tmp_path / "hard")
@@ -55,7 +56,9 @@ COLLISIONS = {
     "run m.ode --kanata a --bus-log a": "are one file",
     "run p.fp3 --bus-log p.fp3": "would overwrite",
     "run --scene m.scene --bus-log m.scene": "would overwrite --scene m.scene",
-    "run --scene m.scene --bus-log m.ode": "would overwrite program m.ode",
+    "run --scene m.scene --bus-log M.ODE": "would overwrite program M.ODE",
+    "run --scene m.scene --bus-log x.cfg": "would overwrite params x.cfg",
+    "run --scene m.scene --bus-log euler.cfg": "would overwrite integrator euler.cfg",
     "compare m.ode --quick --json hard": "--json hard would overwrite",
     "compare m.ode --quick -i euler.cfg --json euler.cfg": "would overwrite",
     "bench -p ./m.ode --json link": "--json link would overwrite",

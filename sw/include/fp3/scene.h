@@ -27,7 +27,8 @@
 FP3_API_BEGIN
 
 typedef struct {
-    char *path; /* of the program */
+    char *path;                          /* of the program */
+    char *integrator_file, *params_file; /* NULL: none was read */
     fp3_program *program;
     /* What the file says. More may be set before fp3_scene_load. */
     fp3_params *params;
