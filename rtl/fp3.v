@@ -7,9 +7,9 @@
 //                          └────► tile, tile ...           many, INTERLEAVE = 1
 //
 // Latency   See solo, or sequencer and lane; hub for an access of the host.
-// Hazard    Trace ports (issue_*, retire_*) are for simulation; leave them open in a design. They
+// Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design. They
 //           have a part for each scheduler, or for each lane of each, the first in the low bits.
-//           Use a named configuration (rtl/gen/fp3_<name>.v) or set parameters by name.
+// Use       A named configuration (rtl/gen/fp3_<name>.v), or set parameters by name.
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
 module fp3 #(

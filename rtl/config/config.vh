@@ -21,8 +21,7 @@ parameter integer STORE_W    = $clog2(STORE_WORDS),
 parameter integer ROW_W      = STORE_W - 3,
 parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
 parameter integer REG_W      = CONTEXT_W + REGISTER_W,
-// Of the number of what fp_value does (gen/choices.vh).
-parameter integer CHOICE_W   = 4,
+// What fp_value does: VALUES, CHOICE_W
 `include "gen/config_values.vh"
 // What the machine takes of cycles: TIMING_...
 `include "gen/timing.vh"

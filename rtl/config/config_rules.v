@@ -1,9 +1,9 @@
 // config_rules: ends elaboration where a configuration cannot be built.
 //
 // Purpose   The rules that tools/generate.py checks for the named configurations, for those that set
-//           fp3's parameters themselves. A broken rule names a module that does not exist.
+//           fp3's parameters themselves. A broken rule names a module that does not exist. A tool that
+//           takes unknown modules for black boxes does not end; it shows the name.
 // Latency   None: there is no logic in here.
-// Hazard    A tool that takes unknown modules for black boxes does not end; it shows the name.
 //
 //     fp3 #(.REGISTERS(24)) u_fp3 (...);
 //     // error: unknown module REGISTERS_must_be_a_power_of_two_from_2_to_64

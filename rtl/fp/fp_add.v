@@ -4,12 +4,12 @@
 //           Two paths share one end: operands far apart need alignment and rounding but
 //           hardly normalisation; those at most one place apart the reverse (fp_add_near).
 // Latency   As many cycles as CUTS has ones; a new pair every cycle. CUTS = 0 is a function.
+//           There is no register at the ports, no reset and no valid bit: a tag travels beside it.
 // Result    Signed zeros, infinities, gradual underflow. Every NaN result is the quiet NaN
 //           with sign 0 and only the top fraction bit. A tiny sum is exact, so UF stays 0.
 // Modes     NEAREST = 0 truncates: overflow gives the largest finite number.
 //           SUBNORMAL = 0 reads subnormals as zeros of their sign. An exact sum that is not
 //           zero and below the smallest normal number gives a zero of its sign, UF and NX.
-// Hazard    No registers at the ports, no reset, no valid bit: carry the tag beside it.
 //
 //     fp_add #(.CUTS(7'b001_0010)) u_add (.clk_i(clk_i), .sub_i(sub), .a_i(a), .b_i(b),
 //         .z_o(z), .flags_o(flags));              // two cycles later

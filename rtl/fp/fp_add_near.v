@@ -3,8 +3,8 @@
 // Purpose   Operands at most one place apart may cancel; their difference is exact, so it
 //           needs a long move left but neither alignment nor rounding.
 // Latency   As many cycles as CUTS has ones.
-// Hazard    The result is meant for a difference below its big operand's leading bit, not
-//           zero, and e_i > 1. Without close_i it is the overflow value, which fp_add picks.
+// Result    With close_i, right for a difference below its big operand's leading bit, not zero, and
+//           e_i > 1; fp_add_round picks it only then. Without close_i it is the overflow value.
 //
 //     result = {sign, e_o, frac_o}; hidden_o = 0: it is subnormal
 `default_nettype none

@@ -3,8 +3,8 @@
 // Purpose   What follows may assume big >= little, and meets no infinity and no NaN: such a
 //           result is made here, as a big operand to which nothing is added.
 // Latency   As many cycles as CUTS has ones.
-// Hazard    special_o: take big_o + little_o as it stands. The exponent is e_o, the bit that
-//           is the hidden one elsewhere is the top fraction bit.
+// Result    With special_o the result is big_o + little_o as it stands: the exponent is e_o, and the bit
+//           that is the hidden one elsewhere is the top fraction bit.
 //
 //     1.5 - 12.0  ->  big 1.1000.., little 1.1000.., n 3, e 130, sign 1, minus 1
 `default_nettype none

@@ -3,6 +3,7 @@
 // Purpose   z = a * b in any binary format with EXP >= 3; default binary32, round to nearest
 //           even, gradual underflow, tininess after rounding, every NaN result 7FC00000.
 // Latency   popcount(CUTS) cycles, one operation per cycle; CUTS = 0 is a function of a_i, b_i.
+//           There is no reset, enable or valid bit: a tag travels beside it.
 //           Places: 0 operands classified, 1 partial products, 2 first sums, 3 product,
 //           4 shifted by sixteens and fours, 5 by ones, 6 rounded.
 // Flags     {NV, DZ, OF, UF, NX}. NV: a signalling NaN, or zero times infinity.
@@ -10,7 +11,6 @@
 //           exact value lies below the least normal number (tiny before rounding) becomes a
 //           zero of its sign with UF and NX. NEAREST = 0: truncate; overflow then gives the
 //           largest finite number with OF and NX.
-// Hazard    No reset, enable or valid: the caller carries tags beside it.
 //
 //     fp_mul #(.CUTS(7'b0101000)) u (.clk_i(clk), .a_i(x), .b_i(y), .z_o(z), .flags_o(f));
 //     // two edges later z = x * y: 3F800001 * 40000000 = 40000001, f = 0

@@ -2,11 +2,11 @@
 //
 // Purpose   The multiplication proper of fp_mul, a module of its own so that a proof can take
 //           the product as a free input, and a device can bring its own registered multiplier.
-// Latency   popcount(CUTS) cycles, one operation per cycle. Places: 0 operands, 1 partial
-//           products, 2 first sums, 3 product.
-// Hazard    The hidden bits a_i[FRAC], b_i[FRAC] come late (they say that an exponent is not
+//           The hidden bits a_i[FRAC], b_i[FRAC] come late (they say that an exponent is not
 //           zero), so they bypass the multipliers: what they stand for is added afterwards,
 //           in an adder that runs beside the tiles.
+// Latency   popcount(CUTS) cycles, one operation per cycle. Places: 0 operands, 1 partial
+//           products, 2 first sums, 3 product.
 //
 //     fp_mul_product #(.FRAC(23), .CUTS(4'b1010)) u (.clk_i(clk), .a_i(x), .b_i(y), .p_o(p));
 //     // two edges later p == x * y

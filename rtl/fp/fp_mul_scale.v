@@ -5,9 +5,9 @@
 //           shifts by n instead of FRAC; a small exponent asks for more: room. So n - room is
 //           the exponent of the product counted as 1 to 1.99..; with zero or less the result
 //           is subnormal unless the top bit is set, and the shift is room. Two subnormals
-//           underflow whatever n is.
+//           underflow whatever n is. Of an operand that is zero, infinite or no number the shift and
+//           the exponent mean nothing: fp_mul then takes its result from the operand's class.
 // Latency   popcount(CUTS), beside fp_mul_product: bit 0 is place 1 of fp_mul, bit 1 place 2.
-// Hazard    An operand that is zero, infinite or no number gives a number without meaning.
 //
 //     fp_mul_scale u (..., .shift_o(shift), .place_o(place));
 //     // place: {exponent field, low, over, by1, by2, gone}, as fp_mul names them

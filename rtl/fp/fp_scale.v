@@ -6,10 +6,10 @@
 // Options   SUBNORMAL = 0 and NEAREST = 0 as in fp_mul.
 // Promise   With neither twice_i nor half_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
 //           passes even with SUBNORMAL = 0, where the adder behind reads it as zero.
-//           Proved for every number and option: tests/formal/scale_cases.v.
-// Hazard    Never twice_i and half_i together (shared_arith checks it).
 //           A NaN passes unchanged: the adder behind makes it quiet, and raises invalid for a
 //           signalling one as a product would.
+//           Proved for every number and option: tests/formal/scale_cases.v.
+// Hazard    Never twice_i and half_i together (shared_arith checks it).
 //
 //     d_i 00800001, half_i 1  ->  z_o 00400000 (a tie, to even), flags_o underflow, inexact
 `default_nettype none

@@ -9,9 +9,10 @@
 //
 // Latency   3: the first word is on word_o three cycles after start_i, then one per cycle
 //           in which advance_i is high.
+//           skip_i ends the steps of this visit early: it may come at any time, and takes effect at the
+//           end of a step.
 // Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and
-//           not taken. skip_i ends the steps of this visit early: it may come at any time, and takes
-//           effect at the end of a step.
+//           not taken.
 `default_nettype none
 module fetch #(
     parameter ADDR_W = 9               // 2^ADDR_W instruction words
@@ -118,13 +119,17 @@ module fetch #(
     assign empty_o = !active_q && !valid_1q && !valid_2q;
 
 `ifdef FP3_CHECK
-    reg                 held_q;
+    reg                 held_q, stop_q;
     reg [ADDR_W+31+4:0] shown_q;
     always @(posedge clk_i) begin
         held_q  <= valid_o && !advance_i && !stop_i && !rst_i;
+        stop_q  <= stop_i && !rst_i;
         shown_q <= {pc_o, word_o, marks_2q};
         if (!rst_i && held_q && (!valid_o || {pc_o, word_o, marks_2q} != shown_q)) begin
             $display("%m: a word changes before it is taken"); $stop;
+        end
+        if (!rst_i && stop_q && !empty_o) begin
+            $display("%m: something is left to deliver after a stop"); $stop;
         end
     end
 `endif

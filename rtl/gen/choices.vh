@@ -2,7 +2,7 @@
 // Included inside a module, which uses the names that it needs; hence the lint_off.
 // verilator lint_off UNUSEDPARAM
 
-// What fp_value does: nothing, or what these instructions say. Parameter CHOICE_W: rtl/config/config.vh.
+// What fp_value does: nothing, or what these instructions say.
 localparam [CHOICE_W-1:0] CHOICE_NONE  = 0;
 localparam [CHOICE_W-1:0] CHOICE_MIN   = 1;
 localparam [CHOICE_W-1:0] CHOICE_MAX   = 2;

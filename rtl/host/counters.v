@@ -1,9 +1,8 @@
 // counters: counts the cycles in which each of N events happens.
 //
-// Purpose   Says where a run's cycles went.
+// Purpose   Says where a run's cycles went. A count wraps at 2^W: with 48 bits, after a month at 10 ns.
 // Latency   An event is counted two cycles later, so that no event has to reach a carry chain in
 //           its own cycle; value_o follows index_i at once.
-// Hazard    Wraps at 2^W: with 48 bits, after a month at 10 ns.
 `default_nettype none
 module counters #(
     parameter N       = 10,            // events

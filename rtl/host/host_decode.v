@@ -1,8 +1,9 @@
 // host_decode: where a host's address leads.
 //
-// Purpose   Of host_port: tells registers, counters, program and the memories behind it apart.
+// Purpose   Of host_port: tells registers, counters, program and the memories behind it apart. Whether an
+//           access may do anything there, host_port says.
 // Latency   1.
-// Hazard    What an access may do there is host_port's to say.
+// Hazard    An address is in at most one part of the map.
 `default_nettype none
 module host_decode #(
 `include "config/config.vh"
@@ -34,6 +35,8 @@ module host_decode #(
     wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
+    wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
+    wire counters_d  = low && addr_i[15:0] >= ADDR_COUNTERS && from_counters < 8 * COUNTERS;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
@@ -47,8 +50,8 @@ module host_decode #(
     reg [3:0]  counter_q;
     reg [19:0] address_q;
     always @(posedge clk_i) begin
-        registers_q <= low && addr_i[15:0] < ADDR_COUNTERS;
-        counters_q  <= low && addr_i[15:0] >= ADDR_COUNTERS && from_counters < 8 * COUNTERS;
+        registers_q <= registers_d;
+        counters_q  <= counters_d;
         program_q   <= program_d;
         memory_q    <= constants_d || awake_d || wake_d || objects_d || status_d;
         space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
@@ -58,5 +61,13 @@ module host_decode #(
     end
     assign {registers_o, counters_o, program_o, memory_o} = {registers_q, counters_q, program_q, memory_q};
     assign {counter_o, space_o, address_o}                = {counter_q, space_q, address_q};
+
+`ifdef FP3_CHECK
+    wire [7:0] parts = {registers_d, counters_d, program_d, constants_d, awake_d, wake_d, objects_d, status_d};
+    always @(posedge clk_i)
+        if (|(parts & (parts - 1'b1))) begin
+            $display("%m: address %h is in several parts of the map: %b", addr_i, parts); $stop;
+        end
+`endif
 endmodule
 `default_nettype wire

@@ -7,6 +7,7 @@
 //           MEMORY_LATENCY + 1 cycles more.
 // Promise   Every request is answered. What has no register, no such access or no sense is
 //           answered with rsp_error_o and changes nothing.
+// Hazard    With start_o, step_o <= step_end_o <= end_o.
 //
 //     cycle        0     1     2     3     4     5
 //     req_valid_i  1     0     0     0     0     1        req_ready_o falls until the response is taken
@@ -244,5 +245,12 @@ module host_port #(
 
     assign rsp_error_o = !ok_q;
     assign rsp_rdata_o = rdata_q & {32{ok_q && !write_q}};
+
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (!rst_i && start_o && !(step_o <= step_end_o && step_end_o <= end_o)) begin
+            $display("%m: a run starts whose steps are the words %0d to %0d of 0 to %0d", step_o, step_end_o, end_o); $stop;
+        end
+`endif
 endmodule
 `default_nettype wire

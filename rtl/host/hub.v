@@ -4,7 +4,7 @@
 //           a read gives the OR of what they answer.
 // Latency   Two cycles more than the scheduler's own port.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error.
-// Hazard    Schedulers take a request in the same cycle: all of them are idle when it comes.
+// Hazard    Schedulers take a request in the same cycle: all that are asked are ready together.
 `default_nettype none
 module hub #(
     parameter N = 1                    // schedulers, at most 64
@@ -80,5 +80,12 @@ module hub #(
     assign rsp_valid_o = respond_q;
     assign rsp_rdata_o = rdata_q;
     assign rsp_error_o = error_q;
+
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (!rst_i && ask_q && taken && |(whom_q & ~req_ready_i)) begin
+            $display("%m: of the schedulers %b that are asked only %b are ready", whom_q, whom_q & req_ready_i); $stop;
+        end
+`endif
 endmodule
 `default_nettype wire

@@ -2,9 +2,8 @@
 //
 // Purpose   The memory for few words that must be fast: its reader registers the word, so that
 //           nothing but a flip-flop's delay is in front of what uses it.
-// Latency   0.
-// Hazard    A read in the cycle of a write to the same word returns the old word. Power-up
-//           contents are zero, and there is no reset.
+// Latency   0. A read in the cycle of a write to the same word returns the old word.
+// Contents  Zero at power-up; there is no reset.
 `default_nettype none
 // The hierarchy is kept because Yosys would otherwise move the reader's register in front of the
 // memory, to the address, and the memory into the path behind it.

@@ -1,8 +1,8 @@
 // lzc: counts the zeros above the highest one.
 //
-// Purpose   Says how far a sum or a significand must move left to be normal.
+// Purpose   Says how far a sum or a significand must move left to be normal. Of an all-zero input only
+//           zero_o is meaningful.
 // Latency   0. A tree of halves: the depth grows with N, not with the width.
-// Hazard    Of an all-zero input only zero_o is meaningful.
 //
 //     d_i 0001_0110  ->  n_o 3, zero_o 0      (N = 3)
 `default_nettype none

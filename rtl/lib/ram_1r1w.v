@@ -2,9 +2,9 @@
 //
 // Purpose   The memory for many words: one form, so that each tool's inference is met once.
 // Latency   1: the word addressed while read_i is high is on read_value_o in the next cycle,
-//           and stays there until the next read.
-// Hazard    A read in the cycle of a write to the same word returns the old word. Power-up
-//           contents are zero, and there is no reset.
+//           and stays there until the next read. A read in the cycle of a write to the same word
+//           returns the old word.
+// Contents  Zero at power-up; there is no reset.
 `default_nettype none
 module ram_1r1w #(
     parameter ADDR_W = 9,              // 2^ADDR_W words

@@ -4,8 +4,9 @@
 //           so the word is registered before anything is done with it.
 // Latency   2: the word addressed in a cycle is on read_value_o two cycles later. With read_i low
 //           both registers keep what they have.
-// Hazard    Do not read a word in the cycle in which it is written: here that gives the old
-//           word, a device may give anything. Power-up contents are zero, there is no reset.
+// Contents  Zero at power-up; there is no reset.
+// Hazard    A read of the word that is written in the same cycle is not used: a device may give anything.
+//           Here it gives the old word, and with FP3_CHECK its inverse, so that a use changes results.
 //
 //     cycle         0     1     2     3
 //     write_i       1     0     0     0       address 5, value x
@@ -30,10 +31,15 @@ module ram_registered #(
     integer i;
     initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};
 
+`ifdef FP3_CHECK
+    wire [W-1:0] word = memory[read_addr_i] ^ {W{write_i && write_addr_i == read_addr_i}};
+`else
+    wire [W-1:0] word = memory[read_addr_i];
+`endif
     always @(posedge clk_i) begin
         if (write_i) memory[write_addr_i] <= write_value_i;
         if (read_i) begin
-            word_q <= memory[read_addr_i];
+            word_q <= word;
             read_q <= word_q;
         end
     end

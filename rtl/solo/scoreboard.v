@@ -14,10 +14,10 @@
 //           earliest correct reader issues one cycle before the write (BYPASS), or one cycle after
 //           it. A result that the next instruction can read (BYPASS, latency 1) is never flagged.
 // Promise   No instruction is refused for another reason, so none waits longer than the results in
-//           flight. The promises are proved for the latencies and options of every configuration:
+//           flight. Only a chain reads c_i: for other instructions its flag does not count.
+//           The promises are proved for the latencies and options of every configuration:
 //           tests/formal/scoreboard_spec.v.
 // Hazard    issue_i only with blocked_o and taken_o low, and for one unit.
-//           Only a chain reads c_i: for other instructions its flag does not count.
 //
 //     cycle   0             1                2                3         latency 2, BYPASS
 //     issue   r1 = r2 + r3  r4 = r1 * r5     r4 = r1 * r5     -

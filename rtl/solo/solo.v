@@ -7,8 +7,8 @@
 //               │    ◄──     │     ◄────────┘
 //               └─ counters ◄┘
 //
+//           Trace ports (issue_*, retire_*) are for simulation.
 // Latency   See solo_scheduler (a run), host_port (an access).
-// Hazard    Trace ports (issue_*, retire_*) are for simulation.
 `default_nettype none
 module solo #(
 `include "config/config.vh"

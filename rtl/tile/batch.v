@@ -9,9 +9,9 @@
 //           any other               those awake
 //
 // Latency   mask_o is that of the instruction that decode takes; a report changes it two cycles later.
-// Hazard    A report comes some time after an object fell asleep. Until then instructions issue for it
+//           A report comes some time after an object fell asleep. Until then instructions issue for it
 //           in vain (no lane executes them), and later ones do not.
-//           Each report is about a context that has an object, and comes before the next round opens.
+// Hazard    Each report is about a context that has an object, and comes before the next round opens.
 //
 //     CONTEXTS = 4, count_i = 6:       mask_o of ld  1111   of add  1111   after a report of context 2  1011
 //                   the second batch:                0011           0011

@@ -91,7 +91,7 @@ module lane #(
     wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
     wire [REGISTER_W-1:0] register_w3, register_w0;
     wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
-    delay #(.W(1+CONTEXT_W), .N(2)) u_w4 (.clk_i(clk_i), .rst_i(rst_i),
+    delay #(.W(1+CONTEXT_W), .N(2)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
     delay #(.W(CONTEXT_W), .N(3)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
     delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));

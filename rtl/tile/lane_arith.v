@@ -3,9 +3,9 @@
 // Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go
 //           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1. What fp_value makes
 //           of z, x and y is added to -0.
-// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle.
+// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. There is no reset, enable or valid bit:
+//           whoever issues knows when the result comes.
 // Flags     Those of the product or those of the sum, {NV, DZ, OF, UF, NX}.
-// Hazard    No reset, enable or valid bit: whoever issues knows when the result comes.
 //
 //     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(1'b1), .choice_i(CHOICE_NONE),
 //         .x_i(x), .y_i(y), .z_i(z), .value_o(d), .flags_o(flags));

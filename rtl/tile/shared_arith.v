@@ -9,9 +9,9 @@
 //                                      └──────────── wait ────────► value_o
 //
 // Latency   1 + MUL_LATENCY + ADD_LATENCY from operands to value_o; initiation interval 1.
+//           value_o has no valid bit: each scheduler knows in which cycles a result is its own.
 // Hazard    adds_i and muls_i come in the cycle of the operands, with at most one scheduler in each.
 //           twice_i and half_i never come together.
-//           value_o has no valid bit: each scheduler knows in which cycles a result is its own.
 `default_nettype none
 module shared_arith #(
 `include "config/config.vh"

@@ -2,14 +2,14 @@
 //
 // Purpose   Two ways to share. Several schedulers, each with a program of its own, share one adder
 //           and one multiplier (the paper's Figure 3). Or one scheduler drives several lanes, each
-//           with an adder and a multiplier: control is shared.
+//           with an adder and a multiplier: control is shared. Lanes under several schedulers are not
+//           built (config_rules refuses them).
 //
 //           scheduler ──┐ arbiter                         ┌─► lane ◄─► multiplier ─► adder
 //           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder
 //
 // Latency   See lane: MUL_LATENCY + ADD_LATENCY, one more where schedulers share.
-// Hazard    Lanes under several schedulers are not built (config_rules refuses them).
-//           In each cycle at most one scheduler has the adder, and one the multiplier.
+// Hazard    In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 module tile #(
 `include "config/config.vh"

@@ -7,11 +7,11 @@
 //               ▲            ▲                         │
 //               └─ counters  └──────── reports ◄───────┘
 //
-// Latency   See sequencer, lane and host_port.
-// Hazard    Operands leave and results arrive as lane says; adds_o and muls_o ask for a unit two
-//           cycles before the first lane says the instruction, five before its operands. What is not
-//           granted does not reach the arithmetic.
-//           The host accesses lanes only between runs.
+// Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says; adds_o and
+//           muls_o ask for a unit two cycles before the first lane says the instruction, five before its
+//           operands.
+// Hazard    What is not granted does not reach the arithmetic.
+//           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
 `include "tile/issue.vh"
 `include "tile/retire.vh"
@@ -206,7 +206,7 @@ module tile_scheduler #(
             if (granted != (retire_valid && retire_arithmetic)) begin
                 $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
             end
-            if (access && running) begin
+            if ((access || program_write) && running) begin
                 $display("%m: an access of the host within a run"); $stop;
             end
         end

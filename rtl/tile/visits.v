@@ -9,6 +9,7 @@
 //
 // Latency   As shown; of a store's row, two cycles after st_context_i.
 // Hazard    One context does not come twice within 8 cycles.
+//           The list's head is not read in the cycle in which it is written.
 //           What is executed is executed for an object that is there and awake, or stored in the last part
 //           of the visit in which it fell asleep.
 //           Without SLEEP there is no list but a count, of objects 0, 1 ..: host_wake_i stays low.
@@ -85,6 +86,12 @@ module visits #(
                 .write_value_i(put_q ? put_row_q : host_data_i[ROW_W-1:0]),
                 .read_i(1'b1), .read_addr_i(head_q), .read_value_o(next_row));
             wire unused = host_data_i[ROW_W];
+`ifdef FP3_CHECK
+            always @(posedge clk_i)
+                if (!rst_i && take && (put_q || host_wake_i) && head_q == tail_q) begin
+                    $display("%m: word %0d of the list is read in the cycle in which it is written", head_q); $stop;
+                end
+`endif
         end else begin : g_count
             always @(posedge clk_i) begin
                 if (rst_i)             count_q <= {ROW_W+1{1'b0}};

@@ -114,13 +114,16 @@ module pace_spec #(
                 assert (seen_q <= 3'd5 && (valid_q || seen_q == 3'd0));
                 assert (!valid_q || seen_q != 3'd0);
                 assert (\u_pace.age_q == ~(5'h1f << seen_q));
-                if (!stopped_q) assert (\u_pace.before_q == (first_q ? {W{1'b1}} : before_q) && \u_pace.since_q == idle_q);
+                if (!stopped_q) assert ((first_q || \u_pace.before_q == before_q) && \u_pace.since_q == idle_q);
                 if (valid_i) begin
                     if (seen_q >= 3'd1) assert (\u_pace.low_q == ones(mask_i & ~({CONTEXTS{1'b1}} << CONTEXTS / 2))
                                                 && \u_pace.high_q == ones(mask_i >> CONTEXTS / 2));
                     if (seen_q >= 3'd2) assert (count == total);
-                    if (seen_q >= 3'd3 && !stopped_q) assert (\u_pace.least_q == least);
-                    if (seen_q >= 3'd4 && !stopped_q) assert (\u_pace.pause_q == pause && \u_pace.unpaused_q == (pause == {W{1'b0}}));
+                    // The first sweep has rested for any pause.
+                    if (seen_q >= 3'd3 && !stopped_q && !first_q) assert (\u_pace.least_q == least);
+                    if (seen_q >= 3'd4 && !stopped_q && !first_q)
+                        assert (\u_pace.pause_q == pause && \u_pace.unpaused_q == (pause == {W{1'b0}}));
+                    if (seen_q >= 3'd4) assert (\u_pace.pause_q <= GAP_W);
                     if (seen_q >= 3'd5 && !stopped_q) assert (\u_pace.rested_q == (idle_q >= pause));
                 end
                 assert (stopped_q || first_q || before_q == {W{1'b0}} || before_q == ones(sweep_q & LOW) + ones(sweep_q & ~LOW));

@@ -28,16 +28,17 @@ def choices_verilog(isa):
     """The numbers that decode gives and fp_value takes."""
     names = ["none", *(op["name"] for op in choices(isa))]
     return verilog_header("isa/isa.toml", [
-        ("What fp_value does: nothing, or what these instructions say. Parameter CHOICE_W: rtl/config/config.vh.",
+        ("What fp_value does: nothing, or what these instructions say.",
          [("[CHOICE_W-1:0] ", f"CHOICE_{name.upper()}", i) for i, name in enumerate(names)])])
 
 
 def config_values_verilog(isa):
-    """Whether a build has an instruction of fp_value."""
+    """Whether a build has an instruction of fp_value, and the width of a choice among them."""
     needed = dict.fromkeys(op["needs"].upper() for op in choices(isa))
     return [f"// {MARK.format(source='isa/isa.toml')}",
-            "// Included by rtl/config/config.vh: not 0 where there is an instruction of fp_value.",
-            f"parameter integer VALUES = {' | '.join(needed)},"]
+            "// Included by rtl/config/config.vh: not 0 where there is an instruction of fp_value; the width of a choice.",
+            f"parameter integer VALUES   = {' | '.join(needed)},",
+            f"parameter integer CHOICE_W = {len(choices(isa)).bit_length()},"]
 
 
 def choice_of_verilog(isa):

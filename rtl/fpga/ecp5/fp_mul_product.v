@@ -3,10 +3,10 @@
 // Purpose   Takes the place of rtl/fp/fp_mul_product.v: the registers at cuts 0 and 1 are those inside
 //           the MULT18X18D, whose delay without them bounds the clock.
 // Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
+//           The hidden bit comes late: without cut 0 the multiplier waits for it.
 // Tiles     A significand is 18 low bits and a high part of at most 6. Three tiles are multipliers,
 //           the one of both high parts is logic. The hidden bit is multiplied as any other: the
 //           additions that the generic version makes for it are not needed.
-// Hazard    The hidden bit comes late: without cut 0 the multiplier waits for it.
 //
 //     fp_mul_product #(.FRAC(23), .CUTS(4'b0111)) u (.clk_i(clk_i), .a_i(x), .b_i(y), .p_o(p));
 //     // three edges later p == x * y

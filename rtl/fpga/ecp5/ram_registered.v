@@ -4,8 +4,9 @@
 //           DP16KD, which shows its word 1 ns after the clock (grade 6), the bare memory after 5.8.
 // Latency   2, as there.
 // Size      A block has 512 words of 36 bits, 1024 of 18, .. or 16384 of 1; as many blocks as W asks for.
-// Hazard    A read of the word that is written in the same cycle gives anything. Power-up
-//           contents are zero, which is what a DP16KD has by default, and there is no reset.
+// Contents  Zero at power-up, which is what a DP16KD has by default; there is no reset.
+// Hazard    A read of the word that is written in the same cycle gives anything (ram_registered of rtl/lib
+//           checks that nobody uses it).
 //
 //     ram_registered #(.ADDR_W(9), .W(32)) u (...);     // one block
 `default_nettype none
