@@ -168,7 +168,7 @@ $(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
 	@echo "  RTL  $(2)"
 	@mkdir -p $$(@D)
 	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(3)
-	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O2 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
+	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O1 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
 	@mv $$(@D)/V$(2)__ALL.a $$@
 
 $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
@@ -226,8 +226,8 @@ sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cyc
 PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS) --dist loadgroup
 
 .PHONY: test smoke quick
-test: all models | need-test ## Build and run every test; ends with `N passed, N failed`
-	@$(PYTEST) $(PYTEST_ARGS) tests
+test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length
+	@$(PYTEST) $(if $(LONG),--long) $(PYTEST_ARGS) tests
 
 quick: all | need-test ## Run the tests that take seconds
 	@$(PYTEST) -m smoke $(PYTEST_ARGS) tests

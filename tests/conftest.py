@@ -8,6 +8,24 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
+def pytest_addoption(parser):
+    parser.addoption("--long", action="store_true", help="everything at its full length, an hour or so: tests/README.md")
+
+
+def pytest_collection_modifyitems(config, items):
+    """What only runs with --long is left out without it."""
+    if not config.getoption("--long"):
+        out = [item for item in items if item.get_closest_marker("long")]
+        items[:] = [item for item in items if item not in out]
+        config.hook.pytest_deselected(items=out)
+
+
+@pytest.fixture(scope="session")
+def long(request):
+    """Whether tests run at their full length."""
+    return request.config.getoption("--long")
+
+
 @pytest.fixture(scope="session")
 def root():
     """The project's directory."""

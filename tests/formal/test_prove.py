@@ -5,10 +5,32 @@ import sys
 
 import pytest
 
+PARTS = ["add", "mutants", "mul", "cuts", "control", "scale"]
 
-@pytest.mark.parametrize("part", ["add", "mutants", "mul", "cuts", "control", "scale"])
-def test_everything_is_proved(root, build, part):
-    done = subprocess.run([sys.executable, str(root / "tests/formal/prove.py"), "--jobs", "1", "--only", part,
+# What is asked for without --long, in place of the whole part.
+SHORT = {
+    "add in 12 bits": ["add", "--exp", "5", "--frac", "6"],
+    "add where operands are far apart": ["add", "--case", "distance (12|25|26|above 26)$"],
+    "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry)"],
+    "mutants in tiles": ["mutants", "--case", "seeded: a (tile|carry)"],
+    "control": ["control", "--case", "^(?!pace, (16|24) |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127)"],
+    "mul": ["mul"], "cuts": ["cuts"], "scale": ["scale"],
+}
+
+
+def prove(root, build, part, *more):
+    done = subprocess.run([sys.executable, str(root / "tests/formal/prove.py"), "--jobs", "1", "--only", part, *more,
                            "--results", str(build / f"results/prove-{part}.json")],
                           cwd=root, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_much_is_proved(root, build, name):
+    prove(root, build, *SHORT[name])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("part", PARTS)
+def test_everything_is_proved(root, build, part):
+    prove(root, build, part)

@@ -28,9 +28,9 @@ def passes(done):
 # ---- the cores ----------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("op", OPS)
-def test_host(build, op):
-    """10^7 random pairs and all pairs of special values, uncut and with every configuration's cuts."""
-    passes(start(build / "tests/fp_host", "--op", op))
+def test_host(build, op, long):
+    """10^6 random pairs (10^7) and all pairs of special values, uncut and with every configuration's cuts."""
+    passes(start(build / "tests/fp_host", "--op", op, "--pairs", 10**7 if long else 10**6))
 
 
 @pytest.mark.smoke
