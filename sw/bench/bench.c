@@ -22,12 +22,12 @@ typedef struct {
     fp3_params *params; /* the caller's, and what the benchmark sets */
     const fp3_image *image;
     int is_ship;
-    fp3_engine *rtl, *isa;       /* isa: NULL for a ship */
-    fp3_record *of_rtl, *of_isa; /* what they write */
-    uint32_t *golden[2];         /* ship: of v and s, [steps + 1] words of each object */
-    const fp3_symbol *own;       /* what differs from object to object ... */
-    float *values;               /* ... and what it is */
-    uint64_t visit;              /* steps of one */
+    fp3_engine *rtl, *isa;        /* isa: NULL for a ship */
+    fp3_written *of_rtl, *of_isa; /* what they write */
+    uint32_t *golden[2];          /* ship: of v and s, [steps + 1] words of each object */
+    const fp3_symbol *own;        /* what differs from object to object ... */
+    float *values;                /* ... and what it is */
+    uint64_t visit;               /* steps of one */
     int is_interleaved;
 } bench;
 
@@ -112,7 +112,7 @@ static fp3_status wrong_count(uint64_t object, const char *name, uint64_t writes
 static fp3_status compare_visits(bench *b, unsigned state, uint64_t object, uint64_t steps,
                                  fp3_error *error) {
     uint64_t writes;
-    const uint32_t *written = fp3_record_of(b->of_rtl, state, object, &writes);
+    const uint32_t *written = fp3_written_of(b->of_rtl, state, object, &writes);
     const uint64_t visits = (steps + b->visit - 1) / b->visit;
     const uint64_t least = steps + (b->is_interleaved ? visits : 0);
     if (writes != least && writes != least + visits)
@@ -133,9 +133,9 @@ static fp3_status compare_writes(bench *b, unsigned state, uint64_t object, uint
                                  fp3_error *error) {
     const char *name = fp3_bench_state(b->image, state)->name;
     uint64_t writes, expected;
-    const uint32_t *got = fp3_record_of(b->of_rtl, state, object, &writes);
-    const uint32_t *wanted = fp3_record_of(b->of_isa, state, object, &expected);
-    if (writes != expected || writes > fp3_record_room(b->of_rtl))
+    const uint32_t *got = fp3_written_of(b->of_rtl, state, object, &writes);
+    const uint32_t *wanted = fp3_written_of(b->of_isa, state, object, &expected);
+    if (writes != expected || writes > fp3_written_room(b->of_rtl))
         return wrong_count(object, name, writes, steps, error);
     for (uint64_t i = 0; i < writes; i++)
         compare_isa(b, state, object, "write", i, got[i], wanted[i]);
@@ -284,12 +284,12 @@ static fp3_status set_objects(bench *b, fp3_engine *engine, fp3_error *error) {
 }
 
 static fp3_status run(bench *b, uint64_t steps, fp3_stats *stats, fp3_error *error) {
-    fp3_record_clear(b->of_rtl);
+    fp3_written_clear(b->of_rtl);
     fp3_status status = set_objects(b, b->rtl, error);
     if (!status)
         status = fp3_engine_run(b->rtl, steps, stats);
     if (!status && b->isa) {
-        fp3_record_clear(b->of_isa);
+        fp3_written_clear(b->of_isa);
         status = set_objects(b, b->isa, error);
         if (!status)
             status = fp3_engine_run(b->isa, steps, NULL);
@@ -310,22 +310,22 @@ static fp3_status copy_params(bench *b, fp3_error *error) {
     return status;
 }
 
-static fp3_status open_engine(bench *b, const char *name, uint64_t room, fp3_record **record,
+static fp3_status open_engine(bench *b, const char *name, uint64_t room, fp3_written **written,
                               fp3_engine **engine, fp3_error *error) {
     const fp3_bench_case *what = b->what;
     fp3_engine_def def = fp3_engine_default();
-    fp3_status status = fp3_record_make(b->image, room, record, error);
+    fp3_status status = fp3_written_make(b->image, room, written, error);
     def.engine = name;
     def.config = what->config;
     def.objects = what->objects;
     def.visit = what->visit;
     def.cycle_limit = CYCLES_PER_STEP * what->steps * (1 + what->objects / 100);
-    def.retire = fp3_record_retire;
-    def.retire_user = *record;
+    def.retire = fp3_written_retire;
+    def.retire_user = *written;
     def.error = error;
     if (!status)
         status = fp3_engine_open(&def, engine);
-    return status ? status : fp3_record_size(*record, fp3_engine_objects(*engine), error);
+    return status ? status : fp3_written_size(*written, fp3_engine_objects(*engine), error);
 }
 
 /* After a load: the own values, out from that of the first object. */
@@ -366,8 +366,8 @@ static fp3_status prepare(bench *b, int *is_unfit, fp3_error *error) {
 static void close_bench(bench *b) {
     fp3_engine_close(&b->rtl);
     fp3_engine_close(&b->isa);
-    fp3_record_free(&b->of_rtl);
-    fp3_record_free(&b->of_isa);
+    fp3_written_free(&b->of_rtl);
+    fp3_written_free(&b->of_isa);
     fp3_params_free(&b->params);
     free(b->golden[0]);
     free(b->golden[1]);

@@ -15,7 +15,7 @@
 #ifndef FP3_BENCH_H
 #define FP3_BENCH_H
 
-#include "record.h"
+#include "written.h"
 
 #include <fp3/program.h>
 

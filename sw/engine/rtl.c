@@ -386,8 +386,8 @@ static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const u
 }
 
 /* How a scheduler's run ended: its status word, and where if at an illegal word. */
-static fp3_status ask_unit(fp3_engine *engine, uint32_t scheduler, uint32_t *outcome,
-                           uint32_t *fault) {
+static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t *outcome,
+                                uint32_t *fault) {
     uint64_t *counter = engine->counters[scheduler];
     fp3_status status = get(engine, of_scheduler(scheduler, FP3_ADDR_STATUS), outcome);
     if (!status)
@@ -414,13 +414,13 @@ static fp3_status close_log_of_run(fp3_engine *engine) {
 }
 
 /* Asks every scheduler; *illegal: the first that met an illegal word, and which. */
-static fp3_status ask_units(fp3_engine *engine, fp3_stats *stats, uint32_t *all, uint32_t *illegal,
-                            uint32_t *word) {
+static fp3_status ask_schedulers(fp3_engine *engine, fp3_stats *stats, uint32_t *all,
+                                 uint32_t *illegal, uint32_t *word) {
     fp3_status status = FP3_OK;
     *illegal = schedulers(engine);
     for (uint32_t scheduler = 0; !status && scheduler < schedulers(engine); scheduler++) {
         uint32_t outcome = 0, fault = 0;
-        status = ask_unit(engine, scheduler, &outcome, &fault);
+        status = ask_scheduler(engine, scheduler, &outcome, &fault);
         *all |= outcome;
         stats->schedulers = scheduler + 1;
         if (*illegal == schedulers(engine) && FIELD(outcome, STATUS_ILLEGAL)) {
@@ -439,7 +439,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
     if (!status)
         status = wait_or_stop(engine);
     if (!status)
-        status = ask_units(engine, stats, &all, &illegal, &word);
+        status = ask_schedulers(engine, stats, &all, &illegal, &word);
     if (!status)
         status = get(engine, of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
     if (!status)

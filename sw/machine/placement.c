@@ -1,6 +1,6 @@
-/* placement.c - which units run which group of objects.
+/* placement.c - which schedulers run which group of objects.
  *
- * How many units each group gets is solved exactly; which schedulers share an arithmetic unit, where
+ * How many each group gets is solved exactly; which schedulers share an arithmetic unit, where
  * some do, by a rule of thumb.
  */
 #include "placement.h"
@@ -32,8 +32,8 @@ uint32_t fp3_placement_room(const fp3_config *config) {
 
 static uint32_t divide_up(uint64_t a, uint64_t b) { return (uint32_t)((a + b - 1) / b); }
 
-uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units) {
-    return divide_up(objects, (uint64_t)units * config->lanes);
+uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t schedulers) {
+    return divide_up(objects, (uint64_t)schedulers * config->lanes);
 }
 
 /* ---- what it costs ---- */
@@ -71,19 +71,19 @@ uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program,
     return cycles_of(config, &of, rows);
 }
 
-/* ---- how many units each group gets ---- */
+/* ---- how many schedulers each group gets ---- */
 
 typedef struct {
     uses of;
     uint32_t objects;
-    uint32_t units, least, most; /* what it has; what its objects need; beyond which none helps */
-    uint32_t homeless;           /* of its units: which ones they are is not decided */
+    uint32_t schedulers, least, most; /* those it has; its objects need; beyond which none helps */
+    uint32_t homeless;                /* of its schedulers: which ones they are is not decided */
     uint64_t cycles;
 } share;
 
-static void give(const fp3_config *config, share *s, uint32_t units) {
-    s->units = units;
-    s->cycles = cycles_of(config, &s->of, fp3_placement_fullest(config, s->objects, units));
+static void give(const fp3_config *config, share *s, uint32_t schedulers) {
+    s->schedulers = schedulers;
+    s->cycles = cycles_of(config, &s->of, fp3_placement_fullest(config, s->objects, schedulers));
 }
 
 static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_place *group) {
@@ -99,48 +99,48 @@ static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_pla
     return s;
 }
 
-/* Who ends last of those whom one more unit may help; count if there is nobody. */
+/* Who ends last of those whom one more scheduler may help; count if there is nobody. */
 static size_t slowest(const share *shares, size_t count) {
     size_t found = count;
     for (size_t i = 0; i < count; i++)
-        if (shares[i].units < shares[i].most &&
+        if (shares[i].schedulers < shares[i].most &&
             (found == count || shares[i].cycles > shares[found].cycles))
             found = i;
     return found;
 }
 
-/* Each further unit goes to the group that ends last. No other division ends earlier. For let T be
- * the end of the best one. Cycles never rise with units, so a group that ends after T has fewer
- * units than in the best division, and one that no unit helps ends by T. While some group ends after
- * T, each unit so goes to one that has fewer than in the best division: none gets more than there,
- * and before the units are used up all end by T. */
+/* Each further scheduler goes to the group that ends last. No other division ends earlier. For let T
+ * be the end of the best one. Cycles never rise with schedulers, so a group that ends after T has
+ * fewer than in the best division, and one that no scheduler helps ends by T. While some group ends
+ * after T, each scheduler so goes to one that has fewer than in the best division: none gets more
+ * than there, and before the schedulers are used up all end by T. */
 static void divide(const fp3_config *config, share *shares, size_t count, uint32_t left) {
     for (; left > 0; left--) {
         const size_t i = slowest(shares, count);
         if (i == count)
             break;
-        give(config, &shares[i], shares[i].units + 1);
+        give(config, &shares[i], shares[i].schedulers + 1);
     }
     /* What helps nobody is dealt out. */
     for (size_t i = 0; left > 0; i = (i + 1) % count, left--)
-        give(config, &shares[i], shares[i].units + 1);
+        give(config, &shares[i], shares[i].schedulers + 1);
 }
 
 static fp3_status check_room(const fp3_config *config, const share *shares, size_t count,
                              fp3_error *error) {
-    const uint32_t units = fp3_config_schedulers(config);
+    const uint32_t schedulers = fp3_config_schedulers(config);
     uint64_t needed = 0;
     for (size_t i = 0; i < count; i++)
         needed += shares[i].least;
-    if (needed > units)
+    if (needed > schedulers)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "the objects of all groups need the stores of %" PRIu64
                         " schedulers: configuration '%s' has %" PRIu32,
-                        needed, config->name, units);
+                        needed, config->name, schedulers);
     return FP3_OK;
 }
 
-/* ---- which units these are ---- */
+/* ---- which schedulers these are ---- */
 
 static uint64_t most_of(uint64_t a, uint64_t b) { return a > b ? a : b; }
 
@@ -151,7 +151,7 @@ typedef struct {
 } tile;
 
 static tile with(const tile *t, const share *s) {
-    const uint64_t objects = divide_up(s->objects, s->units);
+    const uint64_t objects = divide_up(s->objects, s->schedulers);
     return (tile){most_of(t->cycles, s->cycles), t->adds + s->of.adds * objects,
                   t->muls + s->of.muls * objects, t->schedulers + 1};
 }
@@ -189,10 +189,10 @@ static void pair(const fp3_config *config, share *shares, size_t count, tile *ti
 }
 
 static void in_order(const share *shares, size_t count, uint32_t *group_of) {
-    uint32_t unit = 0;
+    uint32_t scheduler = 0;
     for (size_t i = 0; i < count; i++)
-        for (uint32_t n = 0; n < shares[i].units; n++)
-            group_of[unit++] = (uint32_t)i;
+        for (uint32_t n = 0; n < shares[i].schedulers; n++)
+            group_of[scheduler++] = (uint32_t)i;
 }
 
 fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
@@ -206,11 +206,11 @@ fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp
     if (!status)
         status = check_room(config, shares, count, error);
     for (size_t i = 0; !status && i < count; i++)
-        left -= shares[i].units;
+        left -= shares[i].schedulers;
     if (!status) {
         divide(config, shares, count, left);
         for (size_t i = 0; i < count; i++)
-            shares[i].homeless = shares[i].units;
+            shares[i].homeless = shares[i].schedulers;
         if (config->schedulers == 1)
             in_order(shares, count, group_of);
         else

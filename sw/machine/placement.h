@@ -1,7 +1,7 @@
-/* placement.h - which units run which group of objects, so that all end as early as possible.
+/* placement.h - which schedulers run which group of objects, so that all end as early as possible.
  *
- * A unit, a scheduler with its lanes, runs one program; a group may have several units, and its
- * objects then go round all their lanes.
+ * A scheduler with its lanes runs one program; a group may have several, and its objects then go round
+ * all their lanes.
  */
 #ifndef FP3_PLACEMENT_H
 #define FP3_PLACEMENT_H
@@ -32,16 +32,16 @@ uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2);
 /* Objects of a configuration, at most. */
 uint32_t fp3_placement_room(const fp3_config *config);
 
-/* Of its objects the fullest lane of a group with so many units has. */
-uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t units);
+/* The number of objects in the fullest lane, if the group has so many schedulers. */
+uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t schedulers);
 
-/* Cycles that a unit needs for one round of visits to so many objects in its fullest lane, if
+/* Cycles that a scheduler needs for one round of visits to so many objects in its fullest lane, if
  * nobody sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of a
  * run, taken to be many. Never falls with rows. */
 uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,
                               uint32_t rows);
 
-/* group_of[unit] for each unit of the configuration. FP3_E_PROGRAM: there are too few units, or
+/* group_of[scheduler] for each scheduler of the configuration. FP3_E_PROGRAM: there are too few, or
  * there is too little room in their stores. */
 fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp3_to_place *groups,
                               size_t count, uint32_t *group_of, fp3_error *error);
