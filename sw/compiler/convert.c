@@ -57,7 +57,7 @@ static fp3_ref known_ref(const converter *c, uint32_t id) {
         const known_slot *same = same_number(c, k);
         if (same)
             *slot = *same;
-        else if (k->is_shared) {
+        else if (k->is_shared || c->part.options->shares_params) {
             *slot = (known_slot){FP3_AT_CONSTANT, code->constant_count};
             c->made->constants[code->constant_count++] = id;
         } else {

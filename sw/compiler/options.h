@@ -14,6 +14,7 @@ typedef struct {
     uint64_t observed;  /* the states that somebody reads */
     int is_compensated; /* what an update loses is added to the next one */
     int has_notes;      /* the assembly gets comments */
+    int shares_params;  /* params of the object are constants, too */
 } fp3_options;
 
 static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {

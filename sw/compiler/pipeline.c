@@ -43,7 +43,7 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
 
 /* Contexts hide latency: there, every product that can be chained is. Where one object waits for
  * itself, the best of several ways. */
-static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
+static fp3_status try_policies(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
     static const chain_policy order[] = {CHAIN_ALL, CHAIN_EARLY, CHAIN_SLACK, CHAIN_LONG,
                                          CHAIN_NONE};
     const int is_choice = !options->config->interleave && fp3_has_pass(options, FP3_PASS_CHAIN);
@@ -63,6 +63,23 @@ static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_erro
         }
     }
     return p->schedule ? FP3_OK : first;
+}
+
+/* Whether registers that params have might save cycles. */
+static int is_tight(const fp3_pipeline *p, const fp3_config *config, fp3_status status) {
+    const fp3_schedule *s = p->schedule;
+    return status == FP3_E_LIMIT || (!status && p->code.code.param_count && s->cycles > s->bound &&
+                                     s->registers == config->registers);
+}
+
+/* What a param is for one object it is for all: where registers run short it can be a constant. */
+static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
+    fp3_options shared = *options;
+    shared.shares_params = 1;
+    const fp3_status status = try_policies(p, options, error);
+    return options->config->interleave || !is_tight(p, options->config, status)
+               ? status
+               : try_policies(p, &shared, error);
 }
 
 fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,

@@ -404,6 +404,19 @@ def test_errors(arguments, text):
         assert done.returncode == 2 and text in done.stderr and not done.stdout
 
 
+@pytest.mark.smoke
+def test_params_of_one_object_are_constants_where_registers_run_short(tmp_path):
+    """With the bits that they have as params."""
+    path, ends_of = os.path.join(HERE, "large", "three_in_space.ode"), {}
+    for config, kind in (("single_full", "shared"), ("many_full", "param")):
+        assert re.search(rf"^\.{kind} +m1$", fp3("compile", path, "-c", config).stdout, re.M)
+        image, params = tmp_path / "c.fp3", tmp_path / "c.cfg"
+        fp3("compile", path, "-c", config, "--image", image, "--params", params, "--set", "m1=1.5", "--set", "m3=0.5")
+        ends_of[config] = {name: bits for (name, number), bits in final(image, params, 50, config).items() if not number}
+    assert ends_of["single_full"] == ends_of["many_full"] and len(ends_of["many_full"]) == 18
+    assert ".param  m1" in fp3("compile", model("three_body")).stdout
+
+
 LARGE = os.path.join(HERE, "large", "twelve_masses.ode")
 
 
