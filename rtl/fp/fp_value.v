@@ -1,7 +1,7 @@
-// fp_value: an operand of the adder, or what a comparison, a selection, an estimate or a rounding makes of it.
+// fp_value: an operand of the adder, or what a comparison, a selection, an estimate, a rounding or an exponent makes of it.
 //
-// Purpose   min, max, abs, lt, le, sel, rcp, rsqrt and rint, while an addend waits for its product:
-//           the sum of z_o and -0 is the instruction's result, with its flags.
+// Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its
+//           product: the sum of z_o and -0 is the instruction's result, with its flags.
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           alone_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
@@ -35,12 +35,13 @@ module fp_value #(
             wire lt = choice_i == CHOICE_LT, le = choice_i == CHOICE_LE;
             wire root = choice_i == CHOICE_RSQRT, estimated = root || choice_i == CHOICE_RCP;
             wire rint = ROUND != 0 && choice_i == CHOICE_RINT;
+            wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
             delay #(.W(1), .N(MUL_LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
 
             // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
             wire        a_nan = &a_i[30:23] && |a_i[22:0], b_nan = &b_i[30:23] && |b_i[22:0];
             reg         a_lower_q, b_lower_q, nan_q, zeros_q, true_q;
-            reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, rint_q, made_q;
+            reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, rint_q, exponent_q, made_q;
             reg  [31:0] a_q, b_q;
             always @(posedge clk_i) begin
                 a_lower_q   <= a_i[30:0] < b_i[30:0];
@@ -51,7 +52,8 @@ module fp_value #(
                 {minimum_q, maximum_q, sel_q, lt_q, le_q} <= {minimum, maximum, sel, lt, le} & {5{SELECT != 0}};
                 estimated_q <= ESTIMATE != 0 && estimated;
                 rint_q      <= rint;
-                made_q      <= rint || (SELECT != 0 && (lt || le)) || (ESTIMATE != 0 && estimated && !a_nan);
+                exponent_q  <= exponent;
+                made_q      <= rint || (SELECT != 0 && (lt || le)) || ((exponent || (ESTIMATE != 0 && estimated)) && !a_nan);
                 a_q         <= {a_i[31] && !(SELECT != 0 && choice_i == CHOICE_ABS), a_i[30:0]};
                 b_q         <= b_i;
             end
@@ -60,10 +62,11 @@ module fp_value #(
             wire        takes_b = (minimum_q && !a_less) || (maximum_q && !b_less) || (sel_q && !true_q);
             wire        is_one  = (lt_q && a_less) || (le_q && !nan_q && !b_less);
 
-            wire        made, one, is_estimate, is_rint;
+            wire        made, one, is_estimate, is_rint, is_exponent;
             wire [31:0] chosen, z;
-            cut #(.W(36), .ON(STAGES == 3)) u_2 (.clk_i(clk_i),
-                .d_i({made_q, is_one, estimated_q, rint_q, takes_b ? b_q : a_q}), .q_o({made, one, is_estimate, is_rint, chosen}));
+            cut #(.W(37), .ON(STAGES == 3)) u_2 (.clk_i(clk_i),
+                .d_i({made_q, is_one, estimated_q, rint_q, exponent_q, takes_b ? b_q : a_q}),
+                .q_o({made, one, is_estimate, is_rint, is_exponent, chosen}));
 
             wire [31:13] estimate;
             if (ESTIMATE != 0) begin : g_estimate
@@ -72,13 +75,17 @@ module fp_value #(
                 wire unused = root;
                 assign estimate = 19'd0;
             end
-            wire [31:0] rounded;
+            wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint
                 fp_rint #(.CUT(STAGES == 3), .NEAREST(NEAREST)) u_rint (.clk_i(clk_i), .a_i(a_i), .z_o(rounded));
+                fp_exponent #(.CUT(STAGES == 3)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a_i[31:16]), .z_o(scaled));
             end else begin : g_no_rint
+                wire unused = logb;
                 assign rounded = 32'd0;
+                assign scaled  = 32'd0;
             end
-            wire [31:0] number = rounded & {32{is_rint}} | {estimate & {19{is_estimate}}, 13'd0} | BITS_ONE & {32{one}};
+            wire [31:0] number = rounded & {32{is_rint}} | scaled & {32{is_exponent}}
+                                 | {estimate & {19{is_estimate}}, 13'd0} | BITS_ONE & {32{one}};
             cut #(.W(32), .ON(STAGES >= 2)) u_3 (.clk_i(clk_i), .d_i(made ? number : chosen), .q_o(z));
             delay #(.W(32), .N(MUL_LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
         end

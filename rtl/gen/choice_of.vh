@@ -12,6 +12,8 @@ function [CHOICE_W-1:0] choice_of(input [4:0] op);
         OP_RCP:   choice_of = ESTIMATE != 0 ? CHOICE_RCP   : CHOICE_NONE;
         OP_RSQRT: choice_of = ESTIMATE != 0 ? CHOICE_RSQRT : CHOICE_NONE;
         OP_RINT:  choice_of = ROUND != 0 ?    CHOICE_RINT  : CHOICE_NONE;
+        OP_EXP2:  choice_of = ROUND != 0 ?    CHOICE_EXP2  : CHOICE_NONE;
+        OP_LOGB:  choice_of = ROUND != 0 ?    CHOICE_LOGB  : CHOICE_NONE;
         default:  choice_of = CHOICE_NONE;
     endcase
 endfunction

@@ -13,5 +13,7 @@ localparam [CHOICE_W-1:0] CHOICE_SEL   = 6;
 localparam [CHOICE_W-1:0] CHOICE_RCP   = 7;
 localparam [CHOICE_W-1:0] CHOICE_RSQRT = 8;
 localparam [CHOICE_W-1:0] CHOICE_RINT  = 9;
+localparam [CHOICE_W-1:0] CHOICE_EXP2  = 10;
+localparam [CHOICE_W-1:0] CHOICE_LOGB  = 11;
 
 // verilator lint_on UNUSEDPARAM

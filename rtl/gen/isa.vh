@@ -51,5 +51,7 @@ localparam [4:0] OP_SEL   = 5'd19;
 localparam [4:0] OP_RCP   = 5'd20;
 localparam [4:0] OP_RSQRT = 5'd21;
 localparam [4:0] OP_RINT  = 5'd22;
+localparam [4:0] OP_EXP2  = 5'd23;
+localparam [4:0] OP_LOGB  = 5'd24;
 
 // verilator lint_on UNUSEDPARAM

@@ -24,6 +24,8 @@ function [8*5-1:0] mnemonic(input [4:0] code);
         5'd20:   mnemonic = "rcp  ";
         5'd21:   mnemonic = "rsqrt";
         5'd22:   mnemonic = "rint ";
+        5'd23:   mnemonic = "exp2 ";
+        5'd24:   mnemonic = "logb ";
         default: mnemonic = "?    ";
     endcase
 endfunction

@@ -20,7 +20,9 @@ function has_a(input [4:0] op);
         op == OP_SEL ||
         op == OP_RCP ||
         op == OP_RSQRT ||
-        op == OP_RINT;
+        op == OP_RINT ||
+        op == OP_EXP2 ||
+        op == OP_LOGB;
 endfunction
 function has_b(input [4:0] op);
     has_b =

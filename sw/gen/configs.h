@@ -21,7 +21,7 @@ typedef struct {
     uint32_t scale;           /* 1: `addh`, `subh`, `addt`, `subt` exist */
     uint32_t select;          /* 1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist */
     uint32_t estimate;        /* 1: `rcp` and `rsqrt` exist */
-    uint32_t round;           /* 1: `rint` exists */
+    uint32_t round;           /* 1: `rint`, `exp2` and `logb` exist */
     uint32_t sleep;           /* 1: `sleep` and `lds` exist */
     uint32_t flags;           /* 1: exceptions are flagged */
     uint32_t status;          /* 1: for each object, too, with the step of the first invalid or overflow */
@@ -63,31 +63,31 @@ typedef enum {
 #define FP3_KEY_NONE FP3_KEY_COUNT
 
 /* Of fp3_keys. */
-#define FP3_KEY_ROWS                                                                                                               \
-    {.name = "interleave",      .lack = "an access to an object store",          .offset = offsetof(fp3_config, interleave)},      \
-    {.name = "tiles",           .lack = NULL,                                    .offset = offsetof(fp3_config, tiles)},           \
-    {.name = "schedulers",      .lack = NULL,                                    .offset = offsetof(fp3_config, schedulers)},      \
-    {.name = "lanes",           .lack = NULL,                                    .offset = offsetof(fp3_config, lanes)},           \
-    {.name = "registers",       .lack = NULL,                                    .offset = offsetof(fp3_config, registers)},       \
-    {.name = "contexts",        .lack = NULL,                                    .offset = offsetof(fp3_config, contexts)},        \
-    {.name = "program_words",   .lack = NULL,                                    .offset = offsetof(fp3_config, program_words)},   \
-    {.name = "store_words",     .lack = NULL,                                    .offset = offsetof(fp3_config, store_words)},     \
-    {.name = "bypass",          .lack = NULL,                                    .offset = offsetof(fp3_config, bypass)},          \
-    {.name = "writeback_stall", .lack = NULL,                                    .offset = offsetof(fp3_config, writeback_stall)}, \
-    {.name = "chain",           .lack = "a chained multiply-add",                .offset = offsetof(fp3_config, chain)},           \
-    {.name = "scale",           .lack = "an addition of half or twice",          .offset = offsetof(fp3_config, scale)},           \
-    {.name = "select",          .lack = "a comparison or selection",             .offset = offsetof(fp3_config, select)},          \
-    {.name = "estimate",        .lack = "an estimate",                           .offset = offsetof(fp3_config, estimate)},        \
-    {.name = "round",           .lack = "a rounding to an integral value",       .offset = offsetof(fp3_config, round)},           \
-    {.name = "sleep",           .lack = "an instruction for objects that sleep", .offset = offsetof(fp3_config, sleep)},           \
-    {.name = "flags",           .lack = NULL,                                    .offset = offsetof(fp3_config, flags)},           \
-    {.name = "status",          .lack = NULL,                                    .offset = offsetof(fp3_config, status)},          \
-    {.name = "subnormal",       .lack = NULL,                                    .offset = offsetof(fp3_config, subnormal)},       \
-    {.name = "nearest",         .lack = NULL,                                    .offset = offsetof(fp3_config, nearest)},         \
-    {.name = "add_latency",     .lack = NULL,                                    .offset = offsetof(fp3_config, add_latency)},     \
-    {.name = "mul_latency",     .lack = NULL,                                    .offset = offsetof(fp3_config, mul_latency)},     \
-    {.name = "add_cuts",        .lack = NULL,                                    .offset = offsetof(fp3_config, add_cuts)},        \
-    {.name = "mul_cuts",        .lack = NULL,                                    .offset = offsetof(fp3_config, mul_cuts)}
+#define FP3_KEY_ROWS                                                                                                                         \
+    {.name = "interleave",      .lack = "an access to an object store",                    .offset = offsetof(fp3_config, interleave)},      \
+    {.name = "tiles",           .lack = NULL,                                              .offset = offsetof(fp3_config, tiles)},           \
+    {.name = "schedulers",      .lack = NULL,                                              .offset = offsetof(fp3_config, schedulers)},      \
+    {.name = "lanes",           .lack = NULL,                                              .offset = offsetof(fp3_config, lanes)},           \
+    {.name = "registers",       .lack = NULL,                                              .offset = offsetof(fp3_config, registers)},       \
+    {.name = "contexts",        .lack = NULL,                                              .offset = offsetof(fp3_config, contexts)},        \
+    {.name = "program_words",   .lack = NULL,                                              .offset = offsetof(fp3_config, program_words)},   \
+    {.name = "store_words",     .lack = NULL,                                              .offset = offsetof(fp3_config, store_words)},     \
+    {.name = "bypass",          .lack = NULL,                                              .offset = offsetof(fp3_config, bypass)},          \
+    {.name = "writeback_stall", .lack = NULL,                                              .offset = offsetof(fp3_config, writeback_stall)}, \
+    {.name = "chain",           .lack = "a chained multiply-add",                          .offset = offsetof(fp3_config, chain)},           \
+    {.name = "scale",           .lack = "an addition of half or twice",                    .offset = offsetof(fp3_config, scale)},           \
+    {.name = "select",          .lack = "a comparison or selection",                       .offset = offsetof(fp3_config, select)},          \
+    {.name = "estimate",        .lack = "an estimate",                                     .offset = offsetof(fp3_config, estimate)},        \
+    {.name = "round",           .lack = "a rounding to an integral value, or an exponent", .offset = offsetof(fp3_config, round)},           \
+    {.name = "sleep",           .lack = "an instruction for objects that sleep",           .offset = offsetof(fp3_config, sleep)},           \
+    {.name = "flags",           .lack = NULL,                                              .offset = offsetof(fp3_config, flags)},           \
+    {.name = "status",          .lack = NULL,                                              .offset = offsetof(fp3_config, status)},          \
+    {.name = "subnormal",       .lack = NULL,                                              .offset = offsetof(fp3_config, subnormal)},       \
+    {.name = "nearest",         .lack = NULL,                                              .offset = offsetof(fp3_config, nearest)},         \
+    {.name = "add_latency",     .lack = NULL,                                              .offset = offsetof(fp3_config, add_latency)},     \
+    {.name = "mul_latency",     .lack = NULL,                                              .offset = offsetof(fp3_config, mul_latency)},     \
+    {.name = "add_cuts",        .lack = NULL,                                              .offset = offsetof(fp3_config, add_cuts)},        \
+    {.name = "mul_cuts",        .lack = NULL,                                              .offset = offsetof(fp3_config, mul_cuts)}
 
 /* X(name, doc, schedulers of all tiles, lanes of each) */
 #define FP3_CONFIGS(X)                                                                                                                                             \

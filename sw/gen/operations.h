@@ -41,7 +41,9 @@ typedef enum {
     {.code = FP3_OP_SEL,   .name = "sel",   .operands = "dabc", .sources = 3, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_SELECT,     .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
     {.code = FP3_OP_RCP,   .name = "rcp",   .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ESTIMATE,   .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
     {.code = FP3_OP_RSQRT, .name = "rsqrt", .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ESTIMATE,   .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
-    {.code = FP3_OP_RINT,  .name = "rint",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}
+    {.code = FP3_OP_RINT,  .name = "rint",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
+    {.code = FP3_OP_EXP2,  .name = "exp2",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
+    {.code = FP3_OP_LOGB,  .name = "logb",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}
 
 /* clang-format on */
 #endif

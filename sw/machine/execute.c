@@ -90,6 +90,27 @@ static uint32_t integral(uint32_t a) {
     return isnan(x) ? a : bits_of(nearbyintf(x));
 }
 
+/* 2^n of the integral part n. In integers, as a conversion to int raises inexact. */
+static uint32_t power_of_two(uint32_t a) {
+    const uint32_t exponent = a >> 23 & 255, significand = (a & 0x7fffffu) | 0x800000u;
+    if (isnan(value_of(a)))
+        return a;
+    if (exponent > 127 + 7) /* 256 and more */
+        return a >> 31 ? 0 : bits_of(INFINITY);
+    const int n = exponent < 127 ? 0 : (int)(significand >> (150 - exponent));
+    if (a >> 31)
+        return n > 149 ? 0 : bits_of(ldexpf(1, -n));
+    return bits_of(n > 127 ? INFINITY : ldexpf(1, n));
+}
+
+/* A zero or subnormal number has -infinity, as if it were flushed. */
+static uint32_t exponent(uint32_t a) {
+    const float x = value_of(a);
+    if (isnan(x))
+        return a;
+    return bits_of(isless(fabsf(x), FLT_MIN) ? -INFINITY : logbf(x));
+}
+
 /* What fp_value makes of its operands, all as bits. Returns 1 if fp_value handles the operation. */
 static int choose(uint32_t op, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) {
     switch (op) {
@@ -119,6 +140,12 @@ static int choose(uint32_t op, uint32_t a, uint32_t b, uint32_t c, uint32_t *d) 
         return 1;
     case FP3_OP_RINT:
         *d = integral(a);
+        return 1;
+    case FP3_OP_EXP2:
+        *d = power_of_two(a);
+        return 1;
+    case FP3_OP_LOGB:
+        *d = exponent(a);
         return 1;
     default:
         return 0;
@@ -210,6 +237,10 @@ double fp3_execute_exact(uint32_t op, double a, double b, double c) {
         return a == 0 ? 0x1p63 : 1 / sqrt(a); /* as the estimate: 0 * rsqrt(0) is 0 */
     case FP3_OP_RINT:
         return nearbyint(a);
+    case FP3_OP_EXP2:
+        return exp2(trunc(a));
+    case FP3_OP_LOGB:
+        return logb(a);
     default:
         assert(!"an arithmetic operation");
         return NAN;

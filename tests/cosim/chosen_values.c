@@ -1,4 +1,4 @@
-/* chosen_values.c - comparisons, selections, estimates and rounding: the hardware, the isa engine, and what isless
+/* chosen_values.c - comparisons, selections, estimates, rounding and exponents: the hardware, the isa engine, and what isless
  * and the table say, bit for bit.
  *
  *     chosen_values [N]      every Nth of all operands (1)
@@ -40,7 +40,7 @@ typedef struct {
 static const uint32_t programs[][WORDS_MAX] = {{FP3_OP_MIN, FP3_OP_MAX, FP3_OP_ABS},
                                                {FP3_OP_LT, FP3_OP_LE, FP3_OP_SEL},
                                                {FP3_OP_RCP, FP3_OP_RSQRT, FP3_OP_ABS},
-                                               {FP3_OP_RINT}};
+                                               {FP3_OP_RINT, FP3_OP_EXP2, FP3_OP_LOGB}};
 
 typedef struct {
     const fp3_config *config;
@@ -82,6 +82,10 @@ static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in
         return fp3_estimate_rcp(in[0]);
     case FP3_OP_RINT:
         return isnan(a) ? in[0] : bits_of(config->nearest ? rintf(a) : truncf(a));
+    case FP3_OP_EXP2: /* rounded to FP32 the power is infinite or 0 where it has to be */
+        return isnan(a) ? in[0] : bits_of((float)exp2(fabsf(a) < 1000 ? (double)(int)a : a));
+    case FP3_OP_LOGB:
+        return isnan(a) ? in[0] : bits_of(fpclassify(a) == FP_SUBNORMAL ? -INFINITY : logbf(a));
     default:
         return fp3_estimate_rsqrt(in[0]);
     }
@@ -150,6 +154,18 @@ static size_t entries(input *to) {
                 to[count++] = (input){
                     {(end & 1) << 31 | exponents[e] << 23 | index << 13 | (end & 2 ? 0x1fffu : 0),
                      0x3f800000u, 0}};
+    return count;
+}
+
+/* Around every integral number to which exp2 has a power, and some beyond. */
+static size_t integers(input *to) {
+    size_t count = 0;
+    for (int n = -160; n <= 160; n++)
+        for (int step = -2; step <= 2; step++) {
+            const float a = step == 2 ? (float)n + 0.5f : step == -2 ? (float)n - 0.25f : (float)n;
+            const uint32_t next = step == 1 ? 1u : step == -1 ? UINT32_MAX : 0;
+            to[count++] = (input){{bits_of(a) + (n ? next : 0), 0x3f800000u, 0}};
+        }
     return count;
 }
 
@@ -253,6 +269,7 @@ int main(int argc, char **argv) {
     size_t count = pairs(inputs);
     count += entries(inputs + count);
     count += halves(inputs + count);
+    count += integers(inputs + count);
     count = every ? count / every : 0;
     for (size_t i = 0; i < count; i++)
         inputs[i] = inputs[i * every];

@@ -53,6 +53,8 @@ enum fp3_opcode {
     FP3_OP_RCP   = 20,
     FP3_OP_RSQRT = 21,
     FP3_OP_RINT  = 22,
+    FP3_OP_EXP2  = 23,
+    FP3_OP_LOGB  = 24,
 };
 
 /* clang-format on */
