@@ -243,6 +243,12 @@ smoke-%: $(BUILD)/icarus/replay_$$(subst .,,$$(suffix $$*)).vvp | need-smoke
 testfloat: $(BUILD)/tests/fp_testfloat ## Run the cores through Berkeley TestFloat; TESTFLOAT_GEN=
 	@tests/fp/testfloat.sh "$(TESTFLOAT_GEN)" $<
 
+# EVERY=1 takes minutes for each function.
+EVERY ?= 1
+.PHONY: accuracy
+accuracy: $(BUILD)/tests/every_float ## Compare functions of states with libm for every float: EVERY=997 for every 997th, FUNCTION=exp
+	@$< $(EVERY) $(FUNCTION)
+
 .PHONY: prove
 prove: | need-prove ## Prove the floating-point cores equal to an IEEE 754 model
 	@$(PYTHON) tests/formal/prove.py --jobs $(JOBS) $(PROVE_ARGS)

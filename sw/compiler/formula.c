@@ -142,6 +142,11 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
         put(p, around > SUM ? "(-" : "-");
         print_known(table, p, k->a, UNARY);
         put(p, around > SUM ? ")" : "");
+    } else if (k->op == KNOWN_EXPONENT)
+        print_known(table, p, k->a, around);
+    else if (k->op == KNOWN_SIGN) {
+        put(p, "(-1)^");
+        print_known(table, p, k->a, RAISED);
     } else {
         put(p, level < around ? "(" : "");
         print_known(table, p, k->a, level);

@@ -29,17 +29,17 @@ static uint32_t add(known_table *table, known wanted) {
     return table->count++;
 }
 
-/* Whether no param of a single object is in it, for each expression of the model. */
-static char *find_shared(const fp3_model *model) {
-    char *shared = malloc(model->expr_count + 1);
-    for (uint32_t i = 0; shared && i < model->expr_count; i++) {
+/* For each expression of the model, whether no param is in it that is_wanted. */
+static char *find_without(const fp3_model *model, int (*is_wanted)(const fp3_quantity *param)) {
+    char *without = malloc(model->expr_count + 1);
+    for (uint32_t i = 0; without && i < model->expr_count; i++) {
         const fp3_expr *e = &model->exprs[i];
-        shared[i] = e->op != FP3_EXPR_PARAM || model->params[e->index].is_shared;
+        without[i] = e->op != FP3_EXPR_PARAM || !is_wanted(&model->params[e->index]);
         for (int j = 0; j < 3; j++)
-            if (e->operand[j] != FP3_NONE && !shared[e->operand[j]])
-                shared[i] = 0;
+            if (e->operand[j] != FP3_NONE && !without[e->operand[j]])
+                without[i] = 0;
     }
-    return shared;
+    return without;
 }
 
 /* Operands are compared as what they are the same as. */
@@ -76,10 +76,15 @@ static uint32_t *find_same(const fp3_model *model) {
     return same;
 }
 
+static int is_single(const fp3_quantity *param) { return !param->is_shared; }
+static int is_any(const fp3_quantity *param) { return (void)param, 1; }
+
 void fp3_known_open(known_table *table, const fp3_model *model) {
-    *table =
-        (known_table){.model = model, .is_shared = find_shared(model), .same = find_same(model)};
-    table->has_failed = !table->is_shared || !table->same;
+    *table = (known_table){.model = model,
+                           .is_shared = find_without(model, is_single),
+                           .is_constant = find_without(model, is_any),
+                           .same = find_same(model)};
+    table->has_failed = !table->is_shared || !table->is_constant || !table->same;
     if (!table->has_failed)
         fp3_known_number(table, 0.0);
 }
@@ -88,6 +93,7 @@ void fp3_known_close(known_table *table) {
     free(table->list);
     free(table->is_shared);
     free(table->same);
+    free(table->is_constant);
     *table = (known_table){0};
 }
 
@@ -110,18 +116,53 @@ uint32_t fp3_known_model(known_table *table, uint32_t expr) {
         (known){.op = KNOWN_MODEL, .a = table->same[expr], .is_shared = table->is_shared[expr]});
 }
 
+int fp3_known_constant(known_table *table, uint32_t expr, double *value) {
+    const fp3_model *model = table->model;
+    if (table->has_failed || !model->exprs[expr].is_known || !table->is_constant[expr])
+        return 0;
+    double *exprs = malloc((model->expr_count + 1) * sizeof *exprs);
+    double *zeros = calloc(model->state_count + model->param_count + 1u, sizeof *zeros);
+    if (exprs && zeros) {
+        fp3_model_evaluate(model, &(fp3_point){.states = zeros, .params = zeros}, exprs);
+        *value = exprs[expr];
+    } else
+        table->has_failed = 1;
+    free(exprs);
+    free(zeros);
+    return !table->has_failed;
+}
+
+/* See known.h, also of the next. */
+static double as_exponent(double a) {
+    return fabs(a) > 0x1p40 ? copysign(0x1p40, a) : fabs(a) < 0x1p-52 ? 0 : a;
+}
+
+static double sign_of_power(double a) {
+    return a != trunc(a) ? 0 : fmod(a, 2) == 0 ? 1 : -1; /* of a NaN 0 */
+}
+
+static int is_of_power(known_op op) { return op == KNOWN_EXPONENT || op == KNOWN_SIGN; }
+
+static double of_power(known_op op, double a) {
+    return op == KNOWN_EXPONENT ? as_exponent(a) : sign_of_power(a);
+}
+
 /* As an expression whose operands are known values. */
 static fp3_expr expr_of(known_op op, uint32_t a, uint32_t b) {
-    static const fp3_expr_op ops[KNOWN_DIV + 1] = {[KNOWN_NEGATE] = FP3_EXPR_NEGATE,
-                                                   [KNOWN_ADD] = FP3_EXPR_ADD,
-                                                   [KNOWN_SUB] = FP3_EXPR_SUB,
-                                                   [KNOWN_MUL] = FP3_EXPR_MUL,
-                                                   [KNOWN_DIV] = FP3_EXPR_DIV};
+    static const fp3_expr_op ops[KNOWN_SIGN + 1] = {[KNOWN_NEGATE] = FP3_EXPR_NEGATE,
+                                                    [KNOWN_ADD] = FP3_EXPR_ADD,
+                                                    [KNOWN_SUB] = FP3_EXPR_SUB,
+                                                    [KNOWN_MUL] = FP3_EXPR_MUL,
+                                                    [KNOWN_DIV] = FP3_EXPR_DIV};
     return (fp3_expr){.op = ops[op], .operand = {a, b, FP3_NONE}};
 }
 
 /* Of two numbers. 0: what double has no room for is left to fp3_known_evaluate. */
 static int fold(known_op op, double a, double b, double *result) {
+    if (is_of_power(op)) {
+        *result = of_power(op, a);
+        return 1;
+    }
     double values[3] = {a, b, 0};
     char is_lost[3] = {0};
     const fp3_expr e = expr_of(op, 0, 1);
@@ -171,7 +212,10 @@ static void evaluate_all(const known_table *table, double h, const evaluation *e
             values[i] = h;
         else if (k->op == KNOWN_MODEL)
             values[i] = e->exprs[k->a];
-        else
+        else if (is_of_power(k->op)) {
+            values[i] = of_power(k->op, values[k->a]);
+            e->is_lost[i] = e->is_lost[k->a];
+        } else
             fp3_ode_compute_careful(&made, NULL, i, values, e->is_lost);
         if (k->op == KNOWN_MODEL)
             e->is_lost[i] = e->is_expr_lost[k->a];

@@ -15,7 +15,9 @@ typedef enum {
     KNOWN_ADD,
     KNOWN_SUB,
     KNOWN_MUL,
-    KNOWN_DIV
+    KNOWN_DIV,
+    KNOWN_EXPONENT, /* a as an exponent: beyond +-2^40 that, below 2^-52 zero, which changes no power in FP32 */
+    KNOWN_SIGN /* (-1)^a: 1 or -1; 0 if a is no integer */
 } known_op;
 
 typedef struct {
@@ -27,8 +29,9 @@ typedef struct {
 
 typedef struct {
     const fp3_model *model;
-    char *is_shared; /* of each expression of the model */
-    uint32_t *same;  /* of each known expression, the first that is written alike */
+    char *is_shared;   /* of each expression of the model */
+    char *is_constant; /* likewise: no param is in it at all */
+    uint32_t *same;    /* of each known expression, the first that is written alike */
     known *list;
     uint32_t count, room;
     int has_failed; /* out of memory: what was asked for since is number 0 of the list */
@@ -43,6 +46,9 @@ uint32_t fp3_known_number(known_table *table, double number);
 uint32_t fp3_known_step(known_table *table);
 uint32_t fp3_known_model(known_table *table, uint32_t expr);
 uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b);
+
+/* Whether no param is in an expression of the model that is_known; then its value. */
+int fp3_known_constant(known_table *table, uint32_t expr, double *value);
 
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);

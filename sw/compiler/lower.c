@@ -4,9 +4,12 @@
 #include "arc.h"
 #include "circular.h"
 #include "division.h"
+#include "exponential.h"
+#include "logarithm.h"
 #include "ops.h"
 
 #include <fp3/passes.h>
+#include <math.h>
 #include <stdlib.h>
 
 fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {
@@ -55,10 +58,35 @@ static int is_unknown_root(const lowering *l, uint32_t expr) {
     return expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
 }
 
-static unsigned exponent(const lowering *l, uint32_t expr, int *is_negative) {
-    const double n = expr_of(l, expr)->number;
-    *is_negative = n < 0;
-    return (unsigned)(n < 0 ? -n : n);
+/* Integers up to here by products; of halves, those that products and a root leave within 4.1 units in the
+ * last place. All others by exponent and logarithm. */
+#define POWER_MAX 8
+#define HALF_LEAST (-1.5)
+#define HALF_MOST 3.5
+
+/* How a power is made. */
+typedef struct {
+    enum { BY_PRODUCTS, BY_ROOT, BY_LOGARITHM } way;
+    unsigned n; /* of products; of the root, if it is made of that */
+    int is_below;
+} way_of_power;
+
+/* Of a power, or of 1 over it. */
+static way_of_power way_of(const lowering *l, uint32_t expr, int is_denominator) {
+    double n;
+    if (!fp3_known_constant(l->g->known, expr_of(l, expr)->operand[1], &n))
+        return (way_of_power){.way = BY_LOGARITHM};
+    n = is_denominator ? -n : n;
+    const int is_whole = n == floor(n), is_half = 2 * n == floor(2 * n) && !is_whole;
+    if (is_whole && fabs(n) <= POWER_MAX)
+        return (way_of_power){BY_PRODUCTS, (unsigned)fabs(n), n < 0};
+    if (is_half && n >= HALF_LEAST && n <= HALF_MOST)
+        return (way_of_power){BY_ROOT, (unsigned)fabs(2 * n), n < 0};
+    return (way_of_power){.way = BY_LOGARITHM};
+}
+
+static int is_power(const lowering *l, uint32_t expr) {
+    return expr_of(l, expr)->op == FP3_EXPR_POWER && !expr_of(l, expr)->is_known;
 }
 
 /* x / base^n. A root in a denominator is never formed: the hardware estimates 1/sqrt(b). */
@@ -79,28 +107,49 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
     return result;
 }
 
+/* x^(n/2) for an odd n: powers of x times its root, or powers of the reciprocal root. */
+static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
+    dag *g = l->g;
+    const uint32_t b = value(l, base);
+    if (is_below)
+        return power(g, fp3_corrected(g, one(g), fp3_inverse_root(g, b)), n);
+    const term root = fp3_root(g, b);
+    return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
+}
+
+static term by_logarithm(lowering *l, const fp3_expr *e, int is_denominator) {
+    known_table *known = l->g->known;
+    double number;
+    uint32_t n = fp3_known_constant(known, e->operand[1], &number)
+                     ? fp3_known_number(known, number)
+                     : fp3_known_model(known, e->operand[1]);
+    if (is_denominator)
+        n = fp3_known_make(known, KNOWN_NEGATE, n, 0);
+    return fp3_term(fp3_power(l->g, value(l, e->operand[0]), n));
+}
+
+/* x times the power, or x over it. */
+static term times_power(lowering *l, term x, uint32_t expr, int is_denominator) {
+    const fp3_expr *e = expr_of(l, expr);
+    const way_of_power w = way_of(l, expr, is_denominator);
+    if (w.way == BY_PRODUCTS && w.is_below)
+        return divided(l, x, e->operand[0], w.n);
+    const term p = w.way == BY_PRODUCTS ? power(l->g, at(l, e->operand[0]), w.n)
+                   : w.way == BY_ROOT   ? root_power(l, e->operand[0], w.n, w.is_below)
+                                        : by_logarithm(l, e, is_denominator);
+    return fp3_dag_is_number(l->g, x.node, 1) && !x.is_negative ? p : fp3_term_mul(l->g, x, p);
+}
+
 static term divide(lowering *l, const fp3_expr *e) {
     const uint32_t below = e->operand[1];
-    const fp3_expr *b = expr_of(l, below);
     const term x = at(l, e->operand[0]);
-    int is_negative = 0;
-    if (b->is_known) {
+    if (expr_of(l, below)->is_known) {
         known_table *known = l->g->known;
         const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1),
                                              fp3_known_model(known, below));
         return fp3_term_mul(l->g, x, fp3_term(fp3_dag_known(l->g, over)));
     }
-    const unsigned n = b->op == FP3_EXPR_POWER ? exponent(l, b->operand[1], &is_negative) : 0;
-    if (b->op == FP3_EXPR_POWER && !is_negative)
-        return divided(l, x, b->operand[0], n);
-    return divided(l, x, below, 1);
-}
-
-static term raise(lowering *l, const fp3_expr *e) {
-    int is_negative;
-    const unsigned n = exponent(l, e->operand[1], &is_negative);
-    return is_negative ? divided(l, one(l->g), e->operand[0], n)
-                       : power(l->g, at(l, e->operand[0]), n);
+    return is_power(l, below) ? times_power(l, x, below, 1) : divided(l, x, below, 1);
 }
 
 /* Whether an expression is 0 or 1 and nothing else. */
@@ -164,7 +213,7 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_DIV:
         return divide(l, e);
     case FP3_EXPR_POWER:
-        return raise(l, e);
+        return times_power(l, one(g), expr, 0);
     case FP3_EXPR_SQRT:
         return fp3_root(g, value(l, e->operand[0]));
     case FP3_EXPR_SIN:
@@ -181,17 +230,32 @@ static term lower(lowering *l, uint32_t expr) {
         return fp3_term(fp3_asin(g, value(l, e->operand[0])));
     case FP3_EXPR_ACOS:
         return fp3_term(fp3_acos(g, value(l, e->operand[0])));
+    case FP3_EXPR_EXP:
+        return fp3_term(fp3_exp(g, value(l, e->operand[0])));
+    case FP3_EXPR_LOG:
+        return fp3_term(fp3_log(g, value(l, e->operand[0])));
+    case FP3_EXPR_SINH:
+        return fp3_term(fp3_sinh(g, value(l, e->operand[0])));
+    case FP3_EXPR_COSH:
+        return fp3_term(fp3_cosh(g, value(l, e->operand[0])));
+    case FP3_EXPR_TANH:
+        return fp3_term(fp3_tanh(g, value(l, e->operand[0])));
     default:
         return choose(l, e);
     }
+}
+
+static int has_constants(fp3_expr_op op) {
+    return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
+           op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
+           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS;
 }
 
 /* A function's own constants are no known factors: its error is that of these products. */
 static term lower_as_written(lowering *l, uint32_t expr) {
     const fp3_expr_op op = expr_of(l, expr)->op;
     const unsigned passes = l->g->passes;
-    if (op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN ||
-        op == FP3_EXPR_ACOS)
+    if (has_constants(op))
         l->g->passes &= ~FP3_PASS(FP3_PASS_FOLD_PRODUCT);
     const term made = lower(l, expr);
     l->g->passes = passes;
@@ -203,26 +267,29 @@ static void want_base(lowering *l, uint32_t base) {
     l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
 }
 
-static void want_below(lowering *l, uint32_t below) {
-    const fp3_expr *e = expr_of(l, below);
-    int is_negative = 0;
-    if (e->is_known)
-        return;
-    if (e->op == FP3_EXPR_POWER)
-        exponent(l, e->operand[1], &is_negative);
-    want_base(l, e->op == FP3_EXPR_POWER && !is_negative ? e->operand[0] : below);
+static void want_power(lowering *l, uint32_t expr, int is_denominator) {
+    const way_of_power w = way_of(l, expr, is_denominator);
+    if (w.way == BY_PRODUCTS && w.is_below)
+        want_base(l, expr_of(l, expr)->operand[0]);
+    else
+        l->is_wanted[expr_of(l, expr)->operand[0]] = 1;
 }
 
-static void want_operands(lowering *l, const fp3_expr *e) {
-    int is_negative = 0;
+static void want_below(lowering *l, uint32_t below) {
+    if (expr_of(l, below)->is_known)
+        return;
+    if (is_power(l, below))
+        want_power(l, below, 1);
+    else
+        want_base(l, below);
+}
+
+static void want_operands(lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
     if (e->is_known)
         return;
     if (e->op == FP3_EXPR_POWER) {
-        exponent(l, e->operand[1], &is_negative);
-        if (is_negative)
-            want_base(l, e->operand[0]);
-        else
-            l->is_wanted[e->operand[0]] = 1;
+        want_power(l, expr, 0);
         return;
     }
     for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++)
@@ -238,7 +305,7 @@ term fp3_lower(lowering *l, uint32_t root) {
     l->is_wanted[root] = 1;
     for (uint32_t i = root + 1; i-- > 0;)
         if (l->is_wanted[i] && !l->is_made[i])
-            want_operands(l, expr_of(l, i));
+            want_operands(l, i);
     for (uint32_t i = 0; i <= root; i++) {
         if (!l->is_wanted[i] || l->is_made[i])
             continue;

@@ -11,15 +11,6 @@ unsigned fp3_ode_operands(fp3_expr_op op) {
     return operands[op];
 }
 
-int fp3_ode_is_host_only(fp3_expr_op op) {
-    static const unsigned char host_only[] = {
-#define X(NAME, operands, host) host,
-        FP3_EXPR_OPS(X)
-#undef X
-    };
-    return host_only[op];
-}
-
 double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *values) {
     double v[3] = {0};
     for (unsigned i = 0; i < fp3_ode_operands(e->op); i++)

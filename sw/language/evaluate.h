@@ -7,6 +7,5 @@
 /* The value of an expression, from those of its operands. */
 double fp3_ode_compute(const fp3_expr *expr, const fp3_point *point, const double *values);
 unsigned fp3_ode_operands(fp3_expr_op op);
-int fp3_ode_is_host_only(fp3_expr_op op);
 
 #endif

@@ -2,7 +2,6 @@
 #include "vector.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 #include "evaluate.h"
@@ -43,26 +42,14 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     return (ode_value){1, {p->expr_count - 1}};
 }
 
-static int is_small_integer(const fp3_expr *e) {
-    return e->op == FP3_EXPR_NUMBER && fabs(e->number) <= 8 && e->number == floor(e->number);
-}
-
 /* Whether the hardware can compute it. Reports it if not. varies: it is not known before a run. */
 static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t operand[3],
                     int varies) {
     if (!varies)
         return 1;
-    if (op == FP3_EXPR_POWER && !is_small_integer(&p->exprs[operand[1]])) {
-        fp3_ode_wrong(&p->in, at, "an integer from -8 to 8 as the power of a state");
-        return 0;
-    }
-    if (fp3_ode_is_host_only(op) && p->context == ODE_IN_EQUATION) {
-        fp3_ode_wrong(
-            &p->in, at,
-            "a function of states that the hardware has: sqrt, sin, cos, tan, atan, atan2, "
-            "asin, acos, min, max or abs "
-            "(%.*s may stand where no state is, or in an invariant)",
-            shown(at), at.text);
+    if (op == FP3_EXPR_POWER && !p->exprs[operand[1]].is_known) {
+        fp3_ode_wrong(&p->in, at,
+                      "an exponent of numbers and params alone (any other x^y is exp(y*log(x)))");
         return 0;
     }
     return 1;

@@ -45,8 +45,8 @@ static const char *mutate_operator(unsigned *state) {
 }
 
 static const char *mutate_function(unsigned *state) {
-    static const char *const functions[] = {"sqrt", "sin", "tan",  "atan", "acos",
-                                            "abs",  "-",   "not ", ""};
+    static const char *const functions[] = {"sqrt", "sin",  "tan", "atan", "acos", "exp",
+                                            "log",  "tanh", "abs", "-",    "not ", ""};
     return functions[mutate_random(state, sizeof functions / sizeof *functions)];
 }
 

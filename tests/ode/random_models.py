@@ -16,7 +16,7 @@ class Maker:
 
     def __init__(self, rng, is_plain):
         self.rng = rng
-        self.kinds = 11 if is_plain else 22
+        self.kinds = 11 if is_plain else 24
         names = rng.sample(NAMES, len(NAMES))
         self.states = [names.pop() for _ in range(rng.choice([1, 2, 2, 3, 4]))]
         self.params = [names.pop() for _ in range(rng.randint(0, 3))]
@@ -91,6 +91,11 @@ class Maker:
             return f"{self.rng.choice(['sin', 'cos', 'sqrt'])}({a})"
         if kind == 20:
             return f"atan2({a}, {b})"
+        if kind == 21:
+            return f"{self.rng.choice(['exp', 'log', 'sinh', 'cosh', 'tanh'])}({a})"
+        if kind == 22:
+            exponent = self.rng.choice(["0.5", "(-0.5)", "1.5", "(-1.5)", "4.5", "9", "(1/3)", "(-0.7)", *self.params])
+            return f"{self.rng.choice(['', f'{b}/'])}{self.rng.choice(self.values)}^{exponent}"
         return f"{self.rng.choice(['tan', 'atan', 'asin', 'acos'])}({a})"
 
     def derivative(self, state):

@@ -24,8 +24,7 @@ FP3_API_BEGIN
 
 #define FP3_NONE UINT32_MAX /* no expression, no quantity */
 
-/* X(NAME, operands, is for the host only): a host-only operation is allowed if no operand depends on
- * a state, and in `exact` and `invariant`. Comparisons give 1 or 0; every number but 0 is true. */
+/* X(NAME, operands, stands in `exact` alone). Comparisons give 1 or 0; every number but 0 is true. */
 #define FP3_EXPR_OPS(X)                                                                            \
     X(NUMBER, 0, 0)                                                                                \
     X(STATE, 0, 0)   /* index: of states */                                                        \
@@ -37,7 +36,7 @@ FP3_API_BEGIN
     X(SUB, 2, 0)                                                                                   \
     X(MUL, 2, 0)                                                                                   \
     X(DIV, 2, 0)                                                                                   \
-    X(POWER, 2, 0) /* of a state: b is a NUMBER, an integer from -8 to 8 */                        \
+    X(POWER, 2, 0) /* of a state: b is_known */                                                    \
     X(SQRT, 1, 0)                                                                                  \
     X(SIN, 1, 0)                                                                                   \
     X(COS, 1, 0)                                                                                   \
@@ -51,16 +50,16 @@ FP3_API_BEGIN
     X(OR, 2, 0)                                                                                    \
     X(NOT, 1, 0)                                                                                   \
     X(SELECT, 3, 0) /* a ? b : c */                                                                \
-    X(EXP, 1, 1)                                                                                   \
-    X(LOG, 1, 1)                                                                                   \
+    X(EXP, 1, 0)                                                                                   \
+    X(LOG, 1, 0)                                                                                   \
     X(TAN, 1, 0)                                                                                   \
     X(ATAN, 1, 0)                                                                                  \
     X(ASIN, 1, 0)                                                                                  \
     X(ACOS, 1, 0)                                                                                  \
     X(ATAN2, 2, 0)                                                                                 \
-    X(SINH, 1, 1)                                                                                  \
-    X(COSH, 1, 1)                                                                                  \
-    X(TANH, 1, 1)
+    X(SINH, 1, 0)                                                                                  \
+    X(COSH, 1, 0)                                                                                  \
+    X(TANH, 1, 0)
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
