@@ -1,6 +1,7 @@
 /* every_float.c - functions of one number against libm in double, for every float of their range.
  *
- *     every_float [N [NAME]]     every Nth float (1: minutes for each function), of all functions or one
+ *     every_float [N [NAME [FROM TO]]]     every Nth float (1: minutes for each function), of all functions or one, of
+ *                                          its whole range or a part
  *
  * Prints of each function the instructions, the largest error, where it is, and how many were compared. The
  * compiler makes a step of y' = f(x); its operations are carried out here on blocks of floats, as the
@@ -133,13 +134,21 @@ static void apply(uint32_t op, float *restrict d, const float *restrict a, const
     }
 }
 
+static block value[NODES_MAX];
+
+/* Once for a program: leaves other than x stay as they are. */
+static void fill_leaves(const program *p) {
+    for (uint32_t j = 0; j < p->g->count; j++)
+        if (p->g->nodes[j].op >= NODE_KNOWN)
+            EACH value[j][i] = float_of(leaf_bits(p, j, 0));
+}
+
 static const float *by_blocks(const program *p, const block x) {
-    static block value[NODES_MAX];
     for (uint32_t j = 0; j < p->g->count; j++) {
         const dag_node *n = &p->g->nodes[j];
-        if (n->op >= NODE_KNOWN)
-            EACH value[j][i] = float_of(leaf_bits(p, j, x[i]));
-        else
+        if (n->op == NODE_VARIABLE && n->a == p->x)
+            memcpy(value[j], x, sizeof(block));
+        else if (n->op < NODE_KNOWN)
             apply(n->op, value[j], value[n->a], value[n->b == FP3_NONE ? 0 : n->b],
                   value[n->c == FP3_NONE ? 0 : n->c]);
     }
@@ -249,6 +258,7 @@ static result any_power(program *p, int64_t step) {
         function f = {.name = "x^n", .truth = pow, .n = number % 2 ? (float)size : -(float)size};
         block x;
         evaluate_known(p, f.n);
+        fill_leaves(p);
         for (int i = 0; i < BLOCK; i++) {
             const double t = 300 * fraction(number * BLOCK + (uint64_t)i, 0.7548776662466927) - 150;
             x[i] = (float)exp2(fmax(-149, fmin(127.9, t / f.n)));
@@ -265,11 +275,16 @@ static result measure(program *p, const function *f, int64_t step) {
 int main(int argc, char **argv) {
     const int64_t step = argc > 1 ? atoll(argv[1]) : 1;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
-        const function *f = &functions[i];
+        function of = functions[i], *f = &of;
         program p;
         if (argc > 2 && strcmp(argv[2], f->name))
             continue;
+        if (argc > 4) {
+            f->from = strtof(argv[3], NULL);
+            f->to = strtof(argv[4], NULL);
+        }
         make(&p, f->expression, f->n, "single_full");
+        fill_leaves(&p);
         const result r = measure(&p, f, step < 1 ? 1 : step);
         printf("%-8s %2u instructions  %.3f ulp at %.9g  %.3g absolute below 1/4  %.2f subnormal "
                "units  %llu floats\n",
