@@ -13,7 +13,7 @@
 #define ABOVE_NOISE 5         /* as squares it is then 4 % of the error */
 #define METHOD_LEAST 1e-10    /* the truth is good to about a hundredth of it */
 #define ONLY_NOISE 3000       /* finer steps have nothing to tell */
-#define POLYNOMIAL_LEAST 1e-5 /* ... where sines are polynomials, and the truth has others */
+#define POLYNOMIAL_LEAST 1e-5 /* ... where functions are polynomials, and the truth has others */
 #define METHOD_SMALL 1e-4
 #define ERROR_MOST 0.2 /* of the scale: beyond it there is no order to see */
 
@@ -166,10 +166,29 @@ static int find_window(const fp3_ladder *l, const double *error, const double *l
     return is_found;
 }
 
+/* A power with another exponent than an integer may be one. */
+static int is_polynomial(const fp3_model *model, const fp3_expr *e) {
+    switch (e->op) {
+    case FP3_EXPR_SIN:
+    case FP3_EXPR_COS:
+    case FP3_EXPR_EXP:
+    case FP3_EXPR_LOG:
+    case FP3_EXPR_SINH:
+    case FP3_EXPR_COSH:
+    case FP3_EXPR_TANH:
+        return 1;
+    case FP3_EXPR_POWER: {
+        const fp3_expr *exponent = &model->exprs[e->operand[1]];
+        return exponent->op != FP3_EXPR_NUMBER || exponent->number != floor(exponent->number);
+    }
+    default:
+        return 0;
+    }
+}
+
 static int has_polynomials(const fp3_model *model) {
     for (uint32_t i = 0; i < model->expr_count; i++)
-        if (!model->exprs[i].is_known &&
-            (model->exprs[i].op == FP3_EXPR_SIN || model->exprs[i].op == FP3_EXPR_COS))
+        if (!model->exprs[i].is_known && is_polynomial(model, &model->exprs[i]))
             return 1;
     return 0;
 }

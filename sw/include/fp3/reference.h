@@ -15,8 +15,8 @@ fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *pa
                                   const double *initial, double h, const uint64_t *steps,
                                   size_t count, float *states, fp3_error *error);
 
-/* The same steps in double, with quotients and roots in double: the integrator without FP32. Sines and cosines
- * are the same polynomials. */
+/* The same steps in double, with quotients and roots in double: the integrator without FP32. All other
+ * functions are the same polynomials. */
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error);
