@@ -58,7 +58,7 @@ static int is_unknown_root(const lowering *l, uint32_t expr) {
     return expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
 }
 
-/* Integers up to here by products; of halves, those that products and a root leave within 4.1 units in the
+/* Integers up to here by products; of halves, those that products and a root leave within 4.2 units in the
  * last place. All others by exponent and logarithm. */
 #define POWER_MAX 8
 #define HALF_LEAST (-1.5)

@@ -39,10 +39,6 @@ enum {
     HAS_POWER_OF_STATE = 16
 };
 
-static int is_small_integer(const fp3_expr *e) {
-    return e->op == FP3_EXPR_NUMBER && fabs(e->number) <= 8 && e->number == floor(e->number);
-}
-
 static void check_expressions(const fp3_model *m, unsigned char *has) {
     for (uint32_t i = 0; i < m->expr_count; i++) {
         const fp3_expr *e = &m->exprs[i];
@@ -67,8 +63,7 @@ static void check_expressions(const fp3_model *m, unsigned char *has) {
         REQUIRE(!e->is_known == !is_known);
         if (of & HAS_STATE && is_host_only[e->op])
             of |= HAS_HOST_OF_STATE;
-        if (of & HAS_STATE && e->op == FP3_EXPR_POWER &&
-            !is_small_integer(&m->exprs[e->operand[1]]))
+        if (of & HAS_STATE && e->op == FP3_EXPR_POWER && !m->exprs[e->operand[1]].is_known)
             of |= HAS_POWER_OF_STATE;
         if (e->op == FP3_EXPR_STATE)
             of |= HAS_STATE;
