@@ -15,7 +15,7 @@ static fp3_status round_all(const fp3_compiled *made, const double *wanted, floa
     for (uint32_t i = 0; i < made->input_count; i++) {
         const char *expected = fp3_number_single(wanted[i], &values[i]);
         if (!expected && !isfinite(values[i]))
-            expected = isnan(wanted[i]) ? "a number, and none below 2.2e-308 on the way to it"
+            expected = isnan(wanted[i]) ? "a finite number, and none below 2.2e-308 on the way"
                                         : "a finite number";
         if (expected)
             return fp3_fail(error, FP3_E_ARGUMENT, "'%s' = %s is %.9g: expected %s",

@@ -164,7 +164,8 @@ static int run_on(bench *b, const char *engine_name) {
     for (size_t i = 0; !status && !is_bad && i < objects; i++)
         is_bad = differs(b, engine, engine_name, i);
     if (status)
-        snprintf(b->why, sizeof b->why, "%s: %s", strstr(error.text, "finite") ? "refused" : "bad",
+        snprintf(b->why, sizeof b->why, "%s: %s",
+                 strstr(error.text, "finite") || strstr(error.text, "of FP32") ? "refused" : "bad",
                  error.text);
     fp3_engine_close(&engine);
     return status || is_bad;
