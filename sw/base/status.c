@@ -27,6 +27,8 @@ int fp3_exit_code(fp3_status status) {
     case FP3_E_ARGUMENT:
     case FP3_E_PROGRAM:
         return 2;
+    case FP3_E_FAILED:
+        return 3;
     case FP3_E_LIMIT:
     case FP3_E_SYSTEM:
     case FP3_E_MISMATCH:

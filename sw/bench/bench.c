@@ -283,6 +283,14 @@ static fp3_status set_objects(bench *b, fp3_engine *engine, fp3_error *error) {
     return status;
 }
 
+static fp3_status note_failure(bench *b) {
+    fp3_failure failure;
+    fp3_status status = fp3_engine_failure(b->rtl, 0, b->result->objects, &failure);
+    if (!status && failure.failed)
+        fp3_engine_failure_text(b->rtl, &failure, b->result->failure);
+    return status;
+}
+
 static fp3_status run(bench *b, uint64_t steps, fp3_stats *stats, fp3_error *error) {
     fp3_written_clear(b->of_rtl);
     fp3_status status = set_objects(b, b->rtl, error);
@@ -395,6 +403,8 @@ fp3_status fp3_bench_run(const fp3_bench_case *what, fp3_bench_result *result, i
         status = run(&b, 1, &result->one, error);
     if (!status)
         status = run(&b, what->steps, &result->all, error);
+    if (!status)
+        status = note_failure(&b);
     if (!status && what->truth) {
         status = measure_error(&b, error);
         if (status == FP3_E_ARGUMENT || status == FP3_E_MISMATCH) { /* all else is measured */

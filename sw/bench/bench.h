@@ -44,6 +44,8 @@ typedef struct {
      * is none. */
     double error[FP3_BENCH_STATES];
     fp3_error no_truth; /* why there is no truth, if it was asked for */
+    char
+        failure[FP3_FAILURE_TEXT_SIZE]; /* how an object first failed in the run of all; "": none */
 } fp3_bench_result;
 
 /* Whether it is a ship written by hand: v, s, T, C, rm and h are declared. */

@@ -73,8 +73,8 @@ void fp3_bench_row(const fp3_bench_outcome *o) {
             printf(" %10.6g", per_step(o, (fp3_counter)i));
     for (unsigned i = 0; fp3_bench_state(o->what.program->image, i); i++)
         printf(" %9.2e", o->got.error[i]);
-    printf(" %9.2e  mismatches %" PRIu64 " of %" PRIu64 " words\n", rate(o), o->got.mismatches,
-           o->got.words);
+    printf(" %9.2e  mismatches %" PRIu64 " of %" PRIu64 " words%s%s\n", rate(o), o->got.mismatches,
+           o->got.words, o->got.failure[0] ? "; failed: " : "", o->got.failure);
     fflush(stdout);
 }
 
@@ -96,6 +96,8 @@ json_t *fp3_bench_common_json(const fp3_bench_outcome *o) {
     put_integer(object, "mismatches", o->got.mismatches);
     put_integer(object, "object_steps", o->got.all.object_steps);
     put_real(object, "cycles_per_second", rate(o));
+    if (o->got.failure[0])
+        json_object_set_new(object, "failed", json_string(o->got.failure));
     return object;
 }
 

@@ -57,6 +57,7 @@ typedef struct {
     fp3_convergence c;
     unsigned order;
     uint64_t mismatches, compared;
+    char failure[FP3_FAILURE_TEXT_SIZE]; /* how an object first failed on a machine; "": none */
 } row;
 
 typedef struct {
@@ -111,6 +112,15 @@ static fp3_status write_inputs(fp3_engine *engine, const fp3_compiled *c, size_t
                      ? fp3_engine_write_shared(engine, s->index, 1, &values[i])
                      : fp3_engine_write(engine, object, 1, s->index, &values[i]);
     }
+    return status;
+}
+
+static fp3_status note_failure(comparison *k, int machine, row *r) {
+    fp3_engine *engine = k->model_engine[machine];
+    fp3_failure failure;
+    fp3_status status = fp3_engine_failure(engine, 0, fp3_engine_objects(engine), &failure);
+    if (!status && failure.failed && !r->failure[0])
+        fp3_engine_failure_text(engine, &failure, r->failure);
     return status;
 }
 
@@ -177,6 +187,8 @@ static fp3_status measure(comparison *k, const fp3_compiled *c, int machine, row
     fp3_status status = run(k, c, machine, SHORT_RUN, &brief, r, error);
     if (!status)
         status = run(k, c, machine, LONG_RUN, &lasting, r, error);
+    if (!status)
+        status = note_failure(k, machine, r);
     if (status)
         return status;
     r->on[machine].measured = (double)(lasting - brief) / (LONG_RUN - SHORT_RUN) /
@@ -245,16 +257,18 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
                                       (json_int_t)r->on[i].instructions, "predicted",
                                       number(r->on[i].cycles), "measured",
                                       number(r->on[i].measured), "bound", number(r->on[i].bound)));
+    if (r->failure[0])
+        json_object_set_new(o, "failed", json_string(r->failure));
     if (k->o->has_errors)
         json_object_set_new(o, "errors", errors_of(k, r));
     json_array_append_new(k->rows, o);
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-12s %5" PRIu32 " %5" PRIu32
-           " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "\n",
+           " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
            k->model->name, integrator->name, arithmetics[arithmetic].name, r->on[0].operations,
            r->on[0].instructions, r->on[0].cycles, r->on[1].cycles, r->on[1].bound, r->order,
-           r->c.order, r->c.method_order, r->c.finest_order, r->c.floor, r->mismatches,
-           r->compared);
+           r->c.order, r->c.method_order, r->c.finest_order, r->c.floor, r->mismatches, r->compared,
+           r->failure[0] ? "; failed: " : "", r->failure);
     fflush(stdout);
     fp3_progress_resume(k->progress);
 }

@@ -16,7 +16,7 @@
 typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
     uint64_t steps, cycle_limit, objects, visit;
-    int all, has_steps, is_compensated, is_model;
+    int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_params *params;
     fp3_files files;
     double clock; /* Hz; 0: not given */
@@ -34,7 +34,8 @@ enum {
     KEY_SCENE,
     KEY_MODEL,
     KEY_CLOCK,
-    KEY_SPREAD
+    KEY_SPREAD,
+    KEY_ALLOW
 };
 
 static const struct argp_option table[] = {
@@ -61,6 +62,10 @@ static const struct argp_option table[] = {
      0},
     {"clock", KEY_CLOCK, "FREQUENCY", 0,
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
+    {"allow-failures", KEY_ALLOW, NULL, 0,
+     "End with exit code 0, not 3, where objects failed: an instruction raised invalid, divide by "
+     "zero or overflow, or a state is NaN or infinite in the end",
+     0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
     {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the host port to FILE", 0},
@@ -135,6 +140,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_CLOCK:
         o->clock = fp3_arguments_frequency(state, "--clock", text);
         break;
+    case KEY_ALLOW:
+        o->allows_failures = 1;
+        break;
     case KEY_LIMIT:
         o->cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
         break;
@@ -188,6 +196,8 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
             fp3_run_print(engine, of, def, &stats, o->all, o->clock);
         *error = why;
     }
+    if (!status && !o->allows_failures)
+        status = fp3_run_check(engine, error);
     fp3_engine_close(&engine);
     return status;
 }

@@ -40,10 +40,12 @@ static void print_states(fp3_engine *engine, const part *of, int all) {
         printf("%-16s %zu objects, which --all prints\n", "more", of->objects - shown);
 }
 
-/* How many objects sleep, and since which steps; how many met an invalid or an overflow. */
-static void print_status(fp3_engine *engine, const part *of) {
-    size_t asleep = 0, failed = 0, first = 0;
-    uint32_t begin = UINT32_MAX, end = 0, step = UINT32_MAX;
+/* How many objects sleep, and since which steps. */
+static void print_asleep(fp3_engine *engine, const part *of) {
+    size_t asleep = 0;
+    uint32_t begin = UINT32_MAX, end = 0;
+    if (fp3_image_slept(of->image) < 0)
+        return;
     for (size_t i = of->first; i < of->first + of->objects; i++) {
         fp3_object_status status;
         if (fp3_engine_status(engine, i, 1, &status))
@@ -53,21 +55,26 @@ static void print_status(fp3_engine *engine, const part *of) {
             begin = status.slept < begin ? status.slept : begin;
             end = status.slept > end ? status.slept : end;
         }
-        if (status.failed && status.failed < step) {
-            step = status.failed;
-            first = i;
-        }
-        failed += status.failed != 0;
     }
-    if (fp3_image_slept(of->image) >= 0)
-        printf("%-16s %zu of %zu", "asleep", asleep, of->objects);
+    printf("%-16s %zu of %zu", "asleep", asleep, of->objects);
     if (asleep)
         printf(", since steps %" PRIu32 " to %" PRIu32, begin, end);
-    if (fp3_image_slept(of->image) >= 0)
-        putchar('\n');
-    if (failed)
-        printf("%-16s %zu of %zu: invalid or overflow, first in step %" PRIu32 ", object %zu\n",
-               "failed", failed, of->objects, step, first);
+    putchar('\n');
+}
+
+/* Nothing of a run that ended before its time. */
+static void print_failed(fp3_engine *engine, const part *of) {
+    fp3_failure failure;
+    char text[FP3_FAILURE_TEXT_SIZE];
+    if (fp3_engine_failure(engine, of->first, of->objects, &failure) || !failure.failed)
+        return;
+    fp3_engine_failure_text(engine, &failure, text);
+    printf("%-16s %zu of %zu, first %s\n", "failed", failure.failed, of->objects, text);
+}
+
+static void print_status(fp3_engine *engine, const part *of) {
+    print_asleep(engine, of);
+    print_failed(engine, of);
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
@@ -153,4 +160,17 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_occupancy(engine, stats);
     if (is_rtl && of->scene)
         print_balance(engine, stats);
+}
+
+fp3_status fp3_run_check(fp3_engine *engine, fp3_error *error) {
+    const size_t objects = fp3_engine_objects(engine);
+    fp3_failure failure;
+    char text[FP3_FAILURE_TEXT_SIZE];
+    fp3_status status = fp3_engine_failure(engine, 0, objects, &failure);
+    if (status || !failure.failed)
+        return status;
+    fp3_engine_failure_text(engine, &failure, text);
+    return fp3_fail(error, FP3_E_FAILED,
+                    "%s; %zu of %zu objects failed (with --allow-failures the exit code is 0)",
+                    text, failure.failed, objects);
 }

@@ -15,4 +15,7 @@ typedef struct {
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
                    const fp3_stats *stats, int all, double clock);
 
+/* FP3_E_FAILED: objects failed in the run; error names the first. */
+fp3_status fp3_run_check(fp3_engine *engine, fp3_error *error);
+
 #endif

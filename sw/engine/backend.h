@@ -8,6 +8,7 @@
 
 #include "layout.h"
 #include "machine/config.h"
+#include "watch.h"
 
 #include <fp3/engine.h>
 
@@ -30,6 +31,8 @@ typedef struct {
     fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
 } fp3_backend;
 
+typedef struct fp3_origin fp3_origin;
+
 extern const fp3_backend fp3_backend_rtl, fp3_backend_isa;
 
 /* By the name of its engine, which may be NULL; NULL with an error if there is none. */
@@ -50,15 +53,24 @@ struct fp3_engine {
     int is_counted;                          /* so is what groups have counted */
     int is_listed;                           /* the next run begins with the right objects */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
-    void *self;                              /* the backend's own */
+    fp3_origin *origin;                      /* of the last run */
+    fp3_watched *failures; /* of each object in the last run; NULL: nobody has asked */
+    fp3_watched *watched;  /* isa: filled by a run; NULL: nobody watches */
+    void *self;            /* the backend's own */
 };
 
 /* Whether a run visits the object. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 
+/* The states of a group for which its records have room, as a set of registers; the sleep register is
+ * none. */
+uint64_t fp3_engine_states_of(const fp3_members *group);
+
 /* fp3_engine_load without its checks: for tests of what the hardware does with words that are none
  * of its own. */
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
+/* fp3_engine_load_groups without its checks: of what another engine has loaded. */
+fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

@@ -1,6 +1,7 @@
 /* cells.c - registers and constants, by number and by name. */
 #include "cells.h"
 #include "checks.h"
+#include "origin.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -32,6 +33,7 @@ fp3_status fp3_engine_write_cell(fp3_engine *engine, size_t object, uint32_t reg
     if (fp3_engine_counter_of(engine, object) == (int)reg)
         engine->is_counted = 0;
     engine->is_touched = 1;
+    fp3_origin_write(engine, object, reg, bits);
     return engine->backend->write(engine, object, reg, bits);
 }
 
@@ -72,6 +74,7 @@ fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t
         uint32_t bits;
         memcpy(&bits, &values[i], sizeof bits);
         engine->is_touched = 1;
+        fp3_origin_write_shared(engine, (uint32_t)group, first + i, bits);
         status = engine->backend->write_shared(engine, (uint32_t)group, first + i, bits);
     }
     return status;

@@ -39,6 +39,18 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
     return fp3_engine_slept_of(engine, object) < 0 || engine->slept[object] == 0;
 }
 
+uint64_t fp3_engine_states_of(const fp3_members *group) {
+    uint64_t set = 0;
+    for (uint32_t i = 0; i < group->image->symbol_count; i++)
+        if (group->image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
+            set |= (uint64_t)1 << group->image->symbols[i].index;
+    const int slept = fp3_image_slept(group->image);
+    const uint32_t room = 1u << group->log2;
+    if (slept >= 0)
+        set &= ~((uint64_t)1 << slept);
+    return room < 64 ? set & (((uint64_t)1 << room) - 1) : set;
+}
+
 fp3_prefix fp3_engine_prefix(size_t group, size_t count) {
     fp3_prefix p = {""};
     if (count > 1)

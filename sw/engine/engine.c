@@ -1,5 +1,6 @@
 /* engine.c - opens and closes engines of every backend. */
 #include "backend.h"
+#include "origin.h"
 
 #include "gen/registers.h"
 #include <inttypes.h>
@@ -57,6 +58,9 @@ static fp3_status make_room(fp3_engine *engine) {
         return status;
     engine->slept = calloc(engine->objects, sizeof *engine->slept);
     engine->counters = calloc(fp3_config_schedulers(engine->config), sizeof *engine->counters);
+    status = fp3_origin_open(engine);
+    if (status)
+        return status;
     return engine->slept && engine->counters
                ? FP3_OK
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
@@ -100,6 +104,8 @@ void fp3_engine_close(fp3_engine **engine) {
     fp3_layout_free(&closing->layout);
     free(closing->slept);
     free(closing->counters);
+    free(closing->failures);
+    fp3_origin_close(closing);
     free(closing);
     *engine = NULL;
 }

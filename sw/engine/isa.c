@@ -161,6 +161,8 @@ static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
     const uint32_t grave = FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW;
     uint32_t *word = &((isa *)r->engine->self)->status[object];
     r->stats->flags |= flags;
+    if (r->engine->watched)
+        fp3_watch_flags(&r->engine->watched[object], r->number - r->engine->clock, flags);
     *word |= flags;
     if (flags & grave && !(*word >> FP3_STATUS_STEP_LO))
         *word |= r->number << FP3_STATUS_STEP_LO;
@@ -247,6 +249,17 @@ static void tell(const fp3_engine *engine) {
     fp3_engine_tell(engine, self->executed);
 }
 
+/* After a step, or after the last part: whose states are numbers. */
+static void watch_states(const round_of *r) {
+    const isa *self = r->engine->self;
+    const fp3_members *group = members(r);
+    const uint64_t states = fp3_engine_states_of(group);
+    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+        if (self->now[i] != AWAY)
+            fp3_watch_states(&r->engine->watched[i], r->number - r->engine->clock, states,
+                             &self->registers[(size_t)i * r->engine->config->registers]);
+}
+
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
@@ -266,6 +279,8 @@ static fp3_status make_round(round_of *r) {
         if (self->executed >= self->told + TELL_INSTRUCTIONS)
             tell(r->engine);
         pc++;
+        if (engine->watched && (pc == program->last || pc == program->count))
+            watch_states(r);
         if (pc == program->last && --left)
             pc = program->step;
         if (pc < program->last && !is_anybody_awake(r)) {

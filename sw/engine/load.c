@@ -3,6 +3,7 @@
 #include "luggage.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
+#include "origin.h"
 
 #include <inttypes.h>
 
@@ -129,9 +130,11 @@ static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_
 static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     const fp3_image *image = engine->layout.groups[group].image;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < image->constant_count; i++)
-        status = engine->backend->write_shared(engine, group, image->constants[i].index,
-                                               image->constants[i].bits);
+    for (uint32_t i = 0; !status && i < image->constant_count; i++) {
+        const fp3_constant *c = &image->constants[i];
+        fp3_origin_write_shared(engine, group, c->index, c->bits);
+        status = engine->backend->write_shared(engine, group, c->index, c->bits);
+    }
     return status;
 }
 
@@ -143,6 +146,7 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     engine->clock = 0;
     engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
+    fp3_origin_load(engine, l->objects != NULL);
     fp3_status status = engine->backend->load(engine);
     if (!status && l->objects)
         status = fp3_luggage_unpack(engine, l);
@@ -176,4 +180,8 @@ fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image) {
 
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image) {
     return load(engine, &(fp3_group){image, engine->objects}, 1, 0);
+}
+
+fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count) {
+    return load(engine, groups, count, 0);
 }

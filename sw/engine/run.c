@@ -1,9 +1,11 @@
 /* run.c - a run: who is awake at its beginning, what it cost, how many steps were made. */
 #include "checks.h"
 #include "count.h"
+#include "origin.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -95,6 +97,8 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = fp3_engine_check_count(engine, steps);
     if (!status)
         status = list_who_is_awake(engine);
+    if (!status)
+        status = fp3_origin_begin(engine, steps);
     if (status)
         return status;
     const int was_counted = engine->is_counted;
@@ -102,6 +106,9 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     engine->is_touched = 1;
     engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
+    fp3_origin_end(engine, !status, stats->flags);
+    free(engine->failures);
+    engine->failures = NULL;
     sum_counters(engine, stats);
     if (!status)
         status = count_steps(engine, steps, stats);

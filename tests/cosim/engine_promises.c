@@ -290,6 +290,43 @@ static void flags_are_those_of_the_last_run(bench *b) {
            stats.flags == 0);
 }
 
+/* Whatever earlier runs raised, and however their registers came about. */
+static void failures_are_those_of_the_last_run(bench *b) {
+    const size_t objects = fp3_engine_objects(b->engine);
+    char text[FP3_FAILURE_TEXT_SIZE];
+    fp3_failure f;
+    float x = 1;
+    EXPECT(!load(b, ".state x y\n.param a\nstep:\nmul x, x, a\nlast:\nadd y, x, x\n"));
+    EXPECT(fp3_engine_failure(b->engine, 0, 1, &f) == FP3_E_ARGUMENT && SAYS("no run that came"));
+    EXPECT(!fp3_engine_set(b->engine, "x", 1) && !fp3_engine_set(b->engine, "a", 0x1p50f));
+    EXPECT(!fp3_engine_run(b->engine, 2, NULL));
+    EXPECT(!fp3_engine_failure(b->engine, 0, objects, &f) && f.failed == 0 && f.step == 0);
+    /* From where the last run ended. */
+    EXPECT(!fp3_engine_run(b->engine, 2, NULL));
+    EXPECT(!fp3_engine_failure(b->engine, 0, objects, &f) && f.failed == objects && f.object == 0);
+    EXPECT(f.step == 3 && !f.is_before && f.flags == FP3_FLAG_OVERFLOW);
+    fp3_engine_failure_text(b->engine, &f, text);
+    EXPECT(strcmp(text, "object 0 in step 3: overflow") == 0);
+    /* Infinity goes on without an exception, and that is said, too. */
+    EXPECT(!fp3_engine_run(b->engine, 2, NULL) && !fp3_engine_failure(b->engine, 0, 1, &f));
+    EXPECT(f.is_before && f.flags == 0 && f.state == 0 && f.value > 3e38f);
+    fp3_engine_failure_text(b->engine, &f, text);
+    EXPECT(strcmp(text, "object 0 before its first step: state x is infinite") == 0);
+    /* One object alone is well again: that is of the next run. */
+    EXPECT(!fp3_engine_write(b->engine, objects - 1, 1, 0, &x));
+    EXPECT(fp3_engine_failure(b->engine, 0, 1, &f) == FP3_E_ARGUMENT);
+    EXPECT(!fp3_engine_run(b->engine, 1, NULL));
+    EXPECT(!fp3_engine_failure(b->engine, objects - 1, 1, &f) && f.failed == 0);
+    EXPECT(!fp3_engine_failure(b->engine, 0, objects, &f) && f.failed == objects - 1);
+    EXPECT(fp3_engine_failure(b->engine, 1, objects, &f) == FP3_E_ARGUMENT && SAYS("object 1"));
+    /* A constant that was written between two runs counts. */
+    EXPECT(!load(b, ".state x\n.shared k\nstep:\nmul x, x, k\n"));
+    EXPECT(!fp3_engine_set(b->engine, "x", 1) && !fp3_engine_set(b->engine, "k", 2));
+    EXPECT(!fp3_engine_run(b->engine, 5, NULL) && !fp3_engine_set(b->engine, "k", 0x1p100f));
+    EXPECT(!fp3_engine_run(b->engine, 5, NULL) && !fp3_engine_failure(b->engine, 0, 1, &f));
+    EXPECT(f.failed == 1 && f.step == 7);
+}
+
 static void the_bus_log_has_every_transfer(bench *b) {
     char path[] = "fp3-bus-log-XXXXXX", line[64];
     const int file = mkstemp(path);
@@ -551,6 +588,7 @@ typedef enum { ANY, STORE, SLEEP, STATUS } about;
     X(steps_are_counted_as_far_as_fp32_does, ANY)                                                  \
     X(no_steps_execute_nothing, ANY)                                                               \
     X(flags_are_those_of_the_last_run, ANY)                                                        \
+    X(failures_are_those_of_the_last_run, ANY)                                                     \
     X(the_bus_log_has_every_transfer, ANY)                                                         \
     X(the_counters_of_units_add_up, ANY)                                                           \
     X(only_programs_with_a_sleep_have_sleepers, ANY)                                               \

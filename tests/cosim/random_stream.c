@@ -54,7 +54,7 @@ typedef struct {
     int is_trace;
     const char *wrong; /* NULL, or the first thing that is */
     fp3_error why;
-    uint64_t instructions, cycles, faults, stops, slept, nans, subnormals;
+    uint64_t instructions, cycles, faults, stops, slept, failed, nans, subnormals;
 } bench;
 
 #define WRONG(...)                                                                                 \
@@ -158,8 +158,10 @@ static void set_constants(bench *b, chance *c) {
         const uint32_t bits = value(c);
         if (b->is_trace)
             printf("  host: k%" PRIu32 " = 0x%08" PRIx32 "\n", reg, bits);
+        float number;
+        memcpy(&number, &bits, sizeof number);
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->backend->write_shared(b->engine[k], 0, reg, bits))
+            if (fp3_engine_write_shared(b->engine[k], reg, 1, &number))
                 b->wrong = b->error[k].text;
     }
 }
@@ -264,6 +266,53 @@ static void compare_status(bench *b, int is_part) {
                   " slept %" PRIu32 ", expected 0x%02" PRIx32 " %" PRIu32 " %" PRIu32,
                   object, s[1].flags, s[1].failed, s[1].slept, s[0].flags, s[0].failed, s[0].slept);
     }
+}
+
+/* What the retirements of the isa engine and the states in the end say about an object. */
+static int has_failed(bench *b, uint32_t object) {
+    const fp3_members *group = &b->engine[0]->layout.groups[0];
+    const uint64_t states = fp3_engine_states_of(group);
+    int is_wrong = 0;
+    for (size_t i = 1; i <= b->q.count; i++)
+        is_wrong |=
+            b->q.expected[i].object == object && (b->q.expected[i].flags & FP3_FLAGS_GRAVE) != 0;
+    for (uint32_t reg = 0; reg < b->config->registers; reg++)
+        is_wrong |= states >> reg & 1 && !fp3_watch_is_finite(kept(b, 0, object, reg));
+    return is_wrong;
+}
+
+static int is_same_failure(const fp3_failure *a, const fp3_failure *b) {
+    return a->failed == b->failed && a->object == b->object && a->step == b->step &&
+           a->is_before == b->is_before && a->flags == b->flags && a->state == b->state &&
+           memcmp(&a->value, &b->value, sizeof a->value) == 0;
+}
+
+/* Both engines tell the same failures: those that were seen, in the steps that the hardware's status
+ * has. */
+static void compare_failures(bench *b, int has_steps) {
+    size_t failed = 0;
+    fp3_failure all, f[2];
+    for (uint32_t object = 0; object < b->objects; object++) {
+        fp3_object_status s = {0};
+        for (int k = 0; k < 2; k++)
+            if (fp3_engine_failure(b->engine[k], object, 1, &f[k]) ||
+                fp3_engine_status(b->engine[1], object, 1, &s))
+                WRONG("failure of object %" PRIu32 ": %.200s", object, b->error[k].text);
+        if (!is_same_failure(&f[0], &f[1]))
+            WRONG("object %" PRIu32 " fails in step %" PRIu32 " by 0x%02" PRIx32
+                  ", the isa engine in step %" PRIu32 " by 0x%02" PRIx32,
+                  object, f[1].step, f[1].flags, f[0].step, f[0].flags);
+        if (b->config->flags && (int)f[0].failed != has_failed(b, object))
+            WRONG("object %" PRIu32 ": %zu failures are told", object, f[0].failed);
+        /* A status has no step 0, which is the first part's. */
+        if (has_steps && f[0].flags && f[0].step && s.failed != f[0].step)
+            WRONG("object %" PRIu32 " fails in step %" PRIu32 ", its status says %" PRIu32, object,
+                  f[0].step, s.failed);
+        failed += f[0].failed;
+        b->failed += f[0].failed;
+    }
+    if (fp3_engine_failure(b->engine[1], 0, b->objects, &all) || all.failed != failed)
+        WRONG("%zu failures are told of all objects, %zu one by one", all.failed, failed);
 }
 
 /* Of objects that all execute all, the hardware issues what the isa engine does; with several lanes only
@@ -429,9 +478,12 @@ static uint32_t set_run(bench *b, chance *c) {
 }
 
 static void run(bench *b, chance *c) {
-    const uint32_t steps = set_run(b, c);
+    const uint32_t steps = set_run(b, c), first = b->engine[0]->clock;
+    const int is_clear = below(c, 2) == 0;
     fp3_stats stats[2];
     fp3_status status[2];
+    if (is_clear)
+        clear_status(b);
     for (int k = 0; k < 2; k++) {
         b->error[k].text[0] = '\0';
         status[k] = fp3_engine_run(b->engine[k], steps, &stats[k]);
@@ -441,6 +493,10 @@ static void run(bench *b, chance *c) {
         if (b->wrong)
             return;
     }
+    if (!status[0] && !status[1])
+        compare_failures(b, is_clear && b->config->status && (uint64_t)first + steps < 1u << 27);
+    if (b->wrong)
+        return;
     b->instructions += b->q.count;
     b->cycles += stats[1].counter[FP3_COUNTER_CYCLES];
     b->slept += !status[0] && stats[0].object_steps < (uint64_t)steps * b->objects;
@@ -582,9 +638,10 @@ static int run_config(const options *o, const fp3_config *config) {
     const double part = b.instructions ? 100.0 / (double)b.instructions : 0;
     printf("%s: %" PRIu64 " instructions in %" PRIu64 " streams and %" PRIu64
            " cycles agree; %" PRIu64 " runs ended at an illegal word, %" PRIu64
-           " were stopped, in %" PRIu64 " objects fell asleep; %.0f%% NaN, %.0f%% subnormal\n",
+           " were stopped, in %" PRIu64 " objects fell asleep, %" PRIu64
+           " objects failed; %.0f%% NaN, %.0f%% subnormal\n",
            config->name, b.instructions, n * STREAMS, b.cycles, b.faults, b.stops, b.slept,
-           part * (double)b.nans, part * (double)b.subnormals);
+           b.failed, part * (double)b.nans, part * (double)b.subnormals);
     return 0;
 }
 

@@ -83,13 +83,6 @@ def test_who_sleeps_is_told(run, sleeper, params, engine):
     fails(run(sleeper, *many, "--set", "eps=0", "--set", "slept=0.5"), 2, "'slept' is 0.5: expected the number of a step")
 
 
-def test_who_failed_is_told(fp3, run, tmp_path):
-    (tmp_path / "x.s").write_text(".state x\nstep:\nmul x, x, x\n")
-    subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
-    done = run("x.fp3", "--config", "many", "--objects", "5", "--steps", "9", "--set", "x=1e10")
-    assert re.search("^failed +5 of 5: invalid or overflow, first in step 2, object 0$", done.stdout, re.M), done.stdout
-
-
 def test_the_cycles_are_told_by_scheduler(run, image, params):
     out = run(image, "--config", "array", "--steps", "5", *params).stdout
     assert re.findall(r"^occupancy of scheduler (\d)$", out, re.M) == list("0123")

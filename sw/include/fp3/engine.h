@@ -228,6 +228,32 @@ fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
 /* Sets flags and failed to 0. FP3_E_ARGUMENT: also if the configuration does not keep a status. */
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
+/* How objects failed in a run: an instruction raised invalid, divide by zero or overflow, or a .state
+ * is not finite in the end. Underflow and inexact are no failures. */
+typedef struct {
+    size_t failed; /* how many; 0: none, and the rest is 0 */
+    /* The one that failed in the earliest step; of several, the one with the lowest number. */
+    size_t object;
+    uint32_t step; /* counted from the load, as `sleep` does */
+    int is_before; /* 1: in the first part, or before it, and not in a step of the run */
+    uint32_t
+        flags; /* of the first such instruction, as in fp3_retirement; 0: a state has strayed */
+    uint32_t state; /* then the register of that state, ... */
+    float value;    /* ... NaN or infinite after that step; else 0 */
+} fp3_failure;
+
+/* Of objects first .. first+count-1 in the last run, whatever the runs before it raised. Costs a look
+ * at their states. After a failure the isa engine makes the run again once, on every configuration.
+ * FP3_E_ARGUMENT: the run did not come to its end, or something was written or loaded since.
+ * FP3_E_MISMATCH: the isa engine does not fail as the run did. A configuration without `flags` tells
+ * a failure by the states alone. */
+fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count, fp3_failure *failure);
+
+/* "object 3 in step 12: overflow", "object 0 before its first step: state v is NaN". */
+#define FP3_FAILURE_TEXT_SIZE 160
+void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failure,
+                             char text[FP3_FAILURE_TEXT_SIZE]);
+
 /* From the next run on, the objects make steps again (wake), or make none and cost no cycles
  * (remove). FP3_E_PROGRAM: the program of one of them has no sleep; nothing is changed. */
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);

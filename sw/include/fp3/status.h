@@ -21,7 +21,8 @@ typedef enum {
     FP3_E_PROGRAM,  /* the program is wrong: source, image, or an instruction word */
     FP3_E_LIMIT,    /* stopped at a limit that the caller gave; the state is readable */
     FP3_E_SYSTEM,   /* memory, file or device */
-    FP3_E_MISMATCH  /* two results that must agree do not */
+    FP3_E_MISMATCH, /* two results that must agree do not */
+    FP3_E_FAILED    /* a run came to its end, and objects failed in it: fp3_engine_failure */
 } fp3_status;
 
 typedef struct {
@@ -33,7 +34,8 @@ typedef struct {
 __attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_status status,
                                                           const char *format, ...);
 
-/* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage. */
+/* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage, 3
+ * objects failed in a run. */
 int fp3_exit_code(fp3_status status);
 
 FP3_API_END

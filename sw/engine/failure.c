@@ -1,0 +1,207 @@
+/* failure.c - which objects failed in a run, found by making it again.
+ *
+ * The hardware's flags are of a whole run, and not every configuration keeps a status of its
+ * objects, which has no exception for its step. All engines give the same bits, so the isa engine makes the run again and watches.
+ */
+#include "checks.h"
+#include "origin.h"
+
+#include <fp3/isa.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the end ---- */
+
+static fp3_status read_states(fp3_engine *engine, uint32_t object, uint64_t states,
+                              int *is_astray) {
+    fp3_status status = FP3_OK;
+    for (uint32_t reg = 0; !status && !*is_astray && reg < engine->config->registers; reg++) {
+        uint32_t bits = 0;
+        if (!(states >> reg & 1))
+            continue;
+        status = engine->backend->read(engine, object, reg, &bits);
+        *is_astray = !fp3_watch_is_finite(bits);
+    }
+    return status;
+}
+
+/* Whose states are not finite now. */
+static fp3_status look_at_states(fp3_engine *engine, int *is_any) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const uint64_t states = fp3_engine_states_of(group);
+        for (uint32_t n = group->first; !status && n < group->first + group->objects; n++) {
+            status = read_states(engine, n, states, &engine->failures[n].is_astray);
+            *is_any |= engine->failures[n].is_astray;
+        }
+    }
+    return status;
+}
+
+/* ---- the run again ---- */
+
+static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
+    const fp3_layout *layout = &engine->layout;
+    fp3_group *groups = calloc(layout->count, sizeof *groups);
+    if (!groups)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < layout->count; i++)
+        groups[i] = (fp3_group){layout->groups[i].image, layout->groups[i].objects};
+    fp3_status status = fp3_engine_load_again(again, groups, layout->count);
+    free(groups);
+    return status;
+}
+
+static fp3_status write_again(const fp3_engine *engine, fp3_engine *again) {
+    const uint32_t registers = engine->config->registers;
+    const fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const uint64_t states = fp3_engine_states_of(group);
+        for (uint32_t n = group->first; n < group->first + group->objects; n++) {
+            const uint32_t *cells = &o->registers[(size_t)n * registers];
+            for (uint32_t reg = 0; !status && reg < registers; reg++)
+                status = again->backend->write(again, n, reg, cells[reg]);
+            fp3_watch_states(&engine->failures[n], 0, states & o->began[n], cells);
+        }
+        for (uint32_t k = 0; !status && k < registers; k++)
+            status =
+                again->backend->write_shared(again, i, k, o->constants[(size_t)i * registers + k]);
+    }
+    return status;
+}
+
+static fp3_status run_again(fp3_engine *engine) {
+    fp3_config config = *engine->config;
+    fp3_engine_def def = fp3_engine_default();
+    fp3_engine *again = NULL;
+    def.engine = "isa";
+    def.config = config.name;
+    def.objects = engine->objects;
+    def.visit = engine->origin->visit;
+    def.error = engine->def.error;
+    fp3_status status = fp3_engine_open(&def, &again);
+    if (status)
+        return status;
+    config.flags = 1; /* the bits are the same with and without */
+    again->config = &config;
+    status = load_again(engine, again);
+    again->clock = engine->origin->clock;
+    if (!status)
+        status = write_again(engine, again);
+    again->watched = engine->failures;
+    if (!status)
+        status = fp3_engine_run(again, engine->origin->steps, NULL);
+    fp3_engine_close(&again);
+    return status;
+}
+
+/* That run went wrong as the first one did. */
+static fp3_status check(fp3_engine *engine) {
+    int is_raised = 0, is_missed = 0;
+    for (uint32_t i = 0; i < engine->objects; i++) {
+        const fp3_watched *w = &engine->failures[i];
+        is_raised |= w->raised != FP3_NEVER;
+        is_missed |= w->is_astray && w->strayed == FP3_NEVER;
+    }
+    if (engine->config->flags)
+        is_missed |= is_raised != ((engine->origin->flags & FP3_FLAGS_GRAVE) != 0);
+    return is_missed ? fp3_fail(engine->def.error, FP3_E_MISMATCH,
+                                "the isa engine does not fail as this run did")
+                     : FP3_OK;
+}
+
+static fp3_status find_failures(fp3_engine *engine) {
+    fp3_status status = FP3_OK;
+    int is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    engine->failures = calloc(engine->objects, sizeof *engine->failures);
+    if (!engine->failures)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < engine->objects; i++)
+        engine->failures[i].raised = engine->failures[i].strayed = FP3_NEVER;
+    status = look_at_states(engine, &is_any);
+    if (!status && is_any)
+        status = run_again(engine);
+    if (!status && is_any)
+        status = check(engine);
+    if (status) {
+        free(engine->failures);
+        engine->failures = NULL;
+    }
+    return status;
+}
+
+/* ---- what the caller asks ---- */
+
+/* FP3_NEVER: the object did not fail. */
+static uint64_t when(const fp3_watched *w) {
+    return w->is_astray && w->strayed < w->raised ? w->strayed : w->raised;
+}
+
+static fp3_failure tell(const fp3_engine *engine, size_t object, size_t failed) {
+    const fp3_watched *w = &engine->failures[object];
+    const int is_raised = w->raised == when(w);
+    fp3_failure f = {.failed = failed,
+                     .object = object,
+                     .step = engine->origin->clock + (uint32_t)when(w),
+                     .is_before = when(w) == 0,
+                     .flags = is_raised ? w->flags : 0,
+                     .state = is_raised ? 0 : w->reg};
+    memcpy(&f.value, &w->bits, sizeof f.value);
+    f.value = is_raised ? 0 : f.value;
+    return f;
+}
+
+fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
+                              fp3_failure *failure) {
+    fp3_status status = fp3_engine_check_objects(engine, first, count);
+    if (!status && !engine->origin->is_complete)
+        status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                          "no run that came to its end since something was written or loaded");
+    if (!status && !engine->failures)
+        status = find_failures(engine);
+    if (status)
+        return status;
+    size_t failed = 0, earliest = first;
+    for (size_t i = first; i < first + count; i++) {
+        failed += when(&engine->failures[i]) != FP3_NEVER;
+        if (when(&engine->failures[i]) < when(&engine->failures[earliest]))
+            earliest = i;
+    }
+    *failure = failed ? tell(engine, earliest, failed) : (fp3_failure){0};
+    return FP3_OK;
+}
+
+static void say_what(const fp3_engine *engine, const fp3_failure *f, char *text, size_t size) {
+    static const struct {
+        uint32_t flag;
+        const char *name;
+    } grave[] = {{FP3_FLAG_INVALID, "invalid"},
+                 {FP3_FLAG_DIVIDE_BY_ZERO, "divide by zero"},
+                 {FP3_FLAG_OVERFLOW, "overflow"}};
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, f->object);
+    const char *state = fp3_image_name(group->image, FP3_BANK_OBJECT_BASE + f->state);
+    if (!f->flags)
+        snprintf(text, size, "state %s is %s", state ? state : "?",
+                 f->value != f->value ? "NaN" : "infinite");
+    for (size_t i = 0, used = 0; f->flags && i < sizeof grave / sizeof *grave; i++)
+        if (f->flags & grave[i].flag)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " and " : "",
+                                     grave[i].name);
+}
+
+void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failure,
+                             char text[FP3_FAILURE_TEXT_SIZE]) {
+    char what[64] = "";
+    say_what(engine, failure, what, sizeof what);
+    if (failure->is_before)
+        snprintf(text, FP3_FAILURE_TEXT_SIZE, "object %zu before its first step: %s",
+                 failure->object, what);
+    else
+        snprintf(text, FP3_FAILURE_TEXT_SIZE, "object %zu in step %" PRIu32 ": %s", failure->object,
+                 failure->step, what);
+}

@@ -1,0 +1,127 @@
+/* origin.c - see origin.h. */
+#include "origin.h"
+
+#include <fp3/isa.h>
+#include <stdlib.h>
+#include <string.h>
+
+fp3_status fp3_origin_open(fp3_engine *engine) {
+    const size_t registers = engine->config->registers;
+    fp3_origin *o = engine->origin = calloc(1, sizeof *o);
+    if (!o)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    *o = (fp3_origin){.registers = calloc(engine->objects * registers, sizeof *o->registers),
+                      .constants = calloc(fp3_config_schedulers(engine->config) * registers,
+                                          sizeof *o->constants),
+                      .known = malloc(engine->objects * sizeof *o->known),
+                      .began = calloc(engine->objects, sizeof *o->began),
+                      .has_constants = 1};
+    if (!o->registers || !o->constants || !o->known || !o->began)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    memset(o->known, 0xff, engine->objects * sizeof *o->known);
+    return FP3_OK;
+}
+
+void fp3_origin_close(fp3_engine *engine) {
+    fp3_origin *o = engine->origin;
+    if (!o)
+        return;
+    free(o->registers);
+    free(o->constants);
+    free(o->known);
+    free(o->began);
+    free(o);
+    engine->origin = NULL;
+}
+
+/* ---- the host ---- */
+
+void fp3_origin_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
+    fp3_origin *o = engine->origin;
+    o->registers[object * engine->config->registers + reg] = bits;
+    o->known[object] |= (uint64_t)1 << reg;
+    o->is_complete = 0;
+}
+
+void fp3_origin_write_shared(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits) {
+    engine->origin->constants[(size_t)group * engine->config->registers + index] = bits;
+    engine->origin->is_complete = 0;
+}
+
+void fp3_origin_load(fp3_engine *engine, int is_moved) {
+    fp3_origin *o = engine->origin;
+    o->is_complete = 0;
+    if (!is_moved)
+        return;
+    o->has_constants = 0;
+    memset(o->known, 0, engine->objects * sizeof *o->known);
+}
+
+/* ---- a run ---- */
+
+/* The registers that these operations name in a group's program; all, where there is no store. */
+static uint64_t named_by(const fp3_engine *engine, const fp3_members *group, uint32_t op,
+                         uint32_t other) {
+    uint64_t set = 0;
+    for (uint32_t i = 0; i < group->program.count; i++) {
+        fp3_instruction in;
+        if (!fp3_word_decode(group->program.code[i], &in, NULL) && (in.op == op || in.op == other))
+            set |= (uint64_t)1 << in.d;
+    }
+    return engine->config->interleave ? set : UINT64_MAX;
+}
+
+static fp3_status read_object(fp3_engine *engine, uint32_t object, uint64_t wanted,
+                              uint32_t registers) {
+    fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    for (uint32_t reg = 0; !status && reg < registers; reg++)
+        if (wanted & ~o->known[object] & (uint64_t)1 << reg)
+            status = engine->backend->read(engine, object, reg,
+                                           &o->registers[object * engine->config->registers + reg]);
+    if (!status)
+        o->known[object] |= wanted;
+    return status;
+}
+
+static fp3_status read_constants(fp3_engine *engine, uint32_t group) {
+    const uint32_t count = engine->config->registers;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < count; i++)
+        status = engine->backend->read_shared(engine, group, i,
+                                              &engine->origin->constants[group * count + i]);
+    return status;
+}
+
+fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
+    fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const uint64_t wanted = named_by(engine, group, FP3_OP_LD, FP3_OP_LDS);
+        const uint32_t room = 1u << group->log2, has = engine->config->registers;
+        for (uint32_t n = 0; !status && n < group->objects; n++)
+            status = read_object(engine, group->first + n, wanted, room < has ? room : has);
+        if (!status && !o->has_constants)
+            status = read_constants(engine, i);
+    }
+    memcpy(o->began, o->known, engine->objects * sizeof *o->began);
+    o->has_constants |= !status;
+    o->clock = engine->clock;
+    o->visit = engine->def.visit;
+    o->steps = steps;
+    o->is_complete = 0;
+    return status;
+}
+
+void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags) {
+    fp3_origin *o = engine->origin;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const uint64_t changed = named_by(engine, group, FP3_OP_ST, FP3_OP_ST);
+        for (uint32_t n = 0; n < group->objects; n++)
+            o->known[group->first + n] &= ~changed;
+    }
+    o->flags = flags;
+    o->is_complete = is_complete;
+}

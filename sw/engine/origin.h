@@ -1,0 +1,36 @@
+/* origin.h - what objects and groups held when the last run began, so that it can be made again.
+ *
+ * It mirrors what the host writes. What a run changes is read back when the next run begins, and only
+ * if a run reads it: the first run after a load costs no access.
+ */
+#ifndef FP3_ORIGIN_H
+#define FP3_ORIGIN_H
+
+#include "backend.h"
+
+struct fp3_origin {
+    uint32_t *registers; /* of all objects */
+    uint32_t *constants; /* of all groups */
+    uint64_t *known;     /* of each object: the registers that are as they are here */
+    uint64_t *began;     /* ... that were when the last run began */
+    int has_constants;   /* the constants are as they are here */
+    /* The last run. is_complete: it came to its end, and nothing was written or loaded since. */
+    uint32_t clock, visit, steps, flags;
+    int is_complete;
+};
+
+/* All is 0. FP3_E_SYSTEM: out of memory; close frees what there is. */
+fp3_status fp3_origin_open(fp3_engine *engine);
+void fp3_origin_close(fp3_engine *engine);
+
+/* The host writes a register or a constant. */
+void fp3_origin_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
+void fp3_origin_write_shared(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
+/* A load. is_moved: objects and constants are elsewhere, and may have lost something. */
+void fp3_origin_load(fp3_engine *engine, int is_moved);
+
+/* Before and after a run of so many steps. */
+fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps);
+void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags);
+
+#endif
