@@ -28,3 +28,10 @@ const char *fp3_cli_integrator_file(const char *name) {
             return NULL;
     return name;
 }
+
+void fp3_cli_warn(const char *command, const char *path, const char *warning) {
+    if (!warning)
+        return;
+    fflush(stdout);
+    fprintf(stderr, "fp3 %s: %s: warning: %s\n", command, path, warning);
+}

@@ -25,4 +25,7 @@ int fp3_cli_end(const char *command, fp3_status status, const fp3_error *error, 
 /* The file that an integrator is read from; NULL if it is built in, or name is NULL. */
 const char *fp3_cli_integrator_file(const char *name);
 
+/* Prints "fp3 <name>: path: warning: text" to stderr, unless warning is NULL. */
+void fp3_cli_warn(const char *command, const char *path, const char *warning);
+
 #endif

@@ -214,6 +214,8 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int 
         status = fp3_compile(k->model, integrator, &def, &c, error);
         if (status)
             break;
+        if (i == 0 && arithmetic == 0 && c->warning)
+            printf("%-16s %-20s warning: %s\n", k->model->name, integrator->name, c->warning);
         r->on[i] = (cost){.cycles = c->cycles,
                           .bound = c->bound,
                           .instructions = c->instructions,

@@ -250,6 +250,8 @@ int fp3_cmd_compile(int argc, char **argv) {
         status = fp3_program_open(o.model, &o.def, &program, &text, &error);
     fp3_progress_end(&progress);
     if (!status)
+        fp3_cli_warn("compile", o.model, program->compiled->warning);
+    if (!status)
         status = write_outputs(&o, program, &error);
     const int exit_code = fp3_cli_end("compile", status, &error, text);
     free(text);

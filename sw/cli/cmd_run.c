@@ -177,6 +177,26 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
+static const char *warning_of(const fp3_program *program) {
+    return program->compiled ? program->compiled->warning : NULL;
+}
+
+/* Of a program that several groups run, once. */
+static void warn(const options *o, const fp3_run_task *of) {
+    if (of->program)
+        fp3_cli_warn("run", o->program, warning_of(of->program));
+    for (size_t i = 0; of->scene && i < of->scene->group_count; i++) {
+        const fp3_scene_group *groups = of->scene->groups;
+        const char *warning = warning_of(groups[i].program);
+        int is_said = 0;
+        for (size_t j = 0; warning && j < i; j++)
+            is_said |= !strcmp(groups[j].path, groups[i].path) && warning_of(groups[j].program) &&
+                       !strcmp(warning_of(groups[j].program), warning);
+        if (!is_said)
+            fp3_cli_warn("run", groups[i].path, warning);
+    }
+}
+
 /* *has_run: it came as far. */
 static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *def, int *has_run,
                       fp3_error *error) {
@@ -186,7 +206,8 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
                            : fp3_program_load(of->program, o->params, engine, error);
-    if (!status) {
+    if (!status) { /* from here on there are no more groups than schedulers */
+        warn(o, of);
         fp3_progress_say(o->progress, "running");
         status = fp3_engine_run(engine, o->steps, &stats);
         fp3_progress_end(&o->progress);

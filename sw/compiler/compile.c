@@ -34,7 +34,7 @@ static fp3_status check_registers(const fp3_names *names, const fp3_image *image
 
 static fp3_status write_program(fp3_compilation *k, const char *integrator, fp3_compiled *made,
                                 fp3_error *error) {
-    const fp3_title title = {.integrator = integrator, .order = k->p.order};
+    const fp3_title title = {.integrator = integrator, .order = k->p.fit.order};
     fp3_assembly *assembly = NULL;
     fp3_status status = fp3_names_make(&k->p.step, &k->p.code, k->p.schedule, &k->names, error);
     if (!status)
@@ -63,7 +63,7 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->bound_issue = s->bound_issue;
     made->bound_path = s->bound_path;
     made->passes = k->options.passes;
-    made->order = k->p.order;
+    made->order = k->p.fit.order;
 }
 
 /* ---- all of it ---- */
@@ -94,7 +94,9 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     if (status)
         return status;
     fill(k, made);
-    status = write_program(k, integrator->name, made, error);
+    status = fp3_fit_warn(&k->p.fit, model, integrator, &made->warning, error);
+    if (!status)
+        status = write_program(k, integrator->name, made, error);
     if (!status)
         status = fp3_inputs_make(&k->p.step, &k->p.code, &k->names, &made->inputs,
                                  &made->input_count, error);
@@ -142,6 +144,7 @@ void fp3_compiled_free(fp3_compiled **compiled) {
     free(k);
     fp3_image_free(&made->image);
     free(made->assembly);
+    free(made->warning);
     fp3_inputs_free(made->inputs, made->input_count);
     free(made);
     *compiled = NULL;

@@ -5,6 +5,7 @@
 
 #include <assert.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #define BIT(state) (UINT64_C(1) << (state))
@@ -165,6 +166,13 @@ static int has_events(const fitting *f) {
     return 0;
 }
 
+static uint32_t first_of(uint64_t states) {
+    uint32_t s = 0;
+    while (!(states >> s & 1))
+        s++;
+    return s;
+}
+
 static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
     if (has_events(f))
@@ -175,16 +183,37 @@ static unsigned order_of(const fitting *f) {
                    : integrator->order;
     for (uint32_t s = 0; s < f->model->state_count; s++)
         if (fp3_fit_is_live(f->fit, s) && !fp3_fit_is_position(f->fit, s) &&
-            needs_of(f, s) & ~f->fit->positions)
+            needs_of(f, s) & ~f->fit->positions) {
+            f->fit->fallen = s;
+            f->fit->by = first_of(needs_of(f, s) & ~f->fit->positions);
             return 1;
+        }
     return integrator->order;
+}
+
+fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
+                        const fp3_integrator *integrator, char **warning, fp3_error *error) {
+    *warning = NULL;
+    if (fit->fallen == FP3_NONE || integrator->order <= fit->order)
+        return FP3_OK;
+    const fp3_quantity *q = &model->states[fit->fallen];
+    const int length = asprintf(
+        warning,
+        "line %" PRIu32 ": '%s' is of order %u here, not %u: %s' depends on %s, which is no "
+        "position, and a splitting advances that as Euler's method does",
+        model->exprs[q->derivative].line, integrator->name, fit->order, integrator->order, q->name,
+        model->states[fit->by].name);
+    if (length >= 0)
+        return FP3_OK;
+    *warning = NULL;
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
 fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator,
                         const fp3_options *options, fp3_fit *fit, fp3_error *error) {
     fitting f = {.model = model, .integrator = integrator, .fit = fit};
     assert(model->state_count <= FP3_STATES_MAX);
-    *fit = (fp3_fit){.positions = find_positions(model)};
+    *fit = (fp3_fit){.positions = find_positions(model), .fallen = FP3_NONE, .by = FP3_NONE};
     f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);
     f.needs_time = calloc(model->expr_count + 1u, 1);
     fp3_status status =

@@ -12,6 +12,9 @@ typedef struct {
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
     int has_time;       /* the equations or events of a live state have t in them */
     unsigned order;     /* theoretical, of the worst live state */
+    /* A live state that brings the order of a splitting down to 1, and a state that is no position and
+     * that its derivative depends on; FP3_NONE: there is none. */
+    uint32_t fallen, by;
 } fp3_fit;
 
 /* FP3_E_PROGRAM: the model has not the positions and velocities that the integrator moves. */
@@ -20,6 +23,10 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
 
 /* Whether the event changes a live state. */
 int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event);
+
+/* Says so: *warning is NULL where no state is fallen; else the caller frees it. */
+fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
+                        const fp3_integrator *integrator, char **warning, fp3_error *error);
 
 /* The first position that this state is the velocity of, or FP3_NONE. */
 uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_t velocity);

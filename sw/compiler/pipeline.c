@@ -85,13 +85,11 @@ static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_erro
 fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
                             const fp3_integrator *integrator, const fp3_options *options,
                             fp3_error *error) {
-    fp3_fit fit;
     *p = (fp3_pipeline){0};
-    fp3_status status = fp3_fit_find(model, integrator, options, &fit, error);
+    fp3_status status = fp3_fit_find(model, integrator, options, &p->fit, error);
     if (status)
         return status;
-    p->order = fit.order;
-    status = fp3_integrate(model, integrator, options, &fit, &p->step, error);
+    status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);
     if (!status && fp3_has_pass(options, FP3_PASS_CARRY))
         status = fp3_carry(&p->step, error);
     return status ? status : schedule(p, options, error);

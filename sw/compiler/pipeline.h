@@ -8,13 +8,14 @@
 #include <fp3/integrator.h>
 
 #include "convert.h"
+#include "fit.h"
 #include "schedule/lines.h"
 
 typedef struct {
     fp3_step step;
     conversion code;
     fp3_schedule *schedule;
-    unsigned order; /* theoretical */
+    fp3_fit fit;
 } fp3_pipeline;
 
 /* The caller closes, after a failure too. */

@@ -39,6 +39,10 @@ fp3_compile_def fp3_compile_default(void);
 
 typedef struct {
     char *assembly;
+    /* What the integrator loses on this model, one line that begins with the line of the model: a
+     * splitting is of first order where a derivative that it kicks depends on more than positions.
+     * NULL: nothing. */
+    char *warning;
     fp3_image *image;
     fp3_input *inputs;
     uint32_t input_count;
