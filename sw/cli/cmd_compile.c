@@ -44,7 +44,9 @@ static const struct argp_option table[] = {
     {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none; may be repeated", 0},
     {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
     {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
-    {"params", KEY_PARAMS, "FILE", 0, "Write what the host gives the program, for fp3 run --params",
+    {"params", KEY_PARAMS, "FILE", 0,
+     "Write what the host gives the program, for fp3 run --params; what is computed from h and "
+     "params as formulas",
      0},
     {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params; may be repeated",
      0},
@@ -175,29 +177,12 @@ static void report(const fp3_compiled *c) {
                    saved_what((fp3_pass)i));
 }
 
-static fp3_status print_values(const fp3_compiled *c, const float *values, char **text,
-                               fp3_error *error) {
-    size_t size = 0;
-    FILE *out = open_memstream(text, &size);
-    for (uint32_t i = 0; out && i < c->input_count; i++)
-        fprintf(out, "%s = %.9e; # %s\n", c->inputs[i].name, (double)values[i],
-                c->inputs[i].formula);
-    return out && !fclose(out) ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 static fp3_status write_values(const options *o, const fp3_program *program, fp3_error *error) {
     char *text = NULL;
-    int is_spread;
-    float *values = calloc(program->compiled->input_count + 1u, sizeof *values);
-    fp3_status status = values
-                            ? fp3_program_inputs(program, o->params, 0, values, &is_spread, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    if (!status)
-        status = print_values(program->compiled, values, &text, error);
+    fp3_status status = fp3_program_values_text(program, o->params, &text, error);
     if (!status)
         status = fp3_file_write(o->values, text, strlen(text), error);
     free(text);
-    free(values);
     return status;
 }
 

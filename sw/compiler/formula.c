@@ -12,12 +12,16 @@ enum { LOOSE, EITHER, BOTH, COMPARED, SUM, PRODUCT, UNARY, RAISED };
 
 #define DEPTH_LIMIT 24 /* of what is written out; a chain of additions may be thousands deep */
 #define TEXT_LIMIT 72  /* bytes, about: a comment stays on its line */
+#define RULE_DEPTH 150 /* fp3_formula_read has a limit, too */
+#define RULE_LIMIT 4000
 
 typedef struct {
     const fp3_model *model;
     uint32_t root; /* its own name does not stand for it */
     FILE *out;
     unsigned depth;
+    int is_rule;   /* for fp3_formula_read, and not for a reader */
+    int is_beyond; /* a limit of rules */
 } printer;
 
 static const struct {
@@ -49,13 +53,15 @@ static const char *function_name(fp3_expr_op op) {
 }
 
 static const char *definition_of(printer *p, uint32_t expr) {
-    for (uint32_t i = 0; expr != p->root && i < p->model->definition_count; i++)
+    for (uint32_t i = 0; !p->is_rule && expr != p->root && i < p->model->definition_count; i++)
         if (p->model->definitions[i].expr == expr)
             return p->model->definitions[i].name;
     return NULL;
 }
 
-static int is_long(const printer *p) { return ftell(p->out) > TEXT_LIMIT; }
+static int is_long(const printer *p) {
+    return p->is_beyond || ftell(p->out) > (p->is_rule ? RULE_LIMIT : TEXT_LIMIT);
+}
 
 /* Nothing more, once it is long. */
 static void put(printer *p, const char *text) {
@@ -65,7 +71,8 @@ static void put(printer *p, const char *text) {
 
 static void put_number(printer *p, double number, int around) {
     char text[32];
-    snprintf(text, sizeof text, signbit(number) && around > SUM ? "(%.9g)" : "%.9g", number);
+    snprintf(text, sizeof text, signbit(number) && around > SUM ? "(%.*g)" : "%.*g",
+             p->is_rule ? 17 : 9, number);
     put(p, text);
 }
 
@@ -98,7 +105,8 @@ static void print(printer *p, uint32_t expr, int around) {
     const fp3_expr *e = &p->model->exprs[expr];
     if (is_long(p))
         return;
-    if (p->depth == DEPTH_LIMIT) {
+    if (p->depth == (p->is_rule ? RULE_DEPTH : DEPTH_LIMIT)) {
+        p->is_beyond = p->is_rule;
         put(p, "..");
         return;
     }
@@ -132,6 +140,11 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
     const int level = k->op == KNOWN_ADD || k->op == KNOWN_SUB ? SUM : PRODUCT;
     if (is_long(p))
         return;
+    if (p->depth == RULE_DEPTH) {
+        p->is_beyond = 1;
+        return;
+    }
+    p->depth++;
     if (k->op == KNOWN_NUMBER)
         put_number(p, k->number, around);
     else if (k->op == KNOWN_STEP)
@@ -154,22 +167,25 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
         print_known(table, p, k->b, level + 1);
         put(p, level < around ? ")" : "");
     }
+    p->depth--;
 }
 
-static char *text_of(const known_table *table, const fp3_model *model, uint32_t id) {
+/* NULL: out of memory, or a rule beyond its limits. */
+static char *text_of(const known_table *table, const fp3_model *model, uint32_t id, int is_rule) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    printer p = {.model = model, .root = table ? FP3_NONE : id, .out = out};
+    printer p = {.model = model, .root = table ? FP3_NONE : id, .out = out, .is_rule = is_rule};
     if (table)
         print_known(table, &p, id, LOOSE);
     else
         print(&p, id, LOOSE);
-    if (is_long(&p))
+    const int is_cut = is_long(&p);
+    if (is_cut)
         fputs(" ...", out);
-    if (fclose(out)) {
+    if (fclose(out) || (is_rule && is_cut)) {
         free(text);
         return NULL;
     }
@@ -177,7 +193,13 @@ static char *text_of(const known_table *table, const fp3_model *model, uint32_t 
 }
 
 char *fp3_formula_known(const known_table *table, uint32_t id) {
-    return text_of(table, table->model, id);
+    return text_of(table, table->model, id, 0);
 }
 
-char *fp3_formula_expr(const fp3_model *model, uint32_t expr) { return text_of(NULL, model, expr); }
+char *fp3_formula_rule(const known_table *table, uint32_t id) {
+    return text_of(table, table->model, id, 1);
+}
+
+char *fp3_formula_expr(const fp3_model *model, uint32_t expr) {
+    return text_of(NULL, model, expr, 0);
+}

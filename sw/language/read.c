@@ -6,7 +6,10 @@
 #include "base/file.h"
 #include "constant.h"
 #include "finish.h"
+#include "function.h"
+#include "keyword.h"
 #include "statement.h"
+#include "symbol.h"
 #include "text/number.h"
 
 enum { DEFAULT_STEPS = 1000 }; /* in the span of a model that does not say it */
@@ -178,23 +181,84 @@ fp3_status fp3_model_load(const char *path, fp3_model **model, char **report, fp
     return status;
 }
 
+static fp3_status read_constant(ode_parser *p, const char *text, ode_context context, double *value,
+                                fp3_error *error) {
+    ode_constant constant;
+    const fp3_number_locale locale = fp3_number_locale_enter();
+    fp3_ode_open(&p->in, text, strlen(text), "");
+    int is_good = fp3_ode_constant(p, context, 1, &constant);
+    if (p->in.next.kind != FP3_TOKEN_END_OF_FILE)
+        fp3_ode_lost(&p->in, "an operator or the end");
+    fp3_number_locale_leave(locale);
+    if (p->in.report.count > 0)
+        return fp3_fail(error, FP3_E_PROGRAM, "column %u: %s",
+                        p->in.report.entry[0].location.column, p->in.report.entry[0].text);
+    if (is_good)
+        *value = constant.value[0];
+    return FP3_OK;
+}
+
 fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error) {
     ode_parser *p = calloc(1, sizeof *p);
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    ode_constant constant;
-    const fp3_number_locale locale = fp3_number_locale_enter();
-    fp3_ode_open(&p->in, text, strlen(text), "");
-    int is_good = fp3_ode_constant(p, ODE_IN_CONSTANT, 1, &constant);
-    if (p->in.next.kind != FP3_TOKEN_END_OF_FILE)
-        fp3_ode_lost(&p->in, "an operator or the end");
-    fp3_number_locale_leave(locale);
+    const fp3_status status = read_constant(p, text, ODE_IN_CONSTANT, value, error);
+    free_parser(p);
+    return status;
+}
+
+/* ---- formulas ---- */
+
+/* The next name at or after `from` that is neither part of a number nor a word of the language; of
+ * length 0: there is none. */
+static fp3_token next_name(const char *from) {
+    static const char digits[] = "0123456789.";
+    fp3_token name = {.text = from, .location = {1, 1}, .kind = FP3_TOKEN_NAME};
+    while (*name.text) {
+        name.length = strspn(name.text, name_bytes);
+        if (strchr(digits, *name.text)) { /* 1.5e-3: its sign does no harm */
+            name.text += strspn(name.text, digits);
+            name.text += strspn(name.text, name_bytes);
+        } else if (!name.length)
+            name.text++;
+        else if (fp3_ode_function(name) || fp3_ode_is_keyword(name))
+            name.text += name.length;
+        else
+            return name;
+    }
+    name.length = 0;
+    return name;
+}
+
+/* Gives the parser the names of the formula as params. */
+static fp3_status declare_names(ode_parser *p, const char *text, fp3_name_fn *value_of, void *user,
+                                fp3_error *error) {
     fp3_status status = FP3_OK;
-    if (p->in.report.count > 0)
-        status = fp3_fail(error, FP3_E_PROGRAM, "column %u: %s",
-                          p->in.report.entry[0].location.column, p->in.report.entry[0].text);
-    else if (is_good)
-        *value = constant.value[0];
+    fp3_token name = next_name(text);
+    for (; !status && name.length; name = next_name(name.text + name.length)) {
+        ode_quantity *q = &p->params[p->param_count];
+        char plain[FP3_NAME_SIZE];
+        if (fp3_ode_find(p, name))
+            continue;
+        if (name.length >= sizeof plain || p->param_count == ODE_QUANTITIES)
+            return fp3_fail(error, FP3_E_PROGRAM, "expected %d names of %d characters at most",
+                            ODE_QUANTITIES, FP3_NAME_SIZE - 1);
+        snprintf(plain, sizeof plain, "%.*s", (int)name.length, name.text);
+        status = value_of(user, plain, &q->quantity.value, error);
+        q->dimension.kind = ODE_DIMENSION_ANY;
+        fp3_ode_declare(p, name, ODE_PARAM, p->param_count++, (ode_value){.size = 1});
+    }
+    return status;
+}
+
+fp3_status fp3_formula_read(const char *text, fp3_name_fn *value_of, void *user, double *value,
+                            fp3_error *error) {
+    ode_parser *p = calloc(1, sizeof *p);
+    if (!p)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = declare_names(p, text, value_of, user, error);
+    if (!status)
+        status = read_constant(p, text, ODE_IN_START, value, error);
     free_parser(p);
     return status;
 }

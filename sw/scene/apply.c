@@ -131,12 +131,6 @@ static int model_has(const void *of, const char *name) {
            fp3_model_state(program->model, name) != FP3_NONE;
 }
 
-/* What the inputs of an object are computed from. */
-typedef struct {
-    double *params, *initial, h;
-    int is_spread;
-} object_values;
-
 /* *value stays its default where there is no other. */
 static fp3_status take(const fp3_params *params, const char *name, double share, double *value,
                        int *is_spread, fp3_error *error) {
@@ -160,7 +154,7 @@ static fp3_status take_quantity(const fp3_params *params, const fp3_quantity *q,
 }
 
 static fp3_status take_all(const fp3_model *model, const fp3_params *params, double share,
-                           object_values *to, fp3_error *error) {
+                           fp3_object_values *to, fp3_error *error) {
     fp3_status status = FP3_OK;
     int is_spread = 0;
     for (uint32_t i = 0; !status && i < model->param_count; i++)
@@ -180,7 +174,7 @@ static fp3_status take_all(const fp3_model *model, const fp3_params *params, dou
 
 /* What it refuses is made of several values: it has the place of all. */
 static fp3_status inputs_of(const fp3_program *program, const fp3_params *params,
-                            const object_values *of, float *values, fp3_error *error) {
+                            const fp3_object_values *of, float *values, fp3_error *error) {
     float h;
     const char *expected = fp3_number_step(of->h, &h);
     if (expected)
@@ -215,25 +209,35 @@ static fp3_status take_steps(const fp3_program *program, const fp3_params *param
     return status;
 }
 
-fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
-                              float *values, int *is_spread, fp3_error *error) {
+fp3_status fp3_apply_values(const fp3_program *program, const fp3_params *params, double share,
+                            fp3_object_values *of, float *values, fp3_error *error) {
     const fp3_model *model = program->model;
     assert(model && program->compiled);
-    object_values of = {.params = calloc(model->param_count + 1u, sizeof(double)),
-                        .initial = calloc(model->state_count + 1u, sizeof(double))};
+    *of = (fp3_object_values){.params = calloc(model->param_count + 1u, sizeof(double)),
+                              .initial = calloc(model->state_count + 1u, sizeof(double))};
     fp3_status status =
-        of.params && of.initial ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        of->params && of->initial ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = take_all(model, params, share, &of, error);
+        status = take_all(model, params, share, of, error);
     if (!status)
         status = fp3_values_check(params, model_has, program, error);
     if (!status)
-        status = inputs_of(program, params, &of, values, error);
-    if (!status)
-        status = take_steps(program, params, share, values, &of.is_spread, error);
+        status = inputs_of(program, params, of, values, error);
+    return status ? status : take_steps(program, params, share, values, &of->is_spread, error);
+}
+
+void fp3_object_values_free(fp3_object_values *of) {
+    free(of->params);
+    free(of->initial);
+    *of = (fp3_object_values){0};
+}
+
+fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
+                              float *values, int *is_spread, fp3_error *error) {
+    fp3_object_values of;
+    fp3_status status = fp3_apply_values(program, params, share, &of, values, error);
     *is_spread = of.is_spread;
-    free(of.params);
-    free(of.initial);
+    fp3_object_values_free(&of);
     return status;
 }
 

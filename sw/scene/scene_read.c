@@ -171,10 +171,12 @@ static fp3_status read_values(const reader *r, const config_setting_t *from, con
 }
 
 static int has_h(const fp3_scene_group *group) {
-    return group->program->model || fp3_image_find(group->program->image, "h", FP3_CLASSES_HOST);
+    return group->program->model || fp3_params_has(group->params, "h") ||
+           fp3_image_find(group->program->image, "h", FP3_CLASSES_HOST);
 }
 
-/* Each replaces what came before. The scene's h is for those programs that have an h. */
+/* Each replaces what came before. The scene's h is for those programs that have an h, or
+ * values that are made of one. */
 static fp3_status read_params(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     fp3_status status = fp3_params_make(&to->params, r->error);
     if (!status)

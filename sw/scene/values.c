@@ -11,6 +11,9 @@
 
 #include "text/number.h"
 
+#define FORMULA_SIZE 65536
+#define FORMULA_DEPTH 64 /* of values that are made of each other */
+
 /* Where a value was set. */
 typedef struct {
     const char *path; /* one of the files of the params; NULL: nowhere */
@@ -19,8 +22,9 @@ typedef struct {
 
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char of[FP3_NAME_SIZE]; /* "1/of" if not empty */
-    double value, last;     /* of the first object and, if that is another one, of the last */
+    char *formula;      /* what it is computed from, or NULL */
+    int has_number;     /* given besides a formula, which must agree; always without one */
+    double value, last; /* of the first object and, if that is another one, of the last */
     int is_spread;
     place at;
 } value;
@@ -95,8 +99,11 @@ static fp3_status copy_into(const fp3_params *from, fp3_params *to, fp3_error *e
     if (!to->list)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (; !status && to->count < from->count; to->count++) {
-        to->list[to->count] = from->list[to->count];
-        status = keep_path(to, &to->list[to->count].at, error);
+        value *v = &to->list[to->count];
+        *v = from->list[to->count];
+        if (v->formula && !(v->formula = strdup(v->formula)))
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = keep_path(to, &v->at, error);
     }
     return status;
 }
@@ -117,6 +124,8 @@ void fp3_params_free(fp3_params **params) {
         free(p->files);
         p->files = next;
     }
+    for (size_t i = 0; p && i < p->count; i++)
+        free(p->list[i].formula);
     if (p)
         free(p->list);
     free(p);
@@ -125,8 +134,8 @@ void fp3_params_free(fp3_params **params) {
 
 /* ---- putting ---- */
 
-/* Adds or replaces, by this name. */
-static fp3_status put(fp3_params *params, const char *name, value what, fp3_error *error) {
+/* Adds or replaces, by this name; but a number does not replace a formula. Takes what.formula. */
+static fp3_status put_value(fp3_params *params, const char *name, value what, fp3_error *error) {
     if (!fp3_name_valid(name))
         return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is no name", name);
     value *param = find(params, name);
@@ -136,14 +145,28 @@ static fp3_status put(fp3_params *params, const char *name, value what, fp3_erro
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
         params->list = list;
         param = &list[params->count++];
+        param->formula = NULL;
     }
     strcpy(what.name, name);
+    if (what.formula)
+        free(param->formula);
+    else
+        what.formula = param->formula;
     *param = what;
     return keep_path(params, &param->at, error);
 }
 
+static fp3_status put(fp3_params *params, const char *name, value what, fp3_error *error) {
+    char *mine = what.formula;
+    fp3_status status = put_value(params, name, what, error);
+    const value *param = find(params, name);
+    if (mine && !(param && param->formula == mine)) /* it was not taken */
+        free(mine);
+    return status;
+}
+
 fp3_status fp3_params_put(fp3_params *params, const char *name, double number, fp3_error *error) {
-    return put(params, name, (value){.value = number}, error);
+    return put(params, name, (value){.value = number, .has_number = 1}, error);
 }
 
 /* A number, or else a formula of numbers. */
@@ -210,18 +233,21 @@ static fp3_status put_from(fp3_params *params, const fp3_settings *s,
 
 static fp3_status read_value(const fp3_settings *s, const config_setting_t *setting, value *what) {
     const char *name = config_setting_name(setting), *text = config_setting_get_string(setting);
-    if (text && strncmp(text, "1/", 2) == 0 && fp3_name_valid(text + 2)) {
-        strcpy(what->of, text + 2);
-        return FP3_OK;
+    if (text && strlen(text) >= FORMULA_SIZE)
+        return fp3_setting_expected(s, setting, name, "a number or a shorter formula");
+    if (text) {
+        what->formula = strdup(text);
+        return what->formula ? FP3_OK : fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
     }
+    what->has_number = 1;
     if (!fp3_setting_is_number(setting))
-        return fp3_setting_expected(s, setting, name, "a number or \"1/name\"");
+        return fp3_setting_expected(s, setting, name, "a number or a formula in quotes");
     return fp3_setting_number(s, setting, name, &what->value);
 }
 
 static fp3_status read_pair(const fp3_settings *s, const config_setting_t *setting, value *what) {
     const char *name = config_setting_name(setting);
-    what->is_spread = 1;
+    what->is_spread = what->has_number = 1;
     if (!fp3_setting_is_list(setting) || config_setting_length(setting) != 2)
         return fp3_setting_expected(s, setting, name, "a pair of numbers [FIRST, LAST]");
     fp3_status status =
@@ -278,38 +304,70 @@ static double number_at(const value *v, double share) {
     return v->is_spread ? (1 - share) * v->value + share * v->last : v->value;
 }
 
-/* 1 / number, which an FP32 number must be and not 0. */
-static fp3_status reciprocal(const fp3_params *params, const value *param, double number,
-                             double *is, fp3_error *error) {
-    float single;
-    const char *expected = fp3_number_single(number, &single);
-    if (!expected && single == 0)
-        expected = "a number other than 0";
-    if (expected)
-        return fp3_value_wrong(params, param->of, error,
-                               "parameter '%s' is 1/%s, and '%s' is %g: expected %s", param->name,
-                               param->of, param->of, number, expected);
-    /* In double, then to FP32: the same as rounding once, for 53 >= 2 * 24 + 2. */
-    *is = 1.0 / (double)single;
+/* Asks for values that are made of others. */
+typedef struct {
+    const fp3_params *params;
+    double share;
+    int is_spread;
+    unsigned depth;
+} asking;
+
+static fp3_status ask(asking *a, const char *name, double *number, fp3_error *error);
+
+static fp3_status value_of(void *user, const char *name, double *number, fp3_error *error) {
+    if (!find(((asking *)user)->params, name))
+        return fp3_fail(error, FP3_E_PROGRAM, "'%s' has no value", name);
+    return ask(user, name, number, error);
+}
+
+/* A number that is given besides a formula is the same FP32 number. */
+static fp3_status check_agreement(const asking *a, const value *v, double computed,
+                                  fp3_error *error) {
+    const double given = number_at(v, a->share);
+    if (!v->has_number || (float)given == (float)computed)
+        return FP3_OK;
+    return fp3_value_wrong(a->params, v->name, error,
+                           "parameter '%s' is %.9g, but it is %s, which is %.9g: leave it out",
+                           v->name, given, v->formula, computed);
+}
+
+static fp3_status compute(asking *a, const value *v, double *number, fp3_error *error) {
+    fp3_error why;
+    if (a->depth == FORMULA_DEPTH)
+        return fp3_value_wrong(a->params, v->name, error,
+                               "parameter '%s' is made of itself, or of too many others", v->name);
+    a->depth++;
+    fp3_status status = fp3_formula_read(v->formula, value_of, a, number, &why);
+    a->depth--;
+    if (status == FP3_E_PROGRAM)
+        return fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
+                               v->formula, why.text);
+    if (status)
+        return fp3_fail(error, status, "%s", why.text);
+    return check_agreement(a, v, *number, error);
+}
+
+static fp3_status ask(asking *a, const char *name, double *number, fp3_error *error) {
+    const value *v = find(a->params, name);
+    if (!v)
+        return fp3_value_wrong(a->params, name, error, "parameter '%s' has no value", name);
+    a->is_spread |= v->is_spread;
+    if (v->formula)
+        return compute(a, v, number, error);
+    *number = number_at(v, a->share);
     return FP3_OK;
 }
 
 fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *number,
                          int *is_spread, fp3_error *error) {
-    const value *param = find(params, name);
-    if (!param)
-        return fp3_value_wrong(params, name, error, "parameter '%s' has no value", name);
-    if (!param->of[0]) {
-        *number = number_at(param, share);
-        *is_spread = param->is_spread;
-        return FP3_OK;
-    }
-    const value *of = find(params, param->of);
-    if (!of || of->of[0])
-        return fp3_value_wrong(params, name, error, "parameter '%s' is 1/%s, and '%s' is no number",
-                               name, param->of, param->of);
-    *is_spread = of->is_spread;
-    return reciprocal(params, param, number_at(of, share), number, error);
+    asking a = {.params = params, .share = share};
+    double found = 0;
+    fp3_status status = ask(&a, name, &found, error);
+    if (status)
+        return status;
+    *number = found;
+    *is_spread = a.is_spread;
+    return FP3_OK;
 }
 
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *number,
@@ -318,16 +376,39 @@ fp3_status fp3_params_get(const fp3_params *params, const char *name, double *nu
     return fp3_values_at(params, name, 0, number, &is_spread, error);
 }
 
+int fp3_values_mention(const char *formula, const char *name) {
+    static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    const size_t length = strlen(name);
+    for (const char *at = strstr(formula, name); at; at = strstr(at + 1, name))
+        if ((at == formula || !strchr(bytes, at[-1])) && !(at[length] && strchr(bytes, at[length])))
+            return 1;
+    return 0;
+}
+
+/* Marks what a used value is made of; whether there was any. */
+static int mark(const fp3_params *params, char *is_used) {
+    int is_any = 0;
+    for (size_t i = 0; i < params->count; i++)
+        for (size_t j = 0; is_used[i] && params->list[i].formula && j < params->count; j++)
+            if (!is_used[j] && fp3_values_mention(params->list[i].formula, params->list[j].name))
+                is_used[j] = 1, is_any = 1;
+    return is_any;
+}
+
 fp3_status fp3_values_check(const fp3_params *params, fp3_values_has_fn *has, const void *of,
                             fp3_error *error) {
-    for (size_t i = 0; i < params->count; i++) {
-        int is_used = has(of, params->list[i].name);
-        for (size_t j = 0; !is_used && j < params->count; j++)
-            is_used = strcmp(params->list[j].of, params->list[i].name) == 0 &&
-                      has(of, params->list[j].name);
-        if (!is_used)
-            return fp3_value_wrong(params, params->list[i].name, error,
-                                   "the program has no parameter '%s'", params->list[i].name);
-    }
-    return FP3_OK;
+    char *is_used = calloc(params->count + 1, 1);
+    if (!is_used)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; i < params->count; i++)
+        is_used[i] = (char)(has(of, params->list[i].name) != 0);
+    while (mark(params, is_used))
+        continue;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < params->count; i++)
+        if (!is_used[i])
+            status = fp3_value_wrong(params, params->list[i].name, error,
+                                     "the program has no parameter '%s'", params->list[i].name);
+    free(is_used);
+    return status;
 }

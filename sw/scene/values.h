@@ -24,6 +24,9 @@ __attribute__((format(printf, 4, 5))) fp3_status fp3_value_wrong(const fp3_param
 fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *value,
                          int *is_spread, fp3_error *error);
 
+/* Whether the formula has this name, as a word of its own. */
+int fp3_values_mention(const char *formula, const char *name);
+
 /* Refuses a value that nobody asks for: has(of, name) says whether the program does; else a
  * reciprocal does that the program asks for. */
 typedef int fp3_values_has_fn(const void *of, const char *name);

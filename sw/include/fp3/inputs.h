@@ -12,7 +12,10 @@ typedef struct {
     char name[FP3_NAME_SIZE];
     int is_shared;  /* a .shared; else a .state or .param of each object */
     uint32_t state; /* start of this state of the model; FP3_NONE: another value */
-    char *formula;  /* as a reader sees it, "1/m" */
+    char *formula;  /* as a reader sees it, "1/m"; cut where it is long */
+    /* The same for fp3_formula_read, of h, params of the model and numbers. NULL: a state's start, or
+     * what no such formula gives, or only a very long one. */
+    char *rule;
 } fp3_input;
 
 FP3_API_END

@@ -162,6 +162,13 @@ uint32_t fp3_model_param(const fp3_model *model, const char *name);
  * column); *value is as before. */
 fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error);
 
+/* What a name in a formula stands for; or refuses it. */
+typedef fp3_status fp3_name_fn(void *user, const char *name, double *value, fp3_error *error);
+/* A constant expression with names, "0.5*h", computed in double. FP3_E_PROGRAM: as above; else what
+ * value_of says. */
+fp3_status fp3_formula_read(const char *text, fp3_name_fn *value_of, void *user, double *value,
+                            fp3_error *error);
+
 FP3_API_END
 
 #endif

@@ -7,8 +7,9 @@
  *     ...
  *     fp3_params_free(&params);
  *
- * A file is in libconfig's syntax, name = value; a value is a number or "1/name". A value that is
- * set again replaces the one before.
+ * A file is in libconfig's syntax, name = value; a value is a number, or a formula of numbers and
+ * other names, "0.5*h". A value that is set again replaces the one before; but a number does not
+ * replace a formula: whoever asks for the value is refused unless both are the same FP32 number.
  */
 #ifndef FP3_PARAMS_H
 #define FP3_PARAMS_H
@@ -41,7 +42,7 @@ fp3_status fp3_params_put(fp3_params *params, const char *name, double value, fp
 size_t fp3_params_count(const fp3_params *params);
 int fp3_params_has(const fp3_params *params, const char *name);
 /* A value that differs from object to object (`spread` in a scene): that of the first object.
- * FP3_E_ARGUMENT: no such value, or it is the reciprocal of none; *value is unchanged. */
+ * FP3_E_ARGUMENT: no such value, or its formula has none; *value is unchanged. */
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *value,
                           fp3_error *error);
 

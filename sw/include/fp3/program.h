@@ -66,6 +66,11 @@ fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
                               float *values, int *is_spread, fp3_error *error);
 
+/* Of a model, a file for fp3_params_load: the values that the compiled program is given, those that are
+ * computed from others (h, params) as formulas. The caller frees *text. */
+fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
+                                   char **text, fp3_error *error);
+
 FP3_API_END
 
 #endif

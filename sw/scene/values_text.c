@@ -1,0 +1,190 @@
+/* values_text.c - what the host gives a compiled program, as a file of parameters.
+ *
+ * What the compiler has made of h and params stands there as a formula, so that a run computes it
+ * again. What no formula gives (a position at -h) holds for one set of values alone, and its formula
+ * says which: with any other it has no value.
+ */
+#include "apply.h"
+#include "values.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    const fp3_program *program;
+    fp3_object_values of;
+    const float *values;
+    FILE *out;
+    char *rules; /* all formulas, a line each */
+    size_t size;
+} writer;
+
+/* What the file calls a param or h: its own register's name, which differs where another register has that
+ * of the model. */
+static const char *name_in_file(const writer *w, const char *name) {
+    const fp3_compiled *c = w->program->compiled;
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (c->inputs[i].rule && strcmp(c->inputs[i].rule, name) == 0)
+            return c->inputs[i].name;
+    return name;
+}
+
+/* A rule with the names of the file. */
+static void put_renamed(const writer *w, FILE *out, const char *rule) {
+    static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    char name[FP3_NAME_SIZE];
+    while (*rule) {
+        const size_t length = strspn(rule, bytes);
+        if (length > 0 && length < sizeof name && !(*rule >= '0' && *rule <= '9')) {
+            snprintf(name, sizeof name, "%.*s", (int)length, rule);
+            fputs(name_in_file(w, name), out);
+        } else
+            fprintf(out, "%.*s", length ? (int)length : 1, rule);
+        rule += length ? length : 1;
+    }
+}
+
+/* As libconfig reads it: a number with a point or an exponent. */
+static void put_number(FILE *out, double number, int digits) {
+    char text[40];
+    snprintf(text, sizeof text, "%.*g", digits, number);
+    fprintf(out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
+}
+
+static void put_condition(const writer *w, FILE *out, const char *name, double value,
+                          const char *joint) {
+    fprintf(out, "%s%s == ", joint, name_in_file(w, name));
+    put_number(out, value, 17);
+}
+
+/* How many steps were made before, where the equations have t. */
+static int is_steps(const fp3_input *input) { return strcmp(input->name, FP3_NAME_STEPS) == 0; }
+
+/* "h == 0.125 and m == 2.0 and x == 1.0 ? 0.99 : 0/0" */
+static void put_conditional(const writer *w, FILE *out, float value) {
+    const fp3_model *model = w->program->model;
+    put_condition(w, out, "h", w->of.h, "");
+    for (uint32_t i = 0; i < model->param_count; i++)
+        put_condition(w, out, model->params[i].name, w->of.params[i], " and ");
+    for (uint32_t i = 0; i < model->state_count; i++)
+        put_condition(w, out, model->states[i].name, w->of.initial[i], " and ");
+    for (uint32_t i = 0; i < w->program->compiled->input_count; i++)
+        if (is_steps(&w->program->compiled->inputs[i]))
+            put_condition(w, out, FP3_NAME_STEPS, (double)w->values[i], " and ");
+    fprintf(out, " ? ");
+    put_number(out, (double)value, 9);
+    fprintf(out, " : 0/0");
+}
+
+static void put_rule(const writer *w, FILE *out, uint32_t i) {
+    const fp3_input *input = &w->program->compiled->inputs[i];
+    if (input->rule)
+        put_renamed(w, out, input->rule);
+    else
+        put_conditional(w, out, w->values[i]);
+}
+
+/* A state's start, or a param or h itself: not made of others. */
+static int is_source(const writer *w, const fp3_input *input) {
+    if (input->state != FP3_NONE)
+        return 1;
+    return input->rule && (strcmp(input->rule, "h") == 0 ||
+                           fp3_model_param(w->program->model, input->rule) != FP3_NONE);
+}
+
+static fp3_status gather_rules(writer *w, fp3_error *error) {
+    const fp3_compiled *c = w->program->compiled;
+    FILE *out = open_memstream(&w->rules, &w->size);
+    for (uint32_t i = 0; out && i < c->input_count; i++)
+        if (c->inputs[i].state == FP3_NONE && !is_steps(&c->inputs[i])) {
+            put_rule(w, out, i);
+            fputc('\n', out);
+        }
+    return out && !fclose(out) ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+/* No input of another meaning has the name. */
+static fp3_status check_name(const writer *w, const char *name, fp3_error *error) {
+    const fp3_compiled *c = w->program->compiled;
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (strcmp(c->inputs[i].name, name) == 0 && !is_source(w, &c->inputs[i]))
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "'%s' of the model has the name that the program gives to %s", name,
+                            c->inputs[i].formula);
+    return FP3_OK;
+}
+
+static fp3_status put_source(const writer *w, const char *own, double value, const char *comment,
+                             fp3_error *error) {
+    const char *name = name_in_file(w, own);
+    if (!fp3_values_mention(w->rules, name))
+        return FP3_OK;
+    fprintf(w->out, "%s = ", name);
+    put_number(w->out, value, 17);
+    fprintf(w->out, ";%s\n", comment);
+    return check_name(w, name, error);
+}
+
+static int has_start(const fp3_compiled *c, const char *name) {
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (c->inputs[i].state != FP3_NONE && strcmp(c->inputs[i].name, name) == 0)
+            return 1;
+    return 0;
+}
+
+static fp3_status put_all(const writer *w, fp3_error *error) {
+    const fp3_model *model = w->program->model;
+    const fp3_compiled *c = w->program->compiled;
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (c->inputs[i].state != FP3_NONE) {
+            fprintf(w->out, "%s = ", c->inputs[i].name);
+            put_number(w->out, w->of.initial[c->inputs[i].state], 17);
+            fprintf(w->out, "; # %s\n", c->inputs[i].formula);
+        }
+    fp3_status status = put_source(w, "h", w->of.h, " # time step", error);
+    for (uint32_t i = 0; !status && i < model->param_count; i++)
+        status = put_source(w, model->params[i].name, w->of.params[i], "", error);
+    for (uint32_t i = 0; !status && i < model->state_count; i++)
+        if (!has_start(c, model->states[i].name))
+            status = put_source(w, model->states[i].name, w->of.initial[i], "", error);
+    for (uint32_t i = 0; !status && i < c->input_count; i++) {
+        if (is_source(w, &c->inputs[i]))
+            continue;
+        if (is_steps(&c->inputs[i])) {
+            fprintf(w->out, "%s = ", c->inputs[i].name);
+            put_number(w->out, (double)w->values[i], 9);
+            fprintf(w->out, ";\n");
+            continue;
+        }
+        fprintf(w->out, "%s = \"", c->inputs[i].name);
+        put_rule(w, w->out, i);
+        fprintf(w->out, "\";");
+        if (!c->inputs[i].rule)
+            fprintf(w->out, " # %s: for these values alone", c->inputs[i].formula);
+        fputc('\n', w->out);
+    }
+    return status;
+}
+
+fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
+                                   char **text, fp3_error *error) {
+    size_t size = 0;
+    float *values = calloc(program->compiled->input_count + 1u, sizeof *values);
+    writer w = {.program = program, .values = values};
+    fp3_status status = values ? fp3_apply_values(program, params, 0, &w.of, values, error)
+                               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *text = NULL;
+    if (!status)
+        status = gather_rules(&w, error);
+    if (!status && !(w.out = open_memstream(text, &size)))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = put_all(&w, error);
+    if (w.out && fclose(w.out) && !status)
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_object_values_free(&w.of);
+    free(w.rules);
+    free(values);
+    return status;
+}
