@@ -4,6 +4,7 @@
 #include "arc.h"
 #include "circular.h"
 #include "division.h"
+#include "exact.h"
 #include "exponential.h"
 #include "logarithm.h"
 #include "ops.h"
@@ -54,8 +55,13 @@ static uint32_t value(lowering *l, uint32_t expr) { return fp3_term_value(l->g, 
 
 static const fp3_expr *expr_of(const lowering *l, uint32_t expr) { return &l->model->exprs[expr]; }
 
+static int is_exact(const lowering *l) {
+    return (l->g->passes & FP3_PASS(FP3_PASS_EXACT_DIVISION)) != 0;
+}
+
+/* Of which a reciprocal is made without the root. */
 static int is_unknown_root(const lowering *l, uint32_t expr) {
-    return expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
+    return !is_exact(l) && expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
 }
 
 /* Integers up to here by products; of halves, those that products and a root leave within 4.2 units in the
@@ -100,6 +106,10 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
                       : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
     }
     const term b = at(l, below);
+    if (is_exact(l)) {
+        const term all = power(g, b, n);
+        return (term){fp3_exact_quotient(g, x.node, all.node), x.is_negative != all.is_negative};
+    }
     const fp3_series s = fp3_reciprocal(g, b.node);
     term result = n == 1 ? fp3_corrected(g, x, s)
                          : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
@@ -215,7 +225,8 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_POWER:
         return times_power(l, one(g), expr, 0);
     case FP3_EXPR_SQRT:
-        return fp3_root(g, value(l, e->operand[0]));
+        return fp3_term(is_exact(l) ? fp3_exact_root(g, value(l, e->operand[0]))
+                                    : fp3_root(g, value(l, e->operand[0])).node);
     case FP3_EXPR_SIN:
         return fp3_sine(g, at(l, e->operand[0]));
     case FP3_EXPR_COS:

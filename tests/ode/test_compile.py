@@ -16,7 +16,7 @@ BUILD = os.environ["FP3_BUILD"]
 FP3 = os.path.join(BUILD, "fp3")
 PROGRAMS = os.path.join(ROOT, "programs")
 KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "ahead"]
-CHANGING = ["fold-step", "fold-product", "small-angles"]
+CHANGING = ["fold-step", "fold-product", "small-angles", "exact-division"]
 
 
 def fp3(*arguments, check=True):
@@ -108,6 +108,7 @@ def test_every_pass_saves_something_somewhere():
         numbers = report(model(name), *options)
         for p in saved:
             saved[p] += numbers.get(f"pass {p}", 0)
+    saved.pop("exact-division")  # which is for accuracy
     assert all(saved.values()), saved
 
 
@@ -283,6 +284,34 @@ def test_accuracy_of_what_is_made_of_division_roots_and_sines():
     assert found.keys() == most.keys()
     for name, limit in most.items():
         assert 0 < found[name] <= limit, (name, found[name])
+
+
+# ---- exact division ----
+
+def test_exact_quotients_and_roots_are_those_of_the_host():
+    """Random ones, a part of all fractions, and those next to a number halfway between two floats."""
+    done = subprocess.run([os.path.join(BUILD, "tests", "exact_division")], capture_output=True, text=True)
+    counts = re.findall(r": (\d+) checked, 0 wrong", done.stdout)
+    assert done.returncode == 0 and len(counts) == 3 and min(map(int, counts)) > 80000, done.stdout
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("engine, config", [("isa", "single_full"), ("rtl", "single_full"), ("rtl", "many_full")])
+@pytest.mark.parametrize("expression, values", [
+    ("1/x", {"3": 1 / 3, "0": math.nan, "1e-40": math.nan, "-3e37": -1 / 3e37, "inf": math.nan}),
+    ("x/(0*x + 3)", {"1": 1 / 3, "-2e38": -2e38 / 3, "0": 0, "2e-38": None, "3e-40": 1e-40}),
+    ("(0*x + 3)/x", {"3e38": 1e-38, "7": 3 / 7, "2e-38": 1.5e38, "5e-39": math.nan}),
+    ("sqrt(x)", {"2": math.sqrt(2), "0": 0, "3e38": math.sqrt(3e38), "1.40129846e-45": 2 ** -74.5, "-1": math.nan}),
+])
+def test_exact_division_on_the_hardware(tmp_path, engine, config, expression, values):
+    for x, wanted in values.items():
+        path = written(tmp_path, "state x = 1", "state y = 0", "x' = 0",
+                       f"y' = {expression if x != 'inf' else expression.replace('x', '(x*x)')}")
+        value, flags = one_value(path, config, engine, x if x != "inf" else "3e38", "--with", "exact-division")
+        if wanted is not None:
+            assert float(value) == pytest.approx(wanted, rel=1e-6, abs=3e-45, nan_ok=True), (x, value)
+        if wanted is not None and math.isnan(wanted) and x != "-1":
+            assert "invalid" in flags, (x, flags)
 
 
 # ---- sine and cosine ----
