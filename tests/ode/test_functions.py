@@ -49,6 +49,21 @@ def test_functions_are_as_near_as_is_stated(stated, measured):
         assert count == instructions(measured[name]), measured[name]
 
 
+CIRCULAR = {"sin": (2**-24, "`sin(x)`"), "cos": (2**-24, "`cos(x)`"), "tan": (1, "`tan(x)`"), "atan": (1, "`atan(x)`"),
+            "asin": (1, "`asin(x)`"), "acos": (1, "`acos(x)`")}
+
+
+def test_circular_functions_are_as_near_as_is_stated(root, measured):
+    """Sine and cosine by their absolute error, which every_float counts in units of 2^-24."""
+    text = (root / "docs/compiler.md").read_text(encoding="utf-8")
+    rows = {name: (count, float(most)) for name, count, most in re.findall(
+        r"^\| (`\w+\(x\)`) \| .* \| (\d+) \| ([\d.e-]+)(?: ulp)? \| .* \|$", text.split("### Functions")[1].split("\n##")[0], re.M)}
+    for name, (unit, row) in CIRCULAR.items():
+        count, most = rows[row]
+        assert most / 3 < error(measured[name]) * unit <= most, measured[name]
+        assert count == instructions(measured[name]), measured[name]
+
+
 def test_half_powers_are_as_near_as_is_stated(stated, measured):
     for names, row in [(["x^0.5", "x^1.5", "x^2.5", "x^3.5"], "`x^0.5` ... `x^3.5`"),
                        (["x^-0.5", "x^-1.5"], "`x^-0.5`, `x^-1.5`")]:
