@@ -187,10 +187,19 @@ static fp3_status check_again(orbit *o, double t, const double *states, fp3_erro
     return FP3_OK;
 }
 
+/* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
+ * model then explodes: with a tighter one it does not. */
+static int find_sizes(orbit *o, double t, double *y) {
+    int result = GSL_FAILURE;
+    for (double rough = ROUGH; result && result != GSL_ENOMEM && rough > TOLERANCE; rough /= 1000)
+        result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, t, y);
+    return result;
+}
+
 static fp3_status follow(orbit *o, double t, double *states, fp3_error *error) {
     int result = guess_sizes(o, t);
     if (!result)
-        result = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, t, states);
+        result = find_sizes(o, t, states);
     for (uint32_t i = 0; i < o->model->state_count; i++)
         if (o->peak[i] > 0)
             o->guess[i] = o->peak[i];

@@ -9,8 +9,10 @@ import pytest
 from tables import kepler
 
 pytestmark = pytest.mark.smoke
-NAMES = ["arenstorf", "bouncing_ball", "double_spring", "duffing", "fitzhugh_nagumo", "kepler", "lorenz", "lotka_volterra", "oscillator", "pendulum",
-         "projectile", "rigid_body", "ship", "ship_drag", "thermostat", "three_body", "van_der_pol"]
+NAMES = ["arenstorf", "bouncing_ball", "double_pendulum", "double_spring", "duffing", "elastic_pendulum",
+         "fitzhugh_nagumo", "kepler", "lorenz", "lotka_volterra", "oscillator", "pendulum", "projectile", "rc_ladder",
+         "rigid_body", "robertson", "roessler", "ship", "ship_drag", "sir", "thermostat", "three_body", "van_der_pol",
+         "van_der_pol_stiff"]
 EVENTS = ["bouncing_ball", "thermostat"]  # no way back
 CLOSED = ["double_spring", "oscillator", "ship", "ship_drag"]  # all states have closed forms
 
@@ -86,8 +88,8 @@ def test_a_step_back_and_a_step_forth_is_none(name, show, truth):
         assert after[state] == pytest.approx(start, rel=1e-10, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", ["arenstorf", "double_spring", "kepler", "lotka_volterra", "pendulum", "rigid_body",
-                                  "three_body"])
+@pytest.mark.parametrize("name", ["arenstorf", "double_pendulum", "double_spring", "elastic_pendulum", "kepler", "lotka_volterra",
+                                  "pendulum", "rigid_body", "robertson", "sir", "three_body"])
 def test_invariants_are_constant(name, show, truth):
     model = show(name)
     start = truth(name, 0)
@@ -245,6 +247,73 @@ def test_three_bodies_follow_each_other_along_an_eight(thirds, follows, truth):
             now = [got[f"{what}{body}_{axis}"] for axis in "xy"]
             assert now == pytest.approx(EIGHT[what + before], abs=1e-7), (body, what)
     assert got["energy"] == pytest.approx(-1.287142, abs=1e-6)
+
+
+def test_an_epidemic_ends_where_its_invariant_says(truth):
+    got = truth("sir", 2000.0)
+    assert got["I"] < 1e-12 and got["S"] - math.log(got["S"]) / 2 == pytest.approx(1 - math.log(0.999) / 2, rel=1e-10)
+
+
+def test_roessler_without_z_is_an_oscillation_that_grows(truth):
+    got = truth("roessler", 10.0, b=0.0, x=1.0, y=0.0)
+    rate, w = 0.1, math.sqrt(1 - 0.1**2)
+    assert got["y"] == pytest.approx(math.exp(rate * 10) * math.sin(w * 10) / w, rel=1e-10)
+    assert got["x"] == pytest.approx(math.exp(rate * 10) * (math.cos(w * 10) - rate / w * math.sin(w * 10)), rel=1e-10)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_double_pendulum_swings_in_its_modes(sign, truth):
+    w = math.sqrt((2 - sign * math.sqrt(2)) * 9.81)
+    got = truth("double_pendulum", 2 * math.pi / w, a1=1e-5, a2=sign * math.sqrt(2) * 1e-5)
+    assert (got["a1"], got["a2"]) == (pytest.approx(1e-5, rel=1e-8), pytest.approx(sign * math.sqrt(2) * 1e-5, rel=1e-8))
+    assert abs(got["w1"]) < 1e-11 and abs(got["w2"]) < 1e-11
+
+
+def test_a_double_pendulum_without_a_weight_below_is_a_pendulum(truth):
+    above = truth("double_pendulum", 3.0, m2=0.0, a1=2.0)
+    assert above["a1"] == pytest.approx(truth("pendulum", 3.0, theta=2.0)["theta"], rel=1e-10)
+
+
+def test_a_spring_that_hangs_straight_bounces(truth):
+    got = truth("elastic_pendulum", 3.3, r_x=0.0, r_y=-1.2)
+    assert got["r_y"] == pytest.approx(-1 - 0.2 * math.cos(math.sqrt(39.24) * 3.3), rel=1e-10) and got["r_x"] == 0
+
+
+def test_a_spring_that_is_stiff_swings_like_a_rod(truth):
+    got = truth("elastic_pendulum", math.pi / math.sqrt(9.81), k=1e5, l=1.0, r_x=1e-3, r_y=-1.0)
+    assert got["r_x"] == pytest.approx(-1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("time", [0.0005, 0.01, 0.125])
+def test_a_ladder_charges_by_its_modes(time, truth):
+    got, sections = truth("rc_ladder", time), range(1, 9)
+    left = [0.0] * 8  # of the battery's 5 V, what each section still lacks
+    for k in sections:
+        angle = (2 * k - 1) * math.pi / 17
+        shape = [math.sin(n * angle) for n in sections]
+        part = 5 * sum(shape) / sum(s * s for s in shape) * math.exp(-4000 * math.sin(angle / 2) ** 2 * time)
+        left = [a + part * s for a, s in zip(left, shape)]
+    assert [got[f"u{n}"] for n in sections] == pytest.approx([5 - a for a in left], abs=1e-10)
+
+
+@pytest.mark.parametrize("time, published", [(0.4, [9.851726e-1, 3.386406e-5, 1.479357e-2]),
+                                             (4.0, [9.055142e-1, 2.240418e-5, 9.446344e-2]),
+                                             (40.0, [7.158050e-1, 9.184616e-6, 2.841858e-1])])
+def test_robertsons_substances_are_what_lsode_prints(time, published, truth):
+    """The example of LSODE's documentation (Hindmarsh, ODEPACK, 1983), at its relative tolerance of 1e-4."""
+    got = truth("robertson", time)
+    assert [got["y1"], got["y2"], got["y3"]] == pytest.approx(published, rel=2e-4)
+
+
+def test_a_stiff_oscillator_creeps_along_its_slow_curve(truth):
+    """ln x - x^2/2 grows with t/mu, but for terms of 1/mu^2."""
+    x = truth("van_der_pol_stiff", 32.0)["x"]
+    assert math.log(x) - x * x / 2 == pytest.approx(math.log(2) - 2 + 32 / 1000, abs=1e-6)
+
+
+def test_a_stiff_oscillator_with_little_damping_is_the_other_one(truth):
+    got = truth("van_der_pol_stiff", 2 * 6.663286859323130, mu=1.0, x=2.008619860874843)
+    assert got["x"] == pytest.approx(2.008619860874843, rel=1e-12)
 
 
 # ---- where there is no truth --------------------------------------------------------------------
