@@ -159,7 +159,7 @@ def test_the_models_of_the_project_do_not_fail(fp3, root, model):
     text = (root / f"programs/{model}.ode").read_text()
     step, span = (float(eval(re.search(rf"^{key} +([-\d.e/^]+)", text, re.M)[1].replace("^", "**"))) for key in ("step", "span"))
     steps = str(min(4000, max(1, round(span / step))))
-    for integrator in ("rk4", "dopri5"):
+    for integrator in ("rk4", "midpoint"):   # they fit whatever the model
         done = subprocess.run([fp3, "run", f"programs/{model}.ode", "-e", "isa", "-i", integrator, "-n", steps], cwd=root,
                               capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stdout + done.stderr
