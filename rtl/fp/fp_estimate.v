@@ -20,7 +20,7 @@ module fp_estimate #(
     wire [7:0] e    = a_i[30:23];
     wire       low  = e == 8'd0;                         // zero or subnormal
     wire       top  = e == 8'd255;                       // infinity
-    wire       high = e >= 8'd253;                       // 1 / a is zero or subnormal
+    wire       high = e >= 8'd253;                       // 1 / a is subnormal or zero
 
     (* rom_style = "block" *) reg [8:0] words [0:2047];
     reg [8:0] word_q;
@@ -28,8 +28,9 @@ module fp_estimate #(
     initial for (i = 0; i < 2048; i = i + 1) words[i] = ESTIMATES[9*i +: 9];
     always @(posedge clk_i) word_q <= words[{root_i, root_i ? a_i[23:14] : a_i[22:13]}];
 
-    // Whether the fraction is the table's; else it is 0, or that of a NaN.
-    reg       sign_q, known_q, late_q, nan_q;
+    // Whether the fraction is the table's; else it is 0, or that of a NaN. A subnormal estimate has the
+    // leading 1 in its fraction, and so has half of it.
+    reg       sign_q, known_q, late_q, small_q, nan_q;
     reg [7:0] e_q;
     always @(posedge clk_i)
         if (root_i) begin
@@ -37,20 +38,23 @@ module fp_estimate #(
             known_q <= !low && !sign && !top;
             nan_q   <= !low && sign;
             late_q  <= !e[0];
+            small_q <= 1'b0;
             e_q     <= low ? 8'd190 : sign ? 8'd255 : top ? 8'd0 : 8'd190 - {1'b0, e[7:1]} - {7'd0, e[0]};
         end else begin
             sign_q  <= sign;
-            known_q <= !low && !high;
+            known_q <= !low && !top;
             nan_q   <= 1'b0;
-            late_q  <= 1'b0;
+            late_q  <= high && !e[0];
+            small_q <= high;
             e_q     <= low ? 8'd255 : high ? 8'd0 : 8'd253 - e;
         end
-    wire       sign_c, known_c, late_c, nan_c;
+    wire       sign_c, known_c, late_c, small_c, nan_c;
     wire [7:0] e_c;
     wire [8:0] word_c;
-    cut #(.W(21), .ON(CUT)) u_cut (.clk_i(clk_i), .d_i({sign_q, known_q, late_q, nan_q, e_q, word_q}),
-        .q_o({sign_c, known_c, late_c, nan_c, e_c, word_c}));
-    wire [9:0] fraction = late_c ? {1'b0, word_c} : {word_c, 1'b0};
+    cut #(.W(22), .ON(CUT)) u_cut (.clk_i(clk_i), .d_i({sign_q, known_q, late_q, small_q, nan_q, e_q, word_q}),
+        .q_o({sign_c, known_c, late_c, small_c, nan_c, e_c, word_c}));
+    wire [9:0] early    = small_c ? {1'b1, word_c} : {word_c, 1'b0};
+    wire [9:0] fraction = late_c ? {1'b0, early[9:1]} : early;
     assign z_o = {sign_c, e_c, known_c ? fraction : {nan_c, 9'd0}};
 endmodule
 `default_nettype wire

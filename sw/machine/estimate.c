@@ -19,9 +19,10 @@ uint32_t fp3_estimate_rcp(uint32_t a) {
         return a;
     if (e == 0)
         return sign | INFINITE;
-    if (e >= 253)
+    if (e == 255)
         return sign;
-    return sign | (253 - e) << 23 | (uint32_t)fp3_estimates[(a & FRACTION) >> 13] << 14;
+    const uint32_t entry = fp3_estimates[(a & FRACTION) >> 13];
+    return sign | (e < 253 ? (253 - e) << 23 | entry << 14 : (512 | entry) >> (e - 253) << 13);
 }
 
 uint32_t fp3_estimate_rsqrt(uint32_t a) {

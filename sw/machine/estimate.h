@@ -8,8 +8,9 @@
 
 #include <stdint.h>
 
-/* y ~ 1/a: 0 <= 1 - a*y < 2^-9 + 2^-11 while a and y are normal. A y that would be subnormal is 0 with
- * the sign of a, that of 0 or a subnormal a an infinity, that of an infinity 0. */
+/* y ~ 1/a: 0 <= 1 - a*y < 2^-9 + 2^-11 while a is below 2^127 in size, 2^-8 above it, where y is
+ * subnormal as above 2^126. That of 0 or a subnormal a is an infinity with the sign of a, that of an
+ * infinity a 0. */
 uint32_t fp3_estimate_rcp(uint32_t a);
 
 /* y ~ 1/sqrt(a): 0 <= 1 - a*y*y < 2^-8 for normal a > 0. For 0 and subnormal a, of either sign, 2^63;

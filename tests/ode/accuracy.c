@@ -23,6 +23,7 @@ typedef struct {
 
 static double reciprocal(double x, double a) { return (void)a, 1 / x; }
 static double quotient(double x, double a) { return a / x; }
+static double large_quotient(double x, double a) { return a * 0x1p100 / x; }
 static double root(double x, double a) { return (void)a, sqrt(x); }
 static double inverse_root(double x, double a) { return (void)a, 1 / sqrt(x); }
 static double over_root(double x, double a) { return a / sqrt(x); }
@@ -36,6 +37,8 @@ static double arccosine(double x, double a) { return (void)a, acos(x); }
 static const function functions[] = {
     {"1/x", "1/x", reciprocal, 0x1p-100, 0x1p100, 1, 0, 0},
     {"a/x", "a/x", quotient, 0x1p-60, 0x1p60, 1, 0, 0},
+    {"1/x:large", "1/x", reciprocal, 0x1p125, 0x1.fffffep127, 1, 0, 0},
+    {"a/x:large", "a*2^100/x", large_quotient, 0x1p125, 0x1.fffffep127, 1, 0, 0},
     {"sqrt(x)", "sqrt(x)", root, 0x1p-100, 0x1p100, 1, 0, 0},
     {"1/sqrt(x)", "1/sqrt(x)", inverse_root, 0x1p-100, 0x1p100, 1, 0, 0},
     {"a/sqrt(x)", "a/sqrt(x)", over_root, 0x1p-60, 0x1p60, 1, 0, 0},

@@ -276,7 +276,7 @@ def test_a_configuration_without_the_unit_is_refused(name, config, unit):
 
 
 def test_accuracy_of_what_is_made_of_division_roots_and_sines():
-    most = {"1/x": 1.08, "a/x": 1.73, "sqrt(x)": 1.36, "1/sqrt(x)": 0.99, "a/sqrt(x)": 1.55, "sin(x)": 1.3e-7,
+    most = {"1/x": 1.08, "a/x": 1.73, "1/x:large": 1.08, "a/x:large": 2.4, "sqrt(x)": 1.36, "1/sqrt(x)": 0.99, "a/sqrt(x)": 1.55, "sin(x)": 1.3e-7,
             "cos(x)": 2.4e-7, "sin(x):far": 1.3e-7, "cos(x):far": 2.4e-7, "tan(x)": 2.6, "tan(x):far": 4, "atan(x)": 2.5,
             "atan(x):-": 2.5, "asin(x)": 3.1, "acos(x)": 1.9, "atan2(x,a)": 4, "atan2:wide": 4}
     text = subprocess.run([os.path.join(BUILD, "tests", "accuracy")], capture_output=True, text=True, check=True).stdout
