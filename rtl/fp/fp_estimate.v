@@ -28,7 +28,7 @@ module fp_estimate #(
     initial for (i = 0; i < 2048; i = i + 1) words[i] = ESTIMATES[9*i +: 9];
     always @(posedge clk_i) word_q <= words[{root_i, root_i ? a_i[23:14] : a_i[22:13]}];
 
-    // Whether the fraction is the table's; else it is 0, or that of a NaN. A subnormal estimate has the
+    // Whether the fraction is the table's; else it is 0, or that of a signalling NaN: the adder raises invalid. A subnormal estimate has the
     // leading 1 in its fraction, and so has half of it.
     reg       sign_q, known_q, late_q, small_q, nan_q;
     reg [7:0] e_q;
@@ -39,7 +39,7 @@ module fp_estimate #(
             nan_q   <= !low && sign;
             late_q  <= !e[0];
             small_q <= 1'b0;
-            e_q     <= low ? 8'd190 : sign ? 8'd255 : top ? 8'd0 : 8'd190 - {1'b0, e[7:1]} - {7'd0, e[0]};
+            e_q     <= low || sign ? 8'd255 : top ? 8'd0 : 8'd190 - {1'b0, e[7:1]} - {7'd0, e[0]};
         end else begin
             sign_q  <= sign;
             known_q <= !low && !top;
@@ -55,6 +55,6 @@ module fp_estimate #(
         .q_o({sign_c, known_c, late_c, small_c, nan_c, e_c, word_c}));
     wire [9:0] early    = small_c ? {1'b1, word_c} : {word_c, 1'b0};
     wire [9:0] fraction = late_c ? {1'b0, early[9:1]} : early;
-    assign z_o = {sign_c, e_c, known_c ? fraction : {nan_c, 9'd0}};
+    assign z_o = {sign_c, e_c, known_c ? fraction : {1'b0, nan_c, 8'd0}};
 endmodule
 `default_nettype wire

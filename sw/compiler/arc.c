@@ -65,7 +65,7 @@ static part_arc arc_of(dag *g, uint32_t x) {
     x = add(g, x, mul(g, mul(g, x, num(g, 0x1.fffffep+127)), num(g, 0)));
     const uint32_t large = side(g, x, 0.5);
     const uint32_t rest = sub(g, num(g, 0.5), mul(g, num(g, 0.5), op1(g, FP3_OP_ABS, x)));
-    const uint32_t root = mul(g, add(g, large, large), fp3_root(g, rest).node);
+    const uint32_t root = mul(g, add(g, large, large), fp3_root(g, rest));
     const uint32_t q = sel(g, large, root, x), z = sel(g, large, rest, mul(g, x, x));
     return (part_arc){add(g, q, mul(g, mul(g, q, z), polynomial(g, z, arcsine, 5))), large};
 }

@@ -24,4 +24,14 @@ term fp3_corrected(dag *g, term x, fp3_series s) {
     return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
 }
 
-term fp3_root(dag *g, uint32_t b) { return fp3_corrected(g, fp3_term(b), fp3_inverse_root(g, b)); }
+fp3_series fp3_inverse_root_or_one(dag *g, uint32_t b) {
+    return fp3_inverse_root(g, sel(g, b, b, num(g, 1)));
+}
+
+uint32_t fp3_root(dag *g, uint32_t b) {
+    return fp3_corrected(g, fp3_term(b), fp3_inverse_root_or_one(g, b)).node;
+}
+
+uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
+    return sel(g, b, fp3_corrected(g, fp3_term(b), fp3_inverse_root(g, b)).node, b);
+}

@@ -18,16 +18,19 @@ fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error
     l->value = calloc(model->expr_count + 1, sizeof *l->value);
     l->is_made = calloc(model->expr_count + 1, 1);
     l->is_wanted = calloc(model->expr_count + 1, 1);
-    return l->value && l->is_made && l->is_wanted ? FP3_OK
-                                                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    l->is_inverted = calloc(model->expr_count + 1, 1);
+    return l->value && l->is_made && l->is_wanted && l->is_inverted
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
 void fp3_lower_close(lowering *l) {
     free(l->value);
     free(l->is_made);
     free(l->is_wanted);
+    free(l->is_inverted);
     l->value = NULL;
-    l->is_made = l->is_wanted = NULL;
+    l->is_made = l->is_wanted = l->is_inverted = NULL;
 }
 
 /* ---- powers ---- */
@@ -117,13 +120,20 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
     return result;
 }
 
+static uint32_t root_of(lowering *l, uint32_t expr) {
+    const uint32_t b = value(l, expr_of(l, expr)->operand[0]);
+    if (is_exact(l))
+        return fp3_exact_root(l->g, b);
+    return l->is_inverted[expr] ? fp3_root_beside_inverse(l->g, b) : fp3_root(l->g, b);
+}
+
 /* x^(n/2) for an odd n: powers of x times its root, or powers of the reciprocal root. */
 static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
     dag *g = l->g;
     const uint32_t b = value(l, base);
     if (is_below)
         return power(g, fp3_corrected(g, one(g), fp3_inverse_root(g, b)), n);
-    const term root = fp3_root(g, b);
+    const term root = fp3_term(fp3_root(g, b));
     return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
 }
 
@@ -225,8 +235,7 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_POWER:
         return times_power(l, one(g), expr, 0);
     case FP3_EXPR_SQRT:
-        return fp3_term(is_exact(l) ? fp3_exact_root(g, value(l, e->operand[0]))
-                                    : fp3_root(g, value(l, e->operand[0])).node);
+        return fp3_term(root_of(l, expr));
     case FP3_EXPR_SIN:
         return fp3_sine(g, at(l, e->operand[0]));
     case FP3_EXPR_COS:
@@ -275,6 +284,7 @@ static term lower_as_written(lowering *l, uint32_t expr) {
 
 /* The base of a denominator, of which a root is never formed. */
 static void want_base(lowering *l, uint32_t base) {
+    l->is_inverted[base] = (char)is_unknown_root(l, base);
     l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
 }
 

@@ -21,6 +21,7 @@ typedef struct lowering {
     uint32_t index;
     term *value; /* of each expression that is_made */
     char *is_made, *is_wanted;
+    char *is_inverted; /* of each root: something is divided by it */
 } lowering;
 
 /* FP3_E_SYSTEM: out of memory. The caller sets state, user, notes and place, and closes, after a

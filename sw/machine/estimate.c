@@ -7,6 +7,7 @@
 
 #define SIGN FP3_BITS_MINUS_ZERO
 #define INFINITE 0x7f800000u
+#define SIGNALLING 0x7fa00000u /* a NaN that raises invalid */
 #define FRACTION 0x007fffffu
 
 static int is_nan(uint32_t a) { return (a & ~SIGN) > INFINITE; }
@@ -30,9 +31,9 @@ uint32_t fp3_estimate_rsqrt(uint32_t a) {
     if (is_nan(a))
         return a;
     if (e == 0)
-        return 0x5f000000;
+        return INFINITE;
     if (a & SIGN)
-        return FP3_BITS_NAN;
+        return SIGNALLING;
     if (e == 255)
         return 0;
     const uint32_t entry = fp3_estimates[1024 + 512 * odd + ((a & FRACTION) >> 14)];

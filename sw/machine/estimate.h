@@ -13,8 +13,8 @@
  * infinity a 0. */
 uint32_t fp3_estimate_rcp(uint32_t a);
 
-/* y ~ 1/sqrt(a): 0 <= 1 - a*y*y < 2^-8 for normal a > 0. For 0 and subnormal a, of either sign, 2^63;
- * for every other a < 0 the NaN 7FC00000; for infinity 0. */
+/* y ~ 1/sqrt(a): 0 <= 1 - a*y*y < 2^-8 for normal a > 0. For 0 and subnormal a, of either sign, infinity;
+ * for every other a < 0 the signalling NaN 7FA00000; for infinity 0. */
 uint32_t fp3_estimate_rsqrt(uint32_t a);
 
 #endif

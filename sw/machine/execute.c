@@ -234,7 +234,7 @@ double fp3_execute_exact(uint32_t op, double a, double b, double c) {
     case FP3_OP_RCP:
         return 1 / a;
     case FP3_OP_RSQRT:
-        return a == 0 ? 0x1p63 : 1 / sqrt(a); /* as the estimate: 0 * rsqrt(0) is 0 */
+        return a == 0 ? INFINITY : 1 / sqrt(a); /* of -0, too */
     case FP3_OP_RINT:
         return nearbyint(a);
     case FP3_OP_EXP2:
