@@ -319,7 +319,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
         status = fp3_params_make(&to.none, error);
     if (!status && o->params && !(status = fp3_params_make(&to.params, error)))
         status = fp3_params_load(to.params, o->params, error);
-    to.progress = status ? NULL : fp3_progress_begin("bench");
+    to.progress = status ? NULL : fp3_progress_begin("bench", NULL);
     fp3_progress_pause(to.progress); /* tables are printed in between */
     if (!status)
         status = bench_programs(o, path, &to, error);

@@ -452,7 +452,7 @@ int fp3_cmd_compare(int argc, char **argv) {
         status = fp3_model_load(o.model, &model, &text, &error);
     comparison k = {.o = &o, .model = model, .rows = json_array(), .left_out = json_array()};
     if (!status) {
-        k.progress = fp3_progress_begin("compare");
+        k.progress = fp3_progress_begin("compare", NULL);
         status = compare(&k, &error);
         fp3_progress_end(&k.progress);
     }

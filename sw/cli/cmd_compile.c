@@ -229,7 +229,7 @@ int fp3_cmd_compile(int argc, char **argv) {
     fp3_program *program = NULL;
     char *text = NULL;
     fp3_status status = check_files(&o, &error);
-    fp3_progress *progress = status ? NULL : fp3_progress_begin("compile");
+    fp3_progress *progress = status ? NULL : fp3_progress_begin("compile", o.model);
     fp3_progress_say(progress, "looking for an order of instructions");
     if (!status)
         status = fp3_program_open(o.model, &o.def, &program, &text, &error);

@@ -63,8 +63,8 @@ static const struct argp_option table[] = {
     {"clock", KEY_CLOCK, "FREQUENCY", 0,
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
     {"allow-failures", KEY_ALLOW, NULL, 0,
-     "End with exit code 0, not 3, where objects failed: an instruction raised invalid, divide by "
-     "zero or overflow, or a state is NaN or infinite in the end",
+     "End with exit code 0, not 3, where objects failed: an instruction raised invalid or "
+     "overflow, or a state is NaN or infinite in the end",
      0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
@@ -207,7 +207,9 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
                            : fp3_program_load(of->program, o->params, engine, error);
     if (!status) { /* from here on there are no more groups than schedulers */
+        fp3_progress_pause(o->progress);
         warn(o, of);
+        fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
         status = fp3_engine_run(engine, o->steps, &stats);
         fp3_progress_end(&o->progress);
@@ -333,7 +335,7 @@ int fp3_cmd_run(int argc, char **argv) {
     fp3_arguments_parse(&argp, argc, argv, &o);
     status = check_files(&o, &error);
     if (!status) {
-        o.progress = fp3_progress_begin("run");
+        o.progress = fp3_progress_begin("run", o.program ? o.program : o.scene);
         fp3_progress_say(o.progress, "reading and compiling");
         status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
         fp3_progress_end(&o.progress);

@@ -1,6 +1,8 @@
 /* progress.c - see progress.h. */
 #include "progress.h"
 
+#include "base/path.h"
+
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -68,9 +70,15 @@ static void *tick(void *progress) {
     return NULL;
 }
 
-fp3_progress *fp3_progress_begin(const char *command) {
+/* The line would stand in what is typed. */
+static int is_typed(const char *input) {
+    const int stream = input ? fp3_path_stream(input, 0) : -1;
+    return stream >= 0 && isatty(stream);
+}
+
+fp3_progress *fp3_progress_begin(const char *command, const char *input) {
     pthread_condattr_t monotonic;
-    fp3_progress *p = isatty(STDERR_FILENO) ? calloc(1, sizeof *p) : NULL;
+    fp3_progress *p = isatty(STDERR_FILENO) && !is_typed(input) ? calloc(1, sizeof *p) : NULL;
     if (!p)
         return NULL;
     p->command = command;

@@ -18,17 +18,14 @@ typedef struct {
     uint32_t count;
 } input_list;
 
-/* Takes formula and rule. */
-static fp3_status add(input_list *l, const char *name, int is_shared, uint32_t state, char *formula,
-                      char *rule, fp3_error *error) {
-    fp3_input *input = &l->list[l->count];
-    if (!formula) {
-        free(rule);
+/* Takes what.formula and what.rule. */
+static fp3_status add(input_list *l, const char *name, fp3_input what, fp3_error *error) {
+    if (!what.formula) {
+        free(what.rule);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
-    *input = (fp3_input){.is_shared = is_shared, .state = state, .formula = formula, .rule = rule};
-    snprintf(input->name, sizeof input->name, "%s", name);
-    l->count++;
+    snprintf(what.name, sizeof what.name, "%s", name);
+    l->list[l->count++] = what;
     return FP3_OK;
 }
 
@@ -50,24 +47,37 @@ static char *variable_rule(const variable *v) {
     return v->role == ROLE_LOST || v->role == ROLE_LOST_BEFORE ? strdup("0") : NULL;
 }
 
+static fp3_input variable_input(const fp3_step *step, const variable *v) {
+    const int is_before = v->role == ROLE_BEFORE;
+    return (fp3_input){.state = v->role == ROLE_STATE ? v->state : FP3_NONE,
+                       .formula = variable_formula(step, v),
+                       .rule = variable_rule(v),
+                       .params = is_before ? UINT64_MAX : 0,
+                       .has_h = is_before,
+                       .has_start = is_before};
+}
+
+static fp3_input known_input(const fp3_step *step, uint32_t id, int is_shared) {
+    fp3_input input = {.is_shared = is_shared,
+                       .state = FP3_NONE,
+                       .formula = fp3_formula_known(&step->known, id),
+                       .rule = fp3_formula_rule(&step->known, id)};
+    input.params = fp3_known_params(&step->known, id, &input.has_h);
+    return input;
+}
+
 static fp3_status add_all(const fp3_step *step, const conversion *c, const fp3_names *names,
                           input_list *l, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < step->variable_count; i++) {
-        const variable *v = &step->variables[i];
-        if (fp3_inputs_has_variable(v))
-            status = add(l, names->object[i], 0, v->role == ROLE_STATE ? v->state : FP3_NONE,
-                         variable_formula(step, v), variable_rule(v), error);
-    }
+    for (uint32_t i = 0; !status && i < step->variable_count; i++)
+        if (fp3_inputs_has_variable(&step->variables[i]))
+            status = add(l, names->object[i], variable_input(step, &step->variables[i]), error);
     for (uint32_t i = 0; !status && i < c->code.param_count; i++)
-        status = add(l, names->object[step->variable_count + i], 0, FP3_NONE,
-                     fp3_formula_known(&step->known, c->params[i]),
-                     fp3_formula_rule(&step->known, c->params[i]), error);
+        status = add(l, names->object[step->variable_count + i], known_input(step, c->params[i], 0),
+                     error);
     for (uint32_t i = 0; !status && i < c->code.constant_count; i++)
         if (fp3_inputs_has_constant(step, c, i))
-            status = add(l, names->constant[i], 1, FP3_NONE,
-                         fp3_formula_known(&step->known, c->constants[i]),
-                         fp3_formula_rule(&step->known, c->constants[i]), error);
+            status = add(l, names->constant[i], known_input(step, c->constants[i], 1), error);
     return status;
 }
 

@@ -185,6 +185,29 @@ uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b)
     return add(table, (known){.op = op, .a = a, .b = b, .is_shared = x->is_shared && y->is_shared});
 }
 
+static uint64_t params_of(const fp3_model *model, uint32_t expr) {
+    const fp3_expr *e = &model->exprs[expr];
+    uint64_t params = e->op == FP3_EXPR_PARAM ? UINT64_C(1) << e->index : 0;
+    for (int j = 0; j < 3; j++)
+        if (e->operand[j] != FP3_NONE)
+            params |= params_of(model, e->operand[j]);
+    return params;
+}
+
+uint64_t fp3_known_params(const known_table *table, uint32_t id, int *has_h) {
+    const known *k = &table->list[id];
+    int a_has = 0, b_has = 0;
+    *has_h = k->op == KNOWN_STEP;
+    if (k->op == KNOWN_MODEL)
+        return params_of(table->model, k->a);
+    if (k->op == KNOWN_NUMBER || k->op == KNOWN_STEP)
+        return 0;
+    const uint64_t params =
+        fp3_known_params(table, k->a, &a_has) | fp3_known_params(table, k->b, &b_has);
+    *has_h = a_has || b_has;
+    return params;
+}
+
 int fp3_known_is(const known_table *table, uint32_t id, double number) {
     const known *k = &table->list[id];
     return k->op == KNOWN_NUMBER && memcmp(&k->number, &number, sizeof number) == 0;

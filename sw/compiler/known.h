@@ -50,6 +50,9 @@ uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b)
 /* Whether no param is in an expression of the model that is_known; then its value. */
 int fp3_known_constant(known_table *table, uint32_t expr, double *value);
 
+/* The params that it depends on, a bit each, from bit 0; *has_h: h, too. */
+uint64_t fp3_known_params(const known_table *table, uint32_t id, int *has_h);
+
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);
 

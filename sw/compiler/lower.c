@@ -268,7 +268,8 @@ static term lower(lowering *l, uint32_t expr) {
 static int has_constants(fp3_expr_op op) {
     return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
            op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
-           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS;
+           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS ||
+           op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
 }
 
 /* A function's own constants are no known factors: its error is that of these products. */

@@ -331,6 +331,53 @@ static fp3_status check_agreement(const asking *a, const value *v, double comput
                            v->name, given, v->formula, computed);
 }
 
+/* Whether a formula is one of FP3_VALUES_IS whose values are others now. condition: its length. */
+static int is_of_others(asking *a, const char *formula, size_t *condition) {
+    const char *then = strstr(formula, FP3_VALUES_THEN), *end = strstr(formula, FP3_VALUES_ELSE);
+    char *text = then && end && !end[strlen(FP3_VALUES_ELSE)]
+                     ? strndup(formula, (size_t)(then - formula))
+                     : NULL;
+    double is = 1;
+    fp3_error why;
+    const int is_read = text && !fp3_formula_read(text, value_of, a, &is, &why);
+    *condition = text ? strlen(text) : 0;
+    free(text);
+    return is_read && is == 0;
+}
+
+/* "h == 0.125 and m == 2.0" as "h = 0.125, m = 2.0". */
+static char *plain(const char *condition, size_t length) {
+    char *text = strndup(condition, length), *to = text;
+    for (const char *from = text; from && *from;)
+        if (strncmp(from, FP3_VALUES_IS, strlen(FP3_VALUES_IS)) == 0) {
+            to = stpcpy(to, " = "); /* shorter than what it replaces */
+            from += strlen(FP3_VALUES_IS);
+        } else if (strncmp(from, FP3_VALUES_AND, strlen(FP3_VALUES_AND)) == 0) {
+            to = stpcpy(to, ", ");
+            from += strlen(FP3_VALUES_AND);
+        } else
+            *to++ = *from++;
+    if (to)
+        *to = '\0';
+    return text;
+}
+
+/* A formula without a value. */
+static fp3_status refuse(asking *a, const value *v, const fp3_error *why, fp3_error *error) {
+    size_t length;
+    if (!is_of_others(a, v->formula, &length))
+        return fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
+                               v->formula, why->text);
+    char *condition = plain(v->formula, length);
+    const fp3_status status =
+        condition ? fp3_value_wrong(a->params, v->name, error,
+                                    "parameter '%s' was computed for %s: compile again", v->name,
+                                    condition)
+                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(condition);
+    return status;
+}
+
 static fp3_status compute(asking *a, const value *v, double *number, fp3_error *error) {
     fp3_error why;
     if (a->depth == FORMULA_DEPTH)
@@ -340,8 +387,7 @@ static fp3_status compute(asking *a, const value *v, double *number, fp3_error *
     fp3_status status = fp3_formula_read(v->formula, value_of, a, number, &why);
     a->depth--;
     if (status == FP3_E_PROGRAM)
-        return fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
-                               v->formula, why.text);
+        return refuse(a, v, &why, error);
     if (status)
         return fp3_fail(error, status, "%s", why.text);
     return check_agreement(a, v, *number, error);

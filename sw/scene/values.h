@@ -24,6 +24,12 @@ __attribute__((format(printf, 4, 5))) fp3_status fp3_value_wrong(const fp3_param
 fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *value,
                          int *is_spread, fp3_error *error);
 
+/* A formula of what holds for one set of values alone: "h == 0.125 and m == 2.0 ? 0.99 : 0/0". */
+#define FP3_VALUES_IS " == "
+#define FP3_VALUES_AND " and "
+#define FP3_VALUES_THEN " ? "
+#define FP3_VALUES_ELSE " : 0/0"
+
 /* Whether the formula has this name, as a word of its own. */
 int fp3_values_mention(const char *formula, const char *name);
 

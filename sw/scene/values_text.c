@@ -52,29 +52,45 @@ static void put_number(FILE *out, double number, int digits) {
     fprintf(out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
 }
 
-static void put_condition(const writer *w, FILE *out, const char *name, double value,
-                          const char *joint) {
-    fprintf(out, "%s%s == ", joint, name_in_file(w, name));
-    put_number(out, value, 17);
+/* "h == 0.125 and m == 2.0 ? 0.99 : 0/0", name by name */
+typedef struct {
+    const writer *w;
+    FILE *out;
+    int count; /* of conditions */
+} conditional;
+
+static void put_condition(conditional *c, const char *name, double value) {
+    fprintf(c->out, "%s%s" FP3_VALUES_IS, c->count++ ? FP3_VALUES_AND : "",
+            name_in_file(c->w, name));
+    put_number(c->out, value, 17);
 }
 
 /* How many steps were made before, where the equations have t. */
 static int is_steps(const fp3_input *input) { return strcmp(input->name, FP3_NAME_STEPS) == 0; }
 
-/* "h == 0.125 and m == 2.0 and x == 1.0 ? 0.99 : 0/0" */
-static void put_conditional(const writer *w, FILE *out, float value) {
+static void put_start(conditional *c) {
+    const fp3_program *p = c->w->program;
+    for (uint32_t i = 0; i < p->model->state_count; i++)
+        put_condition(c, p->model->states[i].name, c->w->of.initial[i]);
+    for (uint32_t i = 0; i < p->compiled->input_count; i++)
+        if (is_steps(&p->compiled->inputs[i]))
+            put_condition(c, FP3_NAME_STEPS, (double)c->w->values[i]);
+}
+
+/* With all that the value depends on. */
+static void put_conditional(const writer *w, FILE *out, const fp3_input *input, float value) {
     const fp3_model *model = w->program->model;
-    put_condition(w, out, "h", w->of.h, "");
+    conditional c = {.w = w, .out = out};
+    if (input->has_h)
+        put_condition(&c, "h", w->of.h);
     for (uint32_t i = 0; i < model->param_count; i++)
-        put_condition(w, out, model->params[i].name, w->of.params[i], " and ");
-    for (uint32_t i = 0; i < model->state_count; i++)
-        put_condition(w, out, model->states[i].name, w->of.initial[i], " and ");
-    for (uint32_t i = 0; i < w->program->compiled->input_count; i++)
-        if (is_steps(&w->program->compiled->inputs[i]))
-            put_condition(w, out, FP3_NAME_STEPS, (double)w->values[i], " and ");
-    fprintf(out, " ? ");
+        if (input->params >> i & 1)
+            put_condition(&c, model->params[i].name, w->of.params[i]);
+    if (input->has_start)
+        put_start(&c);
+    fputs(c.count ? FP3_VALUES_THEN : "", out);
     put_number(out, (double)value, 9);
-    fprintf(out, " : 0/0");
+    fputs(c.count ? FP3_VALUES_ELSE : "", out);
 }
 
 static void put_rule(const writer *w, FILE *out, uint32_t i) {
@@ -82,7 +98,7 @@ static void put_rule(const writer *w, FILE *out, uint32_t i) {
     if (input->rule)
         put_renamed(w, out, input->rule);
     else
-        put_conditional(w, out, w->values[i]);
+        put_conditional(w, out, input, w->values[i]);
 }
 
 /* A state's start, or a param or h itself: not made of others. */

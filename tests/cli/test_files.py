@@ -157,11 +157,14 @@ def test_a_name_may_begin_with_a_hyphen(start, folder):
     assert (folder / "-out").read_bytes() == start("compile ./-m.ode").stdout
 
 
-def test_a_file_keeps_its_mode_and_a_link_stays_one(start, folder):
+def test_a_file_keeps_its_mode_and_a_symbolic_link_stays_one(start, folder):
     (folder / "secret").write_text("old")
     (folder / "secret").chmod(0o640)
     (folder / "to").symlink_to("secret")
     assert start("compile m.ode -o to").returncode == 0 and start("compile m.ode -o dangling").returncode == 0
+    (folder / "one").write_text("old")
+    os.link(folder / "one", folder / "other")
+    assert start("compile m.ode -o one").returncode == 0 and (folder / "other").read_text() == "old"
     assert (folder / "to").is_symlink() and stat.S_IMODE((folder / "secret").stat().st_mode) == 0o640
     assert (folder / "secret").read_bytes() == (folder / "new").read_bytes() == start("compile m.ode").stdout
 

@@ -5,6 +5,7 @@ import pty
 import re
 import select
 import subprocess
+import threading
 import time
 
 import pytest
@@ -125,6 +126,34 @@ def test_who_is_quick_or_has_no_terminal_is_silent(fp3, start, tmp_path):
     code, out, shown = on_terminal([fp3, "run", "m.ode", "-e", "isa"], tmp_path)
     assert (code, shown) == (0, "") and states(out)
     assert start("compare", "m.ode", "-i", "rk4", "--most-steps", "2048").stderr == ""
+
+
+@pytest.mark.parametrize("command", ["run - --model -e isa", "run -e isa --model /dev/stdin", "compile -"])
+def test_nothing_stands_in_what_is_typed(fp3, tmp_path, command):
+    ours, theirs = pty.openpty()
+    with subprocess.Popen([fp3, *command.split()], cwd=tmp_path, stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs) as started:
+        os.write(ours, b"state x = 1\n")
+        time.sleep(3)
+        shown = os.read(ours, 65536)
+        started.kill()
+    assert shown == b"state x = 1\r\n"
+
+
+def test_a_warning_has_a_line_of_its_own(fp3, tmp_path):
+    """Whose model arrives late, when the line is up."""
+    os.mkfifo(tmp_path / "late.ode")
+    late = threading.Thread(target=write_late, args=(tmp_path / "late.ode",))
+    late.start()
+    code, _, shown = on_terminal([fp3, "run", "late.ode", "-e", "isa", "-i", "verlet"], tmp_path)
+    late.join()
+    assert code == 0 and re.search(r"\rfp3 run: reading and compiling, 2 s +\r", shown)
+    assert re.search(r"\r +\rfp3 run: late.ode: warning: .*\r\n$", shown)
+
+
+def write_late(path):
+    with open(path, "w", encoding="utf-8") as pipe:
+        time.sleep(3)
+        pipe.write("state x = 1\nstate v = 0\nx' = v\nv' = -x - v\nstep 0.01\n")
 
 
 @pytest.mark.parametrize("command", ["compare m.ode", "bench -p ./m.ode -n 400000"])

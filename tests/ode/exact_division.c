@@ -132,5 +132,6 @@ int main(int argc, char **argv) {
     check(&root, 0, 1, 0);
     check(&root, 0x1p-149f, 1, 0x1.6a09e6p-75f);
     check(&quotient, 1, 0, 0);
+    check(&quotient, 0x1p23f, 2.34e-38f, 0); /* no power of two: 2^-148 is nearest */
     return end(&over) + end(&quotient) + end(&root) > 0;
 }

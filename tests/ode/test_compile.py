@@ -433,6 +433,25 @@ def test_errors(arguments, text):
         assert done.returncode == 2 and text in done.stderr and not done.stdout
 
 
+@pytest.mark.parametrize("lines, integrator, bound, free, made, given", [
+    (["param n = 0.25", "param k = 4", "state x = 1", "x' = -k*x^n"], "euler", "p", ["h=0.25", "k=3", "x=0.5"],
+     "n = 0.25", "n=0.5"),
+    (["param m = 2", "state x = 1", "state v = 0.5", "x' = v", "v' = -x/m"], "stoermer_verlet", "x_before", [],
+     "h = 0.125, m = 2.0, x = 1.0, v = 0.5", "h=0.25")])
+def test_what_no_formula_gives_is_bound_to_what_it_depends_on(tmp_path, lines, integrator, bound, free, made, given):
+    path = written(tmp_path, *lines)
+    image, params = tmp_path / "b.fp3", tmp_path / "b.cfg"
+    compiling = ("compile", path, "-i", integrator, "-c", "single_full", "--image", image)
+    fp3(*compiling, "--params", params)
+    kept = [final(image, params, 3, "single_full", setting) for setting in free]
+    done = fp3("run", image, "-c", "single_full", "-e", "isa", "--params", params, "--set", given, check=False)
+    assert re.fullmatch(rf"fp3 run: {params}:\d+: parameter '{bound}\d*' was computed for {made}: compile again\n", done.stderr)
+    assert done.returncode == 2 and not done.stdout
+    for setting, bits in zip(free, kept):
+        fp3(*compiling, "--params", params, "--set", setting)
+        assert final(image, params, 3, "single_full") == bits
+
+
 @pytest.mark.smoke
 def test_params_of_one_object_are_constants_where_registers_run_short(tmp_path):
     """With the bits that they have as params."""

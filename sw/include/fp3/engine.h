@@ -195,7 +195,9 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * within a step, a few cycles late. After both, registers can be read, stats (may be NULL) is filled,
  * and the next run numbers its steps as if this one had not been. If the configuration interleaves,
  * objects hold what the last visit that they completed stored; otherwise all instructions before the
- * end were executed. */
+ * end were executed.
+ * Every run after the first since a load begins by reading back the registers that its programs load, unless
+ * they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
 /* The counters of one scheduler in the last run. FP3_E_ARGUMENT: it had no such scheduler. */
@@ -228,7 +230,7 @@ fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
 /* Sets flags and failed to 0. FP3_E_ARGUMENT: also if the configuration does not keep a status. */
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
-/* How objects failed in a run: an instruction raised invalid, divide by zero or overflow, or a .state
+/* How objects failed in a run: an instruction raised invalid or overflow, or a .state
  * is not finite in the end. Underflow and inexact are no failures. */
 typedef struct {
     size_t failed; /* how many; 0: none, and the rest is 0 */

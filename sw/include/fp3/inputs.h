@@ -16,6 +16,10 @@ typedef struct {
     /* The same for fp3_formula_read, of h, params of the model and numbers. NULL: a state's start, or
      * what no such formula gives, or only a very long one. */
     char *rule;
+    /* What the value depends on: params of the model, a bit each, from bit 0; h; where states start and
+     * when (`steps`). */
+    uint64_t params;
+    int has_h, has_start;
 } fp3_input;
 
 FP3_API_END

@@ -18,7 +18,7 @@ FP3_API_BEGIN
     X(FOLD_STEP, "fold-step", 1, "h times a coefficient is one number: y + (h a_ij) f")            \
     X(FOLD_PRODUCT, "fold-product", 1, "known factors of a product are one number: x (h/m)")       \
     X(SMALL_ANGLES, "small-angles", 1, "sine and cosine of |x| <= pi/2 alone, NaN beyond")         \
-    X(EXACT_DIVISION, "exact-division", 1, "quotients and roots are correctly rounded")
+    X(EXACT_DIVISION, "exact-division", 1, "quotients and roots, not powers, are correctly rounded")
 
 typedef enum {
 #define X(NAME, name, changes, what) FP3_PASS_##NAME,
