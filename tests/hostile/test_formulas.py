@@ -23,8 +23,8 @@ def test_a_step_is_a_number_above_0(refused, step):
 
 REFUSED = [
     # right side, what the message says
-    ("1e-50*x", r"^fp3 run: a\.ode: k1: x' = 1e-50\*x: found 1e-50, expected 0 or a number above 7e-46, the start of FP32"),
-    ("1e39*x", r"^fp3 run: a\.ode: k1: x' = 1e\+39\*x: found 1e\+39, expected a number below 3\.4028236e38, the end of FP32"),
+    ("1e-50*x", r"^a\.ode:5:11: error: k1: x' = 1e-50\*x: found 1e-50, expected 0 or a number above 7e-46, the start of FP32"),
+    ("1e39*x", r"^a\.ode:5:10: error: k1: x' = 1e\+39\*x: found 1e\+39, expected a number below 3\.4028236e38, the end of FP32"),
     ("0*x + 1e-60", r"found 1e-60, expected 0 or a number above 7e-46"),
     ("k*1e-50*x", r"'\w+' = k\*1e-50 is 1e-50: expected 0 or a number above 7e-46"),
     ("k*1e-25*1e-25*x", r"'\w+' = k\*1e-25\*1e-25 is 1e-50: expected 0 or a number above"),
