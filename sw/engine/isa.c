@@ -43,6 +43,7 @@ typedef struct {
     uint32_t group;
     uint32_t steps;
     uint32_t number, end; /* of the step now; of the last one */
+    int is_ahead;         /* the instruction now works for the step that follows */
 } round_of;
 
 static size_t words(const fp3_engine *engine) {
@@ -158,13 +159,15 @@ static uint32_t operand(const isa *self, const uint32_t *object, uint32_t number
 
 /* The flags of an object, and the step in which it went wrong. */
 static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
-    const uint32_t grave = FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW;
+    fp3_watched *watched = r->engine->watched;
     uint32_t *word = &((isa *)r->engine->self)->status[object];
     r->stats->flags |= flags;
-    if (r->engine->watched)
-        fp3_watch_flags(&r->engine->watched[object], r->number - r->engine->clock, flags);
+    if (watched && r->is_ahead)
+        fp3_watch_ahead(&watched[object], flags);
+    else if (watched)
+        fp3_watch_flags(&watched[object], r->number - r->engine->clock, flags);
     *word |= flags;
-    if (flags & grave && !(*word >> FP3_STATUS_STEP_LO))
+    if (flags & FP3_FLAGS_GRAVE && !(*word >> FP3_STATUS_STEP_LO))
         *word |= r->number << FP3_STATUS_STEP_LO;
 }
 
@@ -260,6 +263,16 @@ static void watch_states(const round_of *r) {
                              &self->registers[(size_t)i * r->engine->config->registers]);
 }
 
+/* What was computed ahead counts for those who make the step. */
+static void begin_step(round_of *r) {
+    const isa *self = r->engine->self;
+    const fp3_members *group = members(r);
+    r->number++;
+    for (uint32_t i = group->first; r->engine->watched && i < group->first + group->objects; i++)
+        if (self->now[i] == AWAKE)
+            fp3_watch_step(&r->engine->watched[i], r->number - r->engine->clock);
+}
+
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
@@ -270,11 +283,12 @@ static fp3_status make_round(round_of *r) {
     for (uint32_t pc = 0; pc < program->count;) {
         fp3_instruction in;
         if (pc == program->step)
-            r->number++;
+            begin_step(r);
         if (!is_legal(engine->config, program->code[pc], &in))
             return fp3_engine_illegal(r->engine, r->group, pc);
         if (limit && self->executed >= limit)
             return fp3_engine_limit(r->engine);
+        r->is_ahead = engine->watched && (pc < program->step || members(r)->is_ahead[pc]);
         sweep(r, &in, pc >= program->last);
         if (self->executed >= self->told + TELL_INSTRUCTIONS)
             tell(r->engine);
@@ -297,8 +311,11 @@ static int begin_round(const round_of *r) {
     const fp3_members *group = members(r);
     isa *self = engine->self;
     const size_t words_each = engine->config->registers, first = group->first * words_each;
-    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+    for (uint32_t i = group->first; i < group->first + group->objects; i++) {
         self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
+        if (engine->watched)
+            engine->watched[i].ahead = 0;
+    }
     memcpy(&self->before[first], &self->store[first],
            group->objects * words_each * sizeof *self->before);
     self->constants = &self->shared[r->group * words_each];

@@ -24,6 +24,7 @@ void fp3_layout_free(fp3_layout *layout) {
     for (uint32_t i = 0; i < layout->count; i++) {
         fp3_image_free(&layout->groups[i].image);
         fp3_visit_free(&layout->groups[i].visit);
+        free(layout->groups[i].is_ahead);
     }
     free(layout->groups);
     free(layout->schedulers);

@@ -23,6 +23,7 @@ typedef struct {
     int counter;                /* register in which the program counts its steps, or -1 */
     int64_t counted;            /* the most steps that an object has there */
     uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
+    uint8_t *is_ahead;          /* of each word of the program, if it is watched; else NULL */
 } fp3_members;
 
 typedef struct {

@@ -1,7 +1,7 @@
 /* origin.h - what objects and groups held when the last run began, so that it can be made again.
  *
  * It mirrors what the host writes. What a run changes is read back when the next run begins, and only
- * if a run reads it: the first run after a load costs no access.
+ * if a run reads it or it is a state: the first run after a load costs no access.
  */
 #ifndef FP3_ORIGIN_H
 #define FP3_ORIGIN_H

@@ -4,15 +4,16 @@
 
 #include <fp3/engine.h>
 
-/* Exceptions after which a number means nothing. */
-#define FP3_FLAGS_GRAVE (FP3_FLAG_INVALID | FP3_FLAG_DIVIDE_BY_ZERO | FP3_FLAG_OVERFLOW)
+/* Exceptions after which a number means nothing; no operation raises divide by zero. */
+#define FP3_FLAGS_GRAVE (FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW)
 #define FP3_NEVER UINT64_MAX
 
 /* Steps count from 1 in this run. */
 typedef struct {
-    uint64_t raised;    /* the first step with a grave exception; 0: the first part; FP3_NEVER */
+    uint64_t raised;    /* the first step with a grave exception, or FP3_NEVER */
     uint64_t strayed;   /* the first step after which a state was not finite; 0: before them */
     uint32_t flags;     /* the grave exceptions of the first instruction that has one */
+    uint32_t ahead;     /* likewise, of the step that follows, if one follows in this visit */
     uint32_t reg, bits; /* which state that was */
     int is_astray;      /* a state is not finite in the end */
 } fp3_watched;
@@ -24,6 +25,18 @@ static inline void fp3_watch_flags(fp3_watched *w, uint32_t step, uint32_t flags
         w->raised = step;
         w->flags = flags & FP3_FLAGS_GRAVE;
     }
+}
+
+/* Of an instruction that works for the step that follows. */
+static inline void fp3_watch_ahead(fp3_watched *w, uint32_t flags) {
+    if (!w->ahead)
+        w->ahead = flags & FP3_FLAGS_GRAVE;
+}
+
+/* That step begins. */
+static inline void fp3_watch_step(fp3_watched *w, uint32_t step) {
+    fp3_watch_flags(w, step, w->ahead);
+    w->ahead = 0;
 }
 
 /* states: a set of registers. The first of them that is not finite; 64: none. */

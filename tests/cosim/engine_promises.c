@@ -312,7 +312,13 @@ static void failures_are_those_of_the_last_run(bench *b) {
     EXPECT(f.is_before && f.flags == 0 && f.state == 0 && f.value > 3e38f);
     fp3_engine_failure_text(b->engine, &f, text);
     EXPECT(strcmp(text, "object 0 before its first step: state x is infinite") == 0);
+    /* A state that is only stored is infinite, and this run leaves it so. */
+    EXPECT(!fp3_engine_set(b->engine, "x", 0x1p127f) && !fp3_engine_set(b->engine, "a", 1));
+    EXPECT(!fp3_engine_run(b->engine, 1, NULL) && !fp3_engine_run(b->engine, 0, NULL));
+    EXPECT(!fp3_engine_failure(b->engine, 0, objects, &f) && f.failed == objects);
+    EXPECT(f.is_before && f.flags == 0 && f.state == 1 && f.value > 3e38f);
     /* One object alone is well again: that is of the next run. */
+    EXPECT(!fp3_engine_set(b->engine, "x", INFINITY) && !fp3_engine_set(b->engine, "y", 0));
     EXPECT(!fp3_engine_write(b->engine, objects - 1, 1, 0, &x));
     EXPECT(fp3_engine_failure(b->engine, 0, 1, &f) == FP3_E_ARGUMENT);
     EXPECT(!fp3_engine_run(b->engine, 1, NULL));

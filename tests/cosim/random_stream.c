@@ -268,17 +268,18 @@ static void compare_status(bench *b, int is_part) {
     }
 }
 
-/* What the retirements of the isa engine and the states in the end say about an object. */
-static int has_failed(bench *b, uint32_t object) {
+/* What the retirements of the isa engine and the states in the end say about an object. An exception
+ * alone may be of a step that nobody makes. */
+static int is_told_right(bench *b, uint32_t object, int is_told) {
     const fp3_members *group = &b->engine[0]->layout.groups[0];
     const uint64_t states = fp3_engine_states_of(group);
-    int is_wrong = 0;
+    int is_raised = 0, is_astray = 0;
     for (size_t i = 1; i <= b->q.count; i++)
-        is_wrong |=
+        is_raised |=
             b->q.expected[i].object == object && (b->q.expected[i].flags & FP3_FLAGS_GRAVE) != 0;
     for (uint32_t reg = 0; reg < b->config->registers; reg++)
-        is_wrong |= states >> reg & 1 && !fp3_watch_is_finite(kept(b, 0, object, reg));
-    return is_wrong;
+        is_astray |= states >> reg & 1 && !fp3_watch_is_finite(kept(b, 0, object, reg));
+    return is_told ? is_raised || is_astray : !is_astray;
 }
 
 static int is_same_failure(const fp3_failure *a, const fp3_failure *b) {
@@ -287,8 +288,8 @@ static int is_same_failure(const fp3_failure *a, const fp3_failure *b) {
            memcmp(&a->value, &b->value, sizeof a->value) == 0;
 }
 
-/* Both engines tell the same failures: those that were seen, in the steps that the hardware's status
- * has. */
+/* Both engines tell the same failures: those that were seen, not before the step that the hardware's
+ * status has. */
 static void compare_failures(bench *b, int has_steps) {
     size_t failed = 0;
     fp3_failure all, f[2];
@@ -302,10 +303,10 @@ static void compare_failures(bench *b, int has_steps) {
             WRONG("object %" PRIu32 " fails in step %" PRIu32 " by 0x%02" PRIx32
                   ", the isa engine in step %" PRIu32 " by 0x%02" PRIx32,
                   object, f[1].step, f[1].flags, f[0].step, f[0].flags);
-        if (b->config->flags && (int)f[0].failed != has_failed(b, object))
+        if (b->config->flags && !is_told_right(b, object, f[0].failed != 0))
             WRONG("object %" PRIu32 ": %zu failures are told", object, f[0].failed);
-        /* A status has no step 0, which is the first part's. */
-        if (has_steps && f[0].flags && f[0].step && s.failed != f[0].step)
+        /* A status has no step 0, which is that of the first part of the first visit. */
+        if (has_steps && f[0].flags && f[0].step > 1 && s.failed > f[0].step)
             WRONG("object %" PRIu32 " fails in step %" PRIu32 ", its status says %" PRIu32, object,
                   f[0].step, s.failed);
         failed += f[0].failed;

@@ -196,8 +196,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * and the next run numbers its steps as if this one had not been. If the configuration interleaves,
  * objects hold what the last visit that they completed stored; otherwise all instructions before the
  * end were executed.
- * Every run after the first since a load begins by reading back the registers that its programs load, unless
- * they were written since: fp3_engine_failure may need them. */
+ * Every run after the first since a load begins by reading back states and the registers that its
+ * programs load, unless they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
 /* The counters of one scheduler in the last run. FP3_E_ARGUMENT: it had no such scheduler. */
@@ -218,9 +218,10 @@ fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
 #define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
 
 typedef struct {
-    uint32_t flags;  /* raised since open or the last clear, as in fp3_retirement */
-    uint32_t failed; /* the step of the first invalid or overflow, its low 27 bits; 0: none */
-    uint32_t slept;  /* the step in which it fell asleep; 0: awake; FP3_REMOVED */
+    uint32_t flags; /* raised since open or the last clear, as in fp3_retirement */
+    /* The step in which the first invalid or overflow was raised, its low 27 bits; 0: none. */
+    uint32_t failed;
+    uint32_t slept; /* the step in which it fell asleep; 0: awake; FP3_REMOVED */
 } fp3_object_status;
 
 /* Objects first .. first+count-1. flags and failed are 0 if the configuration does not keep a status;
@@ -230,14 +231,16 @@ fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
 /* Sets flags and failed to 0. FP3_E_ARGUMENT: also if the configuration does not keep a status. */
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
-/* How objects failed in a run: an instruction raised invalid or overflow, or a .state
- * is not finite in the end. Underflow and inexact are no failures. */
+/* How objects failed in a run: an instruction raised invalid or overflow, or a .state is not finite in
+ * the end. Underflow and inexact are no failures. An instruction whose result reaches nothing of its
+ * step counts for the next step, and not if its visit ends before; one of the first part counts for
+ * the step that follows. */
 typedef struct {
     size_t failed; /* how many; 0: none, and the rest is 0 */
     /* The one that failed in the earliest step; of several, the one with the lowest number. */
     size_t object;
     uint32_t step; /* counted from the load, as `sleep` does */
-    int is_before; /* 1: in the first part, or before it, and not in a step of the run */
+    int is_before; /* 1: a state was not finite before the first step of the run */
     uint32_t
         flags; /* of the first such instruction, as in fp3_retirement; 0: a state has strayed */
     uint32_t state; /* then the register of that state, ... */
