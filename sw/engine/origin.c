@@ -98,9 +98,11 @@ fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
-        /* A state that is only stored may be left as it is. */
-        const uint64_t wanted =
-            named_by(engine, group, FP3_OP_LD, FP3_OP_LDS) | fp3_engine_states_of(group);
+        const int slept = group->program.slept;
+        /* A state that is only stored may be left as it is; so may what says that an object sleeps. */
+        const uint64_t wanted = named_by(engine, group, FP3_OP_LD, FP3_OP_LDS) |
+                                fp3_engine_states_of(group) |
+                                (slept < 0 ? 0 : (uint64_t)1 << slept);
         const uint32_t room = 1u << group->log2, has = engine->config->registers;
         for (uint32_t n = 0; !status && n < group->objects; n++)
             status = read_object(engine, group->first + n, wanted, room < has ? room : has);

@@ -196,7 +196,8 @@ static fp3_status take_steps(const fp3_program *program, const fp3_params *param
     if (input == FP3_NONE)
         return FP3_OK;
     fp3_status status = take(params, FP3_NAME_STEPS, share, &n, &is_spread, error);
-    n = (double)(float)n; /* a spread of whole numbers is whole but for its last bit in double */
+    if (is_spread) /* between whole numbers it is whole but for its last bit in double */
+        n = (double)(float)n;
     const char *expected = status ? NULL : word_of(n, WORD_STEPS, &values[input]);
     if (expected)
         return fp3_value_wrong(params, FP3_NAME_STEPS, error, "'steps' is %.9g: expected %s", n,

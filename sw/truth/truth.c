@@ -190,10 +190,12 @@ static fp3_status check_again(orbit *o, double t, const double *states, fp3_erro
 /* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
  * model then explodes: with a tighter one it does not. */
 static int find_sizes(orbit *o, double t, double *y) {
-    int result = GSL_FAILURE;
-    for (double rough = ROUGH; result && result != GSL_ENOMEM && rough > TOLERANCE; rough /= 1000)
+    const int first = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, t, y);
+    int result = first;
+    for (double rough = ROUGH / 1000; result && first != GSL_ENOMEM && rough > TOLERANCE;
+         rough /= 1000)
         result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, t, y);
-    return result;
+    return result ? first : GSL_SUCCESS;
 }
 
 static fp3_status follow(orbit *o, double t, double *states, fp3_error *error) {

@@ -338,7 +338,7 @@ def test_a_state_without_bounds_is_said(models, tmp_path):
     path.write_text("state x = 1\nstep 1\nspan 1\nx' = x^2\n")
     assert models("truth", path, 0.9).stdout.split()[1].startswith("9.99999999")
     got = models("truth", path, 2)
-    assert (got.returncode, got.stdout, got.stderr) == (2, "", "GSL's rk8pd does not reach time 2: failure\n")
+    assert (got.returncode, got.stdout, got.stderr) == (2, "", "GSL's rk8pd does not reach time 2: failure (an explicit method: no stiff model)\n")
 
 
 def test_time_0_is_the_start(show, truth):
