@@ -48,8 +48,8 @@ typedef struct {
     fp3_model *ship;    /* SHIP_MODEL, likewise */
     char **report;      /* errors of a source */
     fp3_progress *progress;
-    int is_headed;      /* the table has its head */
-    fp3_error mismatch; /* the first of all */
+    int is_headed;                         /* the table has its head */
+    fp3_error mismatch, failure, no_truth; /* the first of all, each */
 } results;
 
 static fp3_status open_program(const options *o, const char *path, const char *config, results *to,
@@ -61,10 +61,26 @@ static fp3_status open_program(const options *o, const char *path, const char *c
     return fp3_program_open(path, &def, program, to->report, error);
 }
 
-static void note_mismatch(const fp3_bench_outcome *o, results *to) {
-    if (o->got.mismatches && !to->mismatch.text[0])
-        fp3_fail(&to->mismatch, FP3_E_MISMATCH, "%s, %s: %s", o->program, o->what.config,
-                 o->got.mismatch.text);
+static void note_first(fp3_error *first, const fp3_bench_outcome *o, const char *why) {
+    if (why[0] && !first->text[0])
+        fp3_fail(first, FP3_E_FAILED, "%s, %s: %s", o->program, o->what.config, why);
+}
+
+static void note_all(const fp3_bench_outcome *o, results *to) {
+    note_first(&to->mismatch, o, o->got.mismatch.text);
+    note_first(&to->failure, o, o->got.failure);
+    note_first(&to->no_truth, o, o->got.no_truth.text);
+}
+
+/* What the figures themselves say, once all of them are there. */
+static fp3_status judge(const results *to, fp3_error *error) {
+    if (to->mismatch.text[0])
+        return fp3_fail(error, FP3_E_MISMATCH, "%s", to->mismatch.text);
+    if (to->failure.text[0])
+        return fp3_fail(error, FP3_E_FAILED, "%s", to->failure.text);
+    if (to->no_truth.text[0])
+        return fp3_fail(error, FP3_E_FAILED, "no truth: %s", to->no_truth.text);
+    return FP3_OK;
 }
 
 /* After the first, so many as make the object-steps that one object is asked for. */
@@ -120,7 +136,7 @@ static fp3_status bench_pair(const options *o, const fp3_program *program, fp3_b
         printf("%s, %s: no truth, so no error: %s\n", x->program, x->config->name,
                x->got.no_truth.text);
     json_array_append_new(to->runs, fp3_bench_json(x));
-    note_mismatch(x, to);
+    note_all(x, to);
     return FP3_OK;
 }
 
@@ -202,7 +218,7 @@ static void tell_scene(const scene *s, const fp3_bench_outcome *o, double per, d
     json_object_set_new(object, "cycles_per_object_step", json_real(per));
     json_object_set_new(object, "ratio", json_real(ratio));
     json_array_append_new(to->scenes, object);
-    note_mismatch(o, to);
+    note_all(o, to);
 }
 
 static fp3_status bench_scene(const options *o, const scene *s, double *reference, results *to,
@@ -263,16 +279,21 @@ static fp3_status check_config(const options *o, fp3_error *error) {
 }
 
 /* Asked for by a path, or by a name in programs/: assembly, else a model. */
-static void find_program(const char *program, char *path, size_t size) {
-    snprintf(path, size, "%s", program);
-    if (strchr(program, '/') || fp3_program_is_named(program))
-        return;
+static fp3_status find_program(const char *program, char *path, size_t size, fp3_error *error) {
+    static const char *const endings[] = {"s", "ode"};
     struct stat found;
-    char assembly[4096];
-    snprintf(path, size, "programs/%s.ode", program);
-    snprintf(assembly, sizeof assembly, "programs/%s.s", program);
-    if (stat(assembly, &found) == 0 || stat(path, &found) != 0)
-        snprintf(path, size, "%s", assembly);
+    snprintf(path, size, "%s", program);
+    if (strchr(program, '/') || fp3_program_is_named(program) || !strcmp(program, "-"))
+        return FP3_OK;
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, size, "programs/%s.%s", program, endings[i]);
+        if (stat(path, &found) == 0)
+            return FP3_OK;
+    }
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "--program: no program programs/%s.s or programs/%s.ode; a path has a / or an "
+                    "ending",
+                    program, program);
 }
 
 static fp3_status bench_ships(const options *o, results *to, fp3_error *error) {
@@ -310,9 +331,9 @@ static fp3_status check_files(const options *o, const char *program, fp3_error *
 static fp3_status bench(const options *o, char **report, fp3_error *error) {
     results to = {.runs = json_array(), .scenes = json_array(), .report = report};
     char path[4096] = "";
-    if (o->program)
-        find_program(o->program, path, sizeof path);
-    fp3_status status = check_files(o, o->program ? path : NULL, error);
+    fp3_status status = o->program ? find_program(o->program, path, sizeof path, error) : FP3_OK;
+    if (!status)
+        status = check_files(o, o->program ? path : NULL, error);
     if (!status)
         status = check_config(o, error);
     if (!status)
@@ -328,8 +349,8 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     fp3_progress_end(&to.progress);
     if (!status && o->json)
         status = write_json(o->json, to.runs, to.scenes, error);
-    if (!status && to.mismatch.text[0])
-        status = fp3_fail(error, FP3_E_MISMATCH, "%s", to.mismatch.text);
+    if (!status)
+        status = judge(&to, error);
     json_decref(to.runs);
     json_decref(to.scenes);
     fp3_model_free(&to.ship);
@@ -394,7 +415,8 @@ int fp3_cmd_bench(int argc, char **argv) {
         .doc =
             "Runs the ship, or another program or model, on the hardware under Verilator: compares "
             "every write of a state with golden (a ship by hand) or the isa engine bit for bit, "
-            "counts cycles, measures the error against truth. Exit code 1 on any mismatch."};
+            "counts cycles, measures the error against truth. Exit code 1 on any mismatch, 3 if "
+            "objects failed or there is no truth; the figures are there."};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error = {""};
     char *report = NULL;

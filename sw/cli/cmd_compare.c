@@ -66,7 +66,8 @@ typedef struct {
     fp3_ladder *ladder;
     fp3_engine *rtl[MACHINES], *model_engine[MACHINES];
     json_t *rows, *left_out;
-    unsigned wrong;
+    unsigned wrong;         /* rows with mismatches */
+    fp3_error failure;      /* of the first row in which objects failed */
     fp3_error no_reference; /* why there is no ladder; "": there is */
     fp3_progress *progress;
 } comparison;
@@ -303,6 +304,9 @@ static fp3_status compare_integrator(comparison *k, const char *name, fp3_error 
         else {
             put_row(k, integrator, i, &r);
             k->wrong += r.mismatches != 0;
+            if (r.failure[0] && !k->failure.text[0])
+                fp3_fail(&k->failure, FP3_E_FAILED, "%s, %s: %s", name, arithmetics[i].name,
+                         r.failure);
         }
     }
     fp3_integrator_free(&integrator);
@@ -337,6 +341,17 @@ static fp3_status open_ladder(comparison *k, fp3_error *error) {
     return FP3_OK;
 }
 
+/* What the rows themselves say, once all of them are there. */
+static fp3_status judge(const comparison *k, fp3_error *error) {
+    if (k->wrong)
+        return fp3_fail(error, FP3_E_MISMATCH, "%u rows do not agree bit for bit", k->wrong);
+    if (k->failure.text[0])
+        return fp3_fail(error, FP3_E_FAILED, "%s", k->failure.text);
+    if (k->no_reference.text[0])
+        return fp3_fail(error, FP3_E_FAILED, "no reference: %s", k->no_reference.text);
+    return FP3_OK;
+}
+
 static fp3_status compare(comparison *k, fp3_error *error) {
     const options *o = k->o;
     fp3_status status = open_ladder(k, error);
@@ -354,9 +369,7 @@ static fp3_status compare(comparison *k, fp3_error *error) {
         status = write_json(k, error);
     close_engines(k);
     fp3_ladder_close(&k->ladder);
-    if (!status && k->wrong)
-        status = fp3_fail(error, FP3_E_MISMATCH, "%u rows do not agree bit for bit", k->wrong);
-    return status;
+    return status ? status : judge(k, error);
 }
 
 /* ---- the command ---- */
@@ -441,7 +454,9 @@ int fp3_cmd_compare(int argc, char **argv) {
             "Compares integrators on MODEL (*.ode), in FP32: operations, instructions, cycles "
             "per object-step for many objects and for one, order as it is measured, smallest "
             "error that any time step reaches (relative, root of the mean square over states and "
-            "8 times of the span), and words in which hardware, C model and equations differ."};
+            "8 times of the span), and words in which hardware, isa engine and equations differ. "
+            "Exit code 1 if any do, 3 if objects failed or there is no reference; the rows are "
+            "there."};
     options o = {.most_steps = 131072};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;

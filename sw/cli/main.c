@@ -34,9 +34,10 @@ static const char text[] =
     "Programs for FP3, a processor for equations of motion.\v"
     "Commands:\n" LINES "\n"
     "'fp3 COMMAND --help' lists a command's options.\n"
-    "Exit codes: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run:\n"
-    "an instruction raised invalid or overflow, or a state is NaN or infinite in\n"
-    "the end; all outputs are there.\n"
+    "Exit codes: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run\n"
+    "(an instruction raised invalid or overflow, or a state is NaN or infinite in\n"
+    "the end), or there is no truth to measure errors against; with 3 all outputs\n"
+    "are there.\n"
     "A file named - is standard input, or standard output.\n"
     "Environment: FP3_RTL_DIR is the directory of the simulated hardware, if "
     "it is not where it was installed.";

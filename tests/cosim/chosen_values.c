@@ -63,6 +63,16 @@ static uint32_t bits_of(float value) {
     return bits;
 }
 
+/* By bits alone: the isa engine calls back in the rounding mode of its configuration. */
+static uint32_t power_of_two(float integral) {
+    if (integral > 127)
+        return 0x7f800000u;
+    if (integral < -149)
+        return 0;
+    const int n = (int)integral;
+    return n < -126 ? 1u << (n + 149) : (uint32_t)(n + 127) << 23;
+}
+
 static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in) {
     const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
     switch (op) {
@@ -82,8 +92,8 @@ static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in
         return fp3_estimate_rcp(in[0]);
     case FP3_OP_RINT:
         return isnan(a) ? in[0] : bits_of(config->nearest ? rintf(a) : truncf(a));
-    case FP3_OP_EXP2: /* rounded to FP32 the power is infinite or 0 where it has to be */
-        return isnan(a) ? in[0] : bits_of((float)exp2(fabsf(a) < 1000 ? (double)(int)a : a));
+    case FP3_OP_EXP2:
+        return isnan(a) ? in[0] : power_of_two(truncf(a));
     case FP3_OP_LOGB:
         return isnan(a) ? in[0] : bits_of(fpclassify(a) == FP_SUBNORMAL ? -INFINITY : logbf(a));
     default:

@@ -6,17 +6,10 @@ import struct
 import subprocess
 
 import pytest
+from runs import BUILD, fp3, number
 
-BUILD = os.environ["FP3_BUILD"]
-FP3 = os.path.join(BUILD, "fp3")
 HERE = os.path.dirname(os.path.abspath(__file__))
 BALL = os.path.join(os.path.dirname(os.path.dirname(HERE)), "programs", "bouncing_ball.ode")
-
-
-def fp3(*arguments, status=0):
-    done = subprocess.run([FP3, *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == status, done.stdout + done.stderr
-    return done
 
 
 @pytest.fixture
@@ -28,10 +21,6 @@ def model(tmp_path):
         return tmp_path / name
 
     return write
-
-
-def number(bits):
-    return struct.unpack("<f", struct.pack("<I", int(bits, 16)))[0]
 
 
 def ends(*arguments, names=None):

@@ -6,9 +6,8 @@ import struct
 import subprocess
 
 import pytest
+from runs import BUILD, fp3, number
 
-BUILD = os.environ["FP3_BUILD"]
-FP3 = os.path.join(BUILD, "fp3")
 RUNGE_KUTTA = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6"]
 MOVERS = ["rk4_paper", "semi_implicit_euler", "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]
 MOST = 2**24
@@ -41,12 +40,6 @@ step 0.01
 """
 
 
-def fp3(*arguments, status=0):
-    done = subprocess.run([FP3, *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == status, done.stdout + done.stderr
-    return done
-
-
 @pytest.fixture
 def model(tmp_path):
     def write(text, name="m.ode"):
@@ -61,10 +54,6 @@ def ends(*arguments):
     out = fp3("run", *arguments).stdout
     return {(name, int(number)): bits
             for name, bits, number in re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8}) +object (\d+)$", out, re.M)}
-
-
-def number(bits):
-    return struct.unpack("<f", struct.pack("<I", int(bits, 16)))[0]
 
 
 def f32(x):

@@ -207,9 +207,11 @@ def test_tables_of_measurements_say_which_row_failed(fp3, root, tmp_path):
     done = subprocess.run([fp3, "bench", "--program", tmp_path / "x.s", "--config", "many", "--steps", "1000", "--params",
                            tmp_path / "x.cfg", "--json", tmp_path / "x.json"], cwd=root, capture_output=True, text=True, timeout=300)
     assert re.search(r"words; failed: object 0 in step 13: overflow$", done.stdout, re.M), done.stdout + done.stderr
+    assert done.returncode == 3 and done.stderr == "fp3 bench: x, many: object 0 in step 13: overflow\n"
     assert json.loads((tmp_path / "x.json").read_text())["runs"][0]["failed"] == "object 0 in step 13: overflow"
     (tmp_path / "m.ode").write_text("state x = 1e4\nstep 1\nspan 3\nx' = -x*x\n")
     done = subprocess.run([fp3, "compare", "m.ode", "-i", "euler", "--json", "m.json"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 3 and done.stderr == "fp3 compare: euler, plain: object 0 in step 4: overflow\n"
     rows = [line for line in done.stdout.splitlines() if " euler " in line]
     assert rows and all("; failed: object 0 in step 4: overflow" in row for row in rows), done.stdout + done.stderr
     assert all(row["failed"] == "object 0 in step 4: overflow" for row in json.loads((tmp_path / "m.json").read_text())["rows"])

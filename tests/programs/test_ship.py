@@ -22,7 +22,7 @@ def bench(fp3, root, tmp_path):
     def run(*arguments, steps=200):
         path = tmp_path / "sim.json"
         path.unlink(missing_ok=True)
-        done = subprocess.run([fp3, "bench", "--steps", str(steps), "--json", path, *arguments],
+        done = subprocess.run([fp3, "bench", *(["--steps", str(steps)] if steps else []), "--json", path, *arguments],
                               cwd=root, capture_output=True, text=True, timeout=300)
         figures = json.loads(path.read_text()) if path.exists() else {"runs": None}
         run.scenes = figures.get("scenes")
@@ -169,22 +169,24 @@ def test_bench_fails_on(bench, root, tmp_path, what, config):
 def test_bench_says_what_it_cannot_do(bench, tmp_path):
     cases = [
         (["--config", "nonesuch"], "no configuration 'nonesuch'"),
-        (["--program", "nonesuch"], "no program programs/nonesuch.s"),
+        (["--program", "nonesuch"], "no program programs/nonesuch.s or programs/nonesuch.ode"),
         (["--program", "ship_madd", "--config", "paper"], "chained multiply-add"),
         (["--params", "nonesuch.cfg"], "nonesuch.cfg"),
         (["--steps", "0"], "'0' is no number"),
     ]
     for arguments, message in cases:
-        done, runs = bench(*arguments)
+        done, runs = bench(*arguments, steps=None)
         assert done.returncode == 2 and message in done.stderr and runs is None, (arguments, done.stderr)
 
 
 def test_bench_needs_a_truth(bench, root, tmp_path):
-    """Without drag the closed form of ship.ode divides by 0: no figures instead of nonsense."""
+    """Without drag the closed form of ship.ode divides by 0: no errors, and why, instead of nonsense."""
     params = tmp_path / "ship.cfg"
     params.write_text((root / "programs/ship.cfg").read_text().replace("4.1e4", "0.0"))
-    done, runs = bench("--params", params)
-    assert done.returncode != 0 and "truth" in done.stderr and runs is None, done.stderr
+    done, (run,) = bench("--program", "ship", "--config", "single", "--params", params)
+    assert done.returncode == 3 and "ship, single: " in done.stderr and "no truth" in done.stderr
+    assert "no truth, so no error: " in done.stdout
+    assert run["mismatches"] == 0 and run["rel_err_v"] is None and run["rel_err_s"] is None
 
 
 def test_any_model_has_a_benchmark(bench, fp3, root):

@@ -41,7 +41,8 @@ FP3_API_BEGIN
 typedef struct fp3_engine fp3_engine;
 
 /* A result written to a register. The writes of one register come in program order, those of
- * different registers in the order of their cycles. */
+ * different registers in the order of their cycles. An engine may call back in the rounding mode of its
+ * configuration: a callback that computes sets its own, and puts the old one back. */
 typedef struct {
     uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */

@@ -22,7 +22,8 @@ typedef enum {
     FP3_E_LIMIT,    /* stopped at a limit that the caller gave; the state is readable */
     FP3_E_SYSTEM,   /* memory, file or device */
     FP3_E_MISMATCH, /* two results that must agree do not */
-    FP3_E_FAILED    /* a run came to its end, and objects failed in it: fp3_engine_failure */
+    FP3_E_FAILED    /* all outputs are there, but objects failed in a run (fp3_engine_failure), or a
+                     * command had no truth to measure errors against */
 } fp3_status;
 
 typedef struct {
@@ -35,7 +36,7 @@ __attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_
                                                           const char *format, ...);
 
 /* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage, 3
- * objects failed in a run. */
+ * objects failed in a run, or there was no truth. */
 int fp3_exit_code(fp3_status status);
 
 FP3_API_END

@@ -1,0 +1,18 @@
+"""The command, started by a test, and the numbers that it prints as bits."""
+
+import os
+import struct
+import subprocess
+
+BUILD = os.environ["FP3_BUILD"]
+FP3 = os.path.join(BUILD, "fp3")
+
+
+def fp3(*arguments, status=0):
+    done = subprocess.run([FP3, *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == status, done.stdout + done.stderr
+    return done
+
+
+def number(bits):
+    return struct.unpack("<f", struct.pack("<I", int(bits, 16)))[0]
