@@ -6,6 +6,7 @@
 #include "files.h"
 #include "progress.h"
 #include "run_print.h"
+#include "run_record.h"
 
 #include <fp3/scene.h>
 #include <fp3/trace.h>
@@ -18,6 +19,8 @@ typedef struct {
     uint64_t steps, cycle_limit, objects, visit;
     int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_params *params;
+    fp3_run_record record;
+    fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
     double clock; /* Hz; 0: not given */
     fp3_progress *progress;
@@ -35,7 +38,11 @@ enum {
     KEY_MODEL,
     KEY_CLOCK,
     KEY_SPREAD,
-    KEY_ALLOW
+    KEY_ALLOW,
+    KEY_EVERY,
+    KEY_TIMES,
+    KEY_OBSERVE,
+    KEY_OUTPUT
 };
 
 static const struct argp_option table[] = {
@@ -45,7 +52,8 @@ static const struct argp_option table[] = {
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), or isa, an instruction-set simulator in C", 0},
-    {"steps", 'n', "N", 0, "How often the step part runs (default: 1)", 0},
+    {"steps", 'n', "N", 0,
+     "How often the step part runs (default: 1; with --times until the last of them)", 0},
     {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
      0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
@@ -65,6 +73,20 @@ static const struct argp_option table[] = {
     {"allow-failures", KEY_ALLOW, NULL, 0,
      "End with exit code 0, not 3, where objects failed: an instruction raised invalid or "
      "overflow, or a state is NaN or infinite in the end",
+     0},
+    {"output", KEY_OUTPUT, "FILE", 0,
+     "Write what is observed to FILE, as CSV: a row for each object of each snapshot", 0},
+    {"every", KEY_EVERY, "N", 0,
+     "With --output: a snapshot after every N steps, at the start and at the end (default: at "
+     "these two)",
+     0},
+    {"times", KEY_TIMES, "T1,T2,...", 0,
+     "With --output: snapshots at these times from the start of the run alone, whole multiples of "
+     "h in its unit",
+     0},
+    {"observe", KEY_OBSERVE, "NAMES", 0,
+     "With --output: states, and of a model definitions and invariants, with commas between them; "
+     "may be repeated (default: all states)",
      0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
@@ -97,6 +119,13 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
     if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
+    if (o->record.def.path && o->scene)
+        argp_error(state, "--output: a scene's groups have states of their own: record a group's "
+                          "program by itself");
+    if (o->record.def.path && o->cycle_limit)
+        argp_error(state, "--cycle-limit: a limit is of one run, and --output makes a run for each "
+                          "snapshot");
+    fp3_run_record_check(&o->record, state);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -149,6 +178,18 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_BUS_LOG:
         o->bus_log = text;
         break;
+    case KEY_OUTPUT:
+        o->record.def.path = text;
+        break;
+    case KEY_EVERY:
+        fp3_run_record_every(&o->record, state, text);
+        break;
+    case KEY_TIMES:
+        fp3_run_record_times(&o->record, state, text);
+        break;
+    case KEY_OBSERVE:
+        fp3_run_record_observe(&o->record, state, text);
+        break;
     case KEY_PARAMS:
         fp3_files_read(&o->files, "--params", text);
         if (fp3_params_load(o->params, text, &error))
@@ -197,11 +238,24 @@ static void warn(const options *o, const fp3_run_task *of) {
     }
 }
 
+static fp3_status record(options *o, const fp3_program *program, fp3_engine *engine, fp3_cost *cost,
+                         fp3_error *error) {
+    fp3_recording_def *def = &o->record.def;
+    fp3_status status = FP3_OK;
+    if (def->times && !o->has_steps)
+        status =
+            fp3_recording_steps(program, o->params, def->times, def->time_count, &o->steps, error);
+    def->steps = o->steps;
+    if (!status)
+        status = fp3_recording_open(def, program, o->params, engine, &o->recording, error);
+    return status ? status : fp3_recording_run(o->recording, cost, error);
+}
+
 /* *has_run: it came as far. */
 static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *def, int *has_run,
                       fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_stats stats;
+    fp3_cost cost = {0};
     fp3_status status = fp3_engine_open(def, &engine);
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
@@ -211,16 +265,18 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
-        status = fp3_engine_run(engine, o->steps, &stats);
+        status = o->record.def.path ? record(o, of->program, engine, &cost, error)
+                                    : fp3_engine_run(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            fp3_run_print(engine, of, def, &stats, o->all, o->clock);
+            fp3_run_print(engine, of, def, &cost, o->all, o->clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
-        status = fp3_run_check(engine, error);
+        status = fp3_run_check(engine, &cost, error);
+    fp3_recording_close(&o->recording);
     fp3_engine_close(&engine);
     return status;
 }
@@ -248,14 +304,21 @@ static fp3_status run_and_log(options *o, const fp3_run_task *of, fp3_engine_def
     return logged;
 }
 
+/* An fp3_progress_fn. */
+static void tell(void *options_of, double share) {
+    const options *o = options_of;
+    fp3_progress_share(o->progress,
+                       o->recording ? fp3_recording_share(o->recording, share) : share);
+}
+
 /* What both have. */
-static void define(const options *o, fp3_engine_def *def, fp3_error *error) {
+static void define(options *o, fp3_engine_def *def, fp3_error *error) {
     def->engine = o->engine ? o->engine : def->engine;
     def->visit = o->visit ? (uint32_t)o->visit : def->visit;
     def->cycle_limit = o->cycle_limit;
     def->bus_log = o->bus_log;
-    def->progress = o->progress ? fp3_progress_share : NULL;
-    def->progress_user = o->progress;
+    def->progress = o->progress ? tell : NULL;
+    def->progress_user = o;
     def->error = error;
 }
 
@@ -265,6 +328,7 @@ static fp3_status check_files(options *o, fp3_error *error) {
     fp3_files_read(&o->files, "--integrator", fp3_cli_integrator_file(o->integrator));
     fp3_files_write(&o->files, "--kanata", o->kanata);
     fp3_files_write(&o->files, "--bus-log", o->bus_log);
+    fp3_files_write(&o->files, "--output", o->record.def.path);
     return fp3_files_check(&o->files, error);
 }
 
@@ -317,7 +381,7 @@ static fp3_status run_scene(options *o, fp3_error *error) {
 }
 
 int fp3_cmd_run(int argc, char **argv) {
-    options o = {.steps = 1};
+    options o = {.steps = 1, .record.def = fp3_recording_default()};
     const struct argp argp = {
         .options = table,
         .parser = parse,
@@ -343,5 +407,6 @@ int fp3_cmd_run(int argc, char **argv) {
     const int exit_code = fp3_cli_end("run", status, &error, report);
     free(report);
     fp3_params_free(&o.params);
+    fp3_run_record_free(&o.record);
     return exit_code;
 }

@@ -62,25 +62,33 @@ static void print_asleep(fp3_engine *engine, const part *of) {
     putchar('\n');
 }
 
+static fp3_status find_failure(fp3_engine *engine, const part *of, const fp3_cost *cost,
+                               fp3_failure *failure) {
+    *failure = cost->failure;
+    return cost->counter ? FP3_OK : fp3_engine_failure(engine, of->first, of->objects, failure);
+}
+
 /* Nothing of a run that ended before its time. */
-static void print_failed(fp3_engine *engine, const part *of) {
+static void print_failed(fp3_engine *engine, const part *of, const fp3_cost *cost) {
     fp3_failure failure;
     char text[FP3_FAILURE_TEXT_SIZE];
-    if (fp3_engine_failure(engine, of->first, of->objects, &failure) || !failure.failed)
+    if (find_failure(engine, of, cost, &failure) || !failure.failed)
         return;
     fp3_engine_failure_text(engine, &failure, text);
     printf("%-16s %zu of %zu, first %s\n", "failed", failure.failed, of->objects, text);
 }
 
-static void print_status(fp3_engine *engine, const part *of) {
+static void print_status(fp3_engine *engine, const part *of, const fp3_cost *cost) {
     print_asleep(engine, of);
-    print_failed(engine, of);
+    print_failed(engine, of, cost);
 }
 
-static void print_occupancy(fp3_engine *engine, const fp3_stats *stats) {
-    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
+static void print_occupancy(fp3_engine *engine, const fp3_cost *cost) {
+    for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        if (!fp3_engine_scheduler_counters(engine, scheduler, counter))
+        if (cost->counter)
+            fp3_occupancy_print(stdout, scheduler, cost->counter[scheduler]);
+        else if (!fp3_engine_scheduler_counters(engine, scheduler, counter))
             fp3_occupancy_print(stdout, scheduler, counter);
     }
 }
@@ -114,13 +122,14 @@ static void print_time(const fp3_stats *stats, int is_rtl, double clock) {
     printf("; no time of the hardware\n");
 }
 
-static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number, int all) {
+static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
+                        const fp3_cost *cost, int all) {
     const fp3_scene_group *group = &scene->groups[number];
     const part of = {group->program->image, group->first, group->objects};
     printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
            group->first + group->objects - 1);
     print_states(engine, &of, all);
-    print_status(engine, &of);
+    print_status(engine, &of, cost);
     printf("%-16s %" PRIu64 "\n\n", "object_steps", fp3_engine_group_steps(engine, number));
 }
 
@@ -145,28 +154,29 @@ static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
 }
 
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_stats *stats, int all, double clock) {
+                   const fp3_cost *cost, int all, double clock) {
+    const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     if (of->program) {
         const part objects = {of->program->image, 0, fp3_engine_objects(engine)};
         print_states(engine, &objects, all);
-        print_status(engine, &objects);
+        print_status(engine, &objects, cost);
     }
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
-        print_group(engine, of->scene, i, all);
+        print_group(engine, of->scene, i, cost, all);
     print_cost(stats);
     print_time(stats, is_rtl, clock);
     if (is_rtl)
-        print_occupancy(engine, stats);
+        print_occupancy(engine, cost);
     if (is_rtl && of->scene)
         print_balance(engine, stats);
 }
 
-fp3_status fp3_run_check(fp3_engine *engine, fp3_error *error) {
+fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error) {
     const size_t objects = fp3_engine_objects(engine);
     fp3_failure failure;
     char text[FP3_FAILURE_TEXT_SIZE];
-    fp3_status status = fp3_engine_failure(engine, 0, objects, &failure);
+    fp3_status status = find_failure(engine, &(part){.objects = objects}, cost, &failure);
     if (status || !failure.failed)
         return status;
     fp3_engine_failure_text(engine, &failure, text);

@@ -2,6 +2,7 @@
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H
 
+#include <fp3/recording.h>
 #include <fp3/scene.h>
 
 /* What is run: a program, or a scene; the other is NULL. */
@@ -10,12 +11,13 @@ typedef struct {
     const fp3_scene *scene;
 } fp3_run_task;
 
-/* A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
+/* cost: of a recording all; of a plain run stats alone, and the engine knows the rest.
+ * A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
  * 0: not asked for. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_stats *stats, int all, double clock);
+                   const fp3_cost *cost, int all, double clock);
 
 /* FP3_E_FAILED: objects failed in the run; error names the first. */
-fp3_status fp3_run_check(fp3_engine *engine, fp3_error *error);
+fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error);
 
 #endif

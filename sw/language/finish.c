@@ -1,5 +1,8 @@
 #include "finish.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #include "dimension_check.h"
 
 /* The state that is the right side of the equation, all by itself; or FP3_NONE. */
@@ -43,6 +46,25 @@ static void finish_states(ode_parser *p) {
     }
 }
 
+/* Without its brackets. */
+static void name_unit(const ode_parser *p, const ode_dimension *dimension,
+                      char unit[FP3_UNIT_SIZE]) {
+    char text[ODE_DIMENSION_TEXT_SIZE];
+    *unit = '\0';
+    if (dimension->kind != ODE_DIMENSION_KNOWN)
+        return;
+    fp3_ode_dimension_text(&p->dimension_names, dimension, text);
+    snprintf(unit, FP3_UNIT_SIZE, "%.*s", (int)strcspn(text + 1, "]"), text + 1);
+}
+
+static void name_units(ode_parser *p) {
+    for (uint32_t i = 0; i < p->definition_count; i++)
+        name_unit(p, &p->dimensions[p->definitions[i].expr], p->definitions[i].unit);
+    for (uint32_t i = 0; i < p->invariant_count; i++)
+        name_unit(p, &p->dimensions[p->invariants[i].expr], p->invariants[i].unit);
+    name_unit(p, &p->step.dimension, p->time_unit);
+}
+
 void fp3_ode_finish(ode_parser *p) {
     fp3_ode_check_dimensions(p, 0);
     fp3_ode_check_equations(p);
@@ -55,4 +77,6 @@ void fp3_ode_finish(ode_parser *p) {
         !fp3_ode_dimension_fits(&p->step.dimension, &p->span.dimension))
         fp3_ode_wrong(&p->in, p->span.at, "the unit of the step (line %u)",
                       p->step.at.location.line);
+    if (!p->in.report.count)
+        name_units(p);
 }

@@ -95,6 +95,7 @@ typedef struct {
     char model_name[FP3_NAME_SIZE];
     char *model_doc;
     ode_time step, span;
+    char time_unit[FP3_UNIT_SIZE];
     ode_dimension_names dimension_names;
     ode_quantity states[ODE_QUANTITIES], params[ODE_QUANTITIES];
     fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];

@@ -73,6 +73,7 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
         default_name(path, m->name);
     m->doc = p->model_doc ? p->model_doc : calloc(1, 1);
     p->model_doc = NULL;
+    memcpy(m->time_unit, p->time_unit, sizeof m->time_unit);
     m->step = p->step.value;
     m->span = fp3_token_exists(p->span.at) ? p->span.value : DEFAULT_STEPS * m->step;
     m->state_count = p->state_count;

@@ -92,9 +92,12 @@ typedef struct {
     uint32_t line;
 } fp3_quantity;
 
+#define FP3_UNIT_SIZE 80
+
 /* An intermediate definition, or an invariant, in the order of the text. */
 typedef struct {
     char name[FP3_NAME_SIZE];
+    char unit[FP3_UNIT_SIZE]; /* in base units, cut where it is long; "" if it has none */
     uint32_t expr;
     uint32_t line;
 } fp3_definition;
@@ -116,6 +119,7 @@ typedef struct {
 typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
+    char time_unit[FP3_UNIT_SIZE]; /* likewise, of `step` */
     double step, span; /* the default time step, and the time that benchmarks integrate (1000 steps
                           if the text does not say it) */
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;

@@ -1,0 +1,240 @@
+/* recording.c - a run in parts: after each, who failed in it is asked, and a snapshot is taken. */
+#include <fp3/recording.h>
+
+#include "csv.h"
+#include "plan.h"
+
+#include "engine/backend.h"
+#include "engine/count.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct fp3_recording {
+    fp3_source source;
+    fp3_columns columns;
+    fp3_plan plan;
+    fp3_subject subject;
+    char *path;
+    fp3_sink *sink;
+    uint64_t at, next; /* steps: that are made, and at the end of the part that is run */
+    uint64_t number;   /* of the next snapshot */
+    fp3_cost cost;
+    uint64_t (*counter)[FP3_COUNTER_COUNT];
+    char *has_failed; /* of each object; NULL: none has */
+};
+
+fp3_recording_def fp3_recording_default(void) { return (fp3_recording_def){.steps = 1}; }
+
+fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *params,
+                               const double *times, size_t count, uint64_t *steps,
+                               fp3_error *error) {
+    fp3_source source = {.program = program, .params = params};
+    fp3_status status = fp3_source_find_h(&source, error);
+    *steps = 0;
+    for (size_t i = 0; !status && i < count; i++)
+        status = fp3_plan_step(&source, times[i], steps, error);
+    return status;
+}
+
+/* ---- opening ---- */
+
+static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, fp3_error *error) {
+    if (!def->path)
+        return fp3_fail(error, FP3_E_ARGUMENT, "no file to record to");
+    if (engine->layout.count != 1)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "a recording is of one program: %" PRIu32 " groups have columns of their "
+                        "own",
+                        engine->layout.count);
+    if (def->times && def->every)
+        return fp3_fail(error, FP3_E_ARGUMENT, "snapshots are at times or every so many steps");
+    return def->steps <= UINT32_MAX
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_ARGUMENT, "%" PRIu64 " steps: a run has 4294967295 at most",
+                          def->steps);
+}
+
+static void describe(fp3_recording *r, const fp3_recording_def *def) {
+    const fp3_program *program = r->source.program;
+    const fp3_engine *engine = r->source.engine;
+    r->subject = (fp3_subject){.path = r->path,
+                               .program = program,
+                               .columns = &r->columns,
+                               .objects = r->source.objects,
+                               .snapshots = fp3_plan_count(&r->plan),
+                               .has_time = r->source.has_time,
+                               .h = r->source.h,
+                               .time_unit = program->model ? program->model->time_unit : "",
+                               .engine = engine->backend->name,
+                               .config = engine->config->name,
+                               .is_compressed = def->is_compressed};
+}
+
+static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
+    fp3_source *source = &r->source;
+    fp3_status status = fp3_source_find_h(source, error);
+    if (!status)
+        status = fp3_plan_make(source, def->steps, def->every, def->times, def->time_count,
+                               &r->plan, error);
+    if (!status)
+        status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
+    if (!status)
+        status = fp3_columns_open(source->program, def->observed, def->observed_count,
+                                  source->objects, &r->columns, error);
+    if (!status)
+        status = fp3_columns_begin(&r->columns, source, error);
+    r->counter = calloc(fp3_config_schedulers(source->engine->config), sizeof *r->counter);
+    r->path = strdup(def->path);
+    if (!status && (!r->counter || !r->path))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return status;
+}
+
+fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
+                              const fp3_params *params, fp3_engine *engine,
+                              fp3_recording **recording, fp3_error *error) {
+    *recording = NULL;
+    fp3_status status = check(def, engine, error);
+    if (status)
+        return status;
+    fp3_recording *r = calloc(1, sizeof *r);
+    if (!r)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    r->source = (fp3_source){.program = program,
+                             .params = params,
+                             .engine = engine,
+                             .objects = fp3_engine_objects(engine)};
+    status = prepare(r, def, error);
+    if (!status) {
+        describe(r, def);
+        status = fp3_csv_open(&r->subject, &r->sink, error);
+    }
+    if (status)
+        fp3_recording_close(&r);
+    *recording = r;
+    return status;
+}
+
+void fp3_recording_close(fp3_recording **recording) {
+    fp3_recording *r = *recording;
+    *recording = NULL;
+    if (!r)
+        return;
+    if (r->sink)
+        r->sink->close(r->sink);
+    fp3_columns_free(&r->columns);
+    fp3_plan_free(&r->plan);
+    free(r->counter);
+    free(r->has_failed);
+    free(r->path);
+    free(r);
+}
+
+/* ---- a snapshot ---- */
+
+static fp3_status take_snapshot(fp3_recording *r, fp3_error *error) {
+    const fp3_source *source = &r->source;
+    fp3_block block = {.number = r->number++, .step = r->at, .time = (double)r->at * source->h};
+    fp3_status status = FP3_OK;
+    for (; !status && block.first < source->objects; block.first += block.count) {
+        const size_t left = source->objects - block.first;
+        block.count = left < r->columns.room ? left : r->columns.room;
+        status = fp3_columns_read(&r->columns, source, r->at, block.first, block.count);
+        if (!status)
+            status = r->sink->put(r->sink, &block, error);
+    }
+    return status;
+}
+
+/* ---- a part of the run ---- */
+
+static fp3_status add_counters(fp3_recording *r, const fp3_stats *part) {
+    fp3_stats *sum = &r->cost.stats;
+    fp3_status status = FP3_OK;
+    for (uint32_t s = 0; !status && s < part->schedulers; s++) {
+        uint64_t counter[FP3_COUNTER_COUNT];
+        status = fp3_engine_scheduler_counters(r->source.engine, s, counter);
+        for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)
+            r->counter[s][i] += counter[i];
+    }
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+        sum->counter[i] += part->counter[i];
+    sum->schedulers += part->schedulers > sum->schedulers ? part->schedulers - sum->schedulers : 0;
+    sum->object_steps += part->object_steps;
+    sum->flags |= part->flags;
+    sum->seconds += part->seconds;
+    return status;
+}
+
+/* Counts each object once; those of the first part that has some tell which was first. */
+static fp3_status note_failures(fp3_recording *r, const fp3_failure *of_part, fp3_error *error) {
+    fp3_failure *first = &r->cost.failure;
+    size_t failed = first->failed;
+    fp3_status status = FP3_OK;
+    if (!r->has_failed && !(r->has_failed = calloc(r->source.objects, 1)))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < r->source.objects; i++) {
+        fp3_failure of_object;
+        if (r->has_failed[i])
+            continue;
+        status = fp3_engine_failure(r->source.engine, i, 1, &of_object);
+        if (!status && of_object.failed)
+            r->has_failed[i] = 1, failed++;
+    }
+    if (!first->failed)
+        *first = *of_part;
+    first->failed = failed;
+    return status;
+}
+
+static fp3_status look_for_failures(fp3_recording *r, fp3_error *error) {
+    fp3_failure of_part = {0};
+    fp3_status status = FP3_OK;
+    if (r->cost.failure.failed < r->source.objects)
+        status = fp3_engine_failure(r->source.engine, 0, r->source.objects, &of_part);
+    return !status && of_part.failed ? note_failures(r, &of_part, error) : status;
+}
+
+static fp3_status run_part(fp3_recording *r, fp3_error *error) {
+    fp3_stats part;
+    fp3_status status = fp3_engine_run(r->source.engine, r->next - r->at, &part);
+    const fp3_status counted = add_counters(r, &part);
+    if (!status)
+        status = counted;
+    if (!status)
+        status = look_for_failures(r, error);
+    return status;
+}
+
+static fp3_status run(fp3_recording *r, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    if (fp3_plan_has(&r->plan, 0))
+        status = take_snapshot(r, error);
+    do { /* a run of no steps, too, so that its states are looked at */
+        r->next = fp3_plan_next(&r->plan, r->at);
+        if (!status)
+            status = run_part(r, error);
+        const uint64_t before = r->at;
+        r->at = r->next;
+        if (!status && r->at > before && fp3_plan_has(&r->plan, r->at))
+            status = take_snapshot(r, error);
+    } while (!status && r->at < r->plan.steps);
+    return status ? status : r->sink->publish(r->sink, error);
+}
+
+fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error) {
+    fp3_status status = r->number || r->at
+                            ? fp3_fail(error, FP3_E_ARGUMENT, "a recording is of one run")
+                            : run(r, error);
+    r->cost.counter = (const uint64_t(*)[FP3_COUNTER_COUNT])r->counter;
+    if (cost)
+        *cost = r->cost;
+    return status;
+}
+
+double fp3_recording_share(const fp3_recording *r, double share) {
+    const double made = (double)r->at + share * (double)(r->next - r->at);
+    return r->plan.steps ? made / (double)r->plan.steps : share;
+}

@@ -1,0 +1,37 @@
+/* sink.h - what a form of file provides to a recording. */
+#ifndef FP3_OUTPUT_SINK_H
+#define FP3_OUTPUT_SINK_H
+
+#include "column.h"
+
+/* What is recorded. */
+typedef struct {
+    const char *path;
+    const fp3_program *program;
+    const fp3_columns *columns;
+    size_t objects;
+    uint64_t snapshots;
+    int has_time;
+    double h;
+    const char *time_unit;       /* "" where none is known */
+    const char *engine, *config; /* names */
+    int is_compressed;
+} fp3_subject;
+
+typedef struct {
+    uint64_t number; /* of the snapshot, from 0 */
+    uint64_t step;   /* of the run */
+    double time;
+    size_t first, count; /* objects, whose values the columns have */
+} fp3_block;
+
+typedef struct fp3_sink fp3_sink;
+struct fp3_sink {
+    /* Blocks come in the order of snapshots, then of objects. */
+    fp3_status (*put)(fp3_sink *sink, const fp3_block *block, fp3_error *error);
+    /* After the last block: the file gets its name. */
+    fp3_status (*publish)(fp3_sink *sink, fp3_error *error);
+    void (*close)(fp3_sink *sink);
+};
+
+#endif

@@ -1,0 +1,126 @@
+"""A run in parts is the same run: bits, steps, sleep, failures, counted steps; and it makes no visit too many."""
+
+import re
+import struct
+import subprocess
+import zlib
+
+import pytest
+
+WHERE = [("isa", "single_full"), ("rtl", "single_full"), ("isa", "many_full"), ("rtl", "many_full"), ("rtl", "array"), ("rtl", "shared_full")]
+
+
+def which(engine, config, objects=7):
+    return ("-e", engine, "-c", config, *(["-o", objects] if not config.startswith("single") else []))
+
+
+@pytest.mark.parametrize("engine, config", WHERE)
+@pytest.mark.parametrize("every", [1, 7, 20])
+def test_the_bits_of_one_run(start, root, engine, config, every):
+    for program, options in (("kepler.ode", ()), ("duffing.ode", ("-k",)), ("bouncing_ball.ode", ()), ("ship.s", ("--params", root / "programs/ship.cfg"))):
+        if config == "array" and program != "ship.s":
+            continue
+        whole = start(program, *which(engine, config), *options, "-n", "41", output=None)
+        split = start(program, *which(engine, config), *options, "-n", "41", "--every", every)
+        assert split.printed() == whole.printed() and len(whole.printed()) >= 2
+        assert split.counter("object_steps") == whole.counter("object_steps")
+        # steps is counted along.
+        if program == "duffing.ode":
+            assert split.printed()["steps", 0][0] == "41"
+
+
+@pytest.mark.parametrize("config", ["single_full", "many_full"])
+def test_engines_agree_at_every_snapshot(start, config):
+    texts = {engine: start("elastic_pendulum.ode", *which(engine, config), "-n", "30", "--every", "1").path.read_bytes()
+             for engine in ("isa", "rtl")}
+    assert texts["isa"] == texts["rtl"] and texts["isa"].count(b"\n") > 30
+
+
+@pytest.mark.parametrize("engine, config", [("isa", "shared"), ("rtl", "shared")])
+def test_who_sleeps_sleeps_in_the_same_step(start, root, engine, config):
+    options = (*which(engine, config, 9), "--params", root / "programs/ship.cfg", "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-n", "900")
+    whole = start("ship_sleep.s", *options, output=None)
+    for every in (50, 333):
+        split = start("ship_sleep.s", *options, "--every", every)
+        assert split.printed() == whole.printed() and split.counter("object_steps") == whole.counter("object_steps")
+        asleep = re.search("^asleep .*$", whole.stdout, re.M)[0]
+        assert asleep in split.stdout and "9 of 9" not in asleep and "0 of 9" not in asleep
+        # A row has the step from the first snapshot on that comes after it.
+        slept = int(split.of(900, 2)["slept"])
+        for row in split.rows:
+            if row["object"] == "2":
+                assert int(row["slept"]) == (slept if int(row["step"]) >= slept else 0)
+
+
+@pytest.mark.parametrize("config", ["many_full", "array", "shared_full"])
+def test_a_part_is_a_visit(start, root, config):
+    """As many instructions as one run with visits of that length."""
+    options = (*which("rtl", config, 50), "--params", root / "programs/ship.cfg", "-n", "60")
+    for every, visit in ((20, 20), (20, 5), (7, 7)):
+        one = start("ship_madd.s", *options, "--visit", visit, output=None)
+        parts = start("ship_madd.s", *options, "--visit", visit, "--every", every)
+        for name in ("issued_add", "issued_mul", "issued_chain", "issued_memory", "retired"):
+            assert parts.counter(name) == one.counter(name), name
+        assert parts.counter("cycles") < 1.1 * one.counter("cycles") + 200
+        # Of each scheduler, and of all.
+        rows = [int(n) for n in re.findall(r"^  cycles +(\d+) ", parts.stdout, re.M)]
+        assert max(rows) <= parts.counter("cycles") <= sum(rows)
+
+
+def test_one_object_executes_first_and_last_part_for_each_part(start, tmp_path):
+    (tmp_path / "x.s").write_text(".state x y\n.temp t\nfirst: add t, 1.0, 0.0\nstep: add x, x, t\nlast: add y, x, x\n")
+    for engine in ("isa", "rtl"):
+        done = start("x.s", "-e", engine, "--set", "x=0", "--set", "y=0", "-n", "10", "--every", "3")
+        assert done.counter("retired") == 10 + 4 * 2 and done.of(10)["y"] == "20"
+
+
+# ---- failures ----
+
+GROWS = ".state x\n.param a\nstep: mul x, x, a\n"
+WORDS = r"(object \d+ [^;]*); (\d+) of (\d+) objects failed"
+
+
+@pytest.mark.parametrize("engine, config", [("isa", "single"), ("rtl", "single"), ("isa", "many"), ("rtl", "many"), ("rtl", "lanes")])
+@pytest.mark.parametrize("every", [1, 4, 6, 50])
+def test_the_first_failure_of_all_parts_is_told(start, tmp_path, engine, config, every):
+    (tmp_path / "x.s").write_text(GROWS)
+    spread = ("--set", "a=2^20", "-n", "12", "--set", "x=1") if config == "single" else \
+        ("-n", "12", "--set", "x=1", "--spread", "a=2:40000")
+    whole = start("x.s", *which(engine, config, 9), *spread, code=3, output=None)
+    split = start("x.s", *which(engine, config, 9), *spread, "--every", every, code=3)
+    assert re.search(WORDS, split.stderr).groups() == re.search(WORDS, whole.stderr).groups()
+    assert re.search("^failed .*$", split.stdout, re.M)[0] == re.search("^failed .*$", whole.stdout, re.M)[0]
+    assert int(re.search(WORDS, whole.stderr)[2]) == (1 if config == "single" else 8)
+    assert split.of(12, 0 if config == "single" else 8)["x"] == "inf"
+    assert start("x.s", *which(engine, config, 9), *spread, "--every", every, "--allow-failures").stderr == ""
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_what_fails_in_the_middle_alone_is_a_failure(start, tmp_path, engine):
+    # x is infinite after step 1 without an exception, and 1 again after step 2: min(inf, 1).
+    (tmp_path / "x.s").write_text(".state x y\nstep: add x, y, 0.0\n mul y, 1.0, 1.0\n")
+    options = ("-c", "single", "-e", engine, "--set", "x=1", "--set", "y=inf", "-n", "3")
+    done = start("x.s", *options, "--every", "1", code=3)
+    assert "object 0 before its first step: state y is infinite; 1 of 1" in done.stderr
+    assert [row["x"] for row in done.rows] == ["1", "inf", "1", "1"]
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_an_illegal_word_writes_nothing(start, tmp_path, engine, fp3):
+    (tmp_path / "x.s").write_text(".state x\nstep: add x, x, 1.0\n add x, x, 1.0\n")
+    subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
+    words = list(struct.unpack("<%dI" % ((tmp_path / "x.fp3").stat().st_size // 4), (tmp_path / "x.fp3").read_bytes()))
+    words[10] = 0xffffffff
+    body = struct.pack("<%dI" % (len(words) - 1), *words[:-1])
+    (tmp_path / "x.fp3").write_bytes(body + struct.pack("<I", zlib.crc32(body)))
+    done = start("x.fp3", "-c", "single", "-e", engine, "--set", "x=0", "-n", "3", "--every", "1", code=2)
+    assert not done.path.exists() and "word 1 is 0xffffffff, no instruction" in done.stderr
+    assert not list(tmp_path.glob(".fp3-*"))
+
+
+def test_logs_go_on_over_the_parts(start, root, tmp_path):
+    done = start("ship.s", "--params", root / "programs/ship.cfg", "-c", "many", "-o", "8", "-n", "6", "--every", "2", "--kanata", "log", "--bus-log", "bus")
+    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--schedulers", "1", "--contexts", "16"],
+                           cwd=tmp_path, capture_output=True, text=True)
+    assert check.returncode == 0 and f"{done.counter('retired')} instructions" in check.stdout, check.stdout + check.stderr
+    assert len(re.findall("^h ", (tmp_path / "bus").read_text(), re.M)) == 3
