@@ -125,7 +125,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -279,6 +279,17 @@ fuzz: $(FUZZ)/fuzz_model ## Feed bytes to the model compiler (libFuzzer); what b
 # What is reached counts, not how often: that keeps the corpus small.
 fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/found/ reaches and the corpus does not
 	@$(FUZZ_RUN) -merge=1 -use_counters=0 tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs $(FUZZ)/found
+
+# ---- error against run time ---------------------------------------------------------------------
+
+# Programs of their own: SUNDIALS and the compiler that they start are no part of the library.
+BENCH_C := $(wildcard bench/*.c)
+BENCH_LIBS := -lsundials_cvode -lsundials_arkode -lsundials_nvecserial
+$(call obj,$(BENCH_C)): | need-bench
+$(BUILD)/bench/bench: $(call obj,$(BENCH_C)) $(LIB)
+	@mkdir -p $(@D)
+	@echo "  LD   $@"
+	@gcc $(LDFLAGS) -o $@ $^ $(BENCH_LIBS) $(LDLIBS)
 
 # ---- lint ---------------------------------------------------------------------------------------
 

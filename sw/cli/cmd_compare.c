@@ -1,5 +1,6 @@
 /* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
 #include "arguments.h"
+#include "bench/variants.h"
 #include "cli.h"
 #include "files.h"
 #include "progress.h"
@@ -7,7 +8,6 @@
 #include <fp3/convergence.h>
 #include <fp3/engine.h>
 #include <fp3/reference.h>
-#include <fp3/start.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <machine/config.h>
@@ -25,18 +25,6 @@
 /* One object, many, and sixteen contexts. */
 static const char *const machines[] = {"many_full", "single_full", "sixteen"};
 enum { MACHINES = sizeof machines / sizeof *machines };
-
-static const struct {
-    const char *name, *doc;
-    int is_compensated;
-    unsigned with;
-} arithmetics[] = {
-    {"plain", "every update rounded", 0, 0},
-    {"compensated", "what an update loses is kept (Kahan)", 1, 0},
-    {"folded", "known factors in one number: other bits", 0,
-     FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT)},
-};
-enum { ARITHMETICS = sizeof arithmetics / sizeof *arithmetics };
 
 typedef struct {
     const char *model, *json;
@@ -95,27 +83,6 @@ static void close_engines(comparison *k) {
     }
 }
 
-/* Objects differ a little. */
-static void object_values(const fp3_model *model, size_t object, double *params, double *initial) {
-    for (uint32_t i = 0; i < model->param_count; i++)
-        params[i] = (float)(model->params[i].value *
-                            (model->params[i].is_shared ? 1 : 1 + 1e-3 * (double)object));
-    for (uint32_t i = 0; i < model->state_count; i++)
-        initial[i] = (float)(model->states[i].value * (1 + 2e-3 * (double)object));
-}
-
-static fp3_status write_inputs(fp3_engine *engine, const fp3_compiled *c, size_t object,
-                               const float *values) {
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
-        status = s->symbol_class == FP3_SYMBOL_SHARED
-                     ? fp3_engine_write_shared(engine, s->index, 1, &values[i])
-                     : fp3_engine_write(engine, object, 1, s->index, &values[i]);
-    }
-    return status;
-}
-
 static fp3_status note_failure(comparison *k, int machine, row *r) {
     fp3_engine *engine = k->model_engine[machine];
     fp3_failure failure;
@@ -131,7 +98,7 @@ static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machi
     const fp3_model *model = k->model;
     double params[64 + 1], initial[64 + 1];
     float wanted[64 + 1] = {0};
-    object_values(model, object, params, initial);
+    fp3_bench_variant(model, object, params, initial);
     fp3_status status =
         fp3_compiled_reference(c, params, initial, model->step, &steps, 1, wanted, error);
     for (uint32_t s = 0; !status && s < model->state_count; s++) {
@@ -149,29 +116,14 @@ static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machi
     return status;
 }
 
-static fp3_status start(comparison *k, const fp3_compiled *c, fp3_engine *engine,
-                        fp3_error *error) {
-    float *values = calloc(c->input_count + 1u, sizeof *values);
-    fp3_status status =
-        values ? fp3_engine_load(engine, c->image) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    double params[64 + 1], initial[64 + 1];
-    for (size_t i = 0; !status && i < fp3_engine_objects(engine); i++) {
-        object_values(k->model, i, params, initial);
-        status = fp3_compiled_inputs(c, params, initial, k->model->step, values, error);
-        if (!status)
-            status = write_inputs(engine, c, i, values);
-    }
-    free(values);
-    return status;
-}
-
 static fp3_status run(comparison *k, const fp3_compiled *c, int machine, uint64_t steps,
                       uint64_t *cycles, row *r, fp3_error *error) {
     fp3_engine *engines[] = {k->rtl[machine], k->model_engine[machine]};
     fp3_status status = FP3_OK;
     fp3_stats stats;
     for (int i = 0; !status && i < 2; i++) {
-        status = start(k, c, engines[i], error);
+        status = fp3_bench_start(engines[i], c, k->model, k->model->step,
+                                 fp3_engine_objects(engines[i]), error);
         if (!status)
             status = fp3_engine_run(engines[i], steps, &stats);
         if (i == 0 && !status)
@@ -210,8 +162,8 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int 
         fp3_compile_def def = fp3_compile_default();
         fp3_compiled *c = NULL;
         def.config = machines[i];
-        def.is_compensated = arithmetics[arithmetic].is_compensated;
-        def.passes |= arithmetics[arithmetic].with;
+        def.is_compensated = fp3_bench_arithmetics[arithmetic].is_compensated;
+        def.passes |= fp3_bench_arithmetics[arithmetic].passes;
         status = fp3_compile(k->model, integrator, &def, &c, error);
         if (status)
             break;
@@ -244,16 +196,16 @@ static json_t *errors_of(const comparison *k, const row *r) {
 }
 
 static void put_row(comparison *k, const fp3_integrator *integrator, int arithmetic, const row *r) {
-    json_t *o =
-        json_pack("{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}",
-                  "model", k->model->name, "integrator", integrator->name, "arithmetic",
-                  arithmetics[arithmetic].name, "operations", (json_int_t)r->on[0].operations,
-                  "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
-                  number(r->on[0].cycles), "bound", number(r->on[0].bound), "order",
-                  (json_int_t)r->order, "measured_order", number(r->c.order), "method_order",
-                  number(r->c.method_order), "finest_order", number(r->c.finest_order), "floor",
-                  number(r->c.floor), "floor_h", number(k->ladder ? k->ladder->h[r->c.best] : NAN),
-                  "mismatches", (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
+    json_t *o = json_pack(
+        "{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "model",
+        k->model->name, "integrator", integrator->name, "arithmetic",
+        fp3_bench_arithmetics[arithmetic].name, "operations", (json_int_t)r->on[0].operations,
+        "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
+        number(r->on[0].cycles), "bound", number(r->on[0].bound), "order", (json_int_t)r->order,
+        "measured_order", number(r->c.order), "method_order", number(r->c.method_order),
+        "finest_order", number(r->c.finest_order), "floor", number(r->c.floor), "floor_h",
+        number(k->ladder ? k->ladder->h[r->c.best] : NAN), "mismatches", (json_int_t)r->mismatches,
+        "compared", (json_int_t)r->compared);
     for (int i = 0; i < MACHINES; i++)
         json_object_set_new(o, machines[i],
                             json_pack("{s:I, s:o, s:o, s:o}", "instructions",
@@ -268,21 +220,22 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-12s %5" PRIu32 " %5" PRIu32
            " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
-           k->model->name, integrator->name, arithmetics[arithmetic].name, r->on[0].operations,
-           r->on[0].instructions, r->on[0].cycles, r->on[1].cycles, r->on[1].bound, r->order,
-           r->c.order, r->c.method_order, r->c.finest_order, r->c.floor, r->mismatches, r->compared,
-           r->failure[0] ? "; failed: " : "", r->failure);
+           k->model->name, integrator->name, fp3_bench_arithmetics[arithmetic].name,
+           r->on[0].operations, r->on[0].instructions, r->on[0].cycles, r->on[1].cycles,
+           r->on[1].bound, r->order, r->c.order, r->c.method_order, r->c.finest_order, r->c.floor,
+           r->mismatches, r->compared, r->failure[0] ? "; failed: " : "", r->failure);
     fflush(stdout);
     fp3_progress_resume(k->progress);
 }
 
 static void leave_out(comparison *k, const char *integrator, int arithmetic, const char *why) {
-    json_array_append_new(k->left_out, json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name,
-                                                 "integrator", integrator, "arithmetic",
-                                                 arithmetics[arithmetic].name, "why", why));
+    json_array_append_new(k->left_out,
+                          json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name, "integrator",
+                                    integrator, "arithmetic",
+                                    fp3_bench_arithmetics[arithmetic].name, "why", why));
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-12s left out: %s\n", k->model->name, integrator,
-           arithmetics[arithmetic].name, why);
+           fp3_bench_arithmetics[arithmetic].name, why);
     fflush(stdout);
     fp3_progress_resume(k->progress);
 }
@@ -290,12 +243,12 @@ static void leave_out(comparison *k, const char *integrator, int arithmetic, con
 static fp3_status compare_integrator(comparison *k, const char *name, fp3_error *error) {
     fp3_integrator *integrator = NULL;
     fp3_status status = fp3_integrator_find(name, &integrator, error);
-    for (int i = 0; !status && i < ARITHMETICS; i++) {
+    for (int i = 0; !status && i < FP3_BENCH_ARITHMETICS; i++) {
         row r;
         fp3_error why;
-        if (arithmetics[i].with && integrator->kind != FP3_RUNGE_KUTTA)
-            continue; /* there h is in the coefficients anyway */
-        fp3_progress_say(k->progress, "%s, %s", name, arithmetics[i].name);
+        if (!fp3_bench_applies(&fp3_bench_arithmetics[i], integrator))
+            continue;
+        fp3_progress_say(k->progress, "%s, %s", name, fp3_bench_arithmetics[i].name);
         const fp3_status made = make_row(k, integrator, i, &r, &why);
         if (made == FP3_E_PROGRAM || made == FP3_E_LIMIT)
             leave_out(k, name, i, why.text);

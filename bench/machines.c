@@ -1,0 +1,85 @@
+/* machines.c - see machines.h. */
+#include "machines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ENGINES_MOST 64
+
+typedef struct {
+    const char *name, *config;
+    unsigned threads;
+    uint64_t objects;
+    fp3_engine *engine;
+} machine;
+
+struct bench_machines {
+    machine machine[ENGINES_MOST];
+    unsigned count;
+    fp3_compiled **kept;
+    size_t kept_count;
+    fp3_error error;
+};
+
+fp3_status bench_machines_open(bench_machines **machines, fp3_error *error) {
+    *machines = calloc(1, sizeof **machines);
+    return *machines ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void bench_machines_close(bench_machines **machines) {
+    bench_machines *m = *machines;
+    if (!m)
+        return;
+    for (unsigned i = 0; i < m->count; i++)
+        fp3_engine_close(&m->machine[i].engine);
+    for (size_t i = 0; i < m->kept_count; i++)
+        fp3_compiled_free(&m->kept[i]);
+    free(m->kept);
+    free(m);
+    *machines = NULL;
+}
+
+const fp3_error *bench_machines_error(const bench_machines *machines) { return &machines->error; }
+
+static int is_same(const machine *m, const char *name, const char *config, unsigned threads,
+                   uint64_t objects) {
+    return !strcmp(m->name, name) && !strcmp(m->config, config) && m->threads == threads &&
+           m->objects == objects;
+}
+
+fp3_status bench_machines_engine(bench_machines *machines, const char *name, const char *config,
+                                 unsigned threads, uint64_t objects, fp3_engine **engine,
+                                 fp3_error *error) {
+    for (unsigned i = 0; i < machines->count; i++)
+        if (is_same(&machines->machine[i], name, config, threads, objects)) {
+            *engine = machines->machine[i].engine;
+            return FP3_OK;
+        }
+    if (machines->count == ENGINES_MOST)
+        return fp3_fail(error, FP3_E_LIMIT, "more than %d engines", ENGINES_MOST);
+    machine *m = &machines->machine[machines->count];
+    *m = (machine){.name = name, .config = config, .threads = threads, .objects = objects};
+    fp3_engine_def def = fp3_engine_default();
+    def.engine = name;
+    def.config = config;
+    def.objects = (uint32_t)objects;
+    def.error = &machines->error;
+    fp3_status status = fp3_engine_open(&def, &m->engine);
+    if (status)
+        return fp3_fail(error, status, "%s", machines->error.text);
+    machines->count++;
+    *engine = m->engine;
+    return FP3_OK;
+}
+
+fp3_status bench_machines_keep(bench_machines *machines, fp3_compiled *compiled, fp3_error *error) {
+    fp3_compiled **more =
+        realloc(machines->kept, (machines->kept_count + 1) * sizeof *machines->kept);
+    if (!more) {
+        fp3_compiled_free(&compiled);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    machines->kept = more;
+    more[machines->kept_count++] = compiled;
+    return FP3_OK;
+}

@@ -1,0 +1,83 @@
+/* run.c - see run.h. */
+#include "run.h"
+
+#include "bench/variants.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static fp3_status said(const bench_run *e, fp3_status status, fp3_error *error) {
+    return fp3_fail(error, status, "%s", bench_machines_error(e->machines)->text);
+}
+
+/* Twice: what a program needs once is not timed. */
+static fp3_status prepare(const bench_run *e, const bench_problem *p, double h, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < 2; i++) {
+        error->text[0] = 0;
+        status = fp3_bench_start(e->engine, e->compiled, p->model, h, p->variants, error);
+        if (!status && i == 0)
+            status = fp3_engine_run(e->engine, 1, NULL);
+    }
+    return status && !error->text[0] ? said(e, status, error) : status;
+}
+
+/* The states of the variants, row by row; objects that are the same variant must have the same bits. */
+static fp3_status read_ends(const bench_run *e, const bench_problem *p, double *ends,
+                            fp3_error *error) {
+    const size_t states = p->model->state_count, objects = fp3_engine_objects(e->engine);
+    float *column = calloc(objects, sizeof *column);
+    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t s = 0; !status && s < states; s++) {
+        const char *name = p->model->states[s].name;
+        const fp3_symbol *symbol =
+            fp3_image_find(e->compiled->image, name, FP3_CLASS(FP3_SYMBOL_STATE));
+        status = fp3_engine_read(e->engine, 0, objects, symbol->index, column);
+        if (status)
+            said(e, status, error);
+        if (e->is_flipped) {
+            uint32_t bits;
+            memcpy(&bits, &column[0], sizeof bits);
+            bits ^= 1;
+            memcpy(&column[0], &bits, sizeof bits);
+        }
+        for (size_t i = 0; !status && i < objects; i++)
+            if (i < p->variants)
+                ends[i * states + s] = (double)column[i];
+            else if (memcmp(&column[i], &column[i % p->variants], sizeof *column) != 0)
+                status = fp3_fail(
+                    error, FP3_E_MISMATCH,
+                    "%s of object %zu is %.9g, of object %zu, which is the same, %.9g", name, i,
+                    (double)column[i], i % p->variants, (double)column[i % p->variants]);
+    }
+    free(column);
+    return status;
+}
+
+/* NaNs have one form. */
+static int is_same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+fp3_status bench_run_compare(const bench_problem *p, size_t variants, const double *ends,
+                             const char *who, const double *others, const char *whom,
+                             fp3_error *error) {
+    const size_t states = p->model->state_count;
+    for (size_t i = 0; i < variants * states; i++)
+        if (!is_same(ends[i], others[i]))
+            return fp3_fail(error, FP3_E_MISMATCH, "%s of variant %zu: %s has %.9g, %s %.9g",
+                            p->model->states[i % states].name, i / states, who, ends[i], whom,
+                            others[i]);
+    return FP3_OK;
+}
+
+fp3_status bench_run_solve(const bench_run *e, const bench_problem *p, double h, uint64_t steps,
+                           double *ends, double *seconds, uint64_t *cycles, fp3_error *error) {
+    fp3_stats stats;
+    fp3_status status = prepare(e, p, h, error);
+    if (status)
+        return status;
+    const double begin = bench_now();
+    status = fp3_engine_run(e->engine, steps, &stats);
+    *seconds = bench_now() - begin;
+    *cycles = stats.counter[FP3_COUNTER_CYCLES];
+    return status ? said(e, status, error) : read_ends(e, p, ends, error);
+}

@@ -1,0 +1,301 @@
+/* speed.c - bench speed: nanoseconds for a step of the ship, by the number of objects and of steps.
+ *
+ * In a cell, a number of objects and of steps, all who can make them in time take turns; the figure is
+ * the median. Everyone must end with the bits of the loop by hand, but GSL, which has double.
+ */
+#include "speed.h"
+
+#include "bench.h"
+#include "commands.h"
+
+#include "base/file.h"
+
+#include <argp.h>
+#include <fp3/program.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRAM "programs/ship.s"
+#define RUNNERS_MOST 32
+#define THRUST 2.9e5f /* of programs/ship.cfg */
+#define DRAG 4.1e4f
+#define MASS 8.7e5f
+#define STEP 0.0078125f
+#define APART 1e-3f
+
+typedef struct {
+    const char *json, *engine;
+    double patience; /* seconds of one run, at most */
+    unsigned repeats;
+    uint64_t objects[16], steps[16]; /* ended by 0 */
+    int is_flipped;
+} options;
+
+typedef struct {
+    const options *o;
+    speed_runner runner[RUNNERS_MOST];
+    unsigned count;
+    bench_machines *machines;
+    fp3_program *program;
+    bench_ships start, now, expected; /* start: of T, C, rm, v, s; the others share T, C, rm */
+    json_t *rows;
+} speed;
+
+/* ---- who runs ---- */
+
+static void add(speed *s, speed_runner runner) {
+    runner.machines = s->machines;
+    runner.image = s->program->image;
+    s->runner[s->count++] = runner;
+}
+
+static void add_engine(speed *s, const char *engine, const char *method, unsigned threads,
+                       double ns) {
+    add(s, (speed_runner){.engine = engine,
+                          .method = method,
+                          .threads = threads,
+                          .has_flags = strcmp(engine, "fast") != 0,
+                          .is_exact = 1,
+                          .ns = ns,
+                          .run = speed_run_engine});
+}
+
+static void add_all(speed *s) {
+    const unsigned cores = (unsigned)sysconf(_SC_NPROCESSORS_ONLN);
+    const bench_ship_loop *loop;
+    for (unsigned i = 0; (loop = bench_ship_loop_at(i)); i++)
+        add(s, (speed_runner){.engine = loop->engine,
+                              .method = loop->method,
+                              .threads = 1,
+                              .is_exact = 1,
+                              .ns = loop->ns,
+                              .loop = loop,
+                              .run = speed_run_loop});
+    if (!strcmp(s->o->engine, "fast")) {
+        add_engine(s, "fast", NULL, 1, 0.3);
+        if (cores > 1)
+            add_engine(s, "fast", NULL, cores, 0.2);
+    }
+    add_engine(s, "isa", NULL, 1, 5000);
+    add_engine(s, "rtl", NULL, 1, 30000);
+    add(s, (speed_runner){
+               .engine = "gsl", .method = "rk4", .threads = 1, .ns = 150, .run = speed_run_gsl});
+    add(s, (speed_runner){
+               .engine = "gsl", .method = "rk8pd", .threads = 1, .ns = 400, .run = speed_run_gsl});
+}
+
+/* ---- ships ---- */
+
+static fp3_status make_ships(speed *s, size_t objects, fp3_error *error) {
+    const size_t room = (objects + BENCH_SHIP_BLOCK - 1) / BENCH_SHIP_BLOCK * BENCH_SHIP_BLOCK;
+    float *all = aligned_alloc(64, 9 * room * sizeof *all);
+    if (!all)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    s->start = (bench_ships){.objects = objects,
+                             .h = STEP,
+                             .T = all,
+                             .C = all + room,
+                             .rm = all + 2 * room,
+                             .v = all + 3 * room,
+                             .s = all + 4 * room};
+    s->now = s->expected = s->start;
+    s->now.v = all + 5 * room;
+    s->now.s = all + 6 * room;
+    s->expected.v = all + 7 * room;
+    s->expected.s = all + 8 * room;
+    for (size_t i = 0; i < room; i++) {
+        s->start.T[i] = THRUST * (1 + APART * (float)(i % 64));
+        s->start.C[i] = DRAG;
+        s->start.rm[i] = 1 / MASS;
+        s->start.v[i] = s->start.s[i] = 0;
+    }
+    return FP3_OK;
+}
+
+static void reset(const bench_ships *from, const bench_ships *to) {
+    const size_t room =
+        (from->objects + BENCH_SHIP_BLOCK - 1) / BENCH_SHIP_BLOCK * BENCH_SHIP_BLOCK;
+    memcpy(to->v, from->v, room * sizeof *to->v);
+    memcpy(to->s, from->s, room * sizeof *to->s);
+}
+
+/* Vectors have no fewer objects than they have room for. */
+static bench_ships whole(const bench_ships *ships, const speed_runner *r) {
+    bench_ships all = *ships;
+    if (r->loop)
+        all.objects = (all.objects + r->loop->block - 1) / r->loop->block * r->loop->block;
+    return all;
+}
+
+static fp3_status check(const speed *s, const speed_runner *r, uint64_t steps, fp3_error *error) {
+    const size_t size = s->now.objects * sizeof *s->now.v;
+    if (s->o->is_flipped && r->run == speed_run_engine) {
+        uint32_t bits;
+        memcpy(&bits, s->now.v, sizeof bits);
+        bits ^= 1;
+        memcpy(s->now.v, &bits, sizeof bits);
+    }
+    if (!r->is_exact ||
+        (!memcmp(s->now.v, s->expected.v, size) && !memcmp(s->now.s, s->expected.s, size)))
+        return FP3_OK;
+    return fp3_fail(
+        error, FP3_E_MISMATCH,
+        "%s%s%s: %zu objects after %" PRIu64 " steps have other bits than in the loop by hand",
+        r->engine, r->method ? " " : "", r->method ? r->method : "", s->now.objects, steps);
+}
+
+/* ---- a cell ---- */
+
+static int is_in_time(const speed *s, const speed_runner *r, uint64_t steps) {
+    const double objects = (double)whole(&s->start, r).objects;
+    const size_t most = !strcmp(r->engine, "rtl") || !strcmp(r->engine, "isa") ? 2048 : SIZE_MAX;
+    return s->start.objects <= most && r->ns * 1e-9 * objects * (double)steps <= s->o->patience;
+}
+
+static fp3_status run(const speed *s, const speed_runner *r, uint64_t steps, double *seconds,
+                      fp3_error *error) {
+    const bench_ships ships = whole(&s->now, r);
+    reset(&s->start, &s->now);
+    const fp3_status status = r->run(r, &ships, steps, seconds, error);
+    return status ? status : check(s, r, steps, error);
+}
+
+static void put(const speed *s, const speed_runner *r, uint64_t steps, double seconds,
+                unsigned repeats, double by_hand) {
+    const double per = 1e9 / ((double)s->start.objects * (double)steps);
+    json_t *row = json_pack("{s:s, s:s, s:I, s:b, s:I, s:I, s:f, s:f, s:I}", "program", "ship",
+                            "engine", r->engine, "threads", (json_int_t)r->threads, "flags",
+                            r->has_flags, "objects", (json_int_t)s->start.objects, "steps",
+                            (json_int_t)steps, "ns_per_object_step", seconds * per, "ratio_to_hand",
+                            seconds / by_hand, "repeats", (json_int_t)repeats);
+    json_object_set_new(row, "method", r->method ? json_string(r->method) : json_null());
+    json_array_append_new(s->rows, row);
+}
+
+static fp3_status measure_cell(speed *s, uint64_t steps, fp3_error *error) {
+    double seconds[RUNNERS_MOST][BENCH_REPEATS], by_hand = INFINITY, ignored;
+    fp3_status status = FP3_OK;
+    bench_ships expected = whole(&s->expected, &s->runner[0]);
+    reset(&s->start, &s->expected);
+    if (!is_in_time(s, &s->runner[0], steps))
+        return FP3_OK;
+    status = s->runner[0].run(&s->runner[0], &expected, steps, &ignored, error);
+    for (unsigned k = 0; !status && k < s->o->repeats; k++)
+        for (unsigned i = 0; !status && i < s->count; i++)
+            if (is_in_time(s, &s->runner[i], steps))
+                status = run(s, &s->runner[i], steps, &seconds[i][k], error);
+    for (unsigned i = 0; !status && i < s->count; i++)
+        if (is_in_time(s, &s->runner[i], steps) && !strcmp(s->runner[i].engine, "hand"))
+            by_hand = fmin(by_hand, bench_median(seconds[i], s->o->repeats));
+    for (unsigned i = 0; !status && i < s->count; i++)
+        if (is_in_time(s, &s->runner[i], steps))
+            put(s, &s->runner[i], steps, bench_median(seconds[i], s->o->repeats), s->o->repeats,
+                by_hand);
+    return status;
+}
+
+/* ---- all cells ---- */
+
+static fp3_status measure(speed *s, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && s->o->objects[i]; i++) {
+        fprintf(stderr, "speed: %" PRIu64 " objects\n", s->o->objects[i]);
+        status = make_ships(s, s->o->objects[i], error);
+        for (int k = 0; !status && s->o->steps[k]; k++)
+            status = measure_cell(s, s->o->steps[k], error);
+        free(s->start.T);
+        s->start.T = NULL;
+    }
+    return status;
+}
+
+static fp3_status write_json(const speed *s, fp3_error *error) {
+    json_t *all = json_pack("{s:s, s:O}", "target", bench_ship_target(), "speed", s->rows);
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    const fp3_status status = text ? fp3_file_write(s->o->json, text, strlen(text), error)
+                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    json_decref(all);
+    return status;
+}
+
+static fp3_status bench(const options *o, char **report, fp3_error *error) {
+    speed s = {.o = o, .rows = json_array()};
+    const fp3_program_def def = fp3_program_default();
+    fp3_status status = bench_machines_open(&s.machines, error);
+    if (!status)
+        status = fp3_program_open(PROGRAM, &def, &s.program, report, error);
+    if (!status) {
+        add_all(&s);
+        status = measure(&s, error);
+    }
+    if (!status)
+        status = write_json(&s, error);
+    fp3_program_close(&s.program);
+    bench_machines_close(&s.machines);
+    json_decref(s.rows);
+    return status;
+}
+
+enum { KEY_JSON = 256, KEY_QUICK, KEY_FLIP, KEY_ENGINE };
+
+static const struct argp_option table[] = {
+    {"json", KEY_JSON, "FILE", 0, "Where the figures go", 0},
+    {"engine", KEY_ENGINE, "NAME", 0, "Of fp3: fast (default), or isa and no other", 0},
+    {"quick", KEY_QUICK, NULL, 0, "Few cells, three repeats", 0},
+    {"flip", KEY_FLIP, NULL, 0, "Turn a bit of what engines give, which must be noticed", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    switch (key) {
+    case KEY_JSON:
+        o->json = text;
+        break;
+    case KEY_ENGINE:
+        o->engine = text;
+        break;
+    case KEY_QUICK:
+        o->repeats = 3;
+        o->patience = 0.05;
+        memcpy(o->objects, (uint64_t[]){1, 1024, 16384, 0}, 4 * sizeof *o->objects);
+        memcpy(o->steps, (uint64_t[]){1, 100, 1000, 0}, 4 * sizeof *o->steps);
+        break;
+    case KEY_FLIP:
+        o->is_flipped = 1;
+        break;
+    case ARGP_KEY_END:
+        if (!o->json)
+            argp_error(state, "expected --json");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+int bench_speed_command(int argc, char **argv) {
+    static const struct argp argp = {.options = table,
+                                     .parser = parse,
+                                     .doc = "Nanoseconds for a step of the ship (" PROGRAM
+                                            "), by objects and steps: fp3's engines, "
+                                            "loops in C by hand, GSL."};
+    options o = {.engine = "fast",
+                 .repeats = 7,
+                 .patience = 0.5,
+                 .objects = {1, 64, 1024, 16384, 131072, 1000000},
+                 .steps = {1, 10, 100, 1000, 10000, 1000000}};
+    argp_parse(&argp, argc, argv, 0, NULL, &o);
+    fp3_error error = {""};
+    char *report = NULL;
+    const fp3_status status = bench(&o, &report, &error);
+    if (status)
+        fprintf(stderr, "bench speed: %s\n", report ? report : error.text);
+    free(report);
+    return fp3_exit_code(status);
+}

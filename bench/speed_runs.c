@@ -1,0 +1,98 @@
+/* speed_runs.c - see speed.h. */
+#include "speed.h"
+
+#include "bench.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
+                          double *seconds, fp3_error *error) {
+    (void)error;
+    const double begin = bench_now();
+    runner->loop->run(ships, steps);
+    *seconds = bench_now() - begin;
+    return FP3_OK;
+}
+
+static fp3_status write_start(fp3_engine *engine, const fp3_image *image,
+                              const bench_ships *ships) {
+    const struct {
+        const char *name;
+        const float *values;
+    } columns[] = {
+        {"T", ships->T}, {"C", ships->C}, {"rm", ships->rm}, {"v", ships->v}, {"s", ships->s}};
+    fp3_status status = fp3_engine_load(engine, image);
+    for (size_t i = 0; !status && i < sizeof columns / sizeof *columns; i++) {
+        const fp3_symbol *s = fp3_image_find(image, columns[i].name, FP3_CLASSES_HOST);
+        status = fp3_engine_write(engine, 0, ships->objects, s->index, columns[i].values);
+    }
+    return status ? status : fp3_engine_set(engine, "h", ships->h);
+}
+
+fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
+                            double *seconds, fp3_error *error) {
+    fp3_engine *engine = NULL;
+    const char *config = ships->objects == 1 ? "single_full" : "many_full";
+    fp3_status status = bench_machines_engine(runner->machines, runner->engine, config,
+                                              runner->threads, ships->objects, &engine, error);
+    if (status)
+        return status;
+    for (int i = 0; !status && i < 2; i++) { /* twice: what a program needs once is not timed */
+        status = write_start(engine, runner->image, ships);
+        if (!status && i == 0)
+            status = fp3_engine_run(engine, 1, NULL);
+    }
+    const double begin = bench_now();
+    if (!status)
+        status = fp3_engine_run(engine, steps, NULL);
+    *seconds = bench_now() - begin;
+    const struct {
+        const char *name;
+        float *values;
+    } ends[] = {{"v", ships->v}, {"s", ships->s}};
+    for (int i = 0; !status && i < 2; i++) {
+        const fp3_symbol *s = fp3_image_find(runner->image, ends[i].name, FP3_CLASSES_HOST);
+        status = fp3_engine_read(engine, 0, ships->objects, s->index, ends[i].values);
+    }
+    return status ? fp3_fail(error, status, "%s", bench_machines_error(runner->machines)->text)
+                  : FP3_OK;
+}
+
+static int slopes(double t, const double y[], double f[], void *self) {
+    (void)t;
+    const double *p = self; /* T, C, rm */
+    f[0] = (p[0] - p[1] * y[0]) * p[2];
+    f[1] = y[0];
+    return GSL_SUCCESS;
+}
+
+fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
+                         double *seconds, fp3_error *error) {
+    double p[3], estimate[2];
+    gsl_odeiv2_system system = {slopes, NULL, 2, p};
+    gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(
+        strcmp(runner->method, "rk4") ? gsl_odeiv2_step_rk8pd : gsl_odeiv2_step_rk4, 2);
+    if (!step)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    int result = GSL_SUCCESS;
+    const double begin = bench_now();
+    for (size_t i = 0; !result && i < ships->objects; i++) {
+        double y[] = {(double)ships->v[i], (double)ships->s[i]};
+        p[0] = (double)ships->T[i];
+        p[1] = (double)ships->C[i];
+        p[2] = (double)ships->rm[i];
+        gsl_odeiv2_step_reset(step);
+        for (uint64_t n = 0; !result && n < steps; n++)
+            result = gsl_odeiv2_step_apply(step, (double)n * (double)ships->h, (double)ships->h, y,
+                                           estimate, NULL, NULL, &system);
+        ships->v[i] = (float)y[0];
+        ships->s[i] = (float)y[1];
+    }
+    *seconds = bench_now() - begin;
+    gsl_odeiv2_step_free(step);
+    return result ? fp3_fail(error, FP3_E_ARGUMENT, "%s", gsl_strerror(result)) : FP3_OK;
+}

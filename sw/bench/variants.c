@@ -1,0 +1,70 @@
+/* variants.c - see variants.h. */
+#include "variants.h"
+
+#include <fp3/start.h>
+#include <stdlib.h>
+
+#define PARAM_APART 1e-3
+#define STATE_APART 2e-3
+
+const fp3_bench_arithmetic fp3_bench_arithmetics[FP3_BENCH_ARITHMETICS] = {
+    {"plain", 0, 0},
+    {"compensated", 1, 0},
+    {"folded", 0, FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT)},
+};
+
+int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrator *integrator) {
+    return !arithmetic->passes || integrator->kind == FP3_RUNGE_KUTTA;
+}
+
+void fp3_bench_variant(const fp3_model *model, size_t object, double *params, double *initial) {
+    for (uint32_t i = 0; i < model->param_count; i++)
+        params[i] = (float)(model->params[i].value *
+                            (model->params[i].is_shared ? 1 : 1 + PARAM_APART * (double)object));
+    for (uint32_t i = 0; i < model->state_count; i++)
+        initial[i] = (float)(model->states[i].value * (1 + STATE_APART * (double)object));
+}
+
+/* A column for each input, a row for each object. */
+static fp3_status fill(const fp3_compiled *c, const fp3_model *model, double h, size_t objects,
+                       size_t variants, float *columns, fp3_error *error) {
+    double *params = calloc(model->param_count + model->state_count + 1u, sizeof *params);
+    float *row = calloc(c->input_count + 1u, sizeof *row);
+    fp3_status status = params && row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t v = 0; !status && v < variants && v < objects; v++) {
+        fp3_bench_variant(model, v, params, params + model->param_count);
+        status = fp3_compiled_inputs(c, params, params + model->param_count, h, row, error);
+        for (uint32_t i = 0; !status && i < c->input_count; i++)
+            for (size_t object = v; object < objects; object += variants)
+                columns[i * objects + object] = row[i];
+    }
+    free(params);
+    free(row);
+    return status;
+}
+
+static fp3_status write_all(fp3_engine *engine, const fp3_compiled *c, size_t objects,
+                            const float *columns) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < c->input_count; i++) {
+        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
+        status = s->symbol_class == FP3_SYMBOL_SHARED
+                     ? fp3_engine_write_shared(engine, s->index, 1, columns + i * objects)
+                     : fp3_engine_write(engine, 0, objects, s->index, columns + i * objects);
+    }
+    return status;
+}
+
+fp3_status fp3_bench_start(fp3_engine *engine, const fp3_compiled *compiled, const fp3_model *model,
+                           double h, size_t variants, fp3_error *error) {
+    const size_t objects = fp3_engine_objects(engine);
+    float *columns = calloc(compiled->input_count * objects + 1, sizeof *columns);
+    fp3_status status = columns ? fp3_engine_load(engine, compiled->image)
+                                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fill(compiled, model, h, objects, variants, columns, error);
+    if (!status)
+        status = write_all(engine, compiled, objects, columns);
+    free(columns);
+    return status;
+}

@@ -1,0 +1,101 @@
+"""bench points: every field is there, other solvers come near the truth, and a wrong bit or a wrong truth stops it."""
+
+import json
+import math
+import subprocess
+
+import pytest
+
+ENGINE = "isa"
+FIELDS = {"model", "engine", "method", "integrator", "arithmetic", "config", "threads", "objects", "steps", "h", "tolerance",
+          "error_median", "error_worst", "ns_per_object", "cycles", "repeats"}
+SOLVERS = {("gsl", name) for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")} \
+    | {("sundials", name) for name in ("cvode adams", "cvode bdf", "arkode erk3", "arkode erk4", "arkode erk5", "arkode erk8")} \
+    | {("plain_c", name) for name in ("scalar", "vectors")}
+
+
+def bench(build, *arguments):
+    return subprocess.run([build / "bench/bench", "points", *arguments, "--engine", ENGINE, "--quick"], capture_output=True,
+                          text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def oscillator(build, root, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bench") / "oscillator.json"
+    done = bench(build, root / "programs/oscillator.ode", "-i", "rk4", "-i", "leapfrog", "--json", path)
+    assert done.returncode == 0, done.stderr
+    return json.loads(path.read_text())
+
+
+def test_every_field_and_every_solver_is_there(oscillator):
+    points = oscillator["points"]
+    assert all(set(point) == FIELDS for point in points)
+    assert SOLVERS <= {(point["engine"], point["method"]) for point in points}
+    assert {("rk4", "plain"), ("rk4", "compensated"), ("rk4", "folded"), ("leapfrog", "plain"), ("leapfrog", "compensated")} \
+        == {(point["integrator"], point["arithmetic"]) for point in points if point["engine"] == ENGINE}
+    for point in points:
+        assert 0 < point["error_median"] <= point["error_worst"] and point["objects"] > 0
+        assert (point["h"] is None) != (point["tolerance"] is None)
+        if point["engine"] == "rtl":
+            assert point["cycles"] > 0 and point["config"] in ("many_full", "single_full") and point["ns_per_object"] is None
+        else:
+            assert point["ns_per_object"] > 0 and point["repeats"] > 0 and point["cycles"] is None
+
+
+def test_the_same_error_on_the_engine_and_on_the_hardware(oscillator):
+    def errors(engine):
+        return {(point["integrator"], point["arithmetic"], point["steps"]): point["error_worst"]
+                for point in oscillator["points"] if point["engine"] == engine}
+    assert errors(ENGINE) == errors("rtl") and len(errors("rtl")) > 20
+
+
+def test_smaller_steps_and_tolerances_give_smaller_errors(oscillator):
+    rk4 = {point["steps"]: point["error_median"] for point in oscillator["points"]
+           if point["engine"] == ENGINE and (point["integrator"], point["arithmetic"]) == ("rk4", "compensated")}
+    assert math.log2(rk4[64] / rk4[128]) > 3.5                # fourth order
+    for engine, method in SOLVERS - {("plain_c", "scalar"), ("plain_c", "vectors"), ("gsl", "rk4")}:
+        of = {point["tolerance"]: point["error_median"] for point in oscillator["points"] if point["method"] == method}
+        assert of[1e-10] < 1e-7 and of[1e-10] < of[1e-2], (engine, method)
+
+
+def test_predicted_cycles_grow_by_a_step(oscillator):
+    cycles = {point["steps"]: point["cycles"] for point in oscillator["points"]
+              if (point["config"], point["integrator"], point["arithmetic"]) == ("many_full", "rk4", "plain")}
+    assert (cycles[256] - cycles[128]) / 128 == pytest.approx((cycles[128] - cycles[64]) / 64)
+
+
+def test_a_model_with_events_has_no_other_solvers_and_says_so(build, root, tmp_path):
+    done = bench(build, root / "programs/bouncing_ball.ode", "-i", "euler", "--json", tmp_path / "ball.json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "ball.json").read_text())
+    assert {point["engine"] for point in found["points"]} == {ENGINE, "rtl", "plain_c"}
+    assert {"gsl", "sundials"} <= {row["engine"] for row in found["left_out"] if "events" in row["why"]}
+
+
+def test_a_wrong_bit_of_the_engine_stops_it(build, root, tmp_path):
+    done = bench(build, root / "programs/oscillator.ode", "-i", "rk4", "--flip", "--json", tmp_path / "x.json")
+    assert done.returncode == 1 and f"variant 0: {ENGINE} has" in done.stderr and not (tmp_path / "x.json").exists()
+
+
+def test_a_truth_that_disagrees_stops_it(build, root, tmp_path):
+    text = (root / "programs/ship.ode").read_text()
+    wrong = text.replace("exact v = T/C + ", "exact v = 1.0000001*T/C + ")
+    assert wrong != text
+    (tmp_path / "ship.ode").write_text(wrong)
+    done = bench(build, tmp_path / "ship.ode", "-i", "rk4", "--json", tmp_path / "x.json")
+    assert done.returncode == 1 and "two truths of 'v'" in done.stderr and not (tmp_path / "x.json").exists()
+
+
+@pytest.mark.parametrize("text, why", [("model a\nstate x = 1\nstep 0.1\nx' = -x +\n", "a.ode:5:"), (None, "No such file")])
+def test_a_bad_model_is_refused(build, tmp_path, text, why):
+    if text:
+        (tmp_path / "a.ode").write_text(text)
+    done = bench(build, tmp_path / "a.ode", "--json", tmp_path / "x.json")
+    assert done.returncode not in (0, -11) and why in done.stderr and not (tmp_path / "x.json").exists()
+
+
+def test_without_a_compiler_it_says_so(build, root, tmp_path):
+    done = subprocess.run([build / "bench/bench", "points", root / "programs/ship.ode", "--quick", "--engine", ENGINE, "-i", "euler",
+                           "--json", tmp_path / "x.json"], env={"PATH": "/usr/bin:/bin", "CC": "no-such-cc"},
+                          capture_output=True, text=True, timeout=120)
+    assert done.returncode != 0 and "no-such-cc" in done.stderr and not (tmp_path / "x.json").exists()

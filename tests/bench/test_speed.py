@@ -1,0 +1,42 @@
+"""bench speed: who runs, by how many objects and steps; all with the bits of the loop by hand."""
+
+import json
+import subprocess
+
+import pytest
+
+ENGINE = "isa"
+FIELDS = {"program", "engine", "method", "threads", "flags", "objects", "steps", "ns_per_object_step", "ratio_to_hand", "repeats"}
+
+
+def bench(build, root, *arguments):
+    return subprocess.run([build / "bench/bench", "speed", "--engine", ENGINE, "--quick", *arguments], cwd=root,
+                          capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def rows(build, root, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bench") / "speed.json"
+    done = bench(build, root, "--json", path)
+    assert done.returncode == 0, done.stderr
+    return json.loads(path.read_text())["speed"]
+
+
+def test_every_field_and_everybody_is_there(rows):
+    assert all(set(row) == FIELDS and row["ns_per_object_step"] > 0 and row["ratio_to_hand"] > 0 for row in rows)
+    assert {("hand", f"{n} vector{'s'[:n > 1]}") for n in (1, 2, 4, 8)} | {("plain_c", "scalar"), ("plain_c", "vectors"),
+            ("gsl", "rk4"), ("gsl", "rk8pd"), (ENGINE, None), ("rtl", None)} <= {(row["engine"], row["method"]) for row in rows}
+    assert {row["objects"] for row in rows} == {1, 1024, 16384}
+
+
+def test_ratios_are_those_of_the_cell(rows):
+    for objects, steps in {(row["objects"], row["steps"]) for row in rows}:
+        cell = [row for row in rows if (row["objects"], row["steps"]) == (objects, steps)]
+        best = min(row["ns_per_object_step"] for row in cell if row["engine"] == "hand")
+        for row in cell:
+            assert row["ratio_to_hand"] == pytest.approx(row["ns_per_object_step"] / best, rel=1e-6)
+
+
+def test_a_wrong_bit_stops_it(build, root, tmp_path):
+    done = bench(build, root, "--flip", "--json", tmp_path / "x.json")
+    assert done.returncode == 1 and "other bits than in the loop by hand" in done.stderr and not (tmp_path / "x.json").exists()
