@@ -258,8 +258,8 @@ static fp3_status compare_integrator(comparison *k, const char *name, fp3_error 
             put_row(k, integrator, i, &r);
             k->wrong += r.mismatches != 0;
             if (r.failure[0] && !k->failure.text[0])
-                fp3_fail(&k->failure, FP3_E_FAILED, "%s, %s: %s", name, arithmetics[i].name,
-                         r.failure);
+                fp3_fail(&k->failure, FP3_E_FAILED, "%s, %s: %s", name,
+                         fp3_bench_arithmetics[i].name, r.failure);
         }
     }
     fp3_integrator_free(&integrator);
