@@ -50,7 +50,8 @@ CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
 RTL_ROOMS := config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
-LIB_C   := $(filter-out sw/cli/%,$(wildcard sw/*/*.c))
+HDF5_C  := $(wildcard sw/hdf5/*.c)
+LIB_C   := $(filter-out sw/cli/% $(HDF5_C),$(wildcard sw/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 TEST_C  := $(wildcard tests/*.c tests/*/*.c)
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
@@ -104,6 +105,7 @@ LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so)
+HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
@@ -130,7 +132,7 @@ all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench ## Build th
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) -MMD -MP -c -o $@ $<
+	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
 
 $(LIB): $(call obj,$(LIB_C))
 	@echo "  AR   $@"
@@ -147,8 +149,17 @@ $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(LIB)
 	@mkdir -p $(@D)
 	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE)
+$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5)
 	@ln -sf bin/fp3 $@
+
+# What writes HDF5, loaded when it is asked for. Debian names its serial build, others have one.
+HDF5_PC = $(eval HDF5_PC := $$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5))$(HDF5_PC)
+$(call obj,$(HDF5_C)): MORE = $(shell pkg-config --cflags-only-I $(HDF5_PC) | sed 's/-I/-isystem /g')
+
+$(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(call link_shared,gcc) $$(pkg-config --libs $(HDF5_PC))
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY

@@ -44,12 +44,12 @@ endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
-install: $(LIB) $(LIB_SO) $(HARDWARE) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page; PREFIX=/usr/local, DESTDIR=
+install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND))
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
 	@install -m 644 $(LIB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
-	@install -m 644 $(HARDWARE) $(RTL_DIR)
+	@install -m 644 $(HARDWARE) $(HDF5) $(RTL_DIR)
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
 	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(BUILD)/fp3.1 $(MAN)

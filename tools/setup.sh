@@ -17,12 +17,14 @@ verilator            | verilator         | sim   | turns the RTL into C++ (5.006
 libgsl-dev           | <gsl/gsl_errno.h> | sim   | the truth in double: GSL's integrators at tight tolerance
 libjansson-dev       | <jansson.h>       | sim   | writes results as JSON
 libconfig-dev        | <libconfig.h>     | sim   | reads parameter and scene files, errors with their lines
+libhdf5-dev          | /usr/lib/*/pkgconfig/hdf5*.pc | sim | writes what a run records as HDF5
+pkg-config           | pkg-config        | sim   | says where libhdf5 is, and in tests how programs outside the tree find libfp3
 zlib1g-dev           | <zlib.h>          | sim   | CRC-32 of program images
 python3              | python:tomllib    | sim   | 3.11 or later: the generator of headers and register map
 python3-venv         | python:ensurepip  | setup | holds yosys and nextpnr in .venv/
 python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
-pkg-config           | pkg-config        | test  | how programs outside the tree find libfp3
+python3-h5py         | python:h5py       | test  | opens recordings as their readers do
 groff-base           | groff             | test  | shows the man page: no warning from it
 iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
 cadical              | cadical           | prove | the SAT solver behind the proofs

@@ -169,6 +169,13 @@ fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *err
 
 FILE *fp3_output_stream(const fp3_output *output) { return output->stream; }
 
+const char *fp3_output_temporary(const fp3_output *output) { return output->temporary; }
+
+void fp3_output_begin_writing(const fp3_output *output) {
+    if (output->temporary)
+        sync_file_range(fileno(output->stream), 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 fp3_status fp3_output_publish(fp3_output *o, fp3_error *error) {
     int failed = fflush(o->stream) || ferror(o->stream);
     if (!failed && o->temporary) {

@@ -22,6 +22,11 @@ fp3_status fp3_file_write(const char *path, const void *data, size_t size, fp3_e
 typedef struct fp3_output fp3_output;
 fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error);
 FILE *fp3_output_stream(const fp3_output *output);
+/* The name of the temporary, for a library that opens files itself; NULL: there is none. */
+const char *fp3_output_temporary(const fp3_output *output);
+/* Has the system begin to write to the disk what a library wrote to the temporary so far, so that
+ * publishing need not wait for all of it. Does not wait itself. */
+void fp3_output_begin_writing(const fp3_output *output);
 /* Flushes; the first time path gets its new content, and later ones add to it. */
 fp3_status fp3_output_publish(fp3_output *output, fp3_error *error);
 /* What was never published leaves path as it was. Sets *output to NULL, which it may be already. */

@@ -42,7 +42,8 @@ enum {
     KEY_EVERY,
     KEY_TIMES,
     KEY_OBSERVE,
-    KEY_OUTPUT
+    KEY_OUTPUT,
+    KEY_COMPRESS
 };
 
 static const struct argp_option table[] = {
@@ -75,7 +76,10 @@ static const struct argp_option table[] = {
      "overflow, or a state is NaN or infinite in the end",
      0},
     {"output", KEY_OUTPUT, "FILE", 0,
-     "Write what is observed to FILE, as CSV: a row for each object of each snapshot", 0},
+     "Write what is observed to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a row "
+     "for each object of each snapshot",
+     0},
+    {"compress", KEY_COMPRESS, NULL, 0, "With --output: compress what is HDF5", 0},
     {"every", KEY_EVERY, "N", 0,
      "With --output: a snapshot after every N steps, at the start and at the end (default: at "
      "these two)",
@@ -180,6 +184,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_OUTPUT:
         o->record.def.path = text;
+        break;
+    case KEY_COMPRESS:
+        o->record.def.is_compressed = 1;
         break;
     case KEY_EVERY:
         fp3_run_record_every(&o->record, state, text);

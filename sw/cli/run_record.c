@@ -52,6 +52,8 @@ void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state
     if (!def->path && (def->every || def->times || def->observed))
         argp_error(state,
                    "--every, --times, --observe: expected --output FILE, where it is written");
+    if (def->is_compressed && !def->path)
+        argp_error(state, "--compress: expected --output FILE, an HDF5 file");
     if (def->every && def->times)
         argp_error(state, "--every and --times: expected one of them");
 }

@@ -117,8 +117,9 @@ static fp3_status make_room(const fp3_program *program, size_t objects, fp3_colu
     const size_t states = program->model ? program->model->state_count + 1u : 0;
     const size_t most = BLOCKS_BYTES / (sizeof(double) * columns->count + sizeof(float) * states);
     fp3_status status = FP3_OK;
-    columns->room = objects < BLOCK_MOST ? objects : BLOCK_MOST;
-    columns->room = columns->room < most ? columns->room : most;
+    const size_t room = most < BLOCK_MOST ? most : BLOCK_MOST;
+    const size_t blocks = (objects + room - 1) / room;
+    columns->room = (objects + blocks - 1) / blocks; /* so that the last is as full as the others */
     for (size_t i = 0; !status && i < columns->count; i++) {
         fp3_column *column = &columns->list[i];
         const size_t size = column->kind == FP3_COLUMN_COMPUTED ? sizeof(double) : sizeof(float);

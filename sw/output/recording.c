@@ -2,6 +2,7 @@
 #include <fp3/recording.h>
 
 #include "csv.h"
+#include "hdf5.h"
 #include "plan.h"
 
 #include "engine/backend.h"
@@ -50,6 +51,10 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
                         engine->layout.count);
     if (def->times && def->every)
         return fp3_fail(error, FP3_E_ARGUMENT, "snapshots are at times or every so many steps");
+    if (def->is_compressed && !fp3_hdf5_is_named(def->path))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: only HDF5 (a name that ends in .h5 or .hdf5) is compressed",
+                        def->path);
     return def->steps <= UINT32_MAX
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT, "%" PRIu64 " steps: a run has 4294967295 at most",
@@ -109,7 +114,8 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
     status = prepare(r, def, error);
     if (!status) {
         describe(r, def);
-        status = fp3_csv_open(&r->subject, &r->sink, error);
+        status = fp3_hdf5_is_named(r->path) ? fp3_hdf5_open(&r->subject, &r->sink, error)
+                                            : fp3_csv_open(&r->subject, &r->sink, error);
     }
     if (status)
         fp3_recording_close(&r);

@@ -1,0 +1,50 @@
+/* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, by libhdf5.
+ *
+ * It is a library of its own because libhdf5 brings 30 others along: linked with them, every start of the
+ * command would take 14 ms longer, and a program could not be linked statically any more.
+ */
+#ifndef FP3_HDF5_H
+#define FP3_HDF5_H
+
+#include <stdint.h>
+
+#define FP3_HDF5_VERSION 1u
+
+typedef struct fp3_hdf5 fp3_hdf5;
+
+typedef enum { FP3_HDF5_FLOAT, FP3_HDF5_DOUBLE, FP3_HDF5_UINT32, FP3_HDF5_UINT64 } fp3_hdf5_type;
+
+/* A dataset of rows x columns numbers, or of rows, where columns is 0. */
+typedef struct {
+    const char *name;
+    fp3_hdf5_type type;
+    uint64_t rows, columns, chunk_rows, chunk_columns;
+    int is_compressed;
+} fp3_hdf5_table;
+
+/* Part of a dataset: data has `rows` rows of `columns` numbers. */
+typedef struct {
+    uint64_t row, rows, column, columns;
+    const void *data;
+} fp3_hdf5_part;
+
+/* Calls give 0, or -1 after a failure, which `why` explains. dataset: a number that add gave, in the order of the
+ * calls from 0; or -1: the file. */
+typedef struct {
+    uint32_t version, size;
+    /* An existing file loses its contents. NULL: out of memory. After any other failure the next call fails. */
+    fp3_hdf5 *(*create)(const char *path);
+    int (*add)(fp3_hdf5 *file, const fp3_hdf5_table *table);
+    int (*text)(fp3_hdf5 *file, int dataset, const char *name, const char *value);
+    int (*number)(fp3_hdf5 *file, int dataset, const char *name, fp3_hdf5_type type,
+                  const void *value);
+    int (*write)(fp3_hdf5 *file, int dataset, const fp3_hdf5_part *part);
+    int (*flush)(fp3_hdf5 *file);
+    /* What the first failure was; *number: its errno, or 0 where there is none. */
+    const char *(*why)(const fp3_hdf5 *file, int *number);
+    void (*close)(fp3_hdf5 *file);
+} fp3_hdf5_ops;
+
+extern const fp3_hdf5_ops fp3_hdf5_calls;
+
+#endif

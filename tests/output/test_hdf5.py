@@ -1,0 +1,159 @@
+"""What is written as HDF5, read by h5py: the numbers of the CSV, chunks, attributes; full disks, ends in the middle."""
+
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import zlib
+
+import pytest
+
+h5py = pytest.importorskip("h5py")
+numpy = pytest.importorskip("numpy")
+
+
+@pytest.fixture
+def record(start, tmp_path):
+    """The same run as CSV and as HDF5."""
+    def record(program, *arguments, more=(), **options):
+        rows = start(program, *arguments, **options)
+        start(program, *arguments, *more, output="out.h5", **options)
+        return rows, h5py.File(tmp_path / "out.h5")
+    return record
+
+
+def agree(done, file):
+    """Every number of the rows stands in the datasets, and there are no others."""
+    objects = len({row["object"] for row in done.rows})
+    for name in done.names:
+        if name == "object":
+            continue
+        column = [row[name] for row in done.rows]
+        data = file[name]
+        if name in ("step", "time"):
+            column = column[::objects]
+            assert data.shape == (len(column),)
+        else:
+            assert data.shape == (len(done.rows) // objects, objects)
+        flat = data[()].reshape(-1)
+        assert numpy.array_equal(flat, numpy.array(column, dtype=flat.dtype), equal_nan=flat.dtype.kind == "f"), name
+    assert set(file) | {"object"} == set(done.names)
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_it_has_the_numbers_of_the_csv(record, engine):
+    done, file = record("kepler.ode", "-e", engine, "-c", "many_full", "-o", "5", "--spread", "r_x=0.4:0.6", "-n", "20", "--every", "3",
+                        "--observe", "v_x,energy,r_y")
+    agree(done, file)
+    assert {name: str(data.dtype) for name, data in file.items()} == \
+        {"v_x": "float32", "energy": "float64", "r_y": "float32", "step": "uint64", "time": "float64"}
+
+
+def test_one_object_and_many_snapshots(record):
+    done, file = record("ship.ode", "-e", "isa", "-n", "30000", "--every", "1")
+    agree(done, file)
+    assert file["v"].shape == (30001, 1) and file["v"].chunks == (30001, 1)
+    # More than a chunk of them, and a last one that is not full.
+    assert 131072 * 8 == 1 << 20
+    done, file = record("ship.ode", "-e", "isa", "-n", "140000", "--every", "1", "--set", "h=1e-3")
+    agree(done, file)
+    assert file["v"].chunks == (131072, 1) and file["time"].chunks == (131072,) and file["step"][-1] == 140000
+
+
+def test_the_registers_of_sleepers_are_integers(record, root):
+    done, file = record("ship_sleep.s", "--params", root / "programs/ship.cfg", "-e", "isa", "-c", "shared", "-o", "6",
+                        "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-n", "900", "--every", "100")
+    agree(done, file)
+    assert file["slept"].dtype == numpy.uint32 and file["slept"][-1].max() > 100
+    assert "model" not in file.attrs and "integrator" not in file.attrs
+
+
+def test_what_it_says_of_itself(record, fp3, root, tmp_path):
+    done, file = record("oscillator.ode", "-e", "isa", "-c", "many_full", "-i", "ralston3", "--set", "h=0.1", "-o", "2", "-n", "3", "--every", "1")
+    agree(done, file)
+    subprocess.run([fp3, "compile", root / "programs/oscillator.ode", "-c", "many_full", "-i", "ralston3", "--image", "x.fp3"],
+                   cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    version = subprocess.run([fp3, "--version"], capture_output=True, text=True).stdout.split()[-1]
+    assert dict(file.attrs) == {
+        "model": "oscillator", "description": "a mass on a spring with a damper, weakly damped", "integrator": "ralston3", "engine": "isa",
+        "configuration": "many_full", "h": float(numpy.float32(0.1)), "fp3_version": version,
+        "image_crc32": zlib.crc32((tmp_path / "x.fp3").read_bytes()[:-4])}
+    assert file["v"].attrs["units"] == "m/s" and file["x"].attrs["units"] == "m" and file["time"].attrs["units"] == "s"
+    assert list(file["time"][:]) == [n * float(numpy.float32(0.1)) for n in range(4)]
+
+
+def test_compressed_it_is_smaller_and_the_same(record, start, tmp_path):
+    run = ("ship.ode", "-e", "isa", "-n", "20000", "--every", "1")
+    plain = record(*run)[1]
+    size = (tmp_path / "out.h5").stat().st_size
+    done, file = record(*run, more=("--compress",))
+    agree(done, file)
+    assert file["v"].compression == "gzip" and plain["v"].compression is None
+    assert (tmp_path / "out.h5").stat().st_size < 0.6 * size
+    assert "only HDF5 (a name that ends in .h5 or .hdf5) is compressed" in start("ship.ode", "--compress", code=2).stderr
+    assert "--compress: expected --output FILE" in start("ship.ode", "--compress", output=None, code=2).stderr
+
+
+def test_a_name_says_what_it_is(start, tmp_path):
+    for name in ("a.h5", "b.HDF5", "c.H5"):
+        start("ship.ode", output=name)
+        assert h5py.is_hdf5(tmp_path / name)
+    for name in ("a.csv", "h5", "a.h5.txt"):
+        start("ship.ode", output=name)
+        assert (tmp_path / name).read_text().startswith("step,")
+
+
+def test_many_objects_in_chunks(build, tmp_path):
+    """From the writer alone: 600,000 objects are three blocks."""
+    env = {**os.environ, "FP3_RTL_DIR": str(build / "lib/fp3")}
+    done = subprocess.run([build / "tests/writer_speed", "600001", "3", "many.h5"], cwd=tmp_path, env=env, capture_output=True, text=True)
+    assert done.returncode == 0 and int(done.stdout.split()[-2]) < 200000, done.stdout + done.stderr
+    with h5py.File(tmp_path / "many.h5") as file:
+        assert file["v"].shape == (3, 600001) and file["v"].chunks == (1, 200001) and file["s"].chunks == (1, 200001)
+        first = 200001 * (numpy.arange(600001) // 200001)
+        inside = (numpy.arange(600001) - first).astype(numpy.float32)
+        for n in range(3):
+            base = numpy.float32(n) + numpy.float32(0.001) * first.astype(numpy.float32)
+            assert numpy.allclose(file["v"][n], base + numpy.float32(0.001) * inside, rtol=1e-6)
+
+
+# ---- files ----
+
+def test_what_is_no_file_is_refused(start, tmp_path):
+    (tmp_path / "full.h5").symlink_to("/dev/full")
+    (tmp_path / "null.h5").symlink_to("/dev/null")
+    for name in ("full.h5", "null.h5"):
+        assert f"{name}: HDF5 needs a regular file" in start("ship.ode", output=name, code=2).stderr
+
+
+@pytest.mark.parametrize("most", [500, 4000, 300000, 900000])
+def test_a_full_disk_is_told(start, tmp_path, most):
+    (tmp_path / "out.h5").write_text("before")
+
+    def small():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    done = start("ship.ode", "-e", "isa", "-n", "40000", "--every", "1", output="out.h5", preexec_fn=small, code=1)
+    assert "out.h5: cannot write: File too large" in done.stderr, done.stderr
+    assert (tmp_path / "out.h5").read_text() == "before" and [path.name for path in tmp_path.iterdir()] == ["out.h5"]
+
+
+def test_the_file_of_before_stays_until_the_new_one_is_whole(fp3, root, tmp_path):
+    (tmp_path / "out.h5").write_text("before")
+    run = subprocess.Popen([fp3, "run", root / "programs/ship.ode", "-e", "isa", "-n", "9000000", "--every", "1", "--output", "out.h5"],
+                           cwd=tmp_path, stdout=subprocess.DEVNULL)
+    time.sleep(1)
+    run.kill()
+    assert run.wait() == -signal.SIGKILL and (tmp_path / "out.h5").read_text() == "before"
+
+
+def test_without_the_writer_it_says_what_it_lacks(start, build, tmp_path):
+    shutil.copy(build / "lib/fp3/fp3_single_full.so", tmp_path / "fp3_hdf5.so")
+    done = start("ship.ode", "-e", "isa", output="out.h5", env={**os.environ, "FP3_RTL_DIR": str(tmp_path)}, code=1)
+    assert "fp3_hdf5.so does not fit this libfp3" in done.stderr
+    (tmp_path / "fp3_hdf5.so").unlink()
+    done = start("ship.ode", "-e", "isa", output="out.h5", env={**os.environ, "FP3_RTL_DIR": str(tmp_path)}, code=1)
+    assert "no writer of HDF5 files, fp3_hdf5.so" in done.stderr and list(tmp_path.iterdir()) == []
