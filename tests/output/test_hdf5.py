@@ -129,14 +129,19 @@ def test_what_is_no_file_is_refused(start, tmp_path):
         assert f"{name}: HDF5 needs a regular file" in start("ship.ode", output=name, code=2).stderr
 
 
-@pytest.mark.parametrize("most", [500, 4000, 300000, 900000])
-def test_a_full_disk_is_told(start, tmp_path, most):
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 0.9, 0.999, 1])
+@pytest.mark.parametrize("steps", [10, 40000])
+def test_a_full_disk_is_told(start, tmp_path, steps, share):
+    """Wherever it is full, the last byte included: some of it is only written when all is flushed."""
+    run = ("ship.ode", "-e", "isa", "-n", steps, "--every", "1")
+    start(*run, output="out.h5")
+    most = int(share * (tmp_path / "out.h5").stat().st_size) - 1
     (tmp_path / "out.h5").write_text("before")
 
     def small():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    done = start("ship.ode", "-e", "isa", "-n", "40000", "--every", "1", output="out.h5", preexec_fn=small, code=1)
+    done = start(*run, output="out.h5", preexec_fn=small, code=1)
     assert "out.h5: cannot write: File too large" in done.stderr, done.stderr
     assert (tmp_path / "out.h5").read_text() == "before" and [path.name for path in tmp_path.iterdir()] == ["out.h5"]
 
@@ -151,9 +156,13 @@ def test_the_file_of_before_stays_until_the_new_one_is_whole(fp3, root, tmp_path
 
 
 def test_without_the_writer_it_says_what_it_lacks(start, build, tmp_path):
+    where = {**os.environ, "FP3_RTL_DIR": str(tmp_path)}
     shutil.copy(build / "lib/fp3/fp3_single_full.so", tmp_path / "fp3_hdf5.so")
-    done = start("ship.ode", "-e", "isa", output="out.h5", env={**os.environ, "FP3_RTL_DIR": str(tmp_path)}, code=1)
-    assert "fp3_hdf5.so does not fit this libfp3" in done.stderr
+    assert "fp3_hdf5.so does not fit this libfp3" in start("ship.ode", "-e", "isa", output="out.h5", env=where, code=1).stderr
+    (tmp_path / "old.c").write_text("const unsigned fp3_hdf5_calls[64] = {0, 80};")
+    subprocess.run(["gcc", "-shared", "-fPIC", "old.c", "-o", "fp3_hdf5.so"], cwd=tmp_path, check=True)
+    assert "fp3_hdf5.so does not fit this libfp3" in start("ship.ode", "-e", "isa", output="out.h5", env=where, code=1).stderr
     (tmp_path / "fp3_hdf5.so").unlink()
-    done = start("ship.ode", "-e", "isa", output="out.h5", env={**os.environ, "FP3_RTL_DIR": str(tmp_path)}, code=1)
+    (tmp_path / "old.c").unlink()
+    done = start("ship.ode", "-e", "isa", output="out.h5", env=where, code=1)
     assert "no writer of HDF5 files, fp3_hdf5.so" in done.stderr and list(tmp_path.iterdir()) == []
