@@ -5,7 +5,8 @@ retirement, every address of the host port, schedulers with programs of their ow
     tools/random_configs.py --count 200 --seed 1 --jobs 2
     tools/random_configs.py --seed 1 --only 17 --keep DIR     that one again; what was built stays in DIR
 
-Needs what `make setup` installs, and nothing that make has built. Ends with 1 if one configuration failed.
+Needs what `make setup` installs, and nothing that make has built unless --objects says so. Ends with 1 if one configuration
+failed.
 """
 
 import argparse
@@ -171,10 +172,15 @@ def make_hardware(name, tree, runtime):
     run("g++", "-shared", "-o", tree / f"{top}.so", tree / "shim.o", tree / f"cc/V{top}__ALL.a", *runtime)
 
 
-def make_common(tree):
-    """What all configurations share, and Verilator's run time; registers.h and isa.h do not depend on them."""
+def make_common(tree, made):
+    """What all configurations share, and Verilator's run time; registers.h and isa.h do not depend on them. made: the folder
+    in which make has compiled all that, or None."""
     make_tree(random_config(0, 0), tree)
-    objects = {path.stem: compile_c(path, tree, tree) for path in sources(COMMON) if path not in sources(OWN)}
+    shared = [path for path in sources(COMMON) if path not in sources(OWN)]
+    if made:
+        objects = {path.stem: made / path.relative_to(ROOT).with_suffix(".o") for path in shared}
+        return objects, [made / "verilator/verilated.o", made / "verilator/verilated_threads.o"]
+    objects = {path.stem: compile_c(path, tree, tree) for path in shared}
     include = verilator_root()
     runtime = [tree / "verilated.o", tree / "verilated_threads.o"]
     for target in runtime:
@@ -227,7 +233,9 @@ def parse():
     parser.add_argument("--seed", type=int, default=1, help="of all of them (1)")
     parser.add_argument("--jobs", type=int, default=2, help="at a time (2)")
     parser.add_argument("--instructions", type=int, default=30000, help="of random programs, at least, in each (30000)")
+    parser.add_argument("--first", type=int, default=0, help="the number of the first (0)")
     parser.add_argument("--only", type=int, help="the number of one configuration")
+    parser.add_argument("--objects", type=pathlib.Path, help="what make has compiled, build/obj, to save that time")
     parser.add_argument("--keep", type=pathlib.Path, help="an empty directory for all that is built")
     return parser.parse_args()
 
@@ -235,10 +243,10 @@ def parse():
 def main():
     args = parse()
     scratch = args.keep or pathlib.Path(tempfile.mkdtemp(prefix="fp3-random-"))
-    numbers = range(args.count) if args.only is None else [args.only]
+    numbers = range(args.first, args.first + args.count) if args.only is None else [args.only]
     failed = 0
     try:
-        common = make_common(scratch / "common")
+        common = make_common(scratch / "common", args.objects and args.objects.resolve())
         with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
             for wrong in pool.map(lambda number: one(args, number, scratch, common), numbers):
                 if wrong:

@@ -24,8 +24,9 @@
 
 typedef struct {
     const char *config, *program, *params, *json;
-    uint64_t steps; /* after the first, of one object; many share them */
-    int scenes, is_model;
+    uint64_t steps;         /* after the first, of one object; many share them */
+    uint64_t scene_objects; /* 0: no scenes */
+    int is_model;
 } options;
 
 static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3_error *error) {
@@ -186,19 +187,22 @@ static fp3_status bench_program(const options *o, const char *path, results *to,
 /* Its cycles per object-step are told as a ratio to those of the reference before it. */
 typedef struct {
     const char *name, *program;
-    uint32_t objects, visit, awake_of;
+    int is_resident; /* as many objects as contexts; else as many as are asked for */
+    uint32_t visit, awake_of;
     uint64_t steps;
     int is_reference;
 } scene;
 
 #define SCENES "crowd" /* the configuration: a store for all of them */
+#define SCENE_OBJECTS 10000
+#define SCENE_OBJECTS_MOST 1000000 /* the store says what it has room for */
 static const scene scenes[] = {
-    {"resident", "ship_madd", 0, 0, 1, 64, 1},
-    {"16 steps per visit", "ship_madd", 10000, 16, 1, 64, 0},
-    {"1 step per visit", "ship_madd", 10000, 1, 1, 4, 0},
-    {"all awake", "ship_sleep", 10000, 16, 1, 16, 1},
-    {"10 % awake", "ship_sleep", 10000, 16, 10, 16, 0},
-    {"1 % awake", "ship_sleep", 10000, 16, 100, 16, 0},
+    {"resident", "ship_madd", 1, 0, 1, 64, 1},
+    {"16 steps per visit", "ship_madd", 0, 16, 1, 64, 0},
+    {"1 step per visit", "ship_madd", 0, 1, 1, 4, 0},
+    {"all awake", "ship_sleep", 0, 16, 1, 16, 1},
+    {"10 % awake", "ship_sleep", 0, 16, 10, 16, 0},
+    {"1 % awake", "ship_sleep", 0, 16, 100, 16, 0},
 };
 
 static void tell_scene(const scene *s, const fp3_bench_outcome *o, double per, double ratio,
@@ -228,7 +232,7 @@ static fp3_status bench_scene(const options *o, const scene *s, double *referenc
     fp3_program *program = NULL;
     fp3_bench_outcome x = {.config = fp3_config_find(SCENES), .program = s->program};
     x.what = (fp3_bench_case){.config = SCENES,
-                              .objects = s->objects,
+                              .objects = s->is_resident ? 0 : (uint32_t)o->scene_objects,
                               .visit = s->visit,
                               .awake_of = s->awake_of,
                               .steps = s->steps};
@@ -344,7 +348,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     fp3_progress_pause(to.progress); /* tables are printed in between */
     if (!status)
         status = bench_programs(o, path, &to, error);
-    if (!status && o->scenes)
+    if (!status && o->scene_objects)
         status = bench_scenes(o, &to, error);
     fp3_progress_end(&to.progress);
     if (!status && o->json)
@@ -369,7 +373,8 @@ static const struct argp_option table[] = {
     {"steps", 'n', "N", 0,
      "Integrations after the first, of one object or shared by many (default: 10000)", 0},
     {"params", 'P', "FILE", 0, "Values (default: " SHIP_PARAMS " for a ship, a model's own)", 0},
-    {"scenes", 's', NULL, 0, "Also run scenes of 10,000 objects from the store", 0},
+    {"scenes", 's', "N", OPTION_ARG_OPTIONAL,
+     "Also run scenes of N objects from the store (default: 10000)", 0},
     {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
     {0},
 };
@@ -396,7 +401,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->is_model = 1;
         break;
     case 's':
-        o->scenes = 1;
+        o->scene_objects =
+            text ? fp3_arguments_number(state, "--scenes", text, 100, SCENE_OBJECTS_MOST)
+                 : SCENE_OBJECTS;
         break;
     case ARGP_KEY_ARG:
         argp_error(state, "found '%s', expected options only", text);

@@ -106,7 +106,8 @@ def test_devices_and_pipes_are_written_directly(start, folder):
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
-def test_a_named_pipe_is_read_and_written_and_nobody_waits_for_ever(fp3, start, folder):
+def test_a_named_pipe_is_read_and_written(fp3, start, folder):
+    """Nobody waits for ever: tests/hostile."""
     os.mkfifo(folder / "pipe")
     whole = start("compile m.ode").stdout
     with subprocess.Popen([fp3, "compile", "m.ode", "-o", "pipe"], cwd=folder) as writer:
@@ -114,10 +115,6 @@ def test_a_named_pipe_is_read_and_written_and_nobody_waits_for_ever(fp3, start, 
     with subprocess.Popen([fp3, "compile", "pipe", "--model", "-o", "from.s"], cwd=folder) as reader:
         (folder / "pipe").write_text(MODEL)
         assert reader.wait() == 0 and (folder / "from.s").read_bytes().endswith(whole[-100:])
-    done = start("compile pipe")
-    assert done.returncode == 2 and b"pipe: a pipe that nobody writes into" in done.stderr
-    done = start("compile m.ode -o pipe")
-    assert done.returncode == 2 and b"pipe: cannot write" in done.stderr
 
 
 def test_standard_input_is_read_by_every_command(start, folder):

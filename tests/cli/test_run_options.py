@@ -128,15 +128,19 @@ def test_who_is_quick_or_has_no_terminal_is_silent(fp3, start, tmp_path):
     assert start("compare", "m.ode", "-i", "rk4", "--most-steps", "2048").stderr == ""
 
 
-@pytest.mark.parametrize("command", ["run - --model -e isa", "run -e isa --model /dev/stdin", "compile -"])
-def test_nothing_stands_in_what_is_typed(fp3, tmp_path, command):
-    ours, theirs = pty.openpty()
-    with subprocess.Popen([fp3, *command.split()], cwd=tmp_path, stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs) as started:
+def test_nothing_stands_in_what_is_typed(fp3, tmp_path):
+    started = []
+    for command in ("run - --model -e isa", "run -e isa --model /dev/stdin", "compile -"):
+        ours, theirs = pty.openpty()
+        started.append((ours, subprocess.Popen([fp3, *command.split()], cwd=tmp_path, stdin=theirs, stdout=subprocess.DEVNULL,
+                                               stderr=theirs)))
         os.write(ours, b"state x = 1\n")
-        time.sleep(3)
-        shown = os.read(ours, 65536)
-        started.kill()
-    assert shown == b"state x = 1\r\n"
+    time.sleep(3)
+    shown = [os.read(ours, 65536) for ours, _ in started]
+    for _, process in started:
+        process.kill()
+        process.wait()
+    assert shown == [b"state x = 1\r\n"] * 3
 
 
 def test_a_warning_has_a_line_of_its_own(fp3, tmp_path):

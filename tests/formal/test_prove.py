@@ -13,7 +13,7 @@ SHORT = {
     "add where operands are far apart": ["add", "--case", "distance (12|25|26|above 26)$"],
     "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry)"],
     "mutants in tiles": ["mutants", "--case", "seeded: a (tile|carry)"],
-    "control": ["control", "--case", "^(?!pace, (16|24) |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127)"],
+    "control": ["control", "--case", "^(?!pace, (16|24) |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127|seeded: (?!a ))"],
     "mul": ["mul"], "cuts": ["cuts"], "scale": ["scale"],
 }
 

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 SESSIONS = [("ship", "single", 30), ("ship_madd", "single", 30), ("ship_paper", "paper", 30), ("ship", "paper", 30),
-            ("ship_madd", "many", 4), ("ship", "shared", 4), ("ship", "lanes", 2), ("ship_madd", "array", 4)]
+            ("ship", "many", 4)]
 
 
 def start(*command, cwd):
@@ -92,7 +92,7 @@ def reset_in_the_middle(session, times, length):
     return session
 
 
-@pytest.mark.parametrize("config, objects, times", [("many", 6, (1, 37, 150, 334, 601, 1000)), ("lanes", 8, (150, 600)),
+@pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), ("lanes", 8, (600,)),
                                                     ("single", 1, (37, 150, 333))])
 def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, objects, times):
     """In the middle of a run it leaves what a long one leaves: memories as they are, and nothing on its way."""
@@ -103,7 +103,7 @@ def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, ob
         assert done.returncode == 0, done.stdout
         *rows, last = done.stdout.splitlines()
         shown.append((rows, last.split(", ")[3]))        # ... and the hash of all retirements
-        assert len(rows) > 100 and "hash " in last
+        assert len(rows) > 30 * len(times) and "hash " in last
         if objects > 1:                                  # every counter but the first, cycles, and the last, drain
             assert all(row.endswith(" 00000000") for row in rows if 0x88 <= int(row[:8], 16) < 0xe0), rows
     assert shown[0] == shown[1]
@@ -218,11 +218,12 @@ def texts_in_waves(dump):
         r"^b([01]{60,256}) ", dump, re.M))).decode("latin-1")
 
 
-@pytest.mark.parametrize("preset, config", [("fp3", "single"), ("many", "many"), ("many", "shared"), ("many", "lanes"),
-                                            ("many", "array")])
-def test_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config):
-    session, path = record(root, fp3, tmp_path, "ship_madd", config, 1), tmp_path / "x.vcd"
-    assert replay(root, icarus(config), session, f"+waves={path}").returncode == 0
+@pytest.mark.parametrize("preset, config, objects", [("fp3", "single", 1), ("many", "many", 24), ("many", "shared", 12),
+                                                     ("many", "lanes", 16), ("many", "array", 12)])
+def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config, objects):
+    session, path = record(root, fp3, tmp_path, "ship_madd", config, 2, "-o", objects), tmp_path / "x.vcd"
+    done = replay(root, icarus(config), session, f"+waves={path}")
+    assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
     dump = path.read_text()
     shown = {line for line in (root / f"sim/{preset}.gtkw").read_text().splitlines() if line.startswith("replay.")}
     missing = shown - names_in_waves(dump)
@@ -241,12 +242,11 @@ def test_64_contexts_take_turns(root, tmp_path):
     lines = [*(f"w ff{at:06x} {word:08x}" for at, word in [
         (0x8000, ld), (0x8004, add), (0x8008, st), (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 3), (0x18, 3)]),
         "w ff003000 00000000", "r 00000004 00402020"]
-    for u in range(4):                                                     # object n of a unit at 8 * n
-        lines += [f"w {u:02x}{0x800000 + 32 * n:06x} {0x3f800000 + 256 * u + n:08x}" for n in range(64)]
-        lines += [f"w {u:02x}003100 {n:08x}" for n in range(64)]
+    for n in range(64):                                                    # object n of every scheduler at 8 * n
+        lines += [f"w ff{0x800000 + 32 * n:06x} {0x3f800000 + n:08x}", f"w ff003100 {n:08x}"]
     lines += ["w ff000010 00000001", "p ff000014 00000001"]
     for u in range(4):
-        lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + 256 * u + n:08x}" for n in range(64)]
+        lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + n:08x}" for n in range(64)]
         lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
     session.write_text("\n".join(lines) + "\n")
     done = start("iverilog", "-g2012", *shape(root, "array"), "-DTOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
