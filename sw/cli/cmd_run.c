@@ -19,6 +19,7 @@ typedef struct {
     uint64_t steps, cycle_limit, objects, visit;
     int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_params *params;
+    char *sets, *spreads; /* names, each between commas: of --set, of --spread */
     fp3_run_record record;
     fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
@@ -132,6 +133,20 @@ static void check(const options *o, struct argp_state *state) {
     fp3_run_record_check(&o->record, state);
 }
 
+/* Adds the name in front of the = of text to those of one option; the other must not have it. */
+static void note_name(struct argp_state *state, const char *text, char **mine, const char *others) {
+    char *name = NULL, *all = NULL;
+    if (asprintf(&name, ",%.*s,", (int)strcspn(text, "="), text) < 0 ||
+        asprintf(&all, "%s%s", *mine ? *mine : "", name) < 0)
+        argp_failure(state, 1, 0, "out of memory");
+    else if (others && strstr(others, name))
+        argp_error(state, "found both --set and --spread of '%.*s', expected one of them",
+                   (int)strcspn(text, "="), text);
+    free(name);
+    free(*mine);
+    *mine = all;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
     fp3_error error;
@@ -205,10 +220,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_SPREAD:
         if (fp3_params_spread(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
+        note_name(state, text, &o->spreads, o->sets);
         break;
     case KEY_SET:
         if (fp3_params_set(o->params, text, &error))
             argp_failure(state, 2, 0, "%s", error.text);
+        note_name(state, text, &o->sets, o->spreads);
         break;
     case ARGP_KEY_ARG:
         if (o->program)
@@ -414,6 +431,8 @@ int fp3_cmd_run(int argc, char **argv) {
     const int exit_code = fp3_cli_end("run", status, &error, report);
     free(report);
     fp3_params_free(&o.params);
+    free(o.sets);
+    free(o.spreads);
     fp3_run_record_free(&o.record);
     return exit_code;
 }

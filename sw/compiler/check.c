@@ -4,6 +4,8 @@
 #include "machine/operation.h"
 
 #include <fp3/isa.h>
+#include <stdio.h>
+
 /* Whether a sine or a cosine is among what the program computes: `small-angles` is for these. */
 static int has_angles(const fp3_step *step) {
     for (uint32_t i = 0; i < step->model->expr_count; i++) {
@@ -12,6 +14,20 @@ static int has_angles(const fp3_step *step) {
             return 1;
     }
     return 0;
+}
+
+/* "; 'single_full' has it": those with as many objects as this one, or "". */
+static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_t size) {
+    size_t length = 0;
+    text[0] = '\0';
+    for (uint32_t i = 0; i < fp3_config_count; i++) {
+        const fp3_config *other = &fp3_configs[i];
+        if (other->interleave != config->interleave ||
+            fp3_operation_lacks(other, op) != FP3_KEY_NONE || length >= size)
+            continue;
+        length += (size_t)snprintf(text + length, size - length, "%s'%s'",
+                                   length ? ", " : "; it is in ", other->name);
+    }
 }
 
 /* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as the
@@ -32,13 +48,18 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
         const char *at = fp3_note_at(&step->notes, ops[i].note, room);
         const fp3_key key = fp3_operation_lacks(config, ops[i].op);
         const char *note = fp3_note_text(&step->notes, ops[i].note);
-        if (key != FP3_KEY_NONE)
+        if (key != FP3_KEY_NONE) {
+            char others[200];
+            say_who_has(config, ops[i].op, others, sizeof others);
             return fp3_fail(
-                error, FP3_E_PROGRAM, "%s%s%sneeds `%s`, which configuration '%s' does not have%s",
-                at, note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name,
+                error, FP3_E_PROGRAM,
+                "%s%s%sneeds `%s`, which configuration '%s' does not have%s%s", at,
+                note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name,
+                others,
                 key == FP3_KEY_ROUND && has_angles(step)
                     ? " (sines and cosines of at most pi/2 do without: pass `small-angles`)"
                     : "");
+        }
         const fp3_status status = check_rounding(config, ops[i].op, at, note, error);
         if (status)
             return status;

@@ -9,8 +9,6 @@ static uint32_t exponent(dag *g, uint32_t x) {
     return op2(g, FP3_OP_MAX, num(g, -126), op1(g, FP3_OP_LOGB, x));
 }
 
-static uint32_t power_of_two(dag *g, uint32_t n) { return op1(g, FP3_OP_EXP2, n); }
-
 /* The upper 12 bits of x, rounded (Dekker, A floating-point technique for extending the available
  * precision, Numerische Mathematik 18, 1971). */
 static uint32_t head(dag *g, uint32_t x) {

@@ -26,8 +26,6 @@ uint32_t fp3_at_least(dag *g, double limit, uint32_t n) {
 
 static uint32_t rint_of(dag *g, uint32_t x) { return op1(g, FP3_OP_RINT, x); }
 
-static uint32_t power_of_two(dag *g, uint32_t k) { return op1(g, FP3_OP_EXP2, k); }
-
 static uint32_t multiple_of_ln2(dag *g, uint32_t x) {
     return rint_of(g, mul(g, x, num(g, LOG2_E)));
 }

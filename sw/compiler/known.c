@@ -208,6 +208,16 @@ uint64_t fp3_known_params(const known_table *table, uint32_t id, int *has_h) {
     return params;
 }
 
+uint32_t fp3_known_line(const known_table *table, uint32_t id) {
+    const known *k = &table->list[id];
+    if (k->op == KNOWN_MODEL)
+        return table->model->exprs[k->a].line;
+    if (k->op == KNOWN_NUMBER || k->op == KNOWN_STEP)
+        return 0;
+    const uint32_t line = fp3_known_line(table, k->a);
+    return line ? line : fp3_known_line(table, k->b);
+}
+
 int fp3_known_is(const known_table *table, uint32_t id, double number) {
     const known *k = &table->list[id];
     return k->op == KNOWN_NUMBER && memcmp(&k->number, &number, sizeof number) == 0;

@@ -53,6 +53,9 @@ int fp3_known_constant(known_table *table, uint32_t expr, double *value);
 /* The params that it depends on, a bit each, from bit 0; *has_h: h, too. */
 uint64_t fp3_known_params(const known_table *table, uint32_t id, int *has_h);
 
+/* The line of the model in which it is written, or the first part of it that is; 0: no part of it is. */
+uint32_t fp3_known_line(const known_table *table, uint32_t id);
+
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);
 

@@ -17,6 +17,8 @@ static inline uint32_t op2(dag *g, uint32_t op, uint32_t a, uint32_t b) {
     return fp3_fold(g, op, a, b, FP3_NONE);
 }
 static inline uint32_t op1(dag *g, uint32_t op, uint32_t a) { return op2(g, op, a, FP3_NONE); }
+/* 2^n of an integral n. */
+static inline uint32_t power_of_two(dag *g, uint32_t n) { return op1(g, FP3_OP_EXP2, n); }
 static inline uint32_t add(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_ADD, a, b); }
 static inline uint32_t sub(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_SUB, a, b); }
 static inline uint32_t mul(dag *g, uint32_t a, uint32_t b) { return op2(g, FP3_OP_MUL, a, b); }

@@ -78,11 +78,12 @@ static void keep_unread(work *w) {
 
 /* ---- registers ---- */
 
+/* In one row of gaps; end at most one circle after begin. */
 static int is_free(const work *w, uint32_t reg, uint32_t begin, uint32_t end) {
-    for (uint32_t gap = begin; gap <= end; gap++)
-        if (w->busy[(size_t)reg * w->gaps + gap % w->gaps])
-            return 0;
-    return 1;
+    const char *row = &w->busy[(size_t)reg * w->gaps];
+    const uint32_t first = begin % w->gaps, count = end - begin + 1;
+    const uint32_t ahead = first + count < w->gaps ? count : w->gaps - first;
+    return !memchr(row + first, 1, ahead) && !memchr(row, 1, count - ahead);
 }
 
 static int take(const work *w, uint32_t reg, uint32_t begin, uint32_t end) {
@@ -95,10 +96,13 @@ static int take(const work *w, uint32_t reg, uint32_t begin, uint32_t end) {
 
 /* How long a register has been free before a gap: the one with the least to lose is taken. */
 static uint32_t idle_before(const work *w, uint32_t reg, uint32_t gap) {
-    uint32_t idle = 0;
-    while (idle < w->gaps && !w->busy[(size_t)reg * w->gaps + (gap + w->gaps - 1 - idle) % w->gaps])
-        idle++;
-    return idle;
+    const char *row = &w->busy[(size_t)reg * w->gaps], *found;
+    const uint32_t at = gap % w->gaps;
+    if ((found = memrchr(row, 1, at)))
+        return (uint32_t)(row + at - found) - 1;
+    if ((found = memrchr(row + at, 1, w->gaps - at)))
+        return at + (uint32_t)(row + w->gaps - found) - 1;
+    return w->gaps;
 }
 
 static uint32_t best_fit(const work *w, const arc *a, uint32_t used, fp3_borrow borrow) {

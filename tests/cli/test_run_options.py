@@ -66,9 +66,19 @@ def test_values_spread_as_in_a_scene(start, tmp_path):
     assert len(states(one.stdout)) == 10 and states(one.stdout) == states(start("run", "--scene", "m.scene").stdout)
     single = start("run", "m.ode", *options, "-o", "5", "--set", "x=1.25", "--set", "k=3.25").stdout
     assert states(single)[0].split()[:3] == states(one.stdout)[2].split()[:3]
-    # What is said last counts, as with --set.
-    again = start("run", "m.ode", *options, "-o", "5", "--spread", "x=1:2", "--set", "x=1.25", "--set", "k=3.25").stdout
+    # Of --set and of --spread each, what is said last counts.
+    again = start("run", "m.ode", *options, "-o", "5", "--set", "x=7", "--set", "x=1.25", "--set", "k=3.25").stdout
     assert states(again) == states(single)
+
+
+@pytest.mark.parametrize("options", [["--set", "x=1", "--spread", "x=1:2"], ["--spread", "k=1:2", "--spread", "x=1:2", "--set", "x=1"]])
+def test_a_value_is_set_or_spread(start, options):
+    done = start("run", "m.ode", "-e", "isa", *options)
+    assert done.returncode == 2 and "found both --set and --spread of 'x'" in done.stderr and not done.stdout
+
+
+def test_some_values_are_set_and_others_spread(start):
+    assert start("run", "m.ode", "-e", "isa", "-c", "many_full", "--set", "k=1", "--spread", "x=1:2").returncode == 0
 
 
 @pytest.mark.parametrize("text, message", [
