@@ -302,6 +302,19 @@ $(BUILD)/bench/bench: $(call obj,$(BENCH_C)) $(LIB)
 	@echo "  LD   $@"
 	@gcc $(LDFLAGS) -o $@ $^ $(BENCH_LIBS) $(LDLIBS)
 
+RESULTS := $(BUILD)/results
+.PHONY: bench bench-report bench-check
+bench: $(BUILD)/bench/bench $(BUILD)/fp3 ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, .html; QUICK=1, MODELS=, ENGINE=
+	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS)) $(if $(ENGINE),--engine $(ENGINE))
+	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --html $(RESULTS)/bench.html
+	@echo "Look at it with a browser: $(RESULTS)/bench.html"
+
+bench-report: ## Write docs/benchmarks.md from the full form of `make bench`
+	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md
+
+bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
+	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated

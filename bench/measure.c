@@ -8,9 +8,11 @@
 #include "bench/native.h"
 
 #include <argp.h>
+#include <gsl/gsl_version.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sundials/sundials_version.h>
 
 #define NAMES_MOST 64
 
@@ -34,7 +36,7 @@ static fp3_status add_peers(bench_points *points, const bench_problem *problem, 
     return status ? status : bench_add_sundials(points, problem, &o->bench, slopes, error);
 }
 
-static fp3_status compile_slopes(const fp3_model *model, fp3_native **native,
+static fp3_status compile_slopes(const fp3_model *model, fp3_bench_native **native,
                                  bench_slopes_fn **slopes, fp3_error *error) {
     char *equations = NULL, *text = NULL;
     fp3_status status = fp3_bench_equations(model, FP3_BENCH_DOUBLE, &equations, error);
@@ -43,9 +45,9 @@ static fp3_status compile_slopes(const fp3_model *model, fp3_native **native,
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     if (!status)
-        status = fp3_native_open(text, flags, native, error);
+        status = fp3_bench_native_open(text, flags, native, error);
     if (!status)
-        status = fp3_native_find(*native, "right_side", slopes, error);
+        status = fp3_bench_native_find(*native, "right_side", slopes, error);
     free(equations);
     free(text);
     return status;
@@ -58,6 +60,10 @@ static fp3_status write_result(const options *o, const bench_problem *problem,
                             (json_int_t)problem->model->state_count, "variants",
                             (json_int_t)problem->variants, "points", bench_points_json(points),
                             "left_out", points->left_out);
+    char sundials[64] = "";
+    SUNDIALSGetVersion(sundials, sizeof sundials);
+    json_object_set_new(all, "versions",
+                        json_pack("{s:s, s:s}", "GSL", gsl_version, "SUNDIALS", sundials));
     char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
     const fp3_status status = text ? fp3_file_write(o->json, text, strlen(text), error)
                                    : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -70,7 +76,7 @@ static fp3_status measure(const options *o, const bench_problem *problem, fp3_er
     bench_points points = {
         .left_out = json_array(), .patience = o->patience, .repeats = o->repeats};
     bench_machines *machines = NULL;
-    fp3_native *native = NULL;
+    fp3_bench_native *native = NULL;
     bench_slopes_fn *slopes = NULL;
     fp3_status status = bench_machines_open(&machines, error);
     if (!status)
@@ -94,7 +100,7 @@ static fp3_status measure(const options *o, const bench_problem *problem, fp3_er
     if (!status)
         status = write_result(o, problem, &points, error);
     bench_points_close(&points);
-    fp3_native_close(&native);
+    fp3_bench_native_close(&native);
     bench_machines_close(&machines);
     return status;
 }

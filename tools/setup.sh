@@ -29,7 +29,7 @@ groff-base           | groff             | test  | shows the man page: no warnin
 iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form
-libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which `make bench` measures beside ours; the library does not use them
+libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are measured beside ours; the library does not use them
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | fuzz  | libFuzzer runs all inputs in one process and shows a leak at the input that leaks
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it

@@ -60,11 +60,11 @@ fp3_status fp3_bench_loop_open(const fp3_model *model, const char *const *flags,
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     if (!status)
-        status = fp3_native_open(text, flags, &loop->native, error);
+        status = fp3_bench_native_open(text, flags, &loop->native, error);
     if (!status)
-        status = fp3_native_find(loop->native, "one", &loop->one, error);
+        status = fp3_bench_native_find(loop->native, "one", &loop->one, error);
     if (!status)
-        status = fp3_native_find(loop->native, "many", &loop->many, error);
+        status = fp3_bench_native_find(loop->native, "many", &loop->many, error);
     if (status)
         fp3_bench_loop_close(loop);
     free(equations);
@@ -73,6 +73,6 @@ fp3_status fp3_bench_loop_open(const fp3_model *model, const char *const *flags,
 }
 
 void fp3_bench_loop_close(fp3_bench_loop *loop) {
-    fp3_native_close(&loop->native);
+    fp3_bench_native_close(&loop->native);
     *loop = (fp3_bench_loop){0};
 }

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 typedef struct {
-    fp3_native *native;
+    fp3_bench_native *native;
     /* Steps first .. first + steps - 1 of one object: p its params, y its states. */
     void (*one)(const float *p, float *y, uint64_t first, uint64_t steps, float h);
     /* The same of `objects` objects (a multiple of FP3_BENCH_LOOP_BLOCK) from step 0, in columns: p and
@@ -22,7 +22,7 @@ typedef struct {
 
 #define FP3_BENCH_LOOP_BLOCK 64
 
-/* flags: of the compiler, ended by NULL. As fp3_native_open. */
+/* flags: of the compiler, ended by NULL. As fp3_bench_native_open. */
 fp3_status fp3_bench_loop_open(const fp3_model *model, const char *const *flags,
                                fp3_bench_loop *loop, fp3_error *error);
 void fp3_bench_loop_close(fp3_bench_loop *loop);

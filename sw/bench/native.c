@@ -15,7 +15,7 @@
 
 extern char **environ;
 
-struct fp3_native {
+struct fp3_bench_native {
     void *library;
 };
 
@@ -49,14 +49,14 @@ static fp3_status compile(const char *from, const char *to, const char *const *f
     return FP3_OK;
 }
 
-static fp3_status load(const char *path, fp3_native *native, fp3_error *error) {
+static fp3_status load(const char *path, fp3_bench_native *native, fp3_error *error) {
     native->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     return native->library ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
 }
 
 /* The files can go as soon as the library is loaded. */
-fp3_status fp3_native_open(const char *text, const char *const *flags, fp3_native **native,
-                           fp3_error *error) {
+fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
+                                 fp3_bench_native **native, fp3_error *error) {
     const char *top = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
     char folder[4096], source[4200], library[4200];
     snprintf(folder, sizeof folder, "%s/fp3-native-XXXXXX", top);
@@ -79,19 +79,19 @@ fp3_status fp3_native_open(const char *text, const char *const *flags, fp3_nativ
         rmdir(folder);
     }
     if (status)
-        fp3_native_close(native);
+        fp3_bench_native_close(native);
     return status;
 }
 
-void fp3_native_close(fp3_native **native) {
+void fp3_bench_native_close(fp3_bench_native **native) {
     if (*native && (*native)->library)
         dlclose((*native)->library);
     free(*native);
     *native = NULL;
 }
 
-fp3_status fp3_native_find(const fp3_native *native, const char *name, void *function,
-                           fp3_error *error) {
+fp3_status fp3_bench_native_find(const fp3_bench_native *native, const char *name, void *function,
+                                 fp3_error *error) {
     void *const found = dlsym(native->library, name);
     if (!found)
         return fp3_fail(error, FP3_E_SYSTEM, "the compiled equations have no '%s'", name);

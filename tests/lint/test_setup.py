@@ -114,3 +114,9 @@ def test_unknown_arguments_are_refused(root):
     for arguments in (["--chekc"], ["--check", "nothing"]):
         done = subprocess.run(["tools/setup.sh", *arguments], cwd=root, capture_output=True, timeout=60)
         assert done.returncode == 2, arguments
+
+
+def test_the_table_of_packages_starts_no_command(root):
+    text = (root / "tools/setup.sh").read_text()
+    table = text[text.index('\npackages="'):text.index('\n"\n')]
+    assert "libgsl-dev" in table and "`" not in table and "$(" not in table

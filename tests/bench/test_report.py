@@ -1,0 +1,158 @@
+"""tools/bench_report.py and bench_check.py: pages and verdicts from a small result that stands here."""
+
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import xml.etree.ElementTree as xml
+
+import pytest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "tools"))
+import bench          # noqa: E402
+import bench_check    # noqa: E402
+import bench_figures  # noqa: E402
+import bench_report   # noqa: E402
+
+
+@pytest.fixture
+def data():
+    return json.loads((HERE / "fixture.json").read_text())
+
+
+def tool(root, name, *arguments):
+    return subprocess.run([sys.executable, root / "tools" / name, *arguments], capture_output=True, text=True)
+
+
+# ---- tables ---------------------------------------------------------------------------------------
+
+def test_the_best_at_an_error(data):
+    first, second, third = bench_figures.summary(data["points"], "fast")
+    assert first["error"] == 0.1 and first["fast"]["ns_per_object"] == 100 and first["gsl"]["method"] == "rkf45" and first["ratio"] == 30
+    assert first["all"]["integrator"] == "rk6" and first["hardware"]["cycles"] == 6400 and first["plain_c"]["method"] == "scalar"
+    assert second["error"] == 0.01 and second["fast"]["ns_per_object"] == 200 and second["ratio"] == 15
+    assert third["error"] == 0.001 and third["hardware"] is None and third["diffrax"] is None
+
+
+def test_a_better_point_that_is_less_accurate_does_not_count(data):
+    data["points"][1]["error_median"] = 0.0011
+    assert [row["error"] for row in bench_figures.summary(data["points"], "fast")] == [0.1, 0.01]
+
+
+def test_the_page_says_where_fast_falls_short(data):
+    page = bench_report.markdown(data)
+    assert "- `kepler` at 1e-02: 15.0 times (rk4, plain, 200 ns; GSL's rkf45, 3,000 ns)" in page and "| **15.0** |" in page
+    assert "`kepler` at 1e-01" not in page and "| no: 2 of 3 |" in page
+    data["points"][1]["ns_per_object"] = 110.0
+    page = bench_report.markdown(data)
+    assert "\nNowhere.\n" in page and "| yes |" in page and "**" not in page.replace("**fast**", "")
+
+
+def test_the_page_has_machine_versions_command_and_date(data):
+    page = bench_report.markdown(data)
+    for word in ("2026-01-02", "`make bench`", "a processor", "a system", "a compiler 1", "GSL 1.2", "SUNDIALS 3.4", "`abc`", "100.0 MHz",
+                 "took too long", "diffrax (JAX) was not there"):
+        assert word in page, word
+    assert "| fast, 2 threads | 0.130 |" in page and "| fast | 16,384 | 1,000 | 0.250 | 4,000 | 1.25 |" in page
+
+
+def test_a_quick_form_makes_no_page_of_the_project(root, data, tmp_path):
+    data["about"]["form"] = "quick"
+    (tmp_path / "bench.json").write_text(json.dumps(data))
+    done = tool(root, "bench_report.py", "--input", tmp_path / "bench.json", "--markdown", tmp_path / "page.md")
+    assert done.returncode != 0 and "quick form" in done.stderr and not (tmp_path / "page.md").exists()
+
+
+# ---- pictures -------------------------------------------------------------------------------------
+
+def test_pictures_load_nothing_and_say_what_a_point_is(root, tmp_path):
+    done = tool(root, "bench_report.py", "--input", HERE / "fixture.json", "--html", tmp_path / "bench.html")
+    page = (tmp_path / "bench.html").read_text()
+    assert done.returncode == 0 and not any(word in page for word in ("http:", "https:", "src=", "<script", "@import", "<link"))
+    assert "a planet &lt;&amp;&gt;" in page and page.count("<svg") == 2
+    assert "<title>fp3, one thread: rk4, plain, h = 0.2, 64 steps: error 2.00e-02, 100 ns</title>" in page
+    assert "time for one object over the whole span" in page and "error at the end, relative" in page
+
+
+def test_points_lie_where_the_axes_say_and_the_legend_outside(data):
+    import bench_svg
+    svg = bench_svg.figure(bench_figures.fronts(data["points"], "fast"))
+    assert bench_svg.decades([90, 64000]) == (1, 5) and bench_svg.decades([0.0001, 0.02]) == (-4, -1)
+    width, height = bench_svg.WIDTH - bench_svg.RIGHT - bench_svg.LEFT, bench_svg.HEIGHT - bench_svg.BOTTOM - bench_svg.TOP
+    assert f"<circle cx={bench_svg.LEFT + width / 4:.0f} cy=" in svg                 # 100 ns
+    assert f" cy={bench_svg.TOP + height:.0f} r=3><title>GSL rkf45" in svg          # 1e-4
+    right = bench_svg.WIDTH - bench_svg.RIGHT
+    inside = [int(word.split("=")[1]) for word in svg.split() if word.startswith("cx=")]
+    legend = [place for place in inside if place > right]
+    assert len(legend) == len(bench_figures.fronts(data["points"], "fast")) and min(legend) > right + 10
+
+
+def test_one_colour_for_one_method(data):
+    assert len(set(bench_figures.COLOURS.values())) == len(bench_figures.COLOURS)
+    labels = {bench_figures.label(point, "fast") for point in data["points"]}
+    assert labels <= set(bench_figures.COLOURS)
+
+
+def test_a_front_has_no_point_that_another_beats(data):
+    fast = [point for point in data["points"] if point["engine"] == "fast" and point["threads"] == 1]
+    assert [point["ns_per_object"] for point in bench_figures.front(fast)] == [100, 200]
+
+
+# ---- clocks ---------------------------------------------------------------------------------------
+
+def test_hardware_gets_the_time_of_its_placed_clock(root, data):
+    mhz = bench.clocks((root / bench.CLOCKS).read_text())
+    assert {"many_full", "single_full"} <= set(mhz) and all(20 < clock < 400 for clock in mhz.values())
+    point = {"engine": "rtl", "config": "many_full", "cycles": 500.0, "ns_per_object": None}
+    bench.put_times([point], {"many_full": 125.0})
+    assert point["ns_per_object"] == 4000.0
+
+
+# ---- the baseline -----------------------------------------------------------------------------------
+
+def test_a_ratio_that_grew_fails_and_seconds_do_not_count(data):
+    baseline = {"margin": 1.2, "ratios": bench_check.ratios(data["speed"])}
+    slower = copy.deepcopy(data)
+    for row in slower["speed"]:
+        row["ns_per_object_step"] *= 10
+    assert bench_check.check(baseline, lambda: slower) == []
+    slower["speed"][1]["ratio_to_hand"] = 1.6
+    lines = bench_check.check(baseline, lambda: slower)
+    assert len(lines) == 1 and lines[0].startswith("fast, 1 threads, 16384 objects, 1000 steps: 1.60 times") and "at most 1.50" in lines[0]
+
+
+def test_once_slow_is_forgiven_always_slow_is_not(data):
+    baseline = {"margin": 1.2, "ratios": bench_check.ratios(data["speed"])}
+    slower = copy.deepcopy(data)
+    slower["speed"][2]["ratio_to_hand"] *= 2
+    runs = [slower, data]
+    assert bench_check.check(baseline, lambda: runs.pop(0)) == [] and runs == []
+
+
+def test_a_cell_that_was_not_measured_fails(data):
+    baseline = {"margin": 1.2, "ratios": {"fast, 1 threads, 7 objects, 1000 steps": 1.0}}
+    assert bench_check.check(baseline, lambda: data) == ["fast, 1 threads, 7 objects, 1000 steps: not measured"]
+
+
+def test_a_new_baseline_holds(root, data, tmp_path):
+    path = tmp_path / "baseline.json"
+    words = ["--baseline", path, "--input", HERE / "fixture.json"]
+    assert tool(root, "bench_check.py", *words, "--write").returncode == 0
+    done = tool(root, "bench_check.py", *words)
+    assert done.returncode == 0 and "3 ratios within 1.3 times" in done.stdout
+    stored = json.loads(path.read_text())
+    stored["ratios"]["fast, 1 threads, 16384 objects, 1000 steps"] = 0.5
+    path.write_text(json.dumps(stored))
+    done = tool(root, "bench_check.py", *words)
+    assert done.returncode == 1 and "1.25 times the loop by hand, the baseline 0.50, at most 0.65" in done.stdout
+
+
+def test_pictures_are_well_formed(data):
+    """As XML, once attributes have quotes."""
+    import re
+    import bench_svg
+    svg = bench_svg.figure(bench_figures.curves(data["points"], "fast"))
+    tree = xml.fromstring(re.sub(r"(?<=[ ])([\w-]+)=([^'\s>/]+)", r"\1='\2'", svg))
+    assert len(tree.findall(".//circle")) == 3 + 2      # rk4 twice and euler, and the legend's two

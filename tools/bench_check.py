@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Holds the speed of a build against a baseline: ratios to the loop by hand, never seconds.
+
+    tools/bench_check.py                 fails if a ratio is larger than the baseline's by more than its margin
+    tools/bench_check.py --write         makes what is measured now the baseline, bench/baseline.json
+
+It runs the quick form of `bench speed` and compares each cell of the baseline. A machine that does other things can make
+any ratio large, and none small for long: a cell fails only if it is too large in each of three runs.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from bench import ROOT, write
+
+TRIES = 3
+MARGIN = 1.3            # of a new baseline
+CELLS = [(16384, 1000), (1024, 1000), (1, 1000)]
+ENGINES = ("fast", "isa", "plain_c", "gsl")
+
+
+def key(row):
+    name = row["engine"] + (f" {row['method']}" if row["method"] else "") + (" flags" if row["flags"] else "")
+    return f"{name}, {row['threads']} threads, {row['objects']} objects, {row['steps']} steps"
+
+
+def ratios(rows):
+    return {key(row): row["ratio_to_hand"] for row in rows}
+
+
+def measure(options):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "speed.json"
+        command = [options.bench, "speed", "--quick", "--engine", options.engine, "--json", path]
+        done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        if done.returncode:
+            sys.exit(f"bench_check.py: {done.stderr}")
+        return json.loads(path.read_text())
+
+
+def too_large(baseline, found):
+    """Cells that are slower than they may be, or were not measured: with a line for each."""
+    rows = {}
+    for name, ratio in baseline["ratios"].items():
+        most = ratio * baseline["margin"]
+        if name not in found:
+            rows[name] = f"{name}: not measured"
+        elif found[name] > most:
+            rows[name] = f"{name}: {found[name]:.2f} times the loop by hand, the baseline {ratio:.2f}, at most {most:.2f}"
+    return rows
+
+
+def check(baseline, measured):
+    """measured: a function that measures. Lines of what is too slow in every try; those of the last."""
+    slow = None
+    for _ in range(TRIES):
+        rows = too_large(baseline, ratios(measured()["speed"]))
+        slow = rows if slow is None else {name: line for name, line in rows.items() if name in slow}
+        if not slow:
+            break
+    return list(slow.values())
+
+
+def new_baseline(speed):
+    chosen = [row for row in speed["speed"] if (row["objects"], row["steps"]) in CELLS and row["engine"] in ENGINES]
+    return {"target": speed.get("about", speed)["target"], "margin": MARGIN, "ratios": ratios(chosen)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--bench", type=pathlib.Path, default=ROOT / "build/bench/bench", help="the program")
+    parser.add_argument("--engine", default="fast", help="of fp3: fast (default) or isa")
+    parser.add_argument("--baseline", type=pathlib.Path, default=ROOT / "bench/baseline.json", help="the file of ratios")
+    parser.add_argument("--write", action="store_true", help="make what is measured now the baseline")
+    parser.add_argument("--input", type=pathlib.Path, help="figures that were measured before, bench.json or speed.json")
+    options = parser.parse_args()
+
+    def measured():
+        return json.loads(options.input.read_text()) if options.input else measure(options)
+    if options.write:
+        write(options.baseline, json.dumps(new_baseline(measured()), indent=1) + "\n")
+        return 0
+    baseline = json.loads(options.baseline.read_text())
+    slow = check(baseline, measured)
+    print("\n".join(slow) if slow else f"{len(baseline['ratios'])} ratios within {baseline['margin']} times those of {options.baseline.name}")
+    return 1 if slow else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+"""What the pictures and tables of the benchmark show: who is the fastest at an error, and which points belong together."""
+
+ERRORS = [10.0 ** -digits for digits in range(1, 14)]
+# One colour for one method, everywhere.
+COLOURS = {
+    "fp3, one thread": "#d00000", "fp3, all threads": "#ff7b00", "hardware many_full": "#000000", "hardware single_full": "#777777",
+    "plain C scalar": "#6a994e", "plain C vectors": "#2d6a4f", "GSL rkf45": "#48cae4", "GSL rk8pd": "#0077b6", "GSL msadams": "#4361ee",
+    "GSL msbdf": "#3a0ca3", "GSL rk4": "#90b8f8", "SUNDIALS cvode adams": "#b5179e", "SUNDIALS cvode bdf": "#7209b7",
+    "SUNDIALS arkode erk3": "#f4acd4", "SUNDIALS arkode erk4": "#f72585", "SUNDIALS arkode erk5": "#c9184a",
+    "SUNDIALS arkode erk8": "#800f2f", "diffrax float32": "#bc8034", "diffrax float64": "#7f5539",
+}
+INTEGRATORS = ["#d00000", "#ff7b00", "#e0b000", "#6a994e", "#2d6a4f", "#48cae4", "#0077b6", "#4361ee", "#3a0ca3", "#b5179e", "#f72585",
+               "#800f2f", "#7f5539", "#bc8034", "#777777", "#000000"]
+
+
+def fast_of(data):
+    """The engine of fp3 that was measured: fast, or isa where it was asked for."""
+    engines = {point["engine"] for point in data["points"]}
+    return "fast" if "fast" in engines else "isa"
+
+
+def is_timed(point):
+    return point["ns_per_object"] is not None and point["error_median"] is not None and point["error_median"] > 0
+
+
+def best(points, error, **keys):
+    """The shortest time below an error."""
+    good = [point for point in points if is_timed(point) and point["error_median"] <= error
+            and all(point[key] == value for key, value in keys.items())]
+    return min(good, key=lambda point: point["ns_per_object"], default=None)
+
+
+def summary(points, fast):
+    """A row for each error that fast reaches with one thread."""
+    threads = max((point["threads"] for point in points if point["engine"] == fast), default=1)
+    rows = []
+    for error in ERRORS:
+        ours = best(points, error, engine=fast, threads=1)
+        if ours is None:
+            break
+        row = {"error": error, "fast": ours, "all": best(points, error, engine=fast, threads=threads) if threads > 1 else None,
+               "hardware": best(points, error, engine="rtl")}
+        row |= {who: best(points, error, engine=who) for who in ("plain_c", "gsl", "sundials", "diffrax")}
+        row["ratio"] = row["gsl"] and row["gsl"]["ns_per_object"] / ours["ns_per_object"]
+        rows.append(row)
+    return rows
+
+
+def front(points):
+    """Those that no other beats, the slowest first."""
+    kept = []
+    for point in sorted(filter(is_timed, points), key=lambda point: (point["ns_per_object"], point["error_median"])):
+        if not kept or point["error_median"] < kept[-1]["error_median"]:
+            kept.append(point)
+    return kept
+
+
+def label(point, fast):
+    if point["engine"] == fast:
+        return "fp3, one thread" if point["threads"] == 1 else "fp3, all threads"
+    if point["engine"] == "rtl":
+        return f"hardware {point['config']}"
+    return {"plain_c": "plain C ", "gsl": "GSL ", "sundials": "SUNDIALS ", "diffrax": "diffrax "}[point["engine"]] \
+        + (point["arithmetic"] if point["engine"] == "diffrax" else point["method"])
+
+
+def text(point, fast):
+    """What the pointer says."""
+    how = ", ".join(str(word) for word in (point["method"], point["integrator"], point["arithmetic"]) if word)
+    what = f"h = {point['h']:.3g}, {point['steps']} steps" if point["h"] else f"tolerance {point['tolerance']:.0e}"
+    return f"{label(point, fast)}: {how}, {what}: error {point['error_median']:.2e}, {point['ns_per_object']:.4g} ns"
+
+
+def series(name, colour, points, fast):
+    return {"name": name, "colour": colour, "points": [(p["ns_per_object"], p["error_median"], text(p, fast)) for p in points]}
+
+
+def fronts(points, fast):
+    """Of one model: a line for each way to solve it."""
+    by_label = {}
+    for point in points:
+        by_label.setdefault(label(point, fast), []).append(point)
+    return [series(name, colour, front(by_label[name]), fast) for name, colour in COLOURS.items() if name in by_label and front(by_label[name])]
+
+
+def curves(points, fast):
+    """Of one model: a line for each integrator, in the best of its arithmetics."""
+    by_name = {}
+    for point in points:
+        if point["engine"] == fast and point["threads"] == 1:
+            by_name.setdefault(point["integrator"], []).append(point)
+    return [series(name, INTEGRATORS[i % len(INTEGRATORS)], front(by_name[name]), fast) for i, name in enumerate(sorted(by_name))]
+
+
+# ---- speed --------------------------------------------------------------------------------------------
+
+def runner(row):
+    name = row["engine"] + (f", {row['method']}" if row["method"] else "")
+    return name + (f", {row['threads']} threads" if row["threads"] > 1 else "") + (", flags" if row["flags"] and row["engine"] == "fast" else "")
+
+
+def grid(rows, across):
+    """A row for each runner, a column for each value of `across`."""
+    values = sorted({row[across] for row in rows})
+    lines = []
+    for name in dict.fromkeys(map(runner, rows)):
+        by_value = {row[across]: row for row in rows if runner(row) == name}
+        lines.append([name] + [by_value[value]["ns_per_object_step"] if value in by_value else None for value in values])
+    return values, lines
+
+
+def speed_grids(rows):
+    """Title, head and rows: by objects at 1,000 steps or the nearest, by steps at 16,384 objects, and of one object."""
+    steps = sorted({row["steps"] for row in rows}, key=lambda n: abs(n - 1000))[:1]
+    for chosen in steps:
+        values, lines = grid([row for row in rows if row["steps"] == chosen], "objects")
+        yield f"By the number of objects, {chosen:,} steps:", ["", *(f"{value:,} objects" for value in values)], lines
+    for objects in (16384, 1):
+        of = [row for row in rows if row["objects"] == objects]
+        if of:
+            values, lines = grid(of, "steps")
+            yield f"By the number of steps, {objects:,} object{'s'[:objects > 1]}:", ["", *(f"{value:,} steps" for value in values)], lines
+    ratios = [[runner(row), row["objects"], row["steps"], row["ns_per_object_step"], 1e3 / row["ns_per_object_step"], row["ratio_to_hand"]]
+              for row in rows if row["steps"] in steps and row["objects"] in (1, 16384)]
+    yield "Beside the loop by hand:", ["", "objects", "steps", "ns", "million object-steps per second", "time by that of the loop"], ratios

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Error against run time as pictures and tables: build/results/bench.json to bench.html and docs/benchmarks.md.
+
+    tools/bench_report.py --input bench.json --html bench.html      every picture, for a browser; nothing is loaded
+    tools/bench_report.py --input bench.json --markdown benchmarks.md
+
+The figures are medians, the pictures plain SVG; what stands under the pointer says what a point is.
+"""
+
+import argparse
+import html
+import json
+import math
+import pathlib
+import sys
+
+from bench import write
+from bench_figures import ERRORS, best, curves, fast_of, fronts, speed_grids, summary
+from bench_svg import figure
+
+LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
+INTRODUCTION = """\
+Every model of `programs/`, integrated from 0 to its span by every way there is here: how large the error is at the end, and how
+long one object takes. Objects are 64 variants of the model: each one's parameters are 0.1 % larger than those of the one
+before, each start 0.2 %. The error of an object is relative to the largest magnitude that each state reaches, root of the
+mean square over the states; tables and pictures have the median over the variants. The truth is GSL's rk8pd at 1e-14, with which
+the model's closed form, or GSL's rkck, must agree to 1e-9 for every variant; without that, there is no result.
+
+Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
+on the same machine, so a change of its speed meets all of them. A run of `fast` has up to 16,384 objects; compiling the program and
+writing the start are not part of it. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
+hardware the cycles that the compiler predicts.
+
+The others run in double, one object after another, with the right-hand side as C that `cc -O3 -march=native` compiles, tolerances
+from 1e-2 to 1e-10, relative to the size of each state. Memory is allocated once, not for each object. Jacobians are differences.
+GSL's `rk4` has fixed steps, and makes two of h/2 for each h. `plain_c` is the loop that a game has: rk4 in FP32, one object at a
+time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. Nobody but fp3 and `plain_c` looks for events, so models that
+have some are measured without the others."""
+
+
+def number(x):
+    """Three figures."""
+    if x is None:
+        return "–"
+    if x >= 100:
+        return f"{x:,.0f}"
+    return f"{x:.{max(0, 2 - math.floor(math.log10(x)))}f}" if x > 0 else "0"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def about(data):
+    a = data["about"]
+    versions = ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
+    return (f"Measured {a['date']} by `{a['command']}` ({a['form']} form), revision `{a['revision']}`, on {a['processors']} processors: "
+            f"{a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}; the loop by hand is for `{a['target']}`.")
+
+
+# ---- the page in Markdown ---------------------------------------------------------------------------
+
+def name_of(point):
+    if point is None:
+        return "–"
+    if point["integrator"] and point["engine"] != "plain_c":
+        return f"{point['integrator']}, {point['arithmetic']}"
+    return point["method"]
+
+
+def model_table(data, model):
+    points = [point for point in data["points"] if point["model"] == model]
+    fast = fast_of(data)
+    rows = []
+    for row in summary(points, fast):
+        cells = [f"{row['error']:.0e}", number(row["fast"]["ns_per_object"]), name_of(row["fast"])]
+        for who in ("all", "hardware", "plain_c", "gsl", "sundials", "diffrax"):
+            point = row[who]
+            cells.append("–" if point is None else
+                         number(point["ns_per_object"]) + ("" if who == "all" else f" ({name_of(point)})"))
+        ratio = row["ratio"]
+        cells.append("–" if ratio is None else f"{ratio:.0f}" if ratio >= LEAST_RATIO else f"**{ratio:.1f}**")
+        rows.append(cells)
+    if not rows:
+        return "No time step that was tried gets below an error of 1e-1."
+    return table(["error", f"{fast}, one thread, ns", "by", "all threads, ns", "hardware, ns", "plain C, ns", "GSL, ns", "SUNDIALS, ns",
+                  "diffrax, ns", "GSL / fast"], rows)
+
+
+def shortfalls(data):
+    """Where fast is not LEAST_RATIO times as fast as GSL, for every model and error."""
+    for problem in data["problems"]:
+        points = [point for point in data["points"] if point["model"] == problem["model"]]
+        for row in summary(points, fast_of(data)):
+            if row["ratio"] is not None and row["ratio"] < LEAST_RATIO:
+                yield (f"- `{problem['model']}` at {row['error']:.0e}: {row['ratio']:.1f} times ({name_of(row['fast'])}, "
+                       f"{number(row['fast']['ns_per_object'])} ns; GSL's {row['gsl']['method']}, {number(row['gsl']['ns_per_object'])} ns)")
+
+
+def overview(data):
+    rows = []
+    for problem in data["problems"]:
+        points = [point for point in data["points"] if point["model"] == problem["model"]]
+        found = summary(points, fast_of(data))
+        ratios = [row["ratio"] for row in found if row["ratio"] is not None]
+        smallest = min((point["error_median"] for point in points if point["engine"] == fast_of(data)), default=None)
+        rows.append([f"[`{problem['model']}`](#{problem['model']})", problem["doc"], "–" if smallest is None else f"{smallest:.1e}",
+                     f"{min(ratios):.0f} to {max(ratios):.0f}" if ratios else "–",
+                     "–" if not ratios else "yes" if min(ratios) >= LEAST_RATIO else
+                     f"no: {sum(ratio < LEAST_RATIO for ratio in ratios)} of {len(ratios)}"])
+    return table(["model", "", "smallest error in FP32", "GSL / fast", f"{LEAST_RATIO} times at every error"], rows)
+
+
+def speed_tables(data):
+    for title, head, rows in speed_grids(data["speed"]):
+        yield f"{title}\n\n" + table(head, [[row[0]] + [number(cell) for cell in row[1:]] for row in rows])
+
+
+def left_out(data):
+    rows = sorted({(row["engine"], row["method"] or row["integrator"] or "all", row["why"], row["model"]) for row in data["left_out"]})
+    by_why = {}
+    for engine, method, why, model in rows:
+        by_why.setdefault((engine, method, why), []).append(model)
+    return table(["engine", "method", "models", "why"],
+                 [[engine, method, ", ".join(models), why.replace("|", "/").split("\n")[0]] for (engine, method, why), models in by_why.items()])
+
+
+def markdown(data):
+    short = list(shortfalls(data))
+    has_diffrax = any(point["engine"] == "diffrax" for point in data["points"])
+    parts = ["<!-- Generated by tools/bench_report.py (make bench-report): do not edit. -->", "# Error against run time", about(data),
+             INTRODUCTION,
+             "diffrax (JAX) is in the tables: `make setup-bench` installs it." if has_diffrax else
+             "diffrax (JAX) was not there: `make setup-bench` installs it.",
+             "The same as pictures: `make bench` writes `build/results/bench.html`, which loads nothing, and the data behind it, "
+             "`bench.json`, `bench.csv` and `bench_speed.csv`.",
+             "## All models", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
+             "by the shortest time of the fast engine with one thread.", overview(data),
+             f"### Where fast is not {LEAST_RATIO} times as fast as GSL", "\n".join(short) if short else "Nowhere.",
+             "## Model by model", "Shortest times to get below an error (median of the variants). Hardware: cycles of the best of `many_full` and "
+             "`single_full` at its routed clock (speed grade 6, " +
+             ", ".join(f"`{name}` {data['about']['mhz'][name]} MHz" for name in ("many_full", "single_full") if name in data["about"]["mhz"]) +
+             ", from [results](results.md)); `many_full` has 24 objects in flight, and the figure is the time for one of them."]
+    for problem in data["problems"]:
+        parts += [f"### {problem['model']}", f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
+                  model_table(data, problem["model"])]
+    parts += ["## Speed", "Steps of the ship, Equations (1), as `programs/ship.s` has them, nanoseconds for a step of one object. The loop by hand "
+              "(`bench/ship.c`) is written with vectors of 16 floats, 1 to 8 of them interleaved; all but GSL's results have its bits. "
+              "In brackets, the time by that of the best loop by hand in the same cell.", *speed_tables(data),
+              "## Left out", left_out(data) if data["left_out"] else "Nothing."]
+    return "\n\n".join(parts) + "\n"
+
+
+# ---- the page in HTML -------------------------------------------------------------------------------
+
+STYLE = """body{font:15px/1.5 sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#222}
+table{border-collapse:collapse;font-size:13px;margin:1em 0}td,th{border:1px solid #ccc;padding:2px 8px;text-align:right}
+svg{display:block;margin:1em 0}svg text{font:12px sans-serif;fill:#222}h2{margin-top:2em}code{background:#f4f4f4}
+circle:hover{stroke:#000;stroke-width:1.5}.k{stroke:#ddd}.l{fill:none;stroke-width:1.6}nav a{margin-right:.8em}"""
+
+
+def page(data, has_integrators):
+    parts = ["<!doctype html><html lang=en><meta charset=utf-8><title>FP3: error against run time</title><style>", STYLE, "</style>",
+             "<h1>FP3: error against run time</h1>", f"<p>{html.escape(about(data)).replace('`', '')}</p>"]
+    parts += [f"<p>{html.escape(text).replace('`', '')}</p>" for text in INTRODUCTION.split("\n\n")]
+    parts.append("<p>Both axes are logarithmic. Lines join the points that nothing of the same colour beats; the pointer over a point "
+                 "says what it is.</p><nav>" + "".join(f"<a href='#{p['model']}'>{p['model']}</a>" for p in data["problems"]) + "</nav>")
+    for problem in data["problems"]:
+        points = [point for point in data["points"] if point["model"] == problem["model"]]
+        parts += [f"<h2 id='{problem['model']}'>{problem['model']}: {html.escape(problem['doc'])}</h2>", figure(fronts(points, fast_of(data)))]
+        if has_integrators:
+            parts += [f"<p>All integrators on the engine {fast_of(data)}, one thread:</p>", figure(curves(points, fast_of(data)))]
+    return "\n".join(parts) + "</html>\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--input", type=pathlib.Path, required=True, help="bench.json")
+    parser.add_argument("--html", type=pathlib.Path, help="a page with all pictures")
+    parser.add_argument("--small", action="store_true", help="... without those of all integrators")
+    parser.add_argument("--markdown", type=pathlib.Path, help="a page with tables; only of the full form")
+    options = parser.parse_args()
+    data = json.loads(options.input.read_text(encoding="utf-8"))
+    if options.markdown and data["about"]["form"] != "full":
+        sys.exit(f"bench_report.py: {options.input} is of the {data['about']['form']} form, the page is of the full one: run `make bench`")
+    if options.html:
+        write(options.html, page(data, not options.small))
+    if options.markdown:
+        write(options.markdown, markdown(data))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
