@@ -26,6 +26,7 @@ python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
 python3-h5py         | python:h5py       | test  | opens recordings as their readers do
 groff-base           | groff             | test  | shows the man page: no warning from it
+gnuplot-nox          | gnuplot           | test  | draws what fp3 run --plot shows
 iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form

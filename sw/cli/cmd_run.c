@@ -44,7 +44,8 @@ enum {
     KEY_TIMES,
     KEY_OBSERVE,
     KEY_OUTPUT,
-    KEY_COMPRESS
+    KEY_COMPRESS,
+    KEY_PLOT
 };
 
 static const struct argp_option table[] = {
@@ -81,16 +82,23 @@ static const struct argp_option table[] = {
      "for each object of each snapshot",
      0},
     {"compress", KEY_COMPRESS, NULL, 0, "With --output: compress what is HDF5", 0},
+    {"plot", KEY_PLOT, "FILE", 0,
+     "Draw what is observed over time, and of two states one against the other, into FILE, whose "
+     "name ends in .svg or .png; of more than 8 objects 8 are drawn. Needs gnuplot",
+     0},
     {"every", KEY_EVERY, "N", 0,
-     "With --output: a snapshot after every N steps, at the start and at the end (default: at "
-     "these two)",
+     "With --output or --plot: a snapshot after every N steps, at the start and at the end "
+     "(default: "
+     "at these two; of a plot some 500)",
      0},
     {"times", KEY_TIMES, "T1,T2,...", 0,
-     "With --output: snapshots at these times from the start of the run alone, whole multiples of "
+     "With --output or --plot: snapshots at these times from the start of the run alone, whole "
+     "multiples of "
      "h in its unit",
      0},
     {"observe", KEY_OBSERVE, "NAMES", 0,
-     "With --output: states, and of a model definitions and invariants, with commas between them; "
+     "With --output or --plot: states, and of a model definitions and invariants, with commas "
+     "between them; "
      "may be repeated (default: all states)",
      0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
@@ -124,12 +132,14 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
     if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
-    if (o->record.def.path && o->scene)
-        argp_error(state, "--output: a scene's groups have states of their own: record a group's "
-                          "program by itself");
-    if (o->record.def.path && o->cycle_limit)
-        argp_error(state, "--cycle-limit: a limit is of one run, and --output makes a run for each "
-                          "snapshot");
+    if (fp3_run_record_is_asked(&o->record) && o->scene)
+        argp_error(state,
+                   "--output, --plot: a scene's groups have states of their own: record a group's "
+                   "program by itself");
+    if (fp3_run_record_is_asked(&o->record) && o->cycle_limit)
+        argp_error(state,
+                   "--cycle-limit: a limit is of one run, and --output and --plot make a run "
+                   "for each snapshot");
     fp3_run_record_check(&o->record, state);
 }
 
@@ -199,6 +209,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_OUTPUT:
         o->record.def.path = text;
+        break;
+    case KEY_PLOT:
+        o->record.def.plot = text;
         break;
     case KEY_COMPRESS:
         o->record.def.is_compressed = 1;
@@ -289,8 +302,9 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
-        status = o->record.def.path ? record(o, of->program, engine, &cost, error)
-                                    : fp3_engine_run(engine, o->steps, &cost.stats);
+        status = fp3_run_record_is_asked(&o->record)
+                     ? record(o, of->program, engine, &cost, error)
+                     : fp3_engine_run(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
@@ -353,6 +367,7 @@ static fp3_status check_files(options *o, fp3_error *error) {
     fp3_files_write(&o->files, "--kanata", o->kanata);
     fp3_files_write(&o->files, "--bus-log", o->bus_log);
     fp3_files_write(&o->files, "--output", o->record.def.path);
+    fp3_files_write(&o->files, "--plot", o->record.def.plot);
     return fp3_files_check(&o->files, error);
 }
 

@@ -47,11 +47,16 @@ void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, ch
     record->def.observed = record->names;
 }
 
+int fp3_run_record_is_asked(const fp3_run_record *record) {
+    return record->def.path || record->def.plot;
+}
+
 void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state) {
     const fp3_recording_def *def = &record->def;
-    if (!def->path && (def->every || def->times || def->observed))
+    if (!def->path && !def->plot && (def->every || def->times || def->observed))
         argp_error(state,
-                   "--every, --times, --observe: expected --output FILE, where it is written");
+                   "--every, --times, --observe: expected --output FILE or --plot FILE, where "
+                   "it is written");
     if (def->is_compressed && !def->path)
         argp_error(state, "--compress: expected --output FILE, an HDF5 file");
     if (def->every && def->times)

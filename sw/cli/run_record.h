@@ -6,7 +6,7 @@
 #include <fp3/recording.h>
 
 typedef struct {
-    fp3_recording_def def; /* path NULL: nothing is recorded */
+    fp3_recording_def def; /* path and plot NULL: nothing is recorded */
     const char **names;
     double *times;
 } fp3_run_record;
@@ -16,6 +16,8 @@ void fp3_run_record_every(fp3_run_record *record, struct argp_state *state, cons
 void fp3_run_record_times(fp3_run_record *record, struct argp_state *state, const char *text);
 /* Takes text apart, which must outlive the record. */
 void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, char *text);
+/* Whether anything is recorded. */
+int fp3_run_record_is_asked(const fp3_run_record *record);
 /* After the last option. */
 void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state);
 void fp3_run_record_free(fp3_run_record *record);

@@ -4,6 +4,7 @@
 #include "csv.h"
 #include "hdf5.h"
 #include "plan.h"
+#include "plot.h"
 
 #include "engine/backend.h"
 #include "engine/count.h"
@@ -12,13 +13,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define SINKS_MOST 2          /* a file and a picture */
+#define PICTURE_SNAPSHOTS 500 /* of a picture, where nothing says how many */
+
 struct fp3_recording {
     fp3_source source;
     fp3_columns columns;
     fp3_plan plan;
-    fp3_subject subject;
-    char *path;
-    fp3_sink *sink;
+    fp3_subject subjects[SINKS_MOST]; /* the same but for the path */
+    char *paths[SINKS_MOST];
+    fp3_sink *sinks[SINKS_MOST];
+    int sink_count;
     uint64_t at, next; /* steps: that are made, and at the end of the part that is run */
     uint64_t number;   /* of the next snapshot */
     fp3_cost cost;
@@ -42,7 +47,7 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
 /* ---- opening ---- */
 
 static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, fp3_error *error) {
-    if (!def->path)
+    if (!def->path && !def->plot)
         return fp3_fail(error, FP3_E_ARGUMENT, "no file to record to");
     if (engine->layout.count != 1)
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -51,37 +56,66 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
                         engine->layout.count);
     if (def->times && def->every)
         return fp3_fail(error, FP3_E_ARGUMENT, "snapshots are at times or every so many steps");
-    if (def->is_compressed && !fp3_hdf5_is_named(def->path))
+    if (def->is_compressed && !(def->path && fp3_hdf5_is_named(def->path)))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: only HDF5 (a name that ends in .h5 or .hdf5) is compressed",
-                        def->path);
+                        def->path ? def->path : def->plot);
     return def->steps <= UINT32_MAX
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT, "%" PRIu64 " steps: a run has 4294967295 at most",
                           def->steps);
 }
 
-static void describe(fp3_recording *r, const fp3_recording_def *def) {
+static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def) {
     const fp3_program *program = r->source.program;
     const fp3_engine *engine = r->source.engine;
-    r->subject = (fp3_subject){.path = r->path,
-                               .program = program,
-                               .columns = &r->columns,
-                               .objects = r->source.objects,
-                               .snapshots = fp3_plan_count(&r->plan),
-                               .has_time = r->source.has_time,
-                               .h = r->source.h,
-                               .time_unit = program->model ? program->model->time_unit : "",
-                               .engine = engine->backend->name,
-                               .config = engine->config->name,
-                               .is_compressed = def->is_compressed};
+    return (fp3_subject){.program = program,
+                         .columns = &r->columns,
+                         .objects = r->source.objects,
+                         .snapshots = fp3_plan_count(&r->plan),
+                         .has_time = r->source.has_time,
+                         .h = r->source.h,
+                         .time_unit = program->model ? program->model->time_unit : "",
+                         .engine = engine->backend->name,
+                         .config = engine->config->name,
+                         .is_compressed = def->is_compressed};
+}
+
+typedef fp3_status open_fn(const fp3_subject *subject, fp3_sink **sink, fp3_error *error);
+
+static fp3_status add_sink(fp3_recording *r, const fp3_recording_def *def, const char *path,
+                           open_fn *open, fp3_error *error) {
+    const int i = r->sink_count;
+    r->subjects[i] = describe(r, def);
+    r->subjects[i].path = r->paths[i] = strdup(path);
+    fp3_status status = r->paths[i] ? open(&r->subjects[i], &r->sinks[i], error)
+                                    : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    r->sink_count++;
+    return status;
+}
+
+/* A picture may be refused, so it is the first. */
+static fp3_status add_sinks(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    if (def->plot)
+        status = add_sink(r, def, def->plot, fp3_plot_open, error);
+    if (!status && def->path)
+        status = add_sink(r, def, def->path,
+                          fp3_hdf5_is_named(def->path) ? fp3_hdf5_open : fp3_csv_open, error);
+    return status;
+}
+
+static uint64_t every_of(const fp3_recording_def *def) {
+    if (def->every || def->times || !def->plot)
+        return def->every;
+    return def->steps / PICTURE_SNAPSHOTS + (def->steps % PICTURE_SNAPSHOTS != 0);
 }
 
 static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
     fp3_source *source = &r->source;
     fp3_status status = fp3_source_find_h(source, error);
     if (!status)
-        status = fp3_plan_make(source, def->steps, def->every, def->times, def->time_count,
+        status = fp3_plan_make(source, def->steps, every_of(def), def->times, def->time_count,
                                &r->plan, error);
     if (!status)
         status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
@@ -91,8 +125,7 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
     if (!status)
         status = fp3_columns_begin(&r->columns, source, error);
     r->counter = calloc(fp3_config_schedulers(source->engine->config), sizeof *r->counter);
-    r->path = strdup(def->path);
-    if (!status && (!r->counter || !r->path))
+    if (!status && !r->counter)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     return status;
 }
@@ -112,11 +145,8 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
                              .engine = engine,
                              .objects = fp3_engine_objects(engine)};
     status = prepare(r, def, error);
-    if (!status) {
-        describe(r, def);
-        status = fp3_hdf5_is_named(r->path) ? fp3_hdf5_open(&r->subject, &r->sink, error)
-                                            : fp3_csv_open(&r->subject, &r->sink, error);
-    }
+    if (!status)
+        status = add_sinks(r, def, error);
     if (status)
         fp3_recording_close(&r);
     *recording = r;
@@ -128,13 +158,15 @@ void fp3_recording_close(fp3_recording **recording) {
     *recording = NULL;
     if (!r)
         return;
-    if (r->sink)
-        r->sink->close(r->sink);
+    for (int i = 0; i < r->sink_count; i++) {
+        if (r->sinks[i])
+            r->sinks[i]->close(r->sinks[i]);
+        free(r->paths[i]);
+    }
     fp3_columns_free(&r->columns);
     fp3_plan_free(&r->plan);
     free(r->counter);
     free(r->has_failed);
-    free(r->path);
     free(r);
 }
 
@@ -148,8 +180,8 @@ static fp3_status take_snapshot(fp3_recording *r, fp3_error *error) {
         const size_t left = source->objects - block.first;
         block.count = left < r->columns.room ? left : r->columns.room;
         status = fp3_columns_read(&r->columns, source, r->at, block.first, block.count);
-        if (!status)
-            status = r->sink->put(r->sink, &block, error);
+        for (int i = 0; !status && i < r->sink_count; i++)
+            status = r->sinks[i]->put(r->sinks[i], &block, error);
     }
     return status;
 }
@@ -227,7 +259,9 @@ static fp3_status run(fp3_recording *r, fp3_error *error) {
         if (!status && r->at > before && fp3_plan_has(&r->plan, r->at))
             status = take_snapshot(r, error);
     } while (!status && r->at < r->plan.steps);
-    return status ? status : r->sink->publish(r->sink, error);
+    for (int i = 0; !status && i < r->sink_count; i++)
+        status = r->sinks[i]->publish(r->sinks[i], error);
+    return status;
 }
 
 fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error) {

@@ -30,15 +30,16 @@ typedef struct fp3_recording fp3_recording;
 /* What to record. Always start from fp3_recording_default(). The caller owns what it points to, which
  * must outlive the call that opens. */
 typedef struct {
-    const char
-        *path; /* a name that ends in .h5 or .hdf5 is HDF5, any other CSV, "-" standard output */
+    /* A file, a picture or both; NULL: none. A name that ends in .h5 or .hdf5 is HDF5, any other CSV, "-"
+     * standard output. A picture, of 8 objects at most, ends in .svg or .png; gnuplot draws it. */
+    const char *path, *plot;
     /* Names of states, and of a model's definitions and invariants. NULL (default): a model's states;
      * all states of another program. */
     const char *const *observed;
     size_t observed_count;
     uint64_t steps; /* of the run, as of fp3_engine_run; 1 by default */
-    /* A snapshot before the run, after each `every` steps (0, the default: none of these) and at the
-     * end; unless there are times: then at these alone. */
+    /* A snapshot before the run, after each `every` steps (0, the default: none of these; of a picture
+     * some 500) and at the end; unless there are times: then at these alone. */
     uint64_t every;
     const double *times; /* ascending, from the start of the run, in the unit of h; or NULL */
     size_t time_count;
@@ -64,8 +65,8 @@ typedef struct {
 
 /* The program and its values are loaded (fp3_program_load), params are the same, and engine has one
  * group. All of them must outlive the recording. Opens the file beside its place. The caller closes
- * *recording, which is NULL on failure. FP3_E_ARGUMENT: no such name, times that are no steps, or a
- * file that cannot be written. */
+ * *recording, which is NULL on failure. FP3_E_ARGUMENT: no such name, times that are no steps, too
+ * much for a picture, or a file that cannot be written. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error);

@@ -1,0 +1,201 @@
+/* figure.c - see figure.h. */
+#include "figure.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Pixels. */
+enum { WIDTH = 960, TITLE = 40, PANEL = 210, LABEL = 24, PHASE = 460, ABOVE = 8, BELOW = 28 };
+
+#define LEFT 0.14 /* where data begin and end, as shares of the width: the legend is on the right */
+#define RIGHT 0.82
+#define MARGIN 0.05   /* of a range, above and below the data */
+#define MARKS_MOST 40 /* points that are drawn as such, and not lines alone */
+
+/* Okabe and Ito, Color Universal Design (2008): told apart by everybody. */
+static const char *const colours[FP3_CURVES_MOST] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                     "#e69f00", "#56b4e9", "#000000", "#999999"};
+static const char *const dashes[FP3_CURVES_MOST] = {
+    "1", "(8,4)", "(2,3)", "(8,3,2,3)", "(14,4)", "(4,2)", "(14,3,2,3)", "(8,3,2,3,2,3)"};
+
+typedef struct {
+    double from, to;
+} range;
+
+/* In single quotes, where gnuplot reads nothing but the quote itself. */
+static void put_text(FILE *out, const char *text) {
+    putc('\'', out);
+    for (; *text; text++)
+        fprintf(out, *text == '\'' ? "''" : "%c", *text);
+    putc('\'', out);
+}
+
+static void put_label(FILE *out, const char *axis, const char *name, const char *unit) {
+    char text[FP3_NAME_SIZE + FP3_UNIT_SIZE + 4];
+    snprintf(text, sizeof text, *unit ? "%s [%s]" : "%s", name, unit);
+    fprintf(out, "set %slabel ", axis);
+    put_text(out, text);
+    putc('\n', out);
+}
+
+/* ---- ranges ---- */
+
+/* Of what is finite; never empty, which gnuplot would refuse. */
+static range range_of(const double *values, size_t count) {
+    range r = {INFINITY, -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(values[i]))
+            continue;
+        r.from = fmin(r.from, values[i]);
+        r.to = fmax(r.to, values[i]);
+    }
+    if (r.from > r.to)
+        return (range){-1, 1};
+    /* Halves, so that no difference is infinite. */
+    double margin = 2 * MARGIN * (r.to / 2 - r.from / 2);
+    if (!(margin > 1e-9 * fmax(fabs(r.from), fabs(r.to))))
+        margin = fmax(fabs(r.to) * MARGIN, 1e-30);
+    r = (range){r.from - margin, r.to + margin};
+    return isfinite(r.from) && isfinite(r.to) ? r : (range){-8e307, 8e307};
+}
+
+static void put_range(FILE *out, const char *axis, range r) {
+    fprintf(out, "set %srange [%.17g:%.17g]\n", axis, r.from, r.to);
+}
+
+/* ---- data ---- */
+
+static const double *curve(const fp3_figure *f, size_t name, size_t object) {
+    return &f->values[(name * f->object_count + object) * f->points];
+}
+
+static void put_number(FILE *out, double value) {
+    if (isfinite(value))
+        fprintf(out, " %.17g", value);
+    else
+        fputs(" NaN", out);
+}
+
+/* A block for each object: the time, then each name. */
+static void put_data(const fp3_figure *f, FILE *out) {
+    fputs("$data << END\n", out);
+    for (size_t object = 0; object < f->object_count; object++) {
+        for (size_t i = 0; i < f->points; i++) {
+            put_number(out, f->times[i]);
+            for (size_t name = 0; name < f->subject->columns->count; name++)
+                put_number(out, curve(f, name, object)[i]);
+            putc('\n', out);
+        }
+        fputs("\n\n", out);
+    }
+    fputs("END\n", out);
+}
+
+/* ---- panels ---- */
+
+static int has_phase_plane(const fp3_figure *f) {
+    const fp3_column *list = f->subject->columns->list;
+    return f->subject->columns->count == 2 && list[0].kind == FP3_COLUMN_STATE &&
+           list[1].kind == FP3_COLUMN_STATE;
+}
+
+static int height_of(const fp3_figure *f) {
+    const int panels = (int)f->subject->columns->count * PANEL;
+    return TITLE + panels + LABEL + (has_phase_plane(f) ? PHASE + LABEL : 0);
+}
+
+/* From `top` pixels below the upper edge. */
+static void place(const fp3_figure *f, FILE *out, int top, int height) {
+    const double all = height_of(f);
+    fprintf(out, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
+            1 - (top + ABOVE) / all, 1 - (top + height - BELOW) / all);
+}
+
+/* Columns x and y of the data; the legend names objects, or the only curve. */
+static void put_curves(const fp3_figure *f, FILE *out, size_t x, size_t y, const char *colour,
+                       const char *only) {
+    fputs("plot", out);
+    for (size_t i = 0; i < f->object_count; i++) {
+        char title[48];
+        snprintf(title, sizeof title, "object %zu", f->objects[i]);
+        fprintf(out, "%s $data index %zu using %zu:%zu with %s lc rgb '%s' lw 1.5 dt %s title ",
+                i ? "," : "", i, x + 1, y + 1,
+                f->points <= MARKS_MOST ? "linespoints pt 7 ps 0.4" : "lines", colour, dashes[i]);
+        put_text(out, f->object_count > 1 ? title : only);
+    }
+    putc('\n', out);
+}
+
+static void put_panel(const fp3_figure *f, FILE *out, size_t name) {
+    const fp3_columns *columns = f->subject->columns;
+    const fp3_column *column = &columns->list[name];
+    place(f, out, TITLE + (int)name * PANEL, PANEL);
+    put_range(out, "x", range_of(f->times, f->points));
+    put_range(out, "y", range_of(curve(f, name, 0), f->object_count * f->points));
+    put_label(out, "x",
+              name + 1 < columns->count ? ""
+              : f->subject->has_time    ? "time"
+                                        : "step",
+              name + 1 < columns->count ? "" : f->subject->time_unit);
+    put_label(out, "y", column->name, column->unit);
+    put_curves(f, out, 0, name + 1, colours[name], column->name);
+}
+
+/* A position is to the right, its velocity upwards. */
+static int is_velocity_first(const fp3_subject *s) {
+    const fp3_model *model = s->program->model;
+    const uint32_t second = model ? fp3_model_state(model, s->columns->list[1].name) : FP3_NONE;
+    return second != FP3_NONE && model->states[second].velocity != FP3_NONE &&
+           model->states[second].velocity == fp3_model_state(model, s->columns->list[0].name);
+}
+
+static void put_phase_plane(const fp3_figure *f, FILE *out) {
+    const fp3_column *list = f->subject->columns->list;
+    const size_t x = is_velocity_first(f->subject), y = 1 - x, count = f->object_count * f->points;
+    place(f, out, TITLE + 2 * PANEL + LABEL, PHASE);
+    put_range(out, "x", range_of(curve(f, x, 0), count));
+    put_range(out, "y", range_of(curve(f, y, 0), count));
+    put_label(out, "x", list[x].name, list[x].unit);
+    put_label(out, "y", list[y].name, list[y].unit);
+    put_curves(f, out, x + 1, y + 1, colours[2], "phase plane");
+}
+
+/* ---- the whole ---- */
+
+static void put_title(const fp3_figure *f, FILE *out) {
+    const fp3_program *program = f->subject->program;
+    char text[512] = "";
+    size_t used = 0;
+    if (program->model)
+        used = (size_t)snprintf(text, sizeof text, "%s, %s, ", program->model->name,
+                                program->integrator->name);
+    if (f->subject->has_time)
+        used += (size_t)snprintf(text + used, sizeof text - used, "h = %.9g%s%s, ", f->subject->h,
+                                 *f->subject->time_unit ? " " : "", f->subject->time_unit);
+    snprintf(text + used, sizeof text - used, "%zu of %zu object%s", f->object_count,
+             f->subject->objects, f->subject->objects == 1 ? "" : "s");
+    fputs("set multiplot title ", out);
+    put_text(out, text);
+    putc('\n', out);
+}
+
+void fp3_figure_write(const fp3_figure *f, FILE *out) {
+    fprintf(out,
+            f->is_svg
+                ? "set terminal svg size %d,%d font 'sans,13' background '#ffffff' noenhanced\n"
+                : "set terminal pngcairo size %d,%d font 'sans,11' background '#ffffff' "
+                  "noenhanced\n",
+            WIDTH, height_of(f));
+    fprintf(out,
+            "set encoding utf8\nset grid lt 1 lc rgb '#dddddd'\nset format y '%%.8g'\n"
+            "set key at screen %g, graph 1 left top Left reverse\n"
+            "set lmargin at screen %g\nset rmargin at screen %g\n",
+            RIGHT + 0.01, LEFT, RIGHT);
+    put_data(f, out);
+    put_title(f, out);
+    for (size_t name = 0; name < f->subject->columns->count; name++)
+        put_panel(f, out, name);
+    if (has_phase_plane(f))
+        put_phase_plane(f, out);
+    fputs("unset multiplot\n", out);
+}

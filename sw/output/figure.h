@@ -1,0 +1,23 @@
+/* figure.h - curves as a script for gnuplot: a panel for each name over time, and of two names one against the other. */
+#ifndef FP3_OUTPUT_FIGURE_H
+#define FP3_OUTPUT_FIGURE_H
+
+#include "sink.h"
+
+#include <stdio.h>
+
+#define FP3_CURVES_MOST 8 /* objects, and names */
+
+typedef struct {
+    const fp3_subject *subject;
+    int is_svg; /* else PNG */
+    size_t objects[FP3_CURVES_MOST], object_count;
+    size_t points;       /* of a curve */
+    const double *times; /* or steps, where there is no time */
+    /* [name][object][point] */
+    const double *values;
+} fp3_figure;
+
+void fp3_figure_write(const fp3_figure *figure, FILE *script);
+
+#endif

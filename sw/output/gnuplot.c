@@ -1,0 +1,111 @@
+/* gnuplot.c - see gnuplot.h. The script is in an unnamed file and the picture comes through a pipe: if
+ * gnuplot ends early, nobody writes into a closed pipe, and a full disk is seen here and not by
+ * gnuplot, which would say nothing.
+ */
+#include "gnuplot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* Returns an errno, or 0. */
+static int start(char *const *arguments, int in, int out, int err, pid_t *child) {
+    posix_spawn_file_actions_t actions;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    failed = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
+    if (!failed)
+        failed = posix_spawnp(child, arguments[0], &actions, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+/* Its exit code, or -1. */
+static int wait_for(pid_t child) {
+    int state = 0;
+    while (waitpid(child, &state, 0) < 0)
+        if (errno != EINTR)
+            return -1;
+    return WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+}
+
+static fp3_status cannot_start(int number, fp3_error *error) {
+    if (number == ENOENT)
+        return fp3_fail(error, FP3_E_SYSTEM,
+                        "plots are drawn by gnuplot, which is not installed (Debian's package "
+                        "gnuplot-nox)");
+    return fp3_fail(error, FP3_E_SYSTEM, "gnuplot does not start: %s", strerror(number));
+}
+
+fp3_status fp3_gnuplot_check(fp3_error *error) {
+    char *const arguments[] = {"gnuplot", "--version", NULL};
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+    pid_t child = -1;
+    if (nothing < 0)
+        return fp3_fail(error, FP3_E_SYSTEM, "/dev/null: cannot open: %s", strerror(errno));
+    const int failed = start(arguments, nothing, nothing, nothing, &child);
+    const int code = failed ? 0 : wait_for(child);
+    close(nothing);
+    if (failed)
+        return cannot_start(failed, error);
+    return code ? fp3_fail(error, FP3_E_SYSTEM, "gnuplot does not start: it ends with %d", code)
+                : FP3_OK;
+}
+
+/* The first line that says something. */
+static fp3_status tell(FILE *said, int code, fp3_error *error) {
+    char line[256];
+    rewind(said);
+    while (fgets(line, sizeof line, said)) {
+        line[strcspn(line, "\n")] = '\0';
+        if (strspn(line, " ^\t") < strlen(line))
+            return fp3_fail(error, FP3_E_SYSTEM, "gnuplot: %s", line);
+    }
+    return fp3_fail(error, FP3_E_SYSTEM, "gnuplot ends with %d", code);
+}
+
+/* Until gnuplot closes its end. What cannot be written, the stream remembers. */
+static void copy(int from, FILE *to) {
+    char bytes[65536];
+    for (ssize_t count; (count = read(from, bytes, sizeof bytes)) != 0;)
+        if (count > 0)
+            fwrite(bytes, 1, (size_t)count, to);
+        else if (errno != EINTR)
+            return;
+}
+
+static fp3_status draw(FILE *script, FILE *to, FILE *said, fp3_error *error) {
+    char *const arguments[] = {"gnuplot", "--default-settings", NULL};
+    int ends[2];
+    pid_t child = -1;
+    if (lseek(fileno(script), 0, SEEK_SET) < 0 || pipe2(ends, O_CLOEXEC))
+        return fp3_fail(error, FP3_E_SYSTEM, "cannot make a pipe: %s", strerror(errno));
+    const int failed = start(arguments, fileno(script), ends[1], fileno(said), &child);
+    close(ends[1]);
+    if (!failed)
+        copy(ends[0], to);
+    close(ends[0]);
+    if (failed)
+        return cannot_start(failed, error);
+    const int code = wait_for(child);
+    return code ? tell(said, code, error) : FP3_OK;
+}
+
+fp3_status fp3_gnuplot_draw(FILE *script, FILE *to, fp3_error *error) {
+    FILE *said = tmpfile();
+    if (!said)
+        return fp3_fail(error, FP3_E_SYSTEM, "cannot make a temporary file: %s", strerror(errno));
+    const fp3_status status = draw(script, to, said, error);
+    fclose(said);
+    return status;
+}

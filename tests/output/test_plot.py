@@ -1,0 +1,142 @@
+"""Pictures: what is drawn, with which labels; gnuplot that is not there, fails, or has no room."""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import xml.etree.ElementTree as xml
+
+import pytest
+
+pytestmark = pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def texts(path):
+    """What is written in a picture."""
+    return [" ".join("".join(node.itertext()).split()) for node in xml.parse(path).getroot().iter(f"{SVG}text")]
+
+
+def strokes(path):
+    """The colours in which lines are drawn, outside the frame and the grid."""
+    found = set()
+    for node in xml.parse(path).getroot().iter():
+        found |= set(re.findall(r"rgb\( *(\d+), *(\d+), *(\d+)\)", " ".join(node.attrib.values())))
+    return {tuple(map(int, colour)) for colour in found} - {(0, 0, 0), (221, 221, 221), (255, 255, 255), (128, 128, 128)}
+
+
+def draw(start, program, *arguments, **options):
+    return start(program, "-e", "isa", "--plot", "out.svg", *arguments, output=None, **options).path.with_name("out.svg")
+
+
+def test_two_states_and_their_phase_plane(start):
+    path = draw(start, "oscillator.ode", "-n", "300")
+    said = texts(path)
+    assert "oscillator, rk4, h = 0.0078125 s, 1 of 1 object" in said
+    # Each state over time and in the phase plane: the position to the right.
+    assert [said.count(label) for label in ("v [m/s]", "x [m]", "time [s]")] == [2, 2, 1]
+    assert [said.count(label) for label in ("v", "x", "phase plane")] == [1, 1, 1]
+    assert strokes(path) == {(0, 114, 178), (213, 94, 0), (0, 158, 115)}
+    assert said.index("phase plane") > said.index("time [s]")
+
+
+def test_other_names_have_no_phase_plane(start):
+    path = draw(start, "kepler.ode", "-n", "50", "--observe", "r_x,energy")
+    assert "phase plane" not in texts(path) and {"r_x", "energy", "time"} <= set(texts(path)) and len(strokes(path)) == 2
+    path = draw(start, "lorenz.ode", "-n", "50")
+    assert "phase plane" not in texts(path) and len(strokes(path)) == 3
+
+
+def test_curves_go_where_the_values_are(start, tmp_path):
+    """A straight line of 5 points is 5 points at equal distances, from the left to the right."""
+    (tmp_path / "m.ode").write_text("state x = 0 [m]\nstep 1 [s]\nx' = 2\n")
+    path = draw(start, "m.ode", "-n", "4", "--every", "1")
+    marks = [tuple(map(float, re.match(r"translate\(([\d.]+),([\d.]+)\)", node.attrib["transform"]).groups()))
+             for node in xml.parse(path).getroot().iter(f"{SVG}use") if "translate" in node.attrib.get("transform", "")]
+    (x0, y0), *_, (x4, y4) = marks[:5]
+    assert len(marks) == 6   # one is in the legend, to the right of all
+    assert x4 > x0 and y4 < y0 and marks[5][0] > x4
+    for i, (x, y) in enumerate(marks[:5]):
+        assert x == pytest.approx(x0 + i * (x4 - x0) / 4, abs=0.2) and y == pytest.approx(y0 + i * (y4 - y0) / 4, abs=0.2)
+
+
+def test_eight_objects_of_many(start):
+    said = texts(draw(start, "ship.ode", "-c", "many_full", "-o", "300", "--spread", "T=1e5:3e5", "-n", "9"))
+    assert "ship, rk4, h = 1 s, 8 of 300 objects" in said
+    assert [name for name in said if name.startswith("object ")] == 3 * [f"object {i * 299 // 7}" for i in range(8)]
+    said = texts(draw(start, "ship.ode", "-c", "many_full", "-o", "8", "-n", "9"))
+    assert "ship, rk4, h = 1 s, 8 of 8 objects" in said and said.count("object 7") == 3
+
+
+def test_png_and_a_file_besides(start, tmp_path):
+    done = start("ship.ode", "-n", "9", "--every", "3", "--plot", "out.PNG")
+    assert (tmp_path / "out.PNG").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n" and (tmp_path / "out.PNG").read_bytes()[-8:-4] == b"IEND"
+    assert [row["step"] for row in done.rows] == ["0", "3", "6", "9"]
+    # Alone it has some 500 snapshots.
+    done = start("ship.ode", "-e", "isa", "-n", "5001", "--plot", "out.svg")
+    assert [row["step"] for row in done.rows] == [str(n) for n in [*range(0, 5001, 11), 5001]]
+
+
+@pytest.mark.parametrize("values", [("1e30", "1e30", "nan"), ("nan", "1", "nan"), ("3", "1", "3"), ("0", "0", "0"), ("1e38", "1", "-1e38"), ("1e-45", "1", "0")])
+def test_any_numbers_are_drawn(start, tmp_path, values):
+    (tmp_path / "x.s").write_text(".state x y\n.param a\nstep: mul x, x, a\n mul y, x, -1.0\n")
+    x, a, y = values
+    for steps in (0, 1, 60):
+        texts(draw(start, "x.s", "--set", f"x={x}", "--set", f"a={a}", "--set", f"y={y}", "--allow-failures", "-n", steps, "--every", "1"))
+
+
+def test_texts_are_no_commands(start, tmp_path):
+    (tmp_path / "m.ode").write_text("model m \"it's `touch pwned` $HOME @x %d \\\\n\"\nstate x = 1 [m^2/s]\nstep 1 [s]\nx' = 0\n")
+    assert "x [m^2/s]" in texts(draw(start, "m.ode")) and not (tmp_path / "pwned").exists()
+    # Nor is what stands in the user's own settings.
+    (tmp_path / ".gnuplot").write_text("exit status 3\n")
+    draw(start, "m.ode", env={**os.environ, "HOME": str(tmp_path)})
+
+
+# ---- what is refused ----
+
+@pytest.mark.parametrize("arguments, message", [
+    ("ship.ode --plot x.pdf", "x.pdf: expected the name of a picture that ends in .svg or .png"), ("ship.ode --plot -", "that ends in .svg or .png"),
+    ("three_body.ode --plot x.svg", "a picture has room for 8 names, not for 12: choose what to observe"),
+    ("ship.ode --plot x.svg -n 500000 --every 1", "500001 snapshots of 2 names of 1 objects are too many to draw"),
+    ("ship.ode --plot x.svg --output ./x.svg", "--output ./x.svg and --plot x.svg are one file"),
+    ("ship.ode --plot nowhere/x.svg", "cannot write"), ("ship.ode --plot x.svg --compress", "--compress: expected --output FILE"),
+    ("ship.ode --plot x.svg --observe q", "is called 'q'")])
+def test_what_is_refused(start, tmp_path, arguments, message):
+    program, *rest = arguments.split()
+    done = start(program, *rest, "-e", "isa", output=None, code=2)
+    assert message in done.stderr and done.stdout == "" and list(tmp_path.iterdir()) == [], done.stderr
+
+
+def test_without_gnuplot_nothing_is_run(start, tmp_path):
+    done = start("ship.ode", "-e", "isa", "-n", "4000000000", "--plot", "x.svg", output=None, code=1, env={**os.environ, "PATH": str(tmp_path)})
+    assert "drawn by gnuplot, which is not installed (Debian's package gnuplot-nox)" in done.stderr and list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("script, message", [
+    ("[ $1 = --version ] || { echo 'line 7: no such thing' >&2; exit 2; }", "gnuplot: line 7: no such thing"),
+    ("[ $1 = --version ] || exit 3", "gnuplot ends with 3"), ("exit 4", "gnuplot does not start: it ends with 4"),
+    ("[ $1 = --version ] || kill -9 $$", "gnuplot ends with -1")])
+def test_gnuplot_fails(start, tmp_path, script, message):
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/gnuplot").write_text(f"#!/bin/sh\n{script}\n")
+    (tmp_path / "bin/gnuplot").chmod(0o755)
+    (tmp_path / "x.svg").write_text("before")
+    done = start("ship.ode", "-e", "isa", "--plot", "x.svg", output=None, code=1, env={**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"})
+    assert message in done.stderr and (tmp_path / "x.svg").read_text() == "before", done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bin", "x.svg"]
+
+
+def test_a_full_disk_is_told(start, tmp_path):
+    (tmp_path / "full.svg").symlink_to("/dev/full")
+    done = start("ship.ode", "-e", "isa", "--plot", "full.svg", output=None, code=1)
+    assert "full.svg: cannot write: No space left on device" in done.stderr
+
+    def small():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))
+    for name in ("x.svg", "x.png"):
+        done = start("ship.ode", "-e", "isa", "--plot", name, "-n", "20", output=None, code=1, preexec_fn=small)
+        assert f"{name}: cannot write: File too large" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["full.svg"]
