@@ -22,13 +22,8 @@ typedef struct {
     double from, to;
 } range;
 
-/* In single quotes, where gnuplot reads nothing but the quote itself. */
-static void put_text(FILE *out, const char *text) {
-    putc('\'', out);
-    for (; *text; text++)
-        fprintf(out, *text == '\'' ? "''" : "%c", *text);
-    putc('\'', out);
-}
+/* Between single quotes gnuplot reads nothing; names and units have none. */
+static void put_text(FILE *out, const char *text) { fprintf(out, "'%s'", text); }
 
 static void put_label(FILE *out, const char *axis, const char *name, const char *unit) {
     char text[FP3_NAME_SIZE + FP3_UNIT_SIZE + 4];

@@ -145,7 +145,7 @@ def test_somewhere_it_must_be_written(start, arguments):
 
 def test_scenes_are_refused(start, root):
     done = start("--scene", root / "programs/mixed.scene", code=2)
-    assert "--output: a scene's groups have states of their own" in done.stderr
+    assert "--output, --plot: a scene's groups have states of their own" in done.stderr
 
 
 # ---- files ----

@@ -18,6 +18,12 @@ def texts(path):
     return [" ".join("".join(node.itertext()).split()) for node in xml.parse(path).getroot().iter(f"{SVG}text")]
 
 
+def upright(path):
+    """What is written along the axes to the left."""
+    return [" ".join("".join(node.itertext()).split()) for node in xml.parse(path).getroot().iter(f"{SVG}g")
+            if "rotate(270)" in node.attrib.get("transform", "") and "".join(node.itertext()).strip()]
+
+
 def strokes(path):
     """The colours in which lines are drawn, outside the frame and the grid."""
     found = set()
@@ -38,7 +44,10 @@ def test_two_states_and_their_phase_plane(start):
     assert [said.count(label) for label in ("v [m/s]", "x [m]", "time [s]")] == [2, 2, 1]
     assert [said.count(label) for label in ("v", "x", "phase plane")] == [1, 1, 1]
     assert strokes(path) == {(0, 114, 178), (213, 94, 0), (0, 158, 115)}
-    assert said.index("phase plane") > said.index("time [s]")
+    assert said.index("phase plane") > said.index("time [s]") and upright(path) == ["v [m/s]", "x [m]", "v [m/s]"]
+    # x, s is its velocity; and neither is that of the other.
+    assert upright(draw(start, "oscillator.ode", "-n", "30", "--observe", "x,v")) == ["x [m]", "v [m/s]", "v [m/s]"]
+    assert upright(draw(start, "lorenz.ode", "-n", "30", "--observe", "x,z")) == ["x", "z", "z"]
 
 
 def test_other_names_have_no_phase_plane(start):
@@ -83,7 +92,10 @@ def test_any_numbers_are_drawn(start, tmp_path, values):
     (tmp_path / "x.s").write_text(".state x y\n.param a\nstep: mul x, x, a\n mul y, x, -1.0\n")
     x, a, y = values
     for steps in (0, 1, 60):
-        texts(draw(start, "x.s", "--set", f"x={x}", "--set", f"a={a}", "--set", f"y={y}", "--allow-failures", "-n", steps, "--every", "1"))
+        said = texts(draw(start, "x.s", "--set", f"x={x}", "--set", f"a={a}", "--set", f"y={y}", "--allow-failures", "-n", steps, "--every", "1"))
+        # Ranges are of numbers.
+        sizes = [abs(float(text)) for text in said if re.fullmatch(r"[-+.0-9e]+", text)]
+        assert len(sizes) > 8 and max(sizes) <= max(61, *(2 * abs(float(v)) for v in values if v != "nan"))
 
 
 def test_texts_are_no_commands(start, tmp_path):
