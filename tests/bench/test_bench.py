@@ -1,0 +1,59 @@
+"""make bench in its quick form: what bench.json has, and that a run goes on where it was."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ENGINE = "isa"
+
+
+@pytest.fixture(scope="module")
+def measured(root, build, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    done = run(root, build, folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def run(root, build, folder, *more):
+    return subprocess.run([sys.executable, root / "tools/bench.py", "--bench", build / "bench/bench", "--engine", ENGINE, "--quick",
+                           "--output", folder / "bench.json", *more], capture_output=True, text=True, timeout=300)
+
+
+def test_everything_is_in_one_file(measured):
+    data = json.loads((measured / "bench.json").read_text())
+    assert {"about", "problems", "points", "left_out", "speed"} == set(data)
+    assert {"date", "command", "processor", "processors", "system", "compiler", "revision", "versions", "mhz", "target", "form",
+            "load"} == set(data["about"]) and {"GSL", "SUNDIALS"} <= set(data["about"]["versions"])
+    assert [problem["model"] for problem in data["problems"]] == ["ship", "kepler"]
+    assert {"fast" if ENGINE == "fast" else ENGINE, "rtl", "gsl", "sundials", "plain_c"} == {point["engine"] for point in data["points"]}
+    for point in data["points"]:
+        if point["engine"] == "rtl":
+            assert point["ns_per_object"] == pytest.approx(point["cycles"] * 1000 / data["about"]["mhz"][point["config"]])
+        assert point["ns_per_object"] > 0
+    assert all(row["ns_per_object_step"] > 0 for row in data["speed"])
+
+
+def test_the_data_are_there_as_tables(measured):
+    data = json.loads((measured / "bench.json").read_text())
+    assert len((measured / "bench.csv").read_text().splitlines()) == len(data["points"]) + 1
+    assert len((measured / "bench_speed.csv").read_text().splitlines()) == len(data["speed"]) + 1
+
+
+def test_what_was_measured_is_kept_and_what_is_gone_is_measured_again(root, build, measured, tmp_path):
+    shutil.copytree(measured, tmp_path, dirs_exist_ok=True)
+    before = json.loads((tmp_path / "bench.json").read_text())
+    part = tmp_path / "bench/quick/ship.json"
+    part.unlink()
+    done = run(root, build, tmp_path)
+    assert done.returncode == 0 and "kepler: kept" in done.stderr and "ship: kept" not in done.stderr and part.exists()
+    after = json.loads((tmp_path / "bench.json").read_text())
+    assert [point for point in before["points"] if point["model"] == "kepler"] == [point for point in after["points"] if point["model"] == "kepler"]
+
+
+def test_an_unknown_model_is_told(root, build, tmp_path):
+    done = run(root, build, tmp_path, "--models", "nonesuch")
+    assert done.returncode != 0 and "nonesuch" in done.stderr and "Traceback" not in done.stderr and not (tmp_path / "bench.json").exists()

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Error against run time of diffrax (JAX, on the CPU), in float32 and float64. tools/bench.py starts it in .venv-bench/.
+
+    tools/bench_diffrax.py PROBLEM.json OUTPUT.json       PROBLEM: of `bench points MODEL --problem`
+
+All objects at once, by vmap and jit; compilation is not timed. States are divided by their scale, so that one tolerance is
+relative to the size of each, as it is for the other solvers. Its implicit solvers are left out: a run of 1,024 objects takes minutes.
+"""
+
+import json
+import math
+import os
+import statistics
+import sys
+import time
+
+import jax
+
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_platforms", "cpu")
+
+import diffrax            # noqa: E402
+import jax.numpy as jnp   # noqa: E402
+
+COPIES = 16               # of each variant, in one run
+REPEATS = 5
+STEPS_MOST = 4096
+SECONDS_MOST = 10.0       # a run that takes longer, or does not reach the end, is the last of its solver
+SOLVERS = {"tsit5": diffrax.Tsit5, "dopri8": diffrax.Dopri8}
+TOLERANCES = {"float32": range(2, 8), "float64": range(2, 11)}
+
+
+def solver(problem, method, scale):
+    names = {"jnp": jnp}
+    exec(problem["equations"], names)
+
+    def field(t, z, p):
+        return jnp.stack([jnp.asarray(slope, z.dtype) for slope in names["slopes"](t, z * scale, p)]) / scale
+
+    def one(p, y, tolerance):
+        end = jnp.asarray(problem["span"], y.dtype)
+        found = diffrax.diffeqsolve(diffrax.ODETerm(field), SOLVERS[method](), jnp.zeros_like(end), end, None, y / scale, p,
+                                    saveat=diffrax.SaveAt(t1=True), max_steps=STEPS_MOST, throw=False,
+                                    stepsize_controller=diffrax.PIDController(rtol=0.0, atol=tolerance))
+        return found.ys[0] * scale, found.result == diffrax.RESULTS.successful
+    return jax.jit(jax.vmap(one, (0, 0, None)))
+
+
+def errors(problem, ends):
+    """Of each variant, as bench/problem.c has it."""
+    scale, found = problem["scale"][0], []
+    for end, truth in zip(ends, problem["truth"]):
+        terms = [((a - b) / s) ** 2 for a, b, s in zip(end, truth, scale) if s > 0]
+        found.append(math.sqrt(sum(terms) / len(terms)))
+    return found
+
+
+def timed(run):
+    begin = time.perf_counter()
+    found = jax.block_until_ready(run())
+    return found, time.perf_counter() - begin
+
+
+def sweep(problem, method, dtype, points, left_out):
+    about = {"model": problem["model"], "engine": "diffrax", "method": method, "integrator": None, "arithmetic": dtype, "config": None, "h": None}
+    scale = jnp.array([s or 1 for s in problem["scale"][0]], dtype)
+    count = len(problem["truth"])
+    p, y = (jnp.tile(jnp.array(problem[name], dtype).reshape(count, -1), (COPIES, 1)) for name in ("params", "initial"))
+    solve = solver(problem, method, scale)
+    for digits in TOLERANCES[dtype]:
+        tolerance = jnp.asarray(10.0 ** -digits, dtype)
+        (ends, is_good), first = timed(lambda: solve(p, y, tolerance))
+        if digits == TOLERANCES[dtype][0]:
+            (ends, is_good), first = timed(lambda: solve(p, y, tolerance))
+        if not bool(is_good.all()) or first > SECONDS_MOST:
+            why = f"more than {STEPS_MOST} steps, or too small ones" if first <= SECONDS_MOST else f"more than {SECONDS_MOST:g} s"
+            left_out.append(about | {"tolerance": 10.0 ** -digits, "why": why})
+            return
+        seconds = [timed(lambda: solve(p, y, tolerance))[1] for _ in range(REPEATS if first < 1 else 1)]
+        found = errors(problem, [[float(x) for x in row] for row in ends[:count]])
+        if not all(map(math.isfinite, found)) or statistics.median(found) >= 0.5:
+            continue
+        points.append(about | {"threads": os.cpu_count(), "objects": len(p), "steps": None, "tolerance": 10.0 ** -digits,
+                               "error_median": statistics.median(found), "error_worst": max(found),
+                               "ns_per_object": statistics.median(seconds) * 1e9 / len(p), "cycles": None, "repeats": len(seconds)})
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as file:
+        problem = json.load(file)
+    points, left_out = [], []
+    for dtype in TOLERANCES:
+        for method in SOLVERS:
+            print(f"{problem['model']}: diffrax, {method}, {dtype}", file=sys.stderr)
+            sweep(problem, method, dtype, points, left_out)
+    temporary = f"{sys.argv[2]}.{os.getpid()}"
+    with open(temporary, "w", encoding="utf-8") as file:
+        json.dump({"points": points, "left_out": left_out, "versions": {"diffrax": diffrax.__version__, "JAX": jax.__version__}}, file, indent=1)
+    os.replace(temporary, sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()
