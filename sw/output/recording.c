@@ -5,6 +5,7 @@
 #include "hdf5.h"
 #include "plan.h"
 #include "plot.h"
+#include "split.h"
 
 #include "engine/backend.h"
 #include "engine/count.h"
@@ -119,6 +120,8 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
                                &r->plan, error);
     if (!status)
         status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
+    if (!status && fp3_plan_next(&r->plan, 0) < r->plan.steps)
+        status = fp3_split_check(source, error);
     if (!status)
         status = fp3_columns_open(source->program, def->observed, def->observed_count,
                                   source->objects, &r->columns, error);

@@ -74,6 +74,19 @@ def test_one_object_executes_first_and_last_part_for_each_part(start, tmp_path):
         assert done.counter("retired") == 10 + 4 * 2 and done.of(10)["y"] == "20"
 
 
+@pytest.mark.parametrize("engine, config", [("isa", "single"), ("rtl", "many")])
+@pytest.mark.parametrize("source", ["first: add x, x, 1.0\nstep: add x, x, 1.0\n", "step: add x, x, 1.0\nlast: add x, x, 1.0\n",
+                                    "first: add t, -0.0, -0.0\nstep: add t, t, 1.0\n add x, t, 0.0\n"])
+def test_a_run_that_cannot_be_split_is_refused(start, tmp_path, engine, config, source):
+    (tmp_path / "x.s").write_text(".state x\n.temp t\n" + source)
+    done = start("x.s", *which(engine, config), "--set", "x=0", "-n", "9", "--every", "3", code=2)
+    assert "cannot be split by snapshots: after 4 steps 'x' is" in done.stderr and not done.path.exists() and done.stdout == ""
+    # With a snapshot at its end alone it is one run.
+    one = start("x.s", *which(engine, config), "--set", "x=0", "-n", "9", output=None)
+    whole = start("x.s", *which(engine, config), "--set", "x=0", "-n", "9")
+    assert whole.printed() == one.printed() and whole.of(9)["x"] == one.printed()["x", 0][0]
+
+
 # ---- failures ----
 
 GROWS = ".state x\n.param a\nstep: mul x, x, a\n"

@@ -66,7 +66,9 @@ typedef struct {
 /* The program and its values are loaded (fp3_program_load), params are the same, and engine has one
  * group. All of them must outlive the recording. Opens the file beside its place. The caller closes
  * *recording, which is NULL on failure. FP3_E_ARGUMENT: no such name, times that are no steps, too
- * much for a picture, or a file that cannot be written. */
+ * much for a picture, or a file that cannot be written; or there are snapshots on the way, and the
+ * program's first or last part does more than prepare and complete values, so that the parts of a run
+ * are not the run. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error);
