@@ -109,6 +109,27 @@ def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, ob
     assert shown[0] == shown[1]
 
 
+def test_a_reset_of_one_cycle_ends_stores_and_flags(root, icarus, tmp_path):
+    """Two objects are loaded, doubled until they overflow, and stored. Reset in each cycle in which the results end and the
+    stores are on their way: what has not been written by then stays away, as after a long reset."""
+    ld, add, st = 0x38000000, 0x08000000, 0x48000000                       # of r0
+    program = [f"w {at:08x} {word:08x}" for at, word in [(0x8000, ld), (0x8004, add), (0x8008, st), (0x38, 0)]]
+    objects = [(0x800000 + 32 * n, 0x7f7ffff0 + n) for n in range(2)]
+    start = [f"w {at:08x} {word:08x}" for at, word in [
+        (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 1), (0x18, 3), (0x3000, 0), (0x3100, 0), (0x3100, 1), *objects, (0x10, 1)]]
+    show = ["s 00000040 0", *(f"s {at:08x} 0" for at, _ in objects)]      # flags of the run, and the objects
+    shown = []
+    for length in (1, 80):
+        rows = [*program, *(row for cycles in range(82, 94) for row in (*start, f"z {cycles:x} {length:x}", *show))]
+        (tmp_path / "x.session").write_text("\n".join(rows) + "\n")
+        done = replay(root, icarus("many"), tmp_path / "x.session")
+        assert done.returncode == 0, done.stdout
+        shown.append(done.stdout.splitlines()[:-1])
+    assert shown[0] == shown[1]
+    assert shown[0][1:3] == [f"{at:08x} {value:08x}" for at, value in objects], "the first reset is before the stores"
+    assert shown[0][-2:] == [f"{at:08x} 7f800000" for at, _ in objects], "the last reset is after the stores"
+
+
 def test_all_are_asked_while_one_runs(root, fp3, icarus, tmp_path):
     """A scheduler that runs refuses sooner than the other answers: the hub waits for both."""
     session = record(root, fp3, tmp_path, "ship_madd", "shared", 4)
