@@ -82,7 +82,7 @@ SHARED   := -fPIC -fvisibility=hidden
 CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE)
-LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -lm
+LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm
 LDLIBS   := $(LIB_LIBS) -ljansson
 
 VERILATOR = verilator -f rtl/fp3.f -Wall -DFP3_CHECK -O3 --x-assign fast --x-initial unique -CFLAGS "$(SHARED)"
@@ -137,12 +137,30 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@echo "  CC   $<"
 	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
 
-$(LIB): $(call obj,$(LIB_C))
+# The interpreter of the fast engine, for each kind of processor and arithmetic: sw/fast/choose.c chooses.
+SWEEP_v3          := -march=x86-64-v3 -DFP3_SWEEP_NAME='"x86-64-v3"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
+SWEEP_v4          := -march=x86-64-v4 -DFP3_SWEEP_NAME='"x86-64-v4"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
+SWEEP_flushed     := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=0
+SWEEP_cut         := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=0 -DFP3_SUBNORMAL=1
+SWEEP_flushed_cut := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0
+SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,v3.o v4.o flushed.o cut.o flushed_cut.o)
+LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS)
+VECTORS           := -O3 -frounding-math -Wno-psabi
+
+$(call obj,sw/fast/sweep.c): CFLAGS += $(VECTORS)
+$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h
+
+$(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CC   $< ($*)"
+	@$(CCACHE) gcc $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
+
+$(LIB): $(LIB_O)
 	@echo "  AR   $@"
 	@mkdir -p $(@D)
 	@rm -f $@ && ar rcs $@ $^
 
-$(LIB_SO): $(call obj,$(LIB_C)) $(EXPORTS)
+$(LIB_SO): $(LIB_O) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@$(call link_shared,gcc) -Wl,-soname,$(@F) $(LIB_LIBS)

@@ -16,7 +16,7 @@
 
 typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
-    uint64_t steps, cycle_limit, objects, visit;
+    uint64_t steps, cycle_limit, objects, visit, threads;
     int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_params *params;
     char *sets, *spreads; /* names, each between commas: of --set, of --spread */
@@ -45,7 +45,8 @@ enum {
     KEY_OBSERVE,
     KEY_OUTPUT,
     KEY_COMPRESS,
-    KEY_PLOT
+    KEY_PLOT,
+    KEY_THREADS
 };
 
 static const struct argp_option table[] = {
@@ -54,7 +55,11 @@ static const struct argp_option table[] = {
     {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "ENGINE", 0,
-     "rtl, the hardware under Verilator (default), or isa, an instruction-set simulator in C", 0},
+     "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, or "
+     "fast, "
+     "native code for many objects, which counts no cycles",
+     0},
+    {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
     {"steps", 'n', "N", 0,
      "How often the step part runs (default: 1; with --times until the last of them)", 0},
     {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
@@ -178,6 +183,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_MODEL:
         o->is_model = 1;
+        break;
+    case KEY_THREADS:
+        o->threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
         break;
     case KEY_VISIT:
         o->visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
@@ -354,6 +362,7 @@ static void define(options *o, fp3_engine_def *def, fp3_error *error) {
     def->engine = o->engine ? o->engine : def->engine;
     def->visit = o->visit ? (uint32_t)o->visit : def->visit;
     def->cycle_limit = o->cycle_limit;
+    def->threads = (uint32_t)o->threads;
     def->bus_log = o->bus_log;
     def->progress = o->progress ? tell : NULL;
     def->progress_user = o;

@@ -93,11 +93,11 @@ static void print_occupancy(fp3_engine *engine, const fp3_cost *cost) {
     }
 }
 
-static void print_cost(const fp3_stats *stats) {
+static void print_cost(const fp3_stats *stats, int has_counters) {
     static const char *const flags[] = {"inexact", "underflow", "overflow", "divide-by-zero",
                                         "invalid"};
     printf("%-16s %" PRIu64 "\n", "object_steps", stats->object_steps);
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+    for (int i = 0; has_counters && i < FP3_COUNTER_COUNT; i++)
         printf("%-16s %" PRIu64 "\n", fp3_counter_name((fp3_counter)i), stats->counter[i]);
     printf("%-16s%s", "flags", stats->flags ? "" : " none");
     for (int i = 4; i >= 0; i--)
@@ -120,6 +120,14 @@ static void print_time(const fp3_stats *stats, int is_rtl, double clock) {
     if (stats->seconds > 0)
         printf(", %.3g %s/second", cycles / stats->seconds, is_rtl ? "cycles" : "instructions");
     printf("; no time of the hardware\n");
+}
+
+/* An engine without cycles. */
+static void print_speed(const fp3_stats *stats, const char *how) {
+    printf("%-16s %.3g s", "time", stats->seconds);
+    if (stats->seconds > 0 && stats->object_steps)
+        printf(", %.4g object-steps/second", (double)stats->object_steps / stats->seconds);
+    printf("; %s\n", how);
 }
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
@@ -164,8 +172,12 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     }
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
         print_group(engine, of->scene, i, cost, all);
-    print_cost(stats);
-    print_time(stats, is_rtl, clock);
+    const char *how = fp3_engine_how(engine);
+    print_cost(stats, !*how);
+    if (*how)
+        print_speed(stats, how);
+    else
+        print_time(stats, is_rtl, clock);
     if (is_rtl)
         print_occupancy(engine, cost);
     if (is_rtl && of->scene)

@@ -8,7 +8,7 @@
 
 #include "layout.h"
 #include "machine/config.h"
-#include "watch.h"
+#include "machine/watch.h"
 
 #include <fp3/engine.h>
 
@@ -29,18 +29,24 @@ typedef struct {
     fp3_status (*list)(fp3_engine *engine);
     /* Fills the counters of the schedulers, and schedulers and flags of stats. */
     fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
+    /* A copy of those that failed in the last run, by object; the caller frees *failed. NULL: the engine does
+     * not know, and the run is made again. */
+    fp3_status (*failures)(fp3_engine *engine, fp3_failed **failed, size_t *count);
+    const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
+    int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
 typedef struct fp3_origin fp3_origin;
 
-extern const fp3_backend fp3_backend_rtl, fp3_backend_isa;
+extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast;
 
 /* By the name of its engine, which may be NULL; NULL with an error if there is none. */
 const fp3_backend *fp3_backend_find(const char *name, fp3_error *error);
 
 struct fp3_engine {
     const fp3_backend *backend;
-    const fp3_config *config;
+    const fp3_config *config; /* that of def, or own */
+    fp3_config own;
     fp3_engine_def def;
     uint32_t objects;
     fp3_layout layout; /* one group without a program until a load */
@@ -54,9 +60,10 @@ struct fp3_engine {
     int is_listed;                           /* the next run begins with the right objects */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     fp3_origin *origin;                      /* of the last run */
-    fp3_watched *failures; /* of each object in the last run; NULL: nobody has asked */
-    fp3_watched *watched;  /* isa: filled by a run; NULL: nobody watches */
-    void *self;            /* the backend's own */
+    fp3_failed *failures; /* of the last run, by object; NULL: nobody has asked */
+    size_t failure_count;
+    fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
+    void *self;           /* the backend's own */
 };
 
 /* Whether a run visits the object. */

@@ -9,7 +9,8 @@
 
 #define COOKIE 0x46503346u
 
-static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa};
+static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa,
+                                              &fp3_backend_fast};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -21,14 +22,30 @@ const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
     for (size_t i = 0; i < COUNT(backends); i++)
         if (name && strcmp(backends[i]->name, name) == 0)
             return backends[i];
-    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl and isa", name ? name : "");
+    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl, isa and fast",
+             name ? name : "");
     return NULL;
+}
+
+static uint32_t room_of(const fp3_backend *backend, const fp3_config *config) {
+    return backend->is_in_host && config->interleave ? FP3_HOST_OBJECTS
+                                                     : fp3_placement_room(config);
+}
+
+size_t fp3_engine_room(const char *engine, const char *config) {
+    const fp3_backend *backend = fp3_backend_find(engine, NULL);
+    const fp3_config *of = fp3_config_find(config);
+    return backend && of ? room_of(backend, of) : 0;
+}
+
+const char *fp3_engine_how(const fp3_engine *engine) {
+    return engine->backend->how ? engine->backend->how(engine) : "";
 }
 
 static fp3_status count_objects(fp3_engine *engine) {
     const fp3_config *config = engine->config;
     const uint32_t columns = fp3_config_schedulers(config) * config->lanes;
-    const uint32_t most = fp3_placement_room(config);
+    const uint32_t most = room_of(engine->backend, config);
     const uint32_t full = config->contexts * columns;
     engine->objects = engine->def.objects ? engine->def.objects : full < most ? full : most;
     if (engine->objects > most || !most)
@@ -86,7 +103,11 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
-    *made = (fp3_engine){.backend = backend, .config = config, .def = *def};
+    *made = (fp3_engine){.backend = backend, .config = config, .own = *config, .def = *def};
+    if (backend->is_in_host && config->interleave) {
+        made->own.store_words = FP3_STORE_HOST;
+        made->config = &made->own;
+    }
     status = make_room(made);
     if (!status)
         status = backend->open(made);

@@ -4,8 +4,8 @@
  * the first step that failed, but not by which exception. All engines give the same bits, so the isa
  * engine makes the run again and watches.
  */
-#include "ahead.h"
 #include "checks.h"
+#include "machine/ahead.h"
 #include "origin.h"
 
 #include <fp3/isa.h>
@@ -30,14 +30,14 @@ static fp3_status read_states(fp3_engine *engine, uint32_t object, uint64_t stat
 }
 
 /* Whose states are not finite now. */
-static fp3_status look_at_states(fp3_engine *engine, int *is_any) {
+static fp3_status look_at_states(fp3_engine *engine, fp3_watched *watched, int *is_any) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         const uint64_t states = fp3_engine_states_of(group);
         for (uint32_t n = group->first; !status && n < group->first + group->objects; n++) {
-            status = read_states(engine, n, states, &engine->failures[n].is_astray);
-            *is_any |= engine->failures[n].is_astray;
+            status = read_states(engine, n, states, &watched[n].is_astray);
+            *is_any |= watched[n].is_astray;
         }
     }
     return status;
@@ -68,7 +68,7 @@ static fp3_status look_ahead(fp3_engine *again) {
     return FP3_OK;
 }
 
-static fp3_status write_again(const fp3_engine *engine, fp3_engine *again) {
+static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp3_engine *again) {
     const uint32_t registers = engine->config->registers;
     const fp3_origin *o = engine->origin;
     fp3_status status = FP3_OK;
@@ -79,7 +79,7 @@ static fp3_status write_again(const fp3_engine *engine, fp3_engine *again) {
             const uint32_t *cells = &o->registers[(size_t)n * registers];
             for (uint32_t reg = 0; !status && reg < registers; reg++)
                 status = again->backend->write(again, n, reg, cells[reg]);
-            fp3_watch_states(&engine->failures[n], 0, states & o->began[n], cells);
+            fp3_watch_states(&watched[n], 0, states & o->began[n], cells);
         }
         for (uint32_t k = 0; !status && k < registers; k++)
             status =
@@ -89,7 +89,7 @@ static fp3_status write_again(const fp3_engine *engine, fp3_engine *again) {
 }
 
 /* *flags: what that run raised, in all. */
-static fp3_status run_again(fp3_engine *engine, uint32_t *flags) {
+static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *flags) {
     fp3_stats stats = {0};
     fp3_config config = *engine->config;
     fp3_engine_def def = fp3_engine_default();
@@ -109,8 +109,8 @@ static fp3_status run_again(fp3_engine *engine, uint32_t *flags) {
     if (!status)
         status = look_ahead(again);
     if (!status)
-        status = write_again(engine, again);
-    again->watched = engine->failures;
+        status = write_again(engine, watched, again);
+    again->watched = watched;
     if (!status)
         status = fp3_engine_run(again, engine->origin->steps, &stats);
     *flags = stats.flags;
@@ -119,32 +119,52 @@ static fp3_status run_again(fp3_engine *engine, uint32_t *flags) {
 }
 
 /* That run went wrong as the first one did. flags: what it raised, some of it for steps that nobody made. */
-static fp3_status check(fp3_engine *engine, uint32_t flags) {
+static fp3_status check(fp3_engine *engine, const fp3_watched *watched, uint32_t flags) {
     int is_missed = engine->config->flags &&
                     (!(flags & FP3_FLAGS_GRAVE) != !(engine->origin->flags & FP3_FLAGS_GRAVE));
-    for (uint32_t i = 0; i < engine->objects; i++) {
-        const fp3_watched *w = &engine->failures[i];
-        is_missed |= w->is_astray && w->strayed == FP3_NEVER;
-    }
+    for (uint32_t i = 0; i < engine->objects; i++)
+        is_missed |= watched[i].is_astray && watched[i].strayed == FP3_NEVER;
     return is_missed ? fp3_fail(engine->def.error, FP3_E_MISMATCH,
                                 "the isa engine does not fail as this run did")
                      : FP3_OK;
 }
 
-static fp3_status find_failures(fp3_engine *engine) {
-    fp3_status status = FP3_OK;
+static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched) {
     uint32_t flags = 0;
     int is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
-    engine->failures = calloc(engine->objects, sizeof *engine->failures);
-    if (!engine->failures)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < engine->objects; i++)
-        engine->failures[i].raised = engine->failures[i].strayed = FP3_NEVER;
-    status = look_at_states(engine, &is_any);
+        watched[i].raised = watched[i].strayed = FP3_NEVER;
+    fp3_status status = look_at_states(engine, watched, &is_any);
     if (!status && is_any)
-        status = run_again(engine, &flags);
+        status = run_again(engine, watched, &flags);
     if (!status && is_any)
-        status = check(engine, flags);
+        status = check(engine, watched, flags);
+    return status;
+}
+
+/* Without `flags` the states alone tell a failure. */
+static int is_failed(const fp3_engine *engine, const fp3_watched *w) {
+    return w->is_astray || (w->raised != FP3_NEVER && engine->config->flags);
+}
+
+static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *count) {
+    fp3_watched *watched = calloc(engine->objects, sizeof *watched);
+    *failed = calloc(engine->objects, sizeof **failed);
+    fp3_status status = watched && *failed
+                            ? watch_again(engine, watched)
+                            : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    *count = 0;
+    for (uint32_t i = 0; !status && i < engine->objects; i++)
+        if (is_failed(engine, &watched[i]))
+            (*failed)[(*count)++] = (fp3_failed){i, watched[i]};
+    free(watched);
+    return status;
+}
+
+static fp3_status find_failures(fp3_engine *engine) {
+    fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
+        engine->backend->failures ? engine->backend->failures : find_again;
+    const fp3_status status = of_engine(engine, &engine->failures, &engine->failure_count);
     if (status) {
         free(engine->failures);
         engine->failures = NULL;
@@ -154,16 +174,15 @@ static fp3_status find_failures(fp3_engine *engine) {
 
 /* ---- what the caller asks ---- */
 
-/* FP3_NEVER: the object did not fail. */
 static uint64_t when(const fp3_watched *w) {
     return w->is_astray && w->strayed < w->raised ? w->strayed : w->raised;
 }
 
-static fp3_failure tell(const fp3_engine *engine, size_t object, size_t failed) {
-    const fp3_watched *w = &engine->failures[object];
+static fp3_failure tell(const fp3_engine *engine, const fp3_failed *which, size_t failed) {
+    const fp3_watched *w = &which->watched;
     const int is_raised = w->raised == when(w);
     fp3_failure f = {.failed = failed,
-                     .object = object,
+                     .object = which->object,
                      .step = engine->origin->clock + (uint32_t)when(w),
                      .is_before = when(w) == 0,
                      .flags = is_raised ? w->flags : 0,
@@ -183,11 +202,15 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
         status = find_failures(engine);
     if (status)
         return status;
-    size_t failed = 0, earliest = first;
-    for (size_t i = first; i < first + count; i++) {
-        failed += when(&engine->failures[i]) != FP3_NEVER;
-        if (when(&engine->failures[i]) < when(&engine->failures[earliest]))
-            earliest = i;
+    const fp3_failed *earliest = NULL;
+    size_t failed = 0;
+    for (size_t i = 0; i < engine->failure_count; i++) {
+        const fp3_failed *f = &engine->failures[i];
+        if (f->object < first || f->object - first >= count)
+            continue;
+        failed++;
+        if (!earliest || when(&f->watched) < when(&earliest->watched))
+            earliest = f;
     }
     *failure = failed ? tell(engine, earliest, failed) : (fp3_failure){0};
     return FP3_OK;

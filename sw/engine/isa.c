@@ -298,6 +298,9 @@ static fp3_status make_round(round_of *r) {
         if (pc == program->last && --left)
             pc = program->step;
         if (pc < program->last && !is_anybody_awake(r)) {
+            r->number += pc <= program->step; /* they fell asleep before the step began */
+            if (engine->watched)
+                watch_states(r);
             r->number = r->end;
             pc = program->last;
         }

@@ -10,6 +10,8 @@ fp3_status fp3_origin_open(fp3_engine *engine) {
     fp3_origin *o = engine->origin = calloc(1, sizeof *o);
     if (!o)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    if (engine->backend->failures)
+        return FP3_OK;
     *o = (fp3_origin){.registers = calloc(engine->objects * registers, sizeof *o->registers),
                       .constants = calloc(fp3_config_schedulers(engine->config) * registers,
                                           sizeof *o->constants),
@@ -38,20 +40,23 @@ void fp3_origin_close(fp3_engine *engine) {
 
 void fp3_origin_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
     fp3_origin *o = engine->origin;
+    o->is_complete = 0;
+    if (!o->registers)
+        return;
     o->registers[object * engine->config->registers + reg] = bits;
     o->known[object] |= (uint64_t)1 << reg;
-    o->is_complete = 0;
 }
 
 void fp3_origin_write_shared(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits) {
-    engine->origin->constants[(size_t)group * engine->config->registers + index] = bits;
     engine->origin->is_complete = 0;
+    if (engine->origin->constants)
+        engine->origin->constants[(size_t)group * engine->config->registers + index] = bits;
 }
 
 void fp3_origin_load(fp3_engine *engine, int is_moved) {
     fp3_origin *o = engine->origin;
     o->is_complete = 0;
-    if (!is_moved)
+    if (!is_moved || !o->registers)
         return;
     o->has_constants = 0;
     memset(o->known, 0, engine->objects * sizeof *o->known);
@@ -93,7 +98,7 @@ static fp3_status read_constants(fp3_engine *engine, uint32_t group) {
     return status;
 }
 
-fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
+static fp3_status read_all(fp3_engine *engine) {
     fp3_origin *o = engine->origin;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
@@ -111,6 +116,12 @@ fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
     }
     memcpy(o->began, o->known, engine->objects * sizeof *o->began);
     o->has_constants |= !status;
+    return status;
+}
+
+fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
+    fp3_origin *o = engine->origin;
+    const fp3_status status = o->registers ? read_all(engine) : FP3_OK;
     o->clock = engine->clock;
     o->visit = engine->def.visit;
     o->steps = steps;
@@ -120,7 +131,7 @@ fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
 
 void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags) {
     fp3_origin *o = engine->origin;
-    for (uint32_t i = 0; i < engine->layout.count; i++) {
+    for (uint32_t i = 0; o->known && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         const uint64_t changed = named_by(engine, group, FP3_OP_ST, FP3_OP_ST);
         for (uint32_t n = 0; n < group->objects; n++)

@@ -8,6 +8,7 @@
 
 #include "backend.h"
 
+/* An engine that finds failures by itself keeps no copies: the pointers are NULL. */
 struct fp3_origin {
     uint32_t *registers; /* of all objects */
     uint32_t *constants; /* of all groups */

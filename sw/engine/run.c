@@ -44,25 +44,28 @@ static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
         }
 }
 
-/* Steps that an object made; its copy of the sleep register has what it held before. */
-static fp3_status count_steps_of(fp3_engine *engine, uint32_t object, uint32_t steps,
-                                 uint64_t *made) {
-    const int slept = fp3_engine_slept_of(engine, object);
-    uint32_t *now = &engine->slept[object];
-    if (slept >= 0 && *now)
-        return FP3_OK;
-    fp3_status status =
-        slept < 0 ? FP3_OK : engine->backend->read(engine, object, (uint32_t)slept, now);
-    *made += slept >= 0 && *now ? *now - engine->clock : steps;
+/* Steps that objects made; their copies of the sleep register have what they held before. */
+static fp3_status count_steps_of(fp3_engine *engine, fp3_members *group, uint32_t steps) {
+    const int slept = group->program.slept;
+    fp3_status status = FP3_OK;
+    if (slept < 0)
+        group->steps = (uint64_t)group->objects * steps;
+    for (uint32_t i = group->first; slept >= 0 && !status && i < group->first + group->objects;
+         i++) {
+        uint32_t *now = &engine->slept[i];
+        if (*now)
+            continue;
+        status = engine->backend->read(engine, i, (uint32_t)slept, now);
+        group->steps += *now ? *now - engine->clock : steps;
+    }
     return status;
 }
 
 static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; i < engine->layout.count; i++) {
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
-        for (uint32_t n = 0; !status && n < group->objects; n++)
-            status = count_steps_of(engine, group->first + n, steps, &group->steps);
+        status = count_steps_of(engine, group, steps);
         stats->object_steps += group->steps;
     }
     return status;

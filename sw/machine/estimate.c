@@ -39,3 +39,8 @@ uint32_t fp3_estimate_rsqrt(uint32_t a) {
     const uint32_t entry = fp3_estimates[1024 + 512 * odd + ((a & FRACTION) >> 14)];
     return (190 - (e + 1) / 2) << 23 | entry << (13 + odd);
 }
+
+void fp3_estimate_table(int table[FP3_ESTIMATES]) {
+    for (int i = 0; i < FP3_ESTIMATES; i++)
+        table[i] = fp3_estimates[i];
+}

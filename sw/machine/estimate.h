@@ -17,4 +17,9 @@ uint32_t fp3_estimate_rcp(uint32_t a);
  * for every other a < 0 the signalling NaN 7FA00000; for infinity 0. */
 uint32_t fp3_estimate_rsqrt(uint32_t a);
 
+/* Both tables, as a vector of objects looks things up: that of rcp by the 10 upper bits of the fraction,
+ * behind it that of rsqrt by the lowest bit of the exponent and 9 of the fraction. */
+#define FP3_ESTIMATES 2048
+void fp3_estimate_table(int table[FP3_ESTIMATES]);
+
 #endif

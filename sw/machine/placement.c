@@ -21,6 +21,8 @@
 uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2) {
     const uint32_t records =
         config->store_words >> (log2 < FP3_RECORD_LOG2 ? FP3_RECORD_LOG2 : log2);
+    if (config->store_words == FP3_STORE_HOST)
+        return FP3_HOST_OBJECTS;
     return records < ROWS_MAX ? records : ROWS_MAX;
 }
 

@@ -29,6 +29,9 @@ typedef struct {
 /* Objects of a lane, at most: their numbers have 16 bits, and the smallest record has 8 words. */
 #define FP3_RECORD_LOG2 3u
 uint32_t fp3_placement_rows(const fp3_config *config, uint32_t log2);
+/* store_words of an engine whose store is the host's memory. */
+#define FP3_STORE_HOST UINT32_MAX
+#define FP3_HOST_OBJECTS (UINT32_C(1) << 25)
 /* Objects of a configuration, at most. */
 uint32_t fp3_placement_room(const fp3_config *config);
 

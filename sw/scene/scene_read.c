@@ -199,7 +199,8 @@ static fp3_status read_objects(const reader *r, const config_setting_t *from, fp
         return status;
     if (!objects)
         return missing(r, from, "the number of objects of this group");
-    const uint64_t room = fp3_placement_room(r->machine);
+    const uint64_t room =
+        fp3_engine_room(r->scene->engine ? r->scene->engine : "rtl", r->machine->name);
     if (objects > room - r->scene->objects)
         return fp3_setting_wrong(&r->in, config_setting_get_member(from, "objects"),
                                  "objects: found %" PRIu64 ", expected at most %" PRIu64

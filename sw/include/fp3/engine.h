@@ -1,7 +1,9 @@
 /* fp3/engine.h - runs programs over objects.
  *
  * Every engine gives the same bits for the same program. "rtl" is the hardware under Verilator,
- * cycle by cycle; "isa" is an instruction-set simulator in C.
+ * cycle by cycle; "isa" is an instruction-set simulator in C; "fast" makes native code of the program,
+ * runs it over vectors of objects in all processors, and holds as many objects as the host has
+ * memory for, up to 2^25.
  *
  *     float v;
  *     fp3_error error;
@@ -81,7 +83,7 @@ typedef void fp3_progress_fn(void *user, double share);
 /* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error,
  * retire_user, trace_user and progress_user point to; they must outlive the engine. */
 typedef struct {
-    const char *engine;   /* "rtl" (default) or "isa" */
+    const char *engine;   /* "rtl" (default), "isa" or "fast" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
     uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none */
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
@@ -96,6 +98,9 @@ typedef struct {
     void *trace_user;
     fp3_progress_fn *progress; /* or NULL; a run is the same with it and without */
     void *progress_user;
+    /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
+     * processor. The results are the same. */
+    uint32_t threads;
     /* rtl only: file for every transfer on the host port, as sim/replay.v reads it, or NULL. It has
      * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
@@ -136,6 +141,11 @@ void fp3_engine_close(fp3_engine **engine);
 
 /* How many objects it holds, at least 1. */
 size_t fp3_engine_objects(const fp3_engine *engine);
+/* How many objects an engine can hold, at most; 0: there is no such engine or configuration. */
+size_t fp3_engine_room(const char *engine, const char *config);
+/* How the loaded program is executed: of "fast" "native x86-64-v4", or "interpreter x86-64-v3" and, in
+ * brackets, why there is no native code. "" of other engines. Belongs to the engine until the next load. */
+const char *fp3_engine_how(const fp3_engine *engine);
 
 /* Loads the code and the constants that have values; everything else keeps its contents. The image
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has

@@ -6,7 +6,7 @@
 #ifndef FP3_AHEAD_H
 #define FP3_AHEAD_H
 
-#include "layout.h"
+#include "placement.h"
 
 /* Sets is_ahead[pc] to 1 for each instruction of the step part whose result reaches no state, no
  * store, no sleep and nothing of the last part before the step ends; the caller has filled it with

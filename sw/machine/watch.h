@@ -18,6 +18,11 @@ typedef struct {
     int is_astray;      /* a state is not finite in the end */
 } fp3_watched;
 
+typedef struct {
+    uint32_t object;
+    fp3_watched watched;
+} fp3_failed;
+
 static inline int fp3_watch_is_finite(uint32_t bits) { return (~bits & 0x7f800000u) != 0; }
 
 static inline void fp3_watch_flags(fp3_watched *w, uint32_t step, uint32_t flags) {

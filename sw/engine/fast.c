@@ -1,0 +1,472 @@
+/* fast.c - the "fast" engine: blocks of objects by sw/fast, in as many threads as there are processors.
+ *
+ * It holds objects as columns, a word of each object in the order of their numbers, made when they
+ * are first needed; what was never written is 0.
+ */
+#include "backend.h"
+
+#include "checks.h"
+#include "fast/fast.h"
+#include "machine/ahead.h"
+
+#include <fp3/isa.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define ASLEEP 1              /* since before the first run */
+#define BLOCKS_AT_ONCE 8      /* that a thread takes up */
+#define WORTH_A_THREAD 400000 /* instructions of objects; about 100 microseconds */
+
+/* A program and its objects. */
+typedef struct {
+    fp3_fast *program;
+    uint8_t *is_ahead;
+    uint32_t *awake; /* by number, if it can sleep */
+    uint32_t awake_count;
+} group;
+
+typedef struct {
+    uint32_t *column[FP3_BANK_OBJECT_COUNT];
+    uint32_t *status;
+    uint32_t
+        *slept_in; /* the number of the run in which an object fell asleep, or ASLEEP; 0: awake */
+    uint32_t runs; /* since the last list, from ASLEEP on */
+    int has_steps; /* the last run */
+    uint32_t *shared; /* of all groups */
+    group *groups;
+    uint32_t count;
+    fp3_fast_worker **workers;
+    uint32_t worker_count;
+} fast;
+
+static fp3_status no_memory(fp3_engine *engine) {
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+}
+
+/* ---- open, close, load ---- */
+
+static uint32_t threads_of(const fp3_engine *engine) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint32_t asked = engine->def.threads;
+    return asked ? asked : processors > 1 ? (uint32_t)processors : 1;
+}
+
+static fp3_status check_def(fp3_engine *engine) {
+    const fp3_engine_def *def = &engine->def;
+    const char *what = def->retire ? "retirements" : def->trace ? "instructions" : NULL;
+    if (what)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "engine 'fast' tells no %s; isa and rtl do",
+                        def->retire ? what : "instructions (rtl alone)");
+    if (def->cycle_limit)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "engine 'fast' counts no cycles that a limit could be set to");
+    return FP3_OK;
+}
+
+static fp3_status fast_open(fp3_engine *engine) {
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    fast *self = engine->self = calloc(1, sizeof *self);
+    fp3_status status = check_def(engine);
+    if (status)
+        return status;
+    if (!self)
+        return no_memory(engine);
+    self->worker_count = threads_of(engine);
+    self->groups = calloc(schedulers, sizeof *self->groups);
+    self->shared = calloc((size_t)schedulers * engine->config->registers, sizeof *self->shared);
+    self->workers = calloc(self->worker_count, sizeof *self->workers);
+    if (engine->config->status)
+        self->status = calloc(engine->objects, sizeof *self->status);
+    const int is_there =
+        self->groups && self->shared && self->workers && (self->status || !engine->config->status);
+    return is_there ? FP3_OK : no_memory(engine);
+}
+
+static void unload(fast *self) {
+    for (uint32_t i = 0; i < self->count; i++) {
+        fp3_fast_free(&self->groups[i].program);
+        free(self->groups[i].is_ahead);
+        free(self->groups[i].awake);
+        self->groups[i] = (group){0};
+    }
+    self->count = 0;
+}
+
+static void fast_close(fp3_engine *engine) {
+    fast *self = engine->self;
+    if (!self)
+        return;
+    unload(self);
+    for (uint32_t i = 0; self->workers && i < self->worker_count; i++)
+        fp3_fast_worker_free(&self->workers[i]);
+    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+        free(self->column[i]);
+    free(self->workers);
+    free(self->groups);
+    free(self->shared);
+    free(self->status);
+    free(self->slept_in);
+    free(self);
+}
+
+static fp3_status need_column(fp3_engine *engine, uint32_t reg) {
+    fast *self = engine->self;
+    if (!self->column[reg])
+        self->column[reg] = calloc(engine->objects, sizeof *self->column[reg]);
+    return self->column[reg] ? FP3_OK : no_memory(engine);
+}
+
+static fp3_status need_columns(fp3_engine *engine, uint64_t set) {
+    fp3_status status = FP3_OK;
+    for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
+        if (set >> reg & 1)
+            status = need_column(engine, reg);
+    return status;
+}
+
+static fp3_status load_group(fp3_engine *engine, uint32_t i) {
+    const fp3_members *members = &engine->layout.groups[i];
+    group *g = &((fast *)engine->self)->groups[i];
+    const fp3_fast_def def = {engine->config, &members->program,
+                              g->is_ahead = calloc(members->program.count + 1u, 1),
+                              fp3_engine_states_of(members)};
+    if (!g->is_ahead)
+        return no_memory(engine);
+    fp3_ahead_find(&members->program, def.states, g->is_ahead);
+    fp3_status status = fp3_fast_make(&def, &g->program, engine->def.error);
+    return status ? status : need_columns(engine, fp3_fast_columns(g->program));
+}
+
+static fp3_status fast_load(fp3_engine *engine) {
+    fast *self = engine->self;
+    fp3_status status = FP3_OK;
+    unload(self);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        self->count = i + 1;
+        status = load_group(engine, i);
+    }
+    return status;
+}
+
+/* ---- what objects hold ---- */
+
+static fp3_status fast_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
+    const fp3_status status = need_column(engine, reg);
+    if (!status)
+        ((fast *)engine->self)->column[reg][object] = bits;
+    return status;
+}
+
+static fp3_status fast_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
+    const uint32_t *column = ((fast *)engine->self)->column[reg];
+    *bits = column ? column[object] : 0;
+    return FP3_OK;
+}
+
+static uint32_t *constant(fp3_engine *engine, uint32_t of, uint32_t index) {
+    return &((fast *)engine->self)->shared[(size_t)of * engine->config->registers + index];
+}
+
+static fp3_status fast_write_shared(fp3_engine *engine, uint32_t of, uint32_t index,
+                                    uint32_t bits) {
+    *constant(engine, of, index) = bits;
+    return FP3_OK;
+}
+
+static fp3_status fast_read_shared(fp3_engine *engine, uint32_t of, uint32_t index,
+                                   uint32_t *bits) {
+    *bits = *constant(engine, of, index);
+    return FP3_OK;
+}
+
+static fp3_status fast_write_status(fp3_engine *engine, size_t object, uint32_t word) {
+    ((fast *)engine->self)->status[object] = word;
+    return FP3_OK;
+}
+
+static fp3_status fast_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
+    *word = ((fast *)engine->self)->status[object];
+    return FP3_OK;
+}
+
+/* ---- who is awake ---- */
+
+static fp3_status fast_list(fp3_engine *engine) {
+    fast *self = engine->self;
+    for (uint32_t i = 0; i < self->count; i++) {
+        const fp3_members *members = &engine->layout.groups[i];
+        group *g = &self->groups[i];
+        if (members->program.slept < 0)
+            continue;
+        if (!g->awake)
+            g->awake = calloc(members->objects, sizeof *g->awake);
+        if (!self->slept_in)
+            self->slept_in = calloc(engine->objects, sizeof *self->slept_in);
+        if (!g->awake || !self->slept_in)
+            return no_memory(engine);
+        g->awake_count = 0;
+        for (uint32_t n = members->first; n < members->first + members->objects; n++) {
+            self->slept_in[n] = fp3_engine_is_awake(engine, n) ? 0 : ASLEEP;
+            if (!self->slept_in[n])
+                g->awake[g->awake_count++] = n;
+        }
+    }
+    self->runs = ASLEEP;
+    return FP3_OK;
+}
+
+/* Who fell asleep leaves the list. */
+static void keep_awake(const fp3_engine *engine) {
+    const fast *self = engine->self;
+    for (uint32_t i = 0; i < self->count; i++) {
+        group *g = &self->groups[i];
+        uint32_t left = 0;
+        for (uint32_t n = 0; g->awake && n < g->awake_count; n++) {
+            g->awake[left] = g->awake[n];
+            left += !self->slept_in[g->awake[n]];
+        }
+        g->awake_count = left;
+    }
+}
+
+/* ---- a run ---- */
+
+/* What the threads share: block n is of the group whose blocks begin at or before it. */
+typedef struct {
+    fp3_engine *engine;
+    uint32_t steps;
+    uint64_t blocks;
+    atomic_uint_fast64_t next;
+} work;
+
+typedef struct {
+    work *all;
+    uint32_t number; /* 0: the caller's own */
+    uint64_t block;  /* that it has in hand */
+    fp3_status status;
+    fp3_error error;
+} hand;
+
+static uint32_t members_of(const fp3_engine *engine, uint32_t i) {
+    const fast *self = engine->self;
+    const int sleeps = engine->config->interleave && engine->layout.groups[i].program.slept >= 0;
+    return sleeps ? self->groups[i].awake_count : engine->layout.groups[i].objects;
+}
+
+static uint64_t blocks_of(const fp3_engine *engine, uint32_t i) {
+    return ((uint64_t)members_of(engine, i) + FP3_BLOCK - 1) / FP3_BLOCK;
+}
+
+static fp3_fast_run run_of(const fp3_engine *engine, uint32_t i, uint32_t steps) {
+    const fast *self = engine->self;
+    const int visits = engine->config->interleave && engine->def.visit;
+    return (fp3_fast_run){.columns = self->column,
+                          .status = self->status,
+                          .slept_in = self->slept_in,
+                          .number = self->runs,
+                          .constants = &self->shared[(size_t)i * engine->config->registers],
+                          .steps = steps,
+                          .visit = visits ? engine->def.visit : steps,
+                          .clock = engine->clock};
+}
+
+/* Blocks are begun in order. */
+static void tell(void *user, uint32_t steps) {
+    const hand *h = user;
+    const fp3_engine *engine = h->all->engine;
+    const double blocks = (double)h->block + (double)steps / h->all->steps;
+    fp3_engine_tell(engine, (uint64_t)(engine->expected * blocks / (double)h->all->blocks));
+}
+
+static fp3_status run_block(hand *h, uint32_t i, uint32_t number) {
+    const fp3_engine *engine = h->all->engine;
+    fast *self = engine->self;
+    const fp3_members *members = &engine->layout.groups[i];
+    fp3_fast_run run = run_of(engine, i, h->all->steps);
+    const uint32_t first = number * FP3_BLOCK, left = members_of(engine, i) - first;
+    run.tell = h->number == 0 && engine->def.progress ? tell : NULL;
+    run.user = h;
+    const uint32_t *list = engine->config->interleave && members->program.slept >= 0
+                               ? self->groups[i].awake + first
+                               : NULL;
+    return fp3_fast_block(self->groups[i].program, self->workers[h->number], &run, list,
+                          members->first + first, left < FP3_BLOCK ? left : FP3_BLOCK, &h->error);
+}
+
+static fp3_status run_number(hand *h, uint64_t number) {
+    h->block = number;
+    const fp3_engine *engine = h->all->engine;
+    uint32_t i = 0;
+    for (; number >= blocks_of(engine, i); i++)
+        number -= blocks_of(engine, i);
+    return run_block(h, i, (uint32_t)number);
+}
+
+static void *take_part(void *user) {
+    hand *h = user;
+    work *all = h->all;
+    while (!h->status) {
+        const uint64_t first = atomic_fetch_add(&all->next, BLOCKS_AT_ONCE);
+        if (first >= all->blocks)
+            break;
+        for (uint64_t n = first; !h->status && n < first + BLOCKS_AT_ONCE && n < all->blocks; n++)
+            h->status = run_number(h, n);
+    }
+    return NULL;
+}
+
+/* As many hands as there is work for. */
+static uint32_t hands_for(const fp3_engine *engine, const work *all) {
+    const fast *self = engine->self;
+    const uint64_t chunks = (all->blocks + BLOCKS_AT_ONCE - 1) / BLOCKS_AT_ONCE;
+    const double worth = engine->expected / WORTH_A_THREAD + 1;
+    uint64_t hands = self->worker_count < chunks ? self->worker_count : chunks;
+    hands = (double)hands < worth ? hands : (uint64_t)worth;
+    return hands ? (uint32_t)hands : 1;
+}
+
+static fp3_status need_workers(fp3_engine *engine, uint32_t count) {
+    fast *self = engine->self;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < count; i++) {
+        if (!self->workers[i])
+            status = fp3_fast_worker_make(&self->workers[i], engine->def.error);
+        else
+            fp3_fast_forget(self->workers[i]);
+    }
+    for (uint32_t i = count; i < self->worker_count; i++)
+        if (self->workers[i])
+            fp3_fast_forget(self->workers[i]);
+    return status;
+}
+
+/* A thread that does not start leaves its part to the others. */
+static fp3_status work_with(fp3_engine *engine, work *all, uint32_t count) {
+    hand *hands = calloc(count, sizeof *hands);
+    pthread_t *threads = calloc(count, sizeof *threads);
+    fp3_status status = hands && threads ? FP3_OK : no_memory(engine);
+    uint32_t started = 1;
+    for (uint32_t i = 0; !status && i < count; i++)
+        hands[i] = (hand){.all = all, .number = i};
+    while (!status && started < count &&
+           !pthread_create(&threads[started], NULL, take_part, &hands[started]))
+        started++;
+    if (!status)
+        take_part(&hands[0]);
+    for (uint32_t i = 1; !status && i < started; i++)
+        pthread_join(threads[i], NULL);
+    for (uint32_t i = 0; hands && threads && !status && i < started; i++)
+        if ((status = hands[i].status) && engine->def.error)
+            *engine->def.error = hands[i].error;
+    free(hands);
+    free(threads);
+    return status;
+}
+
+static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    fast *self = engine->self;
+    work all = {.engine = engine, .steps = steps};
+    stats->schedulers = 1;
+    self->runs++;
+    self->has_steps = steps != 0;
+    for (uint32_t i = 0; i < self->count; i++)
+        all.blocks += blocks_of(engine, i);
+    const uint32_t hands = hands_for(engine, &all);
+    fp3_status status = need_workers(engine, hands);
+    if (!status && steps)
+        status = work_with(engine, &all, hands);
+    for (uint32_t i = 0; i < hands; i++)
+        stats->flags |= self->workers[i] ? fp3_fast_flags(self->workers[i]) : 0;
+    keep_awake(engine);
+    return status;
+}
+
+static int by_object(const void *a, const void *b) {
+    const uint32_t x = ((const fp3_failed *)a)->object, y = ((const fp3_failed *)b)->object;
+    return (x > y) - (x < y);
+}
+
+/* Who made no step failed if its states were not finite before. Returns 1 if so. */
+static int slept_astray(const fp3_engine *engine, const fp3_members *members, uint32_t object,
+                        fp3_failed *to) {
+    const fast *self = engine->self;
+    uint32_t words[FP3_BANK_OBJECT_COUNT] = {0};
+    const uint32_t slept_in = self->slept_in ? self->slept_in[object] : 0;
+    if (self->has_steps && (!slept_in || slept_in == self->runs))
+        return 0;
+    for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
+        words[reg] = self->column[reg] ? self->column[reg][object] : 0;
+    const uint32_t reg = fp3_watch_find(fp3_engine_states_of(members), words);
+    if (reg == FP3_BANK_OBJECT_COUNT)
+        return 0;
+    *to =
+        (fp3_failed){object, {.raised = FP3_NEVER, .is_astray = 1, .reg = reg, .bits = words[reg]}};
+    return 1;
+}
+
+/* Fills to, unless it is NULL; how many there are. */
+static size_t find_sleepers(const fp3_engine *engine, fp3_failed *to) {
+    const fast *self = engine->self;
+    fp3_failed one;
+    size_t count = 0;
+    for (uint32_t i = 0; i < self->count; i++) {
+        const fp3_members *members = &engine->layout.groups[i];
+        const int is_any = !self->has_steps || self->groups[i].awake;
+        for (uint32_t n = 0; is_any && n < members->objects; n++)
+            count +=
+                (size_t)slept_astray(engine, members, members->first + n, to ? to + count : &one);
+    }
+    return count;
+}
+
+/* Likewise. */
+static size_t find_workers_failures(const fast *self, fp3_failed *to) {
+    const fp3_failed *of = NULL;
+    size_t count = 0;
+    for (uint32_t i = 0; i < self->worker_count; i++) {
+        const size_t more = self->workers[i] ? fp3_fast_failures(self->workers[i], &of) : 0;
+        if (to && more)
+            memcpy(to + count, of, more * sizeof *of);
+        count += more;
+    }
+    return count;
+}
+
+static fp3_status fast_failures(fp3_engine *engine, fp3_failed **failed, size_t *count) {
+    const fast *self = engine->self;
+    const size_t busy = find_workers_failures(self, NULL), asleep = find_sleepers(engine, NULL);
+    *count = busy + asleep;
+    *failed = calloc(*count + 1, sizeof **failed);
+    if (!*failed)
+        return no_memory(engine);
+    find_workers_failures(self, *failed);
+    find_sleepers(engine, *failed + busy);
+    qsort(*failed, *count, sizeof **failed, by_object);
+    return FP3_OK;
+}
+
+static const char *fast_how(const fp3_engine *engine) {
+    const fast *self = engine->self;
+    return self->count ? fp3_fast_how(self->groups[0].program) : "";
+}
+
+const fp3_backend fp3_backend_fast = {
+    .name = "fast",
+    .open = fast_open,
+    .close = fast_close,
+    .load = fast_load,
+    .write = fast_write,
+    .read = fast_read,
+    .write_shared = fast_write_shared,
+    .read_shared = fast_read_shared,
+    .write_status = fast_write_status,
+    .read_status = fast_read_status,
+    .list = fast_list,
+    .run = fast_run,
+    .failures = fast_failures,
+    .how = fast_how,
+    .is_in_host = 1,
+};

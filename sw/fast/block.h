@@ -1,0 +1,81 @@
+/* block.h - the objects that a worker has in hand, lane by lane: what they hold, what is known of them. */
+#ifndef FP3_FAST_BLOCK_H
+#define FP3_FAST_BLOCK_H
+
+#include "native.h"
+#include "run.h"
+#include "sweep.h"
+
+#include <machine/estimate.h>
+#include <machine/watch.h>
+
+#define FP3_FAST_REGISTERS 64
+
+typedef struct {
+    float rows[FP3_FAST_REGISTERS][FP3_BLOCK];
+    float own[FP3_FAST_REGISTERS][FP3_BLOCK]; /* records, unless they are the columns themselves */
+    int awake[FP3_BLOCK];
+    float *records[FP3_FAST_REGISTERS];
+    uint32_t object[FP3_BLOCK]; /* its number */
+    uint32_t lane[FP3_BLOCK];   /* its lane when the block was taken up */
+    int known[FP3_BLOCK];       /* flags that are known to have been raised */
+    int grave[FP3_BLOCK];       /* the grave ones of this run */
+    uint32_t count;
+    int is_dense;  /* objects are numbered in a row */
+    int is_direct; /* records are the columns */
+    fp3_witness witness;
+} __attribute__((aligned(64))) fp3_fast_lanes;
+
+struct fp3_fast {
+    fp3_fast_plan plan;
+    fp3_watch_plan watch;
+    const fp3_sweep *sweep;
+    fp3_fast_native native; /* {0}: interpreted */
+    int table[FP3_ESTIMATES];
+    char how[160];
+};
+
+typedef struct {
+    uint32_t lane;
+    int is_astray;
+} fp3_fast_suspect;
+
+struct fp3_fast_worker {
+    fp3_fast_lanes now;                           /* the block */
+    fp3_fast_lanes again;                         /* those of it that failed, from the beginning */
+    fp3_fast_lanes aside;                         /* for a stretch that is made once more */
+    fp3_fast_lanes leaving;                       /* those who fell asleep */
+    float rows[FP3_FAST_REGISTERS][FP3_BLOCK];    /* before a part */
+    float records[FP3_FAST_REGISTERS][FP3_BLOCK]; /* likewise */
+    int awake[FP3_BLOCK];
+    float origin[FP3_FAST_REGISTERS][FP3_BLOCK]; /* what the run changes, before it */
+    uint32_t objects[FP3_BLOCK];                 /* that the block was taken up with */
+    fp3_fast_suspect suspects[FP3_BLOCK];
+    uint32_t suspect_count;
+    int is_grave;       /* some lane of the block has a grave exception */
+    uint32_t confirmed; /* flags that objects raised */
+    fp3_failed *failures;
+    size_t failure_count, failure_room;
+};
+
+/* A place of these lanes, for an executor. */
+fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast);
+
+/* Takes lanes out of `from`, in order: their rows and records in these sets, and all that is known of them.
+ * The last one fills its vector. to is not from. */
+void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count, uint64_t rows,
+                   uint64_t records, fp3_fast_lanes *to);
+void fp3_fast_pick_witness(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count,
+                           fp3_fast_lanes *to);
+/* Keeps these lanes, ascending, and forgets the others. */
+void fp3_fast_keep(fp3_fast_lanes *lanes, const uint32_t *which, uint32_t count, uint64_t rows,
+                   uint64_t records);
+/* The last lane's values in all lanes that its vector has beyond it. */
+void fp3_fast_fill(fp3_fast_lanes *lanes, uint64_t rows, uint64_t records);
+/* From and to the columns of the objects. */
+void fp3_fast_gather(fp3_fast_lanes *lanes, float (*to)[FP3_BLOCK], uint32_t *const *columns,
+                     uint64_t set);
+void fp3_fast_scatter(const fp3_fast_lanes *lanes, const float *const *from,
+                      uint32_t *const *columns, uint64_t set);
+
+#endif

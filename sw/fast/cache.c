@@ -1,0 +1,108 @@
+/* cache.c - see cache.h. Behind the library stand its text, the text's size, a CRC-32 of all before, and a mark. */
+#include "cache.h"
+
+#include <base/file.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#define MARK 0x46335046u /* "FP3F" */
+
+typedef struct {
+    uint64_t text_size;
+    uint32_t crc, mark;
+} trailer;
+
+static uint64_t hash(const char *text) {
+    uint64_t h = 0xcbf29ce484222325u; /* FNV-1a */
+    for (const char *c = text; *c; c++)
+        h = (h ^ (unsigned char)*c) * 0x100000001b3u;
+    return h;
+}
+
+/* A directory of our own, that nobody else writes to. */
+static int is_safe(const char *path) {
+    struct stat is;
+    return stat(path, &is) == 0 && S_ISDIR(is.st_mode) && is.st_uid == geteuid() &&
+           !(is.st_mode & (S_IWGRP | S_IWOTH)) && access(path, W_OK | X_OK) == 0;
+}
+
+static int is_made(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST; }
+
+static int find_directory(char path[PATH_MAX]) {
+    const char *given = getenv("FP3_CACHE_DIR"), *caches = getenv("XDG_CACHE_HOME");
+    const char *home = getenv("HOME");
+    int length = -1;
+    if (given && *given)
+        length = snprintf(path, PATH_MAX, "%s", given);
+    else if (caches && *caches == '/') {
+        is_made(caches);
+        length = snprintf(path, PATH_MAX, "%s/fp3", caches);
+    } else if (home && *home == '/') {
+        if ((size_t)snprintf(path, PATH_MAX, "%s/.cache", home) < PATH_MAX)
+            is_made(path);
+        length = snprintf(path, PATH_MAX, "%s/.cache/fp3", home);
+    }
+    return length > 0 && length < PATH_MAX - 64 && is_made(path) && is_safe(path);
+}
+
+void fp3_cache_find(const char *text, fp3_cache *cache) {
+    cache->path[0] = '\0';
+    if (!find_directory(cache->directory))
+        cache->directory[0] = '\0';
+    else
+        snprintf(cache->path, PATH_MAX, "%.*s/%016" PRIx64 ".so", PATH_MAX - 64, cache->directory,
+                 hash(text));
+}
+
+static int is_whole(const char *data, size_t size, const char *text) {
+    trailer end;
+    const size_t text_size = strlen(text), behind = text_size + sizeof end;
+    if (size < behind)
+        return 0;
+    memcpy(&end, data + size - sizeof end, sizeof end);
+    return end.mark == MARK && end.text_size == text_size &&
+           memcmp(data + size - behind, text, text_size) == 0 &&
+           end.crc == crc32_z(0, (const unsigned char *)data, size - sizeof end);
+}
+
+int fp3_cache_has(const fp3_cache *cache, const char *text) {
+    char *data = NULL;
+    size_t size = 0;
+    const int is_there = cache->path[0] && access(cache->path, R_OK) == 0 &&
+                         !fp3_file_read(cache->path, &data, &size, NULL) &&
+                         is_whole(data, size, text);
+    free(data);
+    return is_there;
+}
+
+static int append(const char *path, const char *text, const trailer *end) {
+    FILE *file = fopen(path, "ab");
+    int is_written = file && fwrite(text, 1, strlen(text), file) == strlen(text) &&
+                     fwrite(end, sizeof *end, 1, file) == 1;
+    if (file)
+        is_written &= fclose(file) == 0;
+    return is_written;
+}
+
+fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *text,
+                          fp3_error *error) {
+    char *data = NULL;
+    size_t size = 0;
+    fp3_status status = fp3_file_read(file, &data, &size, error);
+    if (status)
+        return status;
+    trailer end = {.text_size = strlen(text), .mark = MARK};
+    end.crc = (uint32_t)crc32_z(crc32_z(0, (const unsigned char *)data, size),
+                                (const unsigned char *)text, strlen(text));
+    free(data);
+    if (!append(file, text, &end) || rename(file, cache->path))
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", cache->path, strerror(errno));
+    return FP3_OK;
+}

@@ -1,0 +1,22 @@
+/* cache.h - shared libraries that were compiled from a text. */
+#ifndef FP3_CACHE_H
+#define FP3_CACHE_H
+
+#include <fp3/status.h>
+#include <limits.h>
+
+typedef struct {
+    char directory[PATH_MAX]; /* "": none that can be used */
+    char path[PATH_MAX];      /* of the entry for the text */
+} fp3_cache;
+
+/* Where the entry for a text belongs; the directory is made. */
+void fp3_cache_find(const char *text, fp3_cache *cache);
+/* Whether the entry is there, whole, and of this text. */
+int fp3_cache_has(const fp3_cache *cache, const char *text);
+/* Gives the library in file, which nobody else knows, the text and a checksum, and the entry's name.
+ * After a failure it is as if there were no cache. */
+fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *text,
+                          fp3_error *error);
+
+#endif

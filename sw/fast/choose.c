@@ -1,0 +1,31 @@
+/* choose.c - which interpreter suits this processor and this arithmetic. */
+#include "sweep.h"
+
+#include <string.h>
+
+extern const fp3_sweep fp3_sweep_plain, fp3_sweep_v3, fp3_sweep_v4;
+extern const fp3_sweep fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut;
+
+/* Flushing and truncation are rare: for them the least kind of processor has to do. */
+static const fp3_sweep *rare(const fp3_config *config) {
+    if (config->subnormal)
+        return &fp3_sweep_cut;
+    return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;
+}
+
+const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
+    static const fp3_sweep *const kinds[] = {&fp3_sweep_plain, &fp3_sweep_v3, &fp3_sweep_v4};
+    const int has[] = {1, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"),
+                       __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                           __builtin_cpu_supports("avx512vl") &&
+                           __builtin_cpu_supports("avx512bw")};
+    const fp3_sweep *best = kinds[0];
+    if (!config->subnormal || !config->nearest)
+        return rare(config);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && has[i]; i++) {
+        best = kinds[i];
+        if (most && strcmp(best->name, most) == 0)
+            break;
+    }
+    return best;
+}

@@ -1,0 +1,291 @@
+/* drive.c - see drive.h. */
+#include "drive.h"
+
+#include "gen/registers.h"
+#include <fp3/isa.h>
+#include <string.h>
+#include <xmmintrin.h>
+
+#define CHUNK 64u     /* steps from one look at the flags, and at who sleeps, to the next */
+#define LONG 0x10000u /* ... where nobody asks */
+#define STICKY 0x3fu  /* of MXCSR */
+
+typedef struct {
+    fp3_fast_part_number part;
+    uint32_t steps,
+        number; /* of the first step, less 1; of another part the number of the step now */
+} stretch;
+
+/* ---- the processor's flags ---- */
+
+static void forget_flags(void) { _mm_setcsr(_mm_getcsr() & ~STICKY); }
+
+static uint32_t raised(void) {
+    static const uint32_t of[] = {FP3_FLAG_INVALID,        0,
+                                  FP3_FLAG_DIVIDE_BY_ZERO, FP3_FLAG_OVERFLOW,
+                                  FP3_FLAG_UNDERFLOW,      FP3_FLAG_INEXACT};
+    const uint32_t sticky = _mm_getcsr();
+    uint32_t flags = 0;
+    for (unsigned i = 0; i < sizeof of / sizeof *of; i++)
+        flags |= sticky >> i & 1 ? of[i] : 0;
+    return flags;
+}
+
+/* ---- executing ---- */
+
+static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
+    const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
+    if (d->fast->native.library)
+        d->fast->native.part[s->part](&place, s->steps, s->number);
+    else
+        d->fast->sweep->run(&d->fast->plan, &place, s->part, s->steps, s->number);
+}
+
+static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
+    const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
+    d->fast->sweep->watch(&d->fast->watch, &place, s->part, s->steps, s->number, &lanes->witness);
+    forget_flags(); /* it has computed more than the program */
+}
+
+/* ---- whose flags they are ---- */
+
+/* Words of the store that a stretch changes. */
+static uint64_t stored_in(const fp3_drive *d, const stretch *s) {
+    return s->part == FP3_PART_LAST ? d->fast->plan.stored : d->fast->plan.stored_in_step;
+}
+
+static uint64_t rows_of(const fp3_drive *d, const stretch *s) {
+    return d->fast->plan.part[s->part].loaded;
+}
+
+#define EACH(set, reg)                                                                             \
+    for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)                                        \
+        if ((set) >> reg & 1)
+
+/* What a stretch starts from. */
+static void remember(const fp3_drive *d, const stretch *s) {
+    fp3_fast_worker *w = d->worker;
+    const size_t size = d->lanes->count * sizeof(float);
+    EACH(rows_of(d, s), reg)
+    memcpy(w->rows[reg], d->lanes->rows[reg], size);
+    EACH(stored_in(d, s) | d->fast->plan.read, reg)
+    memcpy(w->records[reg], d->lanes->records[reg], size);
+    memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
+}
+
+/* These lanes as they were. */
+static void pick_remembered(const fp3_drive *d, const stretch *s, const uint32_t *which,
+                            uint32_t count) {
+    fp3_fast_worker *w = d->worker;
+    fp3_fast_lanes *to = &w->aside;
+    fp3_fast_pick(d->lanes, which, count, 0, 0, to);
+    const uint64_t records = stored_in(d, s) | d->fast->plan.read;
+    EACH(rows_of(d, s), reg)
+    for (uint32_t i = 0; i < count; i++)
+        to->rows[reg][i] = w->rows[reg][which[i]];
+    EACH(records, reg) {
+        for (uint32_t i = 0; i < count; i++)
+            to->own[reg][i] = w->records[reg][which[i]];
+        to->records[reg] = to->own[reg];
+    }
+    for (uint32_t i = 0; i < count; i++)
+        to->awake[i] = w->awake[which[i]];
+    fp3_fast_fill(to, rows_of(d, s), records);
+    memset(&to->witness, 0, sizeof to->witness);
+}
+
+/* An object's status: flags, and the first step in which one of them was grave. */
+static void note_status(const fp3_drive *d, uint32_t object, uint32_t flags, uint32_t failed) {
+    uint32_t *word = d->run->status ? &d->run->status[object] : NULL;
+    if (!word)
+        return;
+    *word |= flags;
+    if (flags & FP3_FLAGS_GRAVE && !(*word >> FP3_STATUS_STEP_LO))
+        *word |= failed << FP3_STATUS_STEP_LO;
+}
+
+/* The stretch once more, for those of whom what it raised is not known. */
+static void find_out(const fp3_drive *d, const stretch *s, const uint32_t *which, uint32_t count) {
+    fp3_fast_worker *w = d->worker;
+    pick_remembered(d, s, which, count);
+    watch(d, &w->aside, s);
+    const fp3_witness *is = &w->aside.witness;
+    for (uint32_t i = 0; i < count; i++) {
+        d->lanes->known[which[i]] |= is->flags[i];
+        d->lanes->grave[which[i]] |= is->grave[i];
+        w->confirmed |= (uint32_t)is->flags[i];
+        w->is_grave |= is->grave[i];
+        note_status(d, d->lanes->object[which[i]], (uint32_t)is->flags[i], (uint32_t)is->failed[i]);
+    }
+}
+
+/* What the stretch raised, and is not known of a lane. Of an object that sleeps the processor raises what
+ * the program does not: there only what was found out counts. */
+static uint32_t unknown_of(const fp3_drive *d, uint32_t lane, uint32_t flags) {
+    const fp3_fast_lanes *l = d->lanes;
+    const uint32_t *word = d->run->status ? &d->run->status[l->object[lane]] : NULL;
+    const int has_step = !word || *word >> FP3_STATUS_STEP_LO; /* the first part's may be 0 */
+    const uint32_t grave = flags & FP3_FLAGS_GRAVE & ~(has_step ? (uint32_t)l->grave[lane] : 0);
+    const uint32_t others = flags & ~FP3_FLAGS_GRAVE & ~(uint32_t)l->known[lane];
+    const uint32_t all = d->fast->plan.sleeps ? flags & ~d->worker->confirmed : 0;
+    return grave | (d->run->status ? others : 0) | all;
+}
+
+static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
+    uint32_t which[FP3_BLOCK], count = 0;
+    if (!d->fast->plan.sleeps)
+        d->worker->confirmed |= flags;
+    for (uint32_t i = 0; flags && i < d->lanes->count; i++) {
+        which[count] = i;
+        count += unknown_of(d, i, flags) != 0;
+    }
+    if (count)
+        find_out(d, s, which, count);
+}
+
+static void make(const fp3_drive *d, const stretch *s) {
+    if (d->is_watching) {
+        watch(d, d->lanes, s);
+    } else if (!d->fast->plan.config->flags) {
+        execute(d, d->lanes, s);
+    } else {
+        remember(d, s);
+        forget_flags();
+        execute(d, d->lanes, s);
+        ask_flags(d, s, raised());
+    }
+}
+
+/* ---- who sleeps ---- */
+
+static uint32_t find(const fp3_fast_lanes *lanes, int awake, uint32_t *which) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < lanes->count; i++) {
+        which[count] = i;
+        count += lanes->awake[i] == awake;
+    }
+    return count;
+}
+
+static uint64_t words_of(const fp3_drive *d) { return d->fast->plan.read | d->fast->plan.stored; }
+
+/* What moves with a lane. */
+static uint64_t all_rows(const fp3_drive *d) {
+    const fp3_fast_plan *p = &d->fast->plan;
+    return p->config->interleave ? p->live | d->fast->watch.states : UINT64_MAX;
+}
+
+/* Lanes whose records are columns cannot be moved. */
+static void detach(const fp3_drive *d) {
+    fp3_fast_lanes *l = d->lanes;
+    EACH(l->is_direct ? words_of(d) : 0, reg) {
+        memcpy(l->own[reg], l->records[reg], l->count * sizeof *l->own[reg]);
+        l->records[reg] = l->own[reg];
+    }
+    l->is_direct = 0;
+}
+
+static void take_out(const fp3_drive *d, const uint32_t *which, uint32_t count) {
+    fp3_fast_lanes *to = &d->worker->leaving;
+    fp3_fast_pick(d->lanes, which, count, all_rows(d), words_of(d), to);
+    fp3_fast_pick_witness(d->lanes, which, count, to);
+}
+
+/* Those of lanes that sleep are through. In the middle of a visit they make its last part now. */
+static void let_go(const fp3_drive *d, int is_in_visit, uint32_t end) {
+    uint32_t asleep[FP3_BLOCK], awake[FP3_BLOCK];
+    const uint32_t count = find(d->lanes, 0, asleep), others = find(d->lanes, -1, awake);
+    fp3_drive of = *d;
+    if (!count)
+        return;
+    detach(d);
+    take_out(d, asleep, count);
+    of.lanes = &d->worker->leaving;
+    if (is_in_visit)
+        make(&of, &(stretch){FP3_PART_LAST, 1, end});
+    for (uint32_t i = 0; !d->is_watching && d->run->slept_in && i < count; i++)
+        d->run->slept_in[of.lanes->object[i]] = d->run->number;
+    d->settle(d->user, of.lanes);
+    fp3_fast_keep(d->lanes, awake, others, all_rows(d), words_of(d));
+}
+
+/* Whose word for sleep is not 0 makes no visit: its program wrote the word itself. */
+static void leave_out(const fp3_drive *d) {
+    const fp3_fast_plan *p = &d->fast->plan;
+    fp3_fast_lanes *l = d->lanes;
+    if (p->slept < 0 || !(p->written & p->read & (uint64_t)1 << p->slept))
+        return;
+    const uint32_t *word = (const uint32_t *)(const void *)l->records[p->slept];
+    for (uint32_t i = 0; i < l->count; i++)
+        l->awake[i] = word[i] ? 0 : -1;
+    let_go(d, 0, 0);
+}
+
+/* ---- a run ---- */
+
+/* Nothing that is still to come changes what is known of the lanes' failures. */
+static int is_settled(const fp3_drive *d) {
+    const fp3_fast_lanes *l = d->lanes;
+    for (uint32_t i = 0; i < l->count; i++)
+        if (!d->is_watching || !l->witness.is_raised[i] ||
+            (l->known[i] && !l->witness.is_strayed[i]))
+            return 0;
+    return 1;
+}
+
+/* New objects raise inexact in their first step, and all know it then. */
+static uint32_t chunk_of(const fp3_drive *d, uint32_t left, int is_first) {
+    const fp3_fast_plan *p = &d->fast->plan;
+    uint32_t most = p->config->flags || p->sleeps || d->is_watching ? CHUNK : LONG;
+    for (uint32_t i = 0; is_first && d->run->status && i < d->lanes->count; i++)
+        if (!(d->lanes->known[i] & FP3_FLAG_INEXACT))
+            most = 1;
+    return left < most ? left : most;
+}
+
+static void make_steps(const fp3_drive *d, uint32_t number, uint32_t end) {
+    uint32_t which[FP3_BLOCK];
+    while (number != end && d->lanes->count && !is_settled(d)) {
+        const uint32_t chunk = chunk_of(d, end - number, number == d->run->clock);
+        make(d, &(stretch){FP3_PART_STEP, chunk, number});
+        number += chunk;
+        if (d->run->tell && !d->is_watching)
+            d->run->tell(d->run->user, number - d->run->clock);
+        if (!d->fast->plan.sleeps)
+            continue;
+        const uint32_t asleep = find(d->lanes, 0, which);
+        if (asleep == d->lanes->count)
+            return;
+        if (asleep * 4 >= d->lanes->count)
+            let_go(d, 1, end);
+    }
+}
+
+static void wake(fp3_fast_lanes *lanes) { memset(lanes->awake, 0xff, sizeof lanes->awake); }
+
+static void visit(const fp3_drive *d, uint32_t number, uint32_t end) {
+    wake(d->lanes);
+    if (d->is_watching)
+        memset(d->lanes->witness.ahead, 0, sizeof d->lanes->witness.ahead);
+    leave_out(d);
+    if (!d->lanes->count)
+        return;
+    make(d, &(stretch){FP3_PART_FIRST, 1, number});
+    make_steps(d, number, end);
+    if (!d->lanes->count)
+        return;
+    make(d, &(stretch){FP3_PART_LAST, 1, end});
+    if (d->fast->plan.sleeps)
+        let_go(d, 0, end);
+}
+
+void fp3_drive_run(fp3_drive *d) {
+    for (uint32_t made = 0; made < d->run->steps && d->lanes->count && !is_settled(d);) {
+        const uint32_t left = d->run->steps - made;
+        const uint32_t steps = left < d->run->visit ? left : d->run->visit;
+        visit(d, d->run->clock + made, d->run->clock + made + steps);
+        made += steps;
+    }
+    if (d->lanes->count)
+        d->settle(d->user, d->lanes);
+}

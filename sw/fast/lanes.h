@@ -1,0 +1,270 @@
+/* lanes.h - each arithmetic operation for a vector of objects, lane by lane, with the bits of machine/execute.c.
+ *
+ * It is compiled into the interpreter (sw/fast/sweep.c), once for each kind of processor, and its text
+ * stands in front of the C that sw/fast/write.c writes for a program: so it includes nothing. Who uses
+ * it defines, as 0 or 1,
+ *     FP3_NEAREST, FP3_SUBNORMAL, FP3_FLAGS      the configuration's keys
+ * and compiles it with -ffp-contract=off -frounding-math. The processor has the rounding of the
+ * configuration while it runs.
+ *
+ * What these functions leave to their caller: a NaN has any payload and sign until fp3_one_nan. That
+ * is sound, as no operation tells one quiet NaN from another. With FP3_FLAGS the processor's own sticky
+ * flags are those that the operations raise; so comparisons may not raise invalid for a quiet NaN, and
+ * what an adder behind a value has to raise is raised by fp3_behind.
+ */
+#if defined __AVX512F__ && defined __AVX512DQ__
+#define FP3_LANES 16
+#elif defined __AVX2__
+#define FP3_LANES 8
+#else
+#define FP3_LANES 4
+#endif
+
+typedef float fp3_v __attribute__((vector_size(4 * FP3_LANES), may_alias));
+typedef int fp3_i __attribute__((vector_size(4 * FP3_LANES), may_alias));
+typedef unsigned fp3_u __attribute__((vector_size(4 * FP3_LANES), may_alias));
+typedef float fp3_loose __attribute__((vector_size(4 * FP3_LANES), may_alias, aligned(4)));
+typedef float fp3_half __attribute__((vector_size(2 * FP3_LANES)));
+typedef double fp3_d __attribute__((vector_size(4 * FP3_LANES)));
+typedef long long fp3_l __attribute__((vector_size(4 * FP3_LANES)));
+
+/* What is not used by a program is no mistake. */
+#define FP3_OPERATION static inline __attribute__((always_inline, unused))
+
+#define FP3_SIGN ((int)0x80000000u)
+#define FP3_INFINITE 0x7f800000
+#define FP3_LEAST 0x00800000 /* the least normal number */
+#define FP3_ONE 0x3f800000
+#define FP3_QUIET 0x7fc00000      /* the NaN of every result */
+#define FP3_SIGNALLING 0x7fa00000 /* raises invalid in the adder */
+
+FP3_OPERATION fp3_i fp3_all(int bits) { return (fp3_i){0} + bits; }
+/* Where the mask is -1 a, where it is 0 b. */
+FP3_OPERATION fp3_v fp3_choose(fp3_i mask, fp3_v a, fp3_v b) {
+    return (fp3_v)((mask & (fp3_i)a) | (~mask & (fp3_i)b));
+}
+FP3_OPERATION fp3_i fp3_magnitude(fp3_v a) { return (fp3_i)a & ~FP3_SIGN; }
+FP3_OPERATION fp3_i fp3_is_nan(fp3_v a) { return fp3_magnitude(a) > FP3_INFINITE; }
+
+FP3_OPERATION fp3_v fp3_one_nan(fp3_v a) {
+    return fp3_choose(fp3_is_nan(a), (fp3_v)fp3_all(FP3_QUIET), a);
+}
+
+/* ---- adder and multiplier ---- */
+
+FP3_OPERATION fp3_v fp3_flushed(fp3_v a) {
+    if (FP3_SUBNORMAL)
+        return a;
+    return (fp3_v)((fp3_i)a & (((((fp3_i)a & FP3_INFINITE) != 0)) | FP3_SIGN));
+}
+
+/* Where a result that is not 0 is below the normal numbers: 0 of its sign, underflow and inexact. */
+FP3_OPERATION fp3_v fp3_underflown(fp3_i mask, fp3_i sign, fp3_v result) {
+    if (FP3_FLAGS) {
+        fp3_v x = fp3_choose(mask, (fp3_v)fp3_all(FP3_LEAST + 1), (fp3_v)fp3_all(FP3_ONE));
+        x *= x;
+        __asm__ volatile("" : : "x"(x));
+    }
+    return fp3_choose(mask, (fp3_v)(sign & FP3_SIGN), result);
+}
+
+/* A sum below the normal numbers is exact. */
+FP3_OPERATION fp3_v fp3_sum(fp3_v sum) {
+    if (FP3_SUBNORMAL)
+        return sum;
+    const fp3_i size = fp3_magnitude(sum);
+    return fp3_underflown((size < FP3_LEAST) & (size != 0), (fp3_i)sum, sum);
+}
+FP3_OPERATION fp3_v fp3_add(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) + fp3_flushed(b)); }
+FP3_OPERATION fp3_v fp3_sub(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) - fp3_flushed(b)); }
+
+/* Half of a vector in double, and a mask of double made one of float. */
+FP3_OPERATION fp3_half fp3_part(fp3_v a, int part) {
+    fp3_half half[2];
+    __builtin_memcpy(half, &a, sizeof a);
+    return half[part];
+}
+FP3_OPERATION fp3_d fp3_wide(fp3_v a, int part) {
+    return __builtin_convertvector(fp3_part(a, part), fp3_d);
+}
+typedef int fp3_narrow __attribute__((vector_size(2 * FP3_LANES)));
+FP3_OPERATION fp3_i fp3_joined(fp3_l low, fp3_l high) {
+    const fp3_narrow half[2] = {__builtin_convertvector(low, fp3_narrow),
+                                __builtin_convertvector(high, fp3_narrow)};
+    fp3_i whole;
+    __builtin_memcpy(&whole, half, sizeof whole);
+    return whole;
+}
+
+/* Bits of a double, which has every product of two floats: those of the magnitude. */
+#define FP3_WIDE_LEAST 0x3810000000000000ll /* 2^-126 */
+FP3_OPERATION fp3_l fp3_product(fp3_v a, fp3_v b, int part) {
+    return (fp3_l)(fp3_wide(a, part) * fp3_wide(b, part)) & 0x7fffffffffffffffll;
+}
+FP3_OPERATION fp3_l fp3_is_below(fp3_v a, fp3_v b, int part, long long bits) {
+    const fp3_l size = fp3_product(a, b, part);
+    return (size < bits) & (size != 0);
+}
+
+FP3_OPERATION fp3_v fp3_mul(fp3_v a, fp3_v b) {
+    const fp3_v x = fp3_flushed(a), y = fp3_flushed(b), product = x * y;
+    if (FP3_SUBNORMAL)
+        return product;
+    return fp3_underflown(
+        fp3_joined(fp3_is_below(x, y, 0, FP3_WIDE_LEAST), fp3_is_below(x, y, 1, FP3_WIDE_LEAST)),
+        (fp3_i)a ^ (fp3_i)b, product);
+}
+
+FP3_OPERATION fp3_v fp3_madd(fp3_v a, fp3_v b, fp3_v c) { return fp3_add(c, fp3_mul(a, b)); }
+FP3_OPERATION fp3_v fp3_msub(fp3_v a, fp3_v b, fp3_v c) { return fp3_sub(c, fp3_mul(a, b)); }
+#define FP3_HALF ((fp3_v)fp3_all(0x3f000000))
+#define FP3_TWO ((fp3_v)fp3_all(0x40000000))
+FP3_OPERATION fp3_v fp3_addh(fp3_v a, fp3_v b) { return fp3_add(a, fp3_mul(b, FP3_HALF)); }
+FP3_OPERATION fp3_v fp3_subh(fp3_v a, fp3_v b) { return fp3_sub(a, fp3_mul(b, FP3_HALF)); }
+FP3_OPERATION fp3_v fp3_addt(fp3_v a, fp3_v b) { return fp3_add(a, fp3_mul(b, FP3_TWO)); }
+FP3_OPERATION fp3_v fp3_subt(fp3_v a, fp3_v b) { return fp3_sub(a, fp3_mul(b, FP3_TWO)); }
+
+/* ---- comparison, selection ---- */
+
+/* Signed integers in the order of the numbers, but for the zeros. */
+FP3_OPERATION fp3_i fp3_order(fp3_v a) { return (fp3_i)a ^ (((fp3_i)a < 0) & ~FP3_SIGN); }
+FP3_OPERATION fp3_i fp3_is_number(fp3_v a, fp3_v b) { return ~(fp3_is_nan(a) | fp3_is_nan(b)); }
+FP3_OPERATION fp3_i fp3_are_zero(fp3_v a, fp3_v b) {
+    return (((fp3_i)a | (fp3_i)b) & ~FP3_SIGN) == 0;
+}
+
+#if FP3_LANES == 16
+/* Predicates 17 and 18: less, less or equal, ordered, quiet. */
+#define FP3_COMPARE(a, b, predicate)                                                               \
+    ((fp3_i)__builtin_ia32_cvtmask2d512(                                                           \
+        __builtin_ia32_cmpps512_mask((a), (b), (predicate), (unsigned short)-1, 4)))
+#elif FP3_LANES == 8
+#define FP3_COMPARE(a, b, predicate) ((fp3_i)__builtin_ia32_cmpps256((a), (b), (predicate)))
+#endif
+
+/* Of any operands, in integers: even a quiet comparison raises invalid for a signalling NaN. */
+FP3_OPERATION fp3_i fp3_is_less_raw(fp3_v a, fp3_v b) {
+    return (fp3_order(a) < fp3_order(b)) & fp3_is_number(a, b) & ~fp3_are_zero(a, b);
+}
+FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
+    return ((fp3_order(a) <= fp3_order(b)) & fp3_is_number(a, b)) | fp3_are_zero(a, b);
+}
+
+#ifdef FP3_COMPARE
+FP3_OPERATION fp3_i fp3_is_less(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 17); }
+FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 18); }
+#else
+#define fp3_is_less fp3_is_less_raw
+#define fp3_is_at_most fp3_is_at_most_raw
+#endif
+
+/* The adder behind every value: subnormal numbers are flushed, a signalling NaN raises invalid. The
+ * asm hides the constant, as the compiler takes x + -0 for x. */
+FP3_OPERATION fp3_v fp3_behind(fp3_v a) {
+    const fp3_v value = fp3_flushed(a);
+    if (!FP3_FLAGS)
+        return value;
+    fp3_i zero = fp3_all(FP3_SIGN);
+    __asm__("" : "+x"(zero));
+    return value + (fp3_v)zero;
+}
+
+FP3_OPERATION fp3_v fp3_min(fp3_v a, fp3_v b) { return fp3_choose(fp3_is_less(a, b), a, b); }
+FP3_OPERATION fp3_v fp3_max(fp3_v a, fp3_v b) { return fp3_choose(fp3_is_less(b, a), a, b); }
+FP3_OPERATION fp3_v fp3_lt(fp3_v a, fp3_v b) { return (fp3_v)(fp3_is_less(a, b) & FP3_ONE); }
+FP3_OPERATION fp3_v fp3_le(fp3_v a, fp3_v b) { return (fp3_v)(fp3_is_at_most(a, b) & FP3_ONE); }
+/* The same where an operand may be a signalling NaN. */
+FP3_OPERATION fp3_v fp3_min_raw(fp3_v a, fp3_v b) {
+    return fp3_choose(fp3_is_less_raw(a, b), a, b);
+}
+FP3_OPERATION fp3_v fp3_max_raw(fp3_v a, fp3_v b) {
+    return fp3_choose(fp3_is_less_raw(b, a), a, b);
+}
+FP3_OPERATION fp3_v fp3_lt_raw(fp3_v a, fp3_v b) {
+    return (fp3_v)(fp3_is_less_raw(a, b) & FP3_ONE);
+}
+FP3_OPERATION fp3_v fp3_le_raw(fp3_v a, fp3_v b) {
+    return (fp3_v)(fp3_is_at_most_raw(a, b) & FP3_ONE);
+}
+FP3_OPERATION fp3_v fp3_abs(fp3_v a) { return (fp3_v)fp3_magnitude(a); }
+FP3_OPERATION fp3_v fp3_sel(fp3_v a, fp3_v b, fp3_v c) {
+    return fp3_choose(fp3_magnitude(c) != 0, a, b);
+}
+
+/* ---- estimates, rounding, exponents ---- */
+
+FP3_OPERATION fp3_i fp3_exponent(fp3_v a) { return ((fp3_i)a >> 23) & 255; }
+
+FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
+#if FP3_LANES == 16
+    return (fp3_i)__builtin_ia32_gathersiv16si(fp3_all(0), table, index, (unsigned short)-1, 4);
+#elif FP3_LANES == 8
+    return (fp3_i)__builtin_ia32_gathersiv8si(fp3_all(0), table, index, fp3_all(-1), 4);
+#else
+    fp3_i entry = fp3_all(0);
+    for (int i = 0; i < FP3_LANES; i++)
+        entry[i] = table[index[i]];
+    return entry;
+#endif
+}
+
+FP3_OPERATION fp3_v fp3_rcp(fp3_v a, const int *table) {
+    const fp3_i sign = (fp3_i)a & FP3_SIGN, e = fp3_exponent(a);
+    const fp3_i entry = fp3_entry(table, ((fp3_i)a & 0x7fffff) >> 13), is_small = e >= 253;
+    const fp3_i down = is_small & (e - 253) & 3;
+    fp3_i bits = (is_small & (((entry | 512) >> down) << 13)) |
+                 (~is_small & (((253 - e) << 23) | (entry << 14)));
+    bits &= e != 255;
+    bits = (~(e == 0) & bits) | ((e == 0) & FP3_INFINITE);
+    return fp3_choose(fp3_is_nan(a), a, (fp3_v)(bits | sign));
+}
+
+FP3_OPERATION fp3_v fp3_rsqrt(fp3_v a, const int *table) {
+    const fp3_i e = fp3_exponent(a), odd = e & 1;
+    const fp3_i entry = fp3_entry(table + 1024, odd * 512 + (((fp3_i)a & 0x7fffff) >> 14));
+    fp3_i bits = ((190 - ((e + 1) >> 1)) << 23) | (entry << (13 + odd));
+    bits &= e != 255;
+    bits = (((fp3_i)a < 0) & FP3_SIGNALLING) | (~((fp3_i)a < 0) & bits);
+    bits = ((e == 0) & FP3_INFINITE) | (~(e == 0) & bits);
+    return fp3_choose(fp3_is_nan(a), a, (fp3_v)bits);
+}
+
+/* In integers: the fraction's bits that go, and half of the last that stays. */
+FP3_OPERATION fp3_v fp3_rint(fp3_v a) {
+    const fp3_i size = fp3_magnitude(a), e = fp3_exponent(a), sign = (fp3_i)a & FP3_SIGN;
+    const fp3_i places = 150 - e, is_whole = places <= 0, is_less = e < 127; /* than 1 */
+    const fp3_i shift = ~(is_whole | is_less) & places;
+    fp3_i rounded = size;
+    if (FP3_NEAREST)
+        rounded +=
+            ~(is_whole | is_less) & (((fp3_all(1) << shift) >> 1) - 1 + ((size >> shift) & 1));
+    rounded = (rounded >> shift) << shift;
+    const fp3_i one = (size > 0x3f000000) & (FP3_NEAREST ? FP3_ONE : 0);
+    rounded = (is_less & one) | (~is_less & rounded);
+    return (fp3_v)((is_whole & (fp3_i)a) | (~is_whole & (rounded | sign)));
+}
+
+/* 2^n of the integral part n. */
+FP3_OPERATION fp3_v fp3_exp2(fp3_v a) {
+    const fp3_i e = fp3_exponent(a), is_minus = (fp3_i)a<0, is_over = e> 134;
+    const fp3_i shift = (150 - e) & 31, significand = ((fp3_i)a & 0x7fffff) | 0x800000;
+    const fp3_i n = ((e >= 127) & ~is_over & (significand >> shift)) | (is_over & 1024);
+    const fp3_i is_tiny = n > 126; /* 2^-n */
+    const fp3_i below = (is_tiny & (n < 150)) & (fp3_all(1) << ((149 - n) & 31));
+    const fp3_i down = (is_tiny & below) | (~is_tiny & ((127 - n) << 23));
+    const fp3_i up = ((n > 127) & FP3_INFINITE) | (~(n > 127) & ((127 + n) << 23));
+    return fp3_choose(fp3_is_nan(a), a, (fp3_v)((is_minus & down) | (~is_minus & up)));
+}
+
+/* A zero or subnormal number has -infinity. */
+FP3_OPERATION fp3_v fp3_logb(fp3_v a) {
+    const fp3_i e = fp3_exponent(a);
+    fp3_i n = e - 127;
+    fp3_i bits = (fp3_i) __builtin_convertvector(n, fp3_v);
+    bits = ((e == 255) & FP3_INFINITE) | (~(e == 255) & bits);
+    bits = ((e == 0) & (FP3_INFINITE | FP3_SIGN)) | (~(e == 0) & bits);
+    return fp3_choose(fp3_is_nan(a), a, (fp3_v)bits);
+}
+
+/* |a| < b, as sleep compares. */
+FP3_OPERATION fp3_i fp3_sleeps(fp3_v a, fp3_v b) { return fp3_is_less_raw(fp3_abs(a), b); }

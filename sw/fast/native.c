@@ -1,0 +1,155 @@
+/* native.c - see native.h. */
+#include "native.h"
+
+#include "cache.h"
+#include "write.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* The first line of the text names the compiler and its options, so that they count in the cache. */
+#define OPTIONS                                                                                    \
+    "-O2", "-w", "-std=gnu11", "-ffp-contract=off", "-frounding-math", "-fPIC", "-shared",         \
+        "-nostdlib"
+
+static const char *compiler(void) {
+    const char *given = getenv("FP3_CC");
+    return given && *given ? given : "cc";
+}
+
+static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
+                             char **text, fp3_error *error) {
+    static const char *const options[] = {OPTIONS};
+    size_t size = 0;
+    FILE *to = open_memstream(text, &size);
+    if (!to)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fprintf(to, "/* %s -march=%s", compiler(), kind);
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        fprintf(to, " %s", options[i]);
+    fprintf(to, " */\n");
+    fp3_status status = fp3_fast_write(plan, lanes, to, error);
+    if (fclose(to) && !status)
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return status;
+}
+
+/* The text as a file without a name, for the compiler's standard input; -1: errno says why. */
+static int open_text(const char *text) {
+    FILE *file = tmpfile();
+    if (!file)
+        return -1;
+    const int is_written = fputs(text, file) >= 0 && fflush(file) == 0;
+    const int fd = is_written ? dup(fileno(file)) : -1;
+    fclose(file);
+    if (fd >= 0)
+        lseek(fd, 0, SEEK_SET);
+    return fd;
+}
+
+static int start(const char *kind, int from, const char *path, pid_t *child) {
+    char march[64];
+    snprintf(march, sizeof march, "-march=%s", kind);
+    char *const arguments[] = {
+        (char *)compiler(), march, OPTIONS, "-o", (char *)path, "-x", "c", "-", NULL};
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, from, 0);
+    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&files, 2, "/dev/null", O_WRONLY, 0);
+    const int failed = posix_spawnp(child, arguments[0], &files, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&files);
+    return failed;
+}
+
+static fp3_status compile(const char *text, const char *kind, const char *path, fp3_error *error) {
+    pid_t child = 0;
+    int how = 0;
+    const int from = open_text(text);
+    if (from < 0)
+        return fp3_fail(error, FP3_E_SYSTEM, "no temporary file: %s", strerror(errno));
+    const int failed = start(kind, from, path, &child);
+    close(from);
+    if (failed)
+        return fp3_fail(error, FP3_E_SYSTEM, "no compiler '%s': %s", compiler(), strerror(failed));
+    while (waitpid(child, &how, 0) < 0)
+        if (errno != EINTR)
+            return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s': %s", compiler(), strerror(errno));
+    if (!WIFEXITED(how) || WEXITSTATUS(how))
+        return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s' failed", compiler());
+    return FP3_OK;
+}
+
+static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *error) {
+    static const char *const names[] = FP3_FAST_NAMES;
+    native->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!native->library)
+        return fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
+    for (int i = 0; i < FP3_PARTS; i++) {
+        void *symbol = dlsym(native->library, names[i]);
+        memcpy(&native->part[i], &symbol, sizeof symbol);
+        if (!symbol) {
+            fp3_fast_native_close(native);
+            return fp3_fail(error, FP3_E_SYSTEM, "%s: %s is missing", path, names[i]);
+        }
+    }
+    return FP3_OK;
+}
+
+/* A new file of our own in the cache or, without one, where temporary files go. */
+static int make_file(const fp3_cache *cache, char path[PATH_MAX]) {
+    const char *given = getenv("TMPDIR");
+    const char *directory = cache->directory[0] ? cache->directory
+                            : given && *given   ? given
+                                                : "/tmp";
+    if (snprintf(path, PATH_MAX, "%s/fp3-XXXXXX", directory) >= PATH_MAX)
+        return 0;
+    const int fd = mkstemp(path);
+    if (fd >= 0)
+        close(fd);
+    return fd >= 0;
+}
+
+/* Loaded before it is kept: the entry may then be whoever's it is. */
+static fp3_status make(const fp3_cache *cache, const char *text, const char *kind,
+                       fp3_fast_native *native, fp3_error *error) {
+    char path[PATH_MAX];
+    if (!make_file(cache, path))
+        return fp3_fail(error, FP3_E_SYSTEM, "no temporary file: %s", strerror(errno));
+    fp3_status status = compile(text, kind, path, error);
+    if (!status)
+        status = load(path, native, error);
+    if (status || !cache->path[0] || fp3_cache_keep(cache, path, text, NULL))
+        unlink(path);
+    return status;
+}
+
+fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
+                                fp3_fast_native *native, fp3_error *error) {
+    char *text = NULL;
+    fp3_cache cache;
+    *native = (fp3_fast_native){0};
+    fp3_status status = write_text(plan, kind, lanes, &text, error);
+    if (!status) {
+        fp3_cache_find(text, &cache);
+        if (!fp3_cache_has(&cache, text) || load(cache.path, native, error))
+            status = make(&cache, text, kind, native, error);
+    }
+    free(text);
+    return status;
+}
+
+void fp3_fast_native_close(fp3_fast_native *native) {
+    if (native->library)
+        dlclose(native->library);
+    *native = (fp3_fast_native){0};
+}

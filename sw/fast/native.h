@@ -1,0 +1,29 @@
+/* native.h - the C of a program, compiled once and kept in a cache.
+ *
+ * The cache is the directory FP3_CACHE_DIR, or fp3 in XDG_CACHE_HOME, or .cache/fp3 at home; without one
+ * a program is compiled anew by each process. An entry is a shared library with the text that it was compiled
+ * from and a checksum behind it, written beside its name and renamed: two processes may make it at the
+ * same time, and one that is damaged or has another text is made again. A directory that somebody
+ * else can write to is not used. FP3_CC names the compiler; the default is cc.
+ */
+#ifndef FP3_NATIVE_H
+#define FP3_NATIVE_H
+
+#include "place.h"
+#include "plan.h"
+
+typedef void fp3_fast_native_part(const fp3_place *place, unsigned steps, unsigned number);
+
+typedef struct {
+    void *library;
+    fp3_fast_native_part *part[FP3_PARTS];
+} fp3_fast_native;
+
+/* kind: of the processor, for -march; lanes: of its vectors. The caller closes *native. FP3_E_SYSTEM: there
+ * is no native code, and error says why; *native is {0}. */
+fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
+                                fp3_fast_native *native, fp3_error *error);
+/* Leaves {0}, which may be closed as well. */
+void fp3_fast_native_close(fp3_fast_native *native);
+
+#endif

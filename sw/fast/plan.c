@@ -1,0 +1,231 @@
+/* plan.c - see plan.h. */
+#include "plan.h"
+
+#include <fp3/isa.h>
+#include <inttypes.h>
+#include <stdlib.h>
+
+static uint64_t bit(uint32_t operand) {
+    return operand < FP3_BANK_SHARED_BASE ? (uint64_t)1 << operand : 0;
+}
+
+static int is_arithmetic(const fp3_instruction *in) {
+    return fp3_operation_is_arithmetic(fp3_operation_find(in->op));
+}
+
+static int is_load(const fp3_instruction *in) {
+    return in->op == FP3_OP_LD || in->op == FP3_OP_LDS;
+}
+
+/* ---- reading ---- */
+
+static fp3_status check(const fp3_config *config, const fp3_fast_plan *plan, uint32_t pc,
+                        fp3_error *error) {
+    const fp3_instruction *in = &plan->code[pc].in;
+    const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1, most = config->registers;
+    if (in->d >= most || (in->a & in_bank) >= most || (in->b & in_bank) >= most ||
+        (in->c & in_bank) >= most || fp3_operation_lacks(config, in->op) != FP3_KEY_NONE)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "word %" PRIu32 " is no instruction of configuration '%s'", pc,
+                        config->name);
+    for (uint32_t i = 0; in->op == FP3_OP_LDS && i < pc; i++)
+        if (!is_load(&plan->code[i].in))
+            return fp3_fail(
+                error, FP3_E_PROGRAM,
+                "word %" PRIu32 " is an lds: engine 'fast' wants it before all but loads", pc);
+    return FP3_OK;
+}
+
+static void note(fp3_fast_plan *plan, uint32_t pc, uint32_t step, uint32_t last) {
+    const fp3_instruction *in = &plan->code[pc].in;
+    const fp3_operation *of = fp3_operation_find(in->op);
+    for (uint32_t i = 0; i < of->sources; i++) {
+        const uint32_t operand = fp3_operand(in, "abc"[i]);
+        if (operand >= FP3_BANK_SHARED_BASE)
+            plan->constants |= (uint64_t)1 << (operand - FP3_BANK_SHARED_BASE);
+    }
+    if (is_load(in))
+        plan->read |= bit(in->d);
+    if (in->op == FP3_OP_ST)
+        plan->stored |= bit(in->d);
+    if (in->op == FP3_OP_ST && pc >= step && pc < last)
+        plan->stored_in_step |= bit(in->d);
+    if (is_arithmetic(in))
+        plan->written |= bit(in->d);
+    plan->sleeps |= in->op == FP3_OP_SLEEP;
+}
+
+static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t pc = 0; !status && pc < code->count; pc++) {
+        if (fp3_word_decode(code->code[pc], &plan->code[pc].in, NULL))
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "word %" PRIu32 " is no instruction: engine 'fast' runs none of it",
+                            pc);
+        status = check(plan->config, plan, pc, error);
+        if (!status)
+            note(plan, pc, code->step, code->last);
+    }
+    return status;
+}
+
+/* ---- what is read later ---- */
+
+/* The registers that are live before an instruction; asleep: before the last part. */
+static uint64_t before(const fp3_instruction *in, uint64_t live, uint64_t asleep) {
+    const fp3_operation *of = fp3_operation_find(in->op);
+    if (of->writes == FP3_WRITES_ALWAYS)
+        live &= ~bit(in->d);
+    if (in->op == FP3_OP_ST)
+        live |= bit(in->d);
+    if (in->op == FP3_OP_SLEEP)
+        live |= asleep;
+    for (uint32_t i = 0; i < of->sources; i++)
+        live |= bit(fp3_operand(in, "abc"[i]));
+    return live;
+}
+
+/* Of a part: live before it, from what is live after it. Notes whose results nobody reads. */
+static uint64_t pass(fp3_fast_plan *plan, fp3_fast_part_number part, uint64_t live,
+                     uint64_t asleep) {
+    for (uint32_t pc = plan->part[part].end; pc-- > plan->part[part].first;) {
+        fp3_fast_word *p = &plan->code[pc];
+        p->is_dead = is_arithmetic(&p->in) && !(live & bit(p->in.d));
+        live = before(&p->in, live, asleep);
+    }
+    return live;
+}
+
+static uint64_t writes_of(const fp3_fast_plan *plan, fp3_fast_part_number part) {
+    uint64_t set = 0;
+    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++)
+        if (fp3_operation_find(plan->code[pc].in.op)->writes != FP3_WRITES_NEVER)
+            set |= bit(plan->code[pc].in.d);
+    return set;
+}
+
+static void find_live(fp3_fast_plan *plan, uint64_t states) {
+    const uint64_t end = plan->config->interleave ? 0 : UINT64_MAX;
+    const uint64_t last = pass(plan, FP3_PART_LAST, end, 0) | (plan->sleeps ? states : 0);
+    uint64_t head = 0, live[FP3_PARTS];
+    for (uint64_t old = UINT64_MAX; head != old;) {
+        old = head;
+        head |= pass(plan, FP3_PART_STEP, head | last, last);
+    }
+    plan->live = head | last;
+    live[FP3_PART_FIRST] = pass(plan, FP3_PART_FIRST, plan->live, last);
+    live[FP3_PART_STEP] = head;
+    live[FP3_PART_LAST] = last;
+    for (fp3_fast_part_number i = FP3_PART_FIRST; i < FP3_PARTS; i++) {
+        const uint64_t after = i == FP3_PART_LAST ? end : plan->live, writes = writes_of(plan, i);
+        plan->part[i].kept = writes & after;
+        plan->part[i].loaded = live[i] | (plan->sleeps ? writes & after : 0);
+    }
+}
+
+/* ---- whose NaN it is ---- */
+
+enum { OF_HOST = 1, OF_ADDER = 2 };
+
+/* What a value may have come from; shared constants come from the host. */
+static int origin(const unsigned char *from, uint32_t operand) {
+    return operand < FP3_BANK_SHARED_BASE ? from[operand] : OF_HOST;
+}
+
+static int is_sum(uint32_t op) {
+    return op == FP3_OP_ADD || op == FP3_OP_SUB || op == FP3_OP_MUL || op == FP3_OP_MADD ||
+           op == FP3_OP_MSUB || op == FP3_OP_ADDH || op == FP3_OP_SUBH || op == FP3_OP_ADDT ||
+           op == FP3_OP_SUBT;
+}
+
+/* Of operands that are not. */
+static int makes_subnormal(uint32_t op) { return op == FP3_OP_RCP || op == FP3_OP_EXP2; }
+
+/* From what is known before an instruction to what is known after it. mixed: registers that are stored
+ * and may hold either. */
+static void follow(fp3_fast_word *p, int subnormal, unsigned char *from, uint64_t *mixed) {
+    const fp3_instruction *in = &p->in;
+    const fp3_operation *of = fp3_operation_find(in->op);
+    if (in->op == FP3_OP_ST && from[in->d] == (OF_HOST | OF_ADDER))
+        *mixed |= bit(in->d);
+    if (in->op == FP3_OP_ST)
+        p->is_one_nan = from[in->d] == OF_ADDER;
+    if (is_load(in))
+        from[in->d] = OF_HOST;
+    if (in->op == FP3_OP_SLEEP)
+        from[in->d] |= OF_HOST;
+    if (!is_arithmetic(in))
+        return;
+    p->is_behind = in->op == FP3_OP_RSQRT || (!subnormal && makes_subnormal(in->op));
+    for (uint32_t i = 0; !is_sum(in->op) && i < of->sources; i++)
+        p->is_behind |= origin(from, fp3_operand(in, "abc"[i])) & OF_HOST;
+    from[in->d] = OF_ADDER;
+}
+
+static void follow_part(fp3_fast_plan *plan, fp3_fast_part_number part, unsigned char *from,
+                        uint64_t *mixed) {
+    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++)
+        follow(&plan->code[pc], plan->config->subnormal != 0, from, mixed);
+}
+
+/* The second pass of the step part begins with what the first part or a step left. */
+static uint64_t find_origins(fp3_fast_plan *plan) {
+    unsigned char from[FP3_BANK_OBJECT_COUNT], head[FP3_BANK_OBJECT_COUNT];
+    uint64_t mixed = 0;
+    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+        from[i] = OF_HOST;
+    follow_part(plan, FP3_PART_FIRST, from, &mixed);
+    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+        head[i] = from[i];
+    follow_part(plan, FP3_PART_STEP, from, &mixed);
+    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+        from[i] |= head[i];
+    follow_part(plan, FP3_PART_STEP, from, &mixed);
+    /* Who fell asleep comes from anywhere. */
+    for (int i = 0; plan->sleeps && i < FP3_BANK_OBJECT_COUNT; i++)
+        from[i] = OF_HOST | (plan->written >> i & 1 ? OF_ADDER : 0);
+    follow_part(plan, FP3_PART_LAST, from, &mixed);
+    return mixed;
+}
+
+static void mark(fp3_fast_plan *plan) {
+    const uint64_t mixed = find_origins(plan);
+    const int all = plan->sleeps && !plan->config->interleave;
+    for (uint32_t pc = 0; pc < plan->count; pc++) {
+        fp3_fast_word *p = &plan->code[pc];
+        if (p->in.op == FP3_OP_ST)
+            p->is_one_nan &= !(mixed & bit(p->in.d));
+        if (!is_arithmetic(&p->in) && !is_load(&p->in))
+            continue;
+        p->is_masked =
+            plan->sleeps && pc < plan->part[FP3_PART_LAST].first && plan->live & bit(p->in.d);
+        p->is_one_nan = is_arithmetic(&p->in) && (all || (mixed & bit(p->in.d)) || p->is_masked);
+    }
+}
+
+/* ---- all ---- */
+
+fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, uint64_t states,
+                              fp3_fast_plan *plan, fp3_error *error) {
+    *plan = (fp3_fast_plan){.config = config,
+                            .code = calloc(code->count ? code->count : 1, sizeof *plan->code),
+                            .count = code->count,
+                            .slept = code->slept};
+    plan->part[FP3_PART_FIRST].end = plan->part[FP3_PART_STEP].first = code->step;
+    plan->part[FP3_PART_STEP].end = plan->part[FP3_PART_LAST].first = code->last;
+    plan->part[FP3_PART_LAST].end = code->count;
+    fp3_status status =
+        plan->code ? decode(code, plan, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (status) {
+        fp3_fast_plan_free(plan);
+        return status;
+    }
+    find_live(plan, states);
+    mark(plan);
+    return FP3_OK;
+}
+
+void fp3_fast_plan_free(fp3_fast_plan *plan) {
+    free(plan->code);
+    *plan = (fp3_fast_plan){0};
+}

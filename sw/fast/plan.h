@@ -1,0 +1,49 @@
+/* plan.h - a program as the fast engine executes it: decoded, with what each instruction has to take care of.
+ *
+ * The parts of a program are executed for a block of objects at a time, a row of lanes for each register
+ * (block.h). Between parts, and from step to step, only the registers that something reads later
+ * are in their rows.
+ */
+#ifndef FP3_FAST_PLAN_H
+#define FP3_FAST_PLAN_H
+
+#include <machine/operation.h>
+#include <machine/placement.h>
+
+typedef struct {
+    fp3_instruction in;
+    int is_dead;    /* nothing reads its result: it counts for its flags alone */
+    int is_masked;  /* objects that sleep keep what is in d */
+    int is_one_nan; /* what is written is seen as it is: a NaN is made the one of the machine */
+    int is_behind;  /* an operand may be a NaN that the host wrote, or the operation makes one: see
+                       fp3_behind in lanes.h */
+} fp3_fast_word;
+
+typedef enum { FP3_PART_FIRST, FP3_PART_STEP, FP3_PART_LAST, FP3_PARTS } fp3_fast_part_number;
+
+typedef struct {
+    uint32_t first, end; /* of the instructions */
+    uint64_t loaded;     /* rows read before they are written, or kept for those asleep */
+    uint64_t kept;       /* rows written and read later */
+} fp3_fast_part;
+
+typedef struct {
+    const fp3_config *config;
+    fp3_fast_word *code;
+    uint32_t count;
+    fp3_fast_part part[FP3_PARTS];
+    uint64_t live;      /* rows that count between two steps, and for those asleep */
+    uint64_t written;   /* registers that an arithmetic operation writes */
+    uint64_t constants; /* shared constants that are read */
+    uint64_t read, stored, stored_in_step; /* record words: by ld and lds; by st */
+    int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
+} fp3_fast_plan;
+
+/* states: registers that are looked at after each step. *plan is freed by the caller. FP3_E_PROGRAM: a word is no instruction that the configuration has, or an
+ * lds stands behind something else than loads. */
+fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, uint64_t states,
+                              fp3_fast_plan *plan, fp3_error *error);
+/* Leaves {0}, which may be freed as well. */
+void fp3_fast_plan_free(fp3_fast_plan *plan);
+
+#endif

@@ -1,0 +1,359 @@
+/* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST and FP3_SUBNORMAL. */
+#include "sweep.h"
+
+#ifndef FP3_SWEEP
+#define FP3_SWEEP fp3_sweep_plain
+#define FP3_SWEEP_NAME "x86-64"
+#define FP3_NEAREST 1
+#define FP3_SUBNORMAL 1
+#endif
+#define FP3_FLAGS 1
+#include "lanes.h"
+
+#include <fp3/counters.h>
+#include <fp3/isa.h>
+#include <machine/watch.h>
+
+#define GRAVE ((int)FP3_FLAGS_GRAVE)
+#define VECTORS (FP3_BLOCK / FP3_LANES)
+
+typedef struct {
+    const fp3_v *row;
+    unsigned stride; /* 0: a constant */
+} source;
+
+typedef struct {
+    const fp3_place *place;
+    const fp3_fast_word *now;
+    uint32_t number; /* of the step */
+    int is_last;     /* part: those asleep take part */
+    int is_watched;  /* every value is looked at: a NaN is the machine's */
+    source from[3];
+    fp3_v constant[3]; /* what from points to, if it is a constant */
+    fp3_v *to;         /* where the result goes: d, or scratch if something is left to do */
+    fp3_v scratch[VECTORS];
+    fp3_v product[VECTORS];
+} machine;
+
+static fp3_v *row_of(const fp3_place *place, uint32_t reg) {
+    return (fp3_v *)(void *)(place->rows + (size_t)reg * FP3_BLOCK);
+}
+
+static void find_sources(machine *m) {
+    const fp3_instruction *in = &m->now->in;
+    const uint32_t operand[3] = {in->a, in->b, in->c};
+    for (int i = 0; i < 3; i++) {
+        if (operand[i] < FP3_BANK_SHARED_BASE) {
+            m->from[i] = (source){row_of(m->place, operand[i]), 1};
+            continue;
+        }
+        m->constant[i] = (fp3_v)fp3_all(m->place->constants[operand[i] - FP3_BANK_SHARED_BASE]);
+        m->from[i] = (source){&m->constant[i], 0};
+    }
+}
+
+#define EACH for (unsigned j = 0; j < m->place->vectors; j++)
+#define A (m->from[0].row[j * m->from[0].stride])
+#define B (m->from[1].row[j * m->from[1].stride])
+#define C (m->from[2].row[j * m->from[2].stride])
+
+static void calculate(machine *m) {
+    const int *table = m->place->table;
+    fp3_v *d = m->to;
+    switch (m->now->in.op) {
+#define CASE(name, value)                                                                          \
+    case FP3_OP_##name:                                                                            \
+        EACH d[j] = value;                                                                         \
+        break;
+        CASE(ADD, fp3_add(A, B))
+        CASE(SUB, fp3_sub(A, B))
+        CASE(MUL, fp3_mul(A, B))
+        CASE(MADD, fp3_madd(A, B, C))
+        CASE(MSUB, fp3_msub(A, B, C))
+        CASE(ADDH, fp3_addh(A, B))
+        CASE(SUBH, fp3_subh(A, B))
+        CASE(ADDT, fp3_addt(A, B))
+        CASE(SUBT, fp3_subt(A, B))
+        CASE(MIN, fp3_min_raw(A, B))
+        CASE(MAX, fp3_max_raw(A, B))
+        CASE(ABS, fp3_abs(A))
+        CASE(LT, fp3_lt_raw(A, B))
+        CASE(LE, fp3_le_raw(A, B))
+        CASE(SEL, fp3_sel(A, B, C))
+        CASE(RCP, fp3_rcp(A, table))
+        CASE(RSQRT, fp3_rsqrt(A, table))
+        CASE(RINT, fp3_rint(A))
+        CASE(EXP2, fp3_exp2(A))
+        CASE(LOGB, fp3_logb(A))
+#undef CASE
+    default:
+        break;
+    }
+}
+
+/* Where an object sleeps it keeps what it has. */
+static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
+    const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
+    if (m->now->is_masked)
+        EACH to[j] = fp3_choose(awake[j], from[j], to[j]);
+    else
+        EACH to[j] = from[j];
+}
+
+/* What is left to do with results. */
+static void finish(machine *m) {
+    if (m->now->is_behind)
+        EACH m->to[j] = fp3_behind(m->to[j]);
+    if (m->now->is_one_nan || m->is_watched)
+        EACH m->to[j] = fp3_one_nan(m->to[j]);
+    if (m->to == m->scratch)
+        keep(m, m->scratch, row_of(m->place, m->now->in.d));
+}
+
+static void arithmetic(machine *m) {
+    m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
+    find_sources(m);
+    calculate(m);
+    finish(m);
+}
+
+static void fall_asleep(machine *m) {
+    fp3_i *awake = (fp3_i *)(void *)m->place->awake;
+    fp3_v *d = row_of(m->place, m->now->in.d);
+    find_sources(m);
+    EACH {
+        const fp3_i now = awake[j] & fp3_sleeps(A, B);
+        d[j] = fp3_choose(now, (fp3_v)fp3_all((int)m->number), d[j]);
+        awake[j] &= ~now;
+    }
+}
+
+static fp3_loose *record_of(const machine *m) {
+    return (fp3_loose *)(void *)m->place->records[m->now->in.d];
+}
+
+static void load(machine *m) {
+    fp3_v *d = row_of(m->place, m->now->in.d);
+    EACH m->scratch[j] = (fp3_v)record_of(m)[j];
+    keep(m, m->scratch, d);
+}
+
+static void store(machine *m) {
+    const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
+    const fp3_v *d = row_of(m->place, m->now->in.d);
+    fp3_loose *to = record_of(m);
+    EACH {
+        const fp3_v value = m->now->is_one_nan ? fp3_one_nan(d[j]) : d[j];
+        to[j] = m->is_last ? value : fp3_choose(awake[j], value, (fp3_v)to[j]);
+    }
+}
+
+static void execute(machine *m) {
+    switch (m->now->in.op) {
+    case FP3_OP_SLEEP:
+        fall_asleep(m);
+        break;
+    case FP3_OP_LD:
+    case FP3_OP_LDS:
+        load(m);
+        break;
+    case FP3_OP_ST:
+        store(m);
+        break;
+    default:
+        arithmetic(m);
+    }
+}
+
+static void run(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
+                uint32_t steps, uint32_t number) {
+    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST};
+    for (uint32_t i = 0; i < steps; i++) {
+        m.number += part == FP3_PART_STEP;
+        for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
+            m.now = &plan->code[pc];
+            execute(&m);
+        }
+    }
+}
+
+/* ---- with a witness ---- */
+
+static fp3_i is_finite(fp3_v a) { return fp3_magnitude(a) < FP3_INFINITE; }
+static fp3_i is_signalling(fp3_v a) { return fp3_is_nan(a) & (((fp3_i)a & 0x00400000) == 0); }
+static fp3_i marked(fp3_i mask, int flag) { return mask & flag; }
+
+/* Halves of a mask: |x| >= 2^128. */
+#define WIDE_END 0x47f0000000000000ll
+static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & 0x7fffffffffffffffll) >= WIDE_END; }
+
+/* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact shows in
+ * the difference with the larger one, which is exact in every rounding (Dekker 1971). */
+static fp3_i flags_of_sum(fp3_v x, fp3_v y) {
+    const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), d = a + b;
+    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
+    const fp3_i over =
+        finite & (~is_finite(d) | fp3_joined(is_beyond(fp3_wide(a, 0) + fp3_wide(b, 0)),
+                                             is_beyond(fp3_wide(a, 1) + fp3_wide(b, 1))));
+    const fp3_i size = fp3_magnitude(d);
+    const fp3_i under = (size != 0) & (size < (FP3_SUBNORMAL ? 0 : FP3_LEAST));
+    const fp3_i inexact = finite & ((d - a != b) | (d - b != a));
+    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(d) & ~nan);
+    return marked(invalid, FP3_FLAG_INVALID) | marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
+           marked(under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) | marked(inexact, FP3_FLAG_INEXACT);
+}
+
+/* What is less is tiny: 2^-126, or 2^-126 - 2^-151, where rounding to nearest comes first. */
+#define WIDE_TINY (FP3_SUBNORMAL && FP3_NEAREST ? 0x380ffffff0000000ll : FP3_WIDE_LEAST)
+
+static fp3_i differs(fp3_v a, fp3_v b, fp3_v d) {
+    return fp3_joined(fp3_wide(a, 0) * fp3_wide(b, 0) != fp3_wide(d, 0),
+                      fp3_wide(a, 1) * fp3_wide(b, 1) != fp3_wide(d, 1));
+}
+static fp3_i product_below(fp3_v a, fp3_v b, long long bits) {
+    return fp3_joined(fp3_is_below(a, b, 0, bits), fp3_is_below(a, b, 1, bits));
+}
+static fp3_i flags_of_product(fp3_v x, fp3_v y) {
+    const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), d = a * b;
+    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
+    const fp3_i over =
+        finite & (~is_finite(d) | fp3_joined(is_beyond(fp3_wide(a, 0) * fp3_wide(b, 0)),
+                                             is_beyond(fp3_wide(a, 1) * fp3_wide(b, 1))));
+    const fp3_i inexact = finite & differs(a, b, d);
+    const fp3_i is_tiny = finite & product_below(a, b, WIDE_TINY);
+    const fp3_i under = is_tiny & (inexact | (FP3_SUBNORMAL ? 0 : -1));
+    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(d) & ~nan);
+    return marked(invalid, FP3_FLAG_INVALID) | marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
+           marked(under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) | marked(inexact, FP3_FLAG_INEXACT);
+}
+
+static fp3_v minus(fp3_v a) { return (fp3_v)((fp3_i)a ^ FP3_SIGN); }
+
+/* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
+ * and what is chosen or estimated is known from the operands. */
+static fp3_i flags_of(machine *m, unsigned j) {
+    const int *table = m->place->table;
+    const fp3_v a = A, b = B, c = C;
+    switch (m->now->in.op) {
+    case FP3_OP_ADD:
+        return flags_of_sum(a, b);
+    case FP3_OP_SUB:
+        return flags_of_sum(a, minus(b));
+    case FP3_OP_MUL:
+        return flags_of_product(a, b);
+    case FP3_OP_MADD:
+        return flags_of_product(a, b) | flags_of_sum(c, fp3_mul(a, b));
+    case FP3_OP_MSUB:
+        return flags_of_product(a, b) | flags_of_sum(c, minus(fp3_mul(a, b)));
+    case FP3_OP_ADDH:
+        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_mul(b, FP3_HALF));
+    case FP3_OP_SUBH:
+        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, minus(fp3_mul(b, FP3_HALF)));
+    case FP3_OP_ADDT:
+        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_mul(b, FP3_TWO));
+    case FP3_OP_SUBT:
+        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, minus(fp3_mul(b, FP3_TWO)));
+    case FP3_OP_MIN:
+        return marked(is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
+    case FP3_OP_MAX:
+        return marked(is_signalling(fp3_max_raw(a, b)), FP3_FLAG_INVALID);
+    case FP3_OP_SEL:
+        return marked(is_signalling(fp3_sel(a, b, c)), FP3_FLAG_INVALID);
+    case FP3_OP_RSQRT:
+        return marked(is_signalling(fp3_rsqrt(a, table)), FP3_FLAG_INVALID);
+    case FP3_OP_ABS:
+    case FP3_OP_RCP:
+    case FP3_OP_RINT:
+    case FP3_OP_EXP2:
+    case FP3_OP_LOGB:
+        return marked(is_signalling(a), FP3_FLAG_INVALID);
+    default:
+        return fp3_all(0);
+    }
+}
+
+#define ROW(name) ((fp3_i *)(void *)witness->name)
+
+/* A grave exception counts as a failure in this step, unless one did before. */
+static void fail(fp3_witness *witness, unsigned j, fp3_i flags, uint32_t number) {
+    const fp3_i new = (flags != 0) & ~ROW(is_raised)[j];
+    ROW(raised)[j] = (new &(int)number) | (~new &ROW(raised)[j]);
+    ROW(raised_flags)[j] = (new &flags) | (~new &ROW(raised_flags)[j]);
+    ROW(is_raised)[j] |= new;
+}
+
+static void note_flags(machine *m, int is_ahead, fp3_witness *witness) {
+    const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
+    find_sources(m);
+    EACH {
+        const fp3_i flags = flags_of(m, j) & (m->is_last ? fp3_all(-1) : awake[j]);
+        const fp3_i grave = flags & GRAVE, first = (grave != 0) & (ROW(failed)[j] == 0);
+        ROW(failed)[j] = (first & (int)m->number) | (~first & ROW(failed)[j]);
+        ROW(grave)[j] |= grave;
+        ROW(flags)[j] |= flags;
+        if (is_ahead)
+            ROW(ahead)[j] |= (ROW(ahead)[j] == 0) & grave;
+        else
+            fail(witness, j, grave, m->number);
+    }
+}
+
+/* What was computed ahead counts for those who make the step. */
+static void begin_step(machine *m, fp3_witness *witness) {
+    const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
+    EACH {
+        fail(witness, j, ROW(ahead)[j] & awake[j], m->number);
+        ROW(ahead)[j] &= ~awake[j];
+    }
+}
+
+static void look_at_state(machine *m, uint32_t reg, fp3_witness *witness) {
+    const fp3_v *row = row_of(m->place, reg);
+    EACH {
+        const fp3_i new = ~is_finite(row[j]) & ~ROW(is_strayed)[j];
+        ROW(strayed)[j] = (new &(int)m->number) | (~new &ROW(strayed)[j]);
+        ROW(reg)[j] = (new &(int)reg) | (~new &ROW(reg)[j]);
+        ROW(bits)[j] = (new &(fp3_i)row[j]) | (~new &ROW(bits)[j]);
+        ROW(is_strayed)[j] |= new;
+    }
+}
+
+static void look_at_states(machine *m, uint64_t states, fp3_witness *witness) {
+    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
+        if (states >> reg & 1)
+            look_at_state(m, reg, witness);
+}
+
+static void watch(const fp3_watch_plan *w, const fp3_place *place, fp3_fast_part_number part,
+                  uint32_t steps, uint32_t number, fp3_witness *witness) {
+    const fp3_fast_part *of = &w->plan->part[part];
+    machine m = {
+        .place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_watched = 1};
+    for (uint32_t i = 0; i < steps; i++) {
+        m.number += part == FP3_PART_STEP;
+        if (part == FP3_PART_STEP)
+            begin_step(&m, witness);
+        for (uint32_t pc = of->first; pc < of->end; pc++) {
+            m.now = &w->plan->code[pc];
+            if (fp3_operation_is_arithmetic(fp3_operation_find(m.now->in.op)))
+                note_flags(&m, part == FP3_PART_FIRST || w->is_ahead[pc], witness);
+            execute(&m);
+        }
+        if (part != FP3_PART_FIRST)
+            look_at_states(&m, w->states, witness);
+    }
+}
+
+/* ---- rows ---- */
+
+static int is_any_astray(const float *row, unsigned count) {
+    unsigned is_any = 0;
+    for (unsigned i = 0; i < count; i++) {
+        unsigned bits;
+        __builtin_memcpy(&bits, &row[i], sizeof bits);
+        is_any |= (~bits & FP3_INFINITE) == 0;
+    }
+    return is_any != 0;
+}
+
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, watch, is_any_astray};

@@ -1,0 +1,11 @@
+/* text.c - see text.h. The assembler includes what C11 cannot; the Makefile knows that this depends on it. */
+#include "text.h"
+
+__asm__(".section .rodata\n"
+        ".global fp3_text_place, fp3_text_lanes\n"
+        ".hidden fp3_text_place, fp3_text_lanes\n"
+        "fp3_text_place: .incbin \"sw/fast/place.h\"\n"
+        ".byte 0\n"
+        "fp3_text_lanes: .incbin \"sw/fast/lanes.h\"\n"
+        ".byte 0\n"
+        ".previous\n");

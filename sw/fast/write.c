@@ -1,0 +1,217 @@
+/* write.c - see write.h. */
+#include "write.h"
+
+#include "text.h"
+
+#include <fp3/isa.h>
+#include <inttypes.h>
+#include <string.h>
+
+typedef struct {
+    const fp3_fast_plan *plan;
+    FILE *to;
+    fp3_fast_part_number part;
+    uint64_t declared;
+    unsigned beside; /* vectors side by side */
+} writer;
+
+/* ---- names ---- */
+
+/* r5_2: register 5 of the vector 2 of those side by side; k3: a shared constant. */
+static void operand(const writer *w, uint32_t number, unsigned vector) {
+    if (number >= FP3_BANK_SHARED_BASE)
+        fprintf(w->to, "k%" PRIu32, number - FP3_BANK_SHARED_BASE);
+    else
+        fprintf(w->to, "r%" PRIu32 "_%u", number, vector);
+}
+
+#define EACH(set, reg)                                                                             \
+    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)                                     \
+        if ((set) >> reg & 1)
+
+/* ---- an instruction ---- */
+
+static int compares(uint32_t op) {
+    return op == FP3_OP_MIN || op == FP3_OP_MAX || op == FP3_OP_LT || op == FP3_OP_LE;
+}
+
+static void value(const writer *w, const fp3_fast_word *p, unsigned vector) {
+    const fp3_instruction *in = &p->in;
+    const fp3_operation *of = fp3_operation_find(in->op);
+    fprintf(w->to, "fp3_%s%s(", of->name, p->is_behind && compares(in->op) ? "_raw" : "");
+    for (uint32_t i = 0; i < of->sources; i++) {
+        fprintf(w->to, i ? ", " : "");
+        operand(w, fp3_operand(in, "abc"[i]), vector);
+    }
+    fprintf(w->to, in->op == FP3_OP_RCP || in->op == FP3_OP_RSQRT ? ", table)" : ")");
+}
+
+/* The results of what has flags alone must be computed all the same. */
+static void arithmetic(const writer *w, const fp3_fast_word *p, unsigned vector) {
+    const int is_masked = p->is_masked;
+    if (p->is_dead && !w->plan->config->flags)
+        return;
+    fprintf(w->to, "        r%" PRIu32 "_%u = ", p->in.d, vector);
+    if (is_masked)
+        fprintf(w->to, "fp3_choose(awake_%u, ", vector);
+    fprintf(w->to, "%s%s", p->is_one_nan ? "fp3_one_nan(" : "", p->is_behind ? "fp3_behind(" : "");
+    value(w, p, vector);
+    fprintf(w->to, "%s%s", p->is_behind ? ")" : "", p->is_one_nan ? ")" : "");
+    if (is_masked)
+        fprintf(w->to, ", r%" PRIu32 "_%u)", p->in.d, vector);
+    fprintf(w->to, ";\n");
+    if (p->is_dead)
+        fprintf(w->to, "        __asm__ volatile(\"\" : : \"x\"(r%" PRIu32 "_%u));\n", p->in.d,
+                vector);
+}
+
+static void fall_asleep(const writer *w, const fp3_instruction *in, unsigned vector) {
+    fprintf(w->to, "        {\n            const fp3_i now = awake_%u & fp3_sleeps(", vector);
+    operand(w, in->a, vector);
+    fprintf(w->to, ", ");
+    operand(w, in->b, vector);
+    fprintf(w->to,
+            ");\n            r%" PRIu32
+            "_%u = fp3_choose(now, (fp3_v)fp3_all((int)number), r%" PRIu32
+            "_%u);\n            awake_%u &= ~now;\n        }\n",
+            in->d, vector, in->d, vector, vector);
+}
+
+static void load(const writer *w, const fp3_fast_word *p, unsigned vector) {
+    const uint32_t d = p->in.d;
+    fprintf(w->to, "        r%" PRIu32 "_%u = ", d, vector);
+    if (p->is_masked)
+        fprintf(w->to, "fp3_choose(awake_%u, (fp3_v)q%" PRIu32 "[j + %u], r%" PRIu32 "_%u);\n",
+                vector, d, vector, d, vector);
+    else
+        fprintf(w->to, "(fp3_v)q%" PRIu32 "[j + %u];\n", d, vector);
+}
+
+static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
+    const uint32_t d = p->in.d;
+    const int is_masked = w->plan->sleeps && w->part != FP3_PART_LAST;
+    fprintf(w->to, "        q%" PRIu32 "[j + %u] = ", d, vector);
+    if (is_masked)
+        fprintf(w->to, "fp3_choose(awake_%u, ", vector);
+    fprintf(w->to, "%sr%" PRIu32 "_%u%s", p->is_one_nan ? "fp3_one_nan(" : "", d, vector,
+            p->is_one_nan ? ")" : "");
+    if (is_masked)
+        fprintf(w->to, ", (fp3_v)q%" PRIu32 "[j + %u])", d, vector);
+    fprintf(w->to, ";\n");
+}
+
+static void instruction(const writer *w, const fp3_fast_word *p, unsigned vector) {
+    switch (p->in.op) {
+    case FP3_OP_SLEEP:
+        fall_asleep(w, &p->in, vector);
+        break;
+    case FP3_OP_LD:
+    case FP3_OP_LDS:
+        load(w, p, vector);
+        break;
+    case FP3_OP_ST:
+        store(w, p, vector);
+        break;
+    default:
+        arithmetic(w, p, vector);
+    }
+}
+
+/* ---- a part ---- */
+
+/* All registers that its instructions name. */
+static uint64_t registers_of(const fp3_fast_plan *plan, fp3_fast_part_number part) {
+    uint64_t set = plan->part[part].loaded;
+    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
+        const fp3_instruction *in = &plan->code[pc].in;
+        set |= (uint64_t)1 << in->d;
+        for (uint32_t i = 0; i < fp3_operation_find(in->op)->sources; i++)
+            if (fp3_operand(in, "abc"[i]) < FP3_BANK_SHARED_BASE)
+                set |= (uint64_t)1 << fp3_operand(in, "abc"[i]);
+    }
+    return set;
+}
+
+/* One step, or the whole of another part, for so many vectors side by side. */
+static void body(writer *w, unsigned beside) {
+    const fp3_fast_part *part = &w->plan->part[w->part];
+    for (unsigned vector = 0; vector < beside; vector++) {
+        EACH(registers_of(w->plan, w->part), reg) {
+            fprintf(w->to, "        fp3_v r%" PRIu32 "_%u", reg, vector);
+            if (part->loaded >> reg & 1)
+                fprintf(w->to, " = w%" PRIu32 "[j + %u]", reg, vector);
+            fprintf(w->to, ";\n");
+        }
+        if (w->plan->sleeps)
+            fprintf(w->to, "        fp3_i awake_%u = awake[j + %u];\n", vector, vector);
+    }
+    for (uint32_t pc = part->first; pc < part->end; pc++)
+        for (unsigned vector = 0; vector < beside; vector++)
+            instruction(w, &w->plan->code[pc], vector);
+    for (unsigned vector = 0; vector < beside; vector++) {
+        EACH(part->kept, reg)
+        fprintf(w->to, "        w%" PRIu32 "[j + %u] = r%" PRIu32 "_%u;\n", reg, vector, reg,
+                vector);
+        if (w->plan->sleeps)
+            fprintf(w->to, "        awake[j + %u] = awake_%u;\n", vector, vector);
+    }
+}
+
+static void declare(const writer *w) {
+    const fp3_fast_plan *plan = w->plan;
+    const fp3_fast_part *part = &plan->part[w->part];
+    fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
+                   "    fp3_i *const awake = (fp3_i *)p->awake;\n    (void)awake;\n");
+    EACH(part->loaded | part->kept, reg)
+    fprintf(w->to,
+            "    fp3_v *const w%" PRIu32 " = (fp3_v *)(p->rows + %" PRIu32 " * FP3_BLOCK);\n", reg,
+            reg);
+    EACH(plan->read | plan->stored, reg)
+    fprintf(w->to,
+            "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->records[%" PRIu32
+            "];\n    (void)q%" PRIu32 ";\n",
+            reg, reg, reg);
+    EACH(plan->constants, k)
+    fprintf(w->to,
+            "    const fp3_v k%" PRIu32 " = (fp3_v)fp3_all(p->constants[%" PRIu32
+            "]);\n    (void)k%" PRIu32 ";\n",
+            k, k, k);
+}
+
+static void loop(writer *w, unsigned beside) {
+    fprintf(w->to, "        for (; j + %u <= p->vectors; j += %u) {\n", beside, beside);
+    body(w, beside);
+    fprintf(w->to, "        }\n");
+}
+
+static void part(writer *w, unsigned beside) {
+    static const char *const names[] = FP3_FAST_NAMES;
+    fprintf(w->to, "void %s(const fp3_place *p, unsigned steps, unsigned number) {\n",
+            names[w->part]);
+    declare(w);
+    fprintf(w->to, "    for (unsigned i = 0; i < steps; i++) {\n        unsigned j = 0;\n");
+    if (w->part == FP3_PART_STEP)
+        fprintf(w->to, "        number++;\n");
+    if (beside > 1)
+        loop(w, beside);
+    loop(w, 1);
+    fprintf(w->to, "    }\n    (void)number;\n}\n");
+}
+
+/* Short programs leave the units idle unless many vectors are on the way; long ones would spill. */
+static unsigned beside_of(const fp3_fast_plan *plan, unsigned lanes) {
+    const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
+    const unsigned most = lanes == 16 ? 8 : 4;
+    return count <= 40 ? most : count <= 250 ? 4 : count <= 800 ? 2 : 1;
+}
+
+fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error) {
+    writer w = {.plan = plan, .to = to};
+    fprintf(to, "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FLAGS %d\n%s%s",
+            plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->flags != 0,
+            fp3_text_place, fp3_text_lanes);
+    for (w.part = FP3_PART_FIRST; w.part < FP3_PARTS; w.part++)
+        part(&w, w.part == FP3_PART_STEP ? beside_of(plan, lanes) : 1);
+    return ferror(to) ? fp3_fail(error, FP3_E_SYSTEM, "the program's C could not be written")
+                      : FP3_OK;
+}

@@ -1,0 +1,177 @@
+"""The fast engine: the bits, flags and failures of the isa engine, however it executes; its cache."""
+
+import os
+import re
+import stat
+import subprocess
+
+import pytest
+
+KINDS = ["x86-64", "x86-64-v3", "x86-64-v4"]
+
+
+@pytest.fixture
+def run(fp3, root, tmp_path):
+    """`fp3 run -e fast`, with a cache of its own; gives what it printed, without the time."""
+
+    def start(*arguments, engine="fast", status=0, **environment):
+        done = subprocess.run([fp3, "run", "-e", engine, *map(str, arguments)], cwd=root, capture_output=True, text=True,
+                              env={**os.environ, "FP3_CACHE_DIR": str(tmp_path / "cache"), **environment}, timeout=120)
+        assert done.returncode == status, done.stdout + done.stderr
+        start.how = re.search(r"^time .*; (.*)$", done.stdout, re.M)
+        start.how = start.how and start.how[1]
+        start.stderr = done.stderr
+        return re.sub(r"^(time|simulator|cycles|issued|retired|stall)\S* .*\n", "", done.stdout, flags=re.M)
+
+    return start
+
+
+def has(kind):
+    flags = next(line for line in open("/proc/cpuinfo") if line.startswith("flags"))
+    return kind == "x86-64" or (" avx512dq " if kind == "x86-64-v4" else " avx2 ") in flags
+
+
+def random_streams(build, tmp_path, *arguments, fast, seed=1):
+    out = subprocess.run([build / "tests/random_stream", "--engine", "fast", "--vary", "--seed", str(seed), *map(str, arguments)],
+                         env={**os.environ, "FP3_FAST": fast, "FP3_CACHE_DIR": str(tmp_path / "cache")},
+                         capture_output=True, text=True, timeout=3000)
+    assert out.returncode == 0, out.stdout + out.stderr
+    return out.stdout
+
+
+def test_random_programs_are_interpreted_alike(build, tmp_path, long):
+    """Every configuration, with roundings, flushing and flags at random; values, flags, status, sleep, failures."""
+    out = random_streams(build, tmp_path, "--instructions", 20_000_000 if long else 1_500_000, fast="interpreter")
+    fell = re.findall(r"in (\d+) objects fell asleep, (\d+) objects failed", out)
+    assert sum(int(n[0]) for n in fell) > 30 and sum(int(n[1]) for n in fell) > 1000, out
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_random_programs_are_compiled_alike(build, tmp_path, kind, long):
+    if not has(kind):
+        pytest.skip(f"no {kind} here")
+    for i, config in enumerate(["single_full", "many_full", "crowd", "lanes"] if long else ["many_full"]):
+        random_streams(build, tmp_path, "--config", config, "--streams", 800 if long else 8, fast=kind,
+                       seed=1 + 1000 * i + KINDS.index(kind) * 100)
+
+
+@pytest.mark.parametrize("model, name", [("ship.ode", "v"), ("kepler.ode", "r_x"), ("pendulum.ode", "theta"),
+                                         ("bouncing_ball.ode", "v")])
+def test_models_have_the_bits_of_the_isa_engine(run, root, model, name):
+    """Estimates, comparisons, sines; objects that differ, in vectors that are not all full."""
+    options = [f"programs/{model}", "-c", "many_full", "--steps", 40, "-o", 150, "--all", "--visit", 7,
+               "--spread", f"{name}=0.5:1.5", "--allow-failures"]
+    expected = run(*options, engine="isa")
+    for fast in [*filter(has, KINDS), "interpreter"]:
+        assert run(*options, FP3_FAST=fast) == expected, (model, fast)
+        assert run.how.startswith("interpreter" if fast == "interpreter" else f"native {fast}"), run.how
+
+
+def test_threads_do_not_matter(run):
+    options = ["programs/kepler.ode", "-c", "many_full", "--steps", 60, "-o", 20000, "--all", "--spread", "r_x=0.9:1.1"]
+    one = run(*options, "--threads", 1)
+    assert run(*options, "--threads", 2) == one == run(*options, "--threads", 5)
+
+
+def test_more_objects_than_any_store_has(run):
+    out = run("programs/ship.ode", "-c", "many_full", "-o", 300000, "--steps", 3)
+    assert "object_steps     900000\n" in out
+
+
+def test_failures_are_told_as_the_isa_engine_does(run, tmp_path):
+    model = tmp_path / "burst.ode"
+    model.write_text("param a = 1\nstate x = 1\nx' = a*x*x*x\nstep 0.25\n")
+    options = [model, "-c", "many_full", "--steps", 300, "-o", 40, "--spread", "a=0.001:2"]
+    expected = run(*options, engine="isa", status=3)
+    assert run(*options, status=3) == expected and re.search(r"failed +\d+ of 40, first object \d+ in step \d+: overflow", expected)
+    assert run(*options, status=3, FP3_FAST="interpreter") == expected
+
+
+def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):
+    run("programs/ship.ode", "-c", "many_full", "--cycle-limit", 100, status=2)
+    assert "no cycles" in run.stderr
+    run("programs/ship.ode", "-c", "many_full", "-o", 2**25 + 1, status=2)
+    assert "room for 33554432" in run.stderr
+    run("programs/ship.ode", "-c", "single_full", "-o", 2, status=2)
+    assert "room for 1 object" in run.stderr
+
+
+# ---- the cache ----
+
+SHIP = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-o", 20]
+
+
+def entries(tmp_path):
+    return sorted((tmp_path / "cache").iterdir())
+
+
+def test_a_program_is_compiled_once(run, tmp_path):
+    first = run(*SHIP)
+    (entry,) = entries(tmp_path)
+    made = entry.stat().st_mtime_ns
+    assert run(*SHIP, FP3_CC="cc") == first and entries(tmp_path) == [entry] and entry.stat().st_mtime_ns == made
+    run("programs/kepler.ode", *SHIP[1:])
+    assert len(entries(tmp_path)) == 2
+
+
+@pytest.mark.parametrize("harm", ["cut", "bit", "empty", "other", "directory"])
+def test_a_damaged_entry_is_made_again(run, tmp_path, harm):
+    expected = run(*SHIP)
+    (entry,) = entries(tmp_path)
+    data = entry.read_bytes()
+    entry.unlink()
+    if harm == "directory":
+        entry.mkdir()
+    elif harm == "other":  # whole, and of another program
+        run("programs/kepler.ode", *SHIP[1:])
+        entries(tmp_path)[0].rename(entry)
+    else:
+        middle = len(data) // 3
+        entry.write_bytes({"cut": data[:middle], "empty": b"",
+                           "bit": data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1:]}[harm])
+    assert run(*SHIP) == expected and run.how.startswith("native")
+    assert harm == "directory" or entry.read_bytes()[-200:] == data[-200:]
+
+
+def test_processes_at_the_same_time_share_it(fp3, root, tmp_path):
+    environment = {**os.environ, "FP3_CACHE_DIR": str(tmp_path / "cache")}
+    several = [subprocess.Popen([fp3, "run", "-e", "fast", *map(str, SHIP)], cwd=root, env=environment,
+                                stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    said = {re.sub("time .*", "", process.communicate(timeout=60)[0]) for process in several}
+    assert len(said) == 1 and all(process.returncode == 0 for process in several)
+    assert [entry.suffix for entry in entries(tmp_path)] == [".so"]
+
+
+@pytest.mark.parametrize("compiler", ["/nonexistent/cc", "false", "true"])
+def test_without_a_compiler_it_interprets(run, tmp_path, compiler):
+    expected = run(*SHIP)
+    for entry in entries(tmp_path):
+        entry.unlink()
+    assert run(*SHIP, FP3_CC=compiler) == expected
+    assert run.how.startswith("interpreter x86-64") and entries(tmp_path) == []
+
+
+def test_a_cache_that_cannot_be_written(run, tmp_path):
+    """No cache at all, a file in its place, a directory that others write to: compiled all the same, nothing left behind."""
+    expected = run(*SHIP)
+    (tmp_path / "file").write_text("")
+    (tmp_path / "open").mkdir()
+    (tmp_path / "open").chmod(0o777)
+    for place in [tmp_path / "file", tmp_path / "open", "/dev/null/x", "/proc/none"]:
+        assert run(*SHIP, FP3_CACHE_DIR=str(place), TMPDIR=str(tmp_path)) == expected
+        assert run.how.startswith("native"), place
+    assert not list((tmp_path / "open").iterdir()) and not list(tmp_path.glob("fp3-*"))
+
+
+def test_a_full_disk(fp3, root, tmp_path):
+    """No file may grow beyond 8 kB: what cannot be compiled is interpreted, and nothing is left."""
+    environment = {**os.environ, "FP3_CACHE_DIR": str(tmp_path / "cache"), "TMPDIR": str(tmp_path)}
+    done = subprocess.run(["bash", "-c", 'trap "" XFSZ; ulimit -f 8; exec "$@"', "-", fp3, "run", "-e", "fast", *map(str, SHIP)], cwd=root,
+                          env=environment, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and "interpreter" in done.stdout, done.stdout + done.stderr
+    assert not list(tmp_path.glob("**/fp3-*")) and not list((tmp_path / "cache").glob("*"))
+
+
+def test_the_cache_is_its_owner_s(run, tmp_path):
+    run(*SHIP)
+    assert stat.S_IMODE((tmp_path / "cache").stat().st_mode) == 0o700
