@@ -166,14 +166,14 @@ def test_standard_output_has_data_alone(start):
 
 
 def test_a_full_disk_is_told(start):
-    done = start("ship.ode", "-e", "isa", "-n", "50000", "--every", "1", output="/dev/full", code=1)
+    done = start("ship.ode", "-e", "isa", "-n", "30000", "--every", "1", output="/dev/full", code=1)
     assert "/dev/full: cannot write: No space left on device" in done.stderr
 
     def small():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
-    for every in ("1", "40000"):   # at a row, and when all is flushed
-        done = start("ship.ode", "-c", "many_full", "-e", "isa", "-o", "16", "-n", "40000" if every != "1" else "9000", "--every", every,
+    for every in ("1", "400"):   # at a row, and when all is flushed
+        done = start("ship.ode", "-c", "many_full", "-e", "isa", "-o", "16", "-n", "400" if every != "1" else "2000", "--every", every,
                      preexec_fn=small, code=1 if every == "1" else 0)
         assert ("out.csv: cannot write: File too large" in done.stderr) == (every == "1")
         assert done.path.exists() == (every != "1") and not list(done.path.parent.glob(".fp3-*"))
