@@ -10,7 +10,6 @@ PARTS = ["add", "mutants", "mul", "cuts", "control", "scale"]
 # What is asked for without --long, in place of the whole part.
 SHORT = {
     "add in 12 bits": ["add", "--exp", "5", "--frac", "6"],
-    "add where operands are far apart": ["add", "--case", "distance (12|25|26|above 26)$"],
     "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry)"],
     "mutants in tiles": ["mutants", "--case", "seeded: a (tile|carry)"],
     "control": ["control", "--case", "^(?!pace, (16|24) |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127|seeded: (?!a ))"],

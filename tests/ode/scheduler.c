@@ -304,8 +304,9 @@ static void rows(bench *b) {
     ship_sample(&t);
     if (fp3_schedule_make(&t.s, b->config, &s, &error))
         fail(b, 0, error.text);
+    const uint32_t every = b->rtl ? b->rtl : 1;
     for (uint32_t n = 1; s && n <= 3 * b->config->contexts && 8 * n <= b->config->store_words;
-         n++) {
+         n += every) {
         const char *wrong = check_objects(b, &t, s, n, 1);
         if (!wrong)
             wrong = check_objects(b, &t, s, n, 3);
