@@ -19,8 +19,9 @@
 #define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
 #define SOLVED 0.1         /* ... if the error was once below this */
 #define ERROR_MOST 0.5
-#define SAMPLE_SECONDS 2.0 /* the run that finds the error takes no longer */
-#define OBJECTS_LEAST 64   /* of a timed run */
+#define SAMPLE_SECONDS 2.0         /* the run that finds the error takes no longer */
+#define OBJECTS_LEAST 1024         /* of a timed run with many steps */
+#define OBJECTS_LEAST_THREADS 8192 /* ... that is shared by threads */
 #define RUNGS_MOST 32
 
 static const char *const hardware[] = {"many_full", "single_full"};
@@ -166,9 +167,10 @@ static fp3_status add(const family *f, bench_point *point, unsigned rung, fp3_er
 }
 
 /* As many objects as can make all steps in the time; always whole rounds of the variants. */
-static uint64_t objects_for(const bench_options *options, unsigned rung) {
+static uint64_t objects_for(const bench_options *options, unsigned rung, unsigned threads) {
+    const uint64_t least = threads > 1 ? OBJECTS_LEAST_THREADS : OBJECTS_LEAST;
     uint64_t objects = options->objects;
-    while (objects > OBJECTS_LEAST && (objects << rung) > options->object_steps)
+    while (objects > least && (objects << rung) > options->object_steps)
         objects /= 2;
     return objects;
 }
@@ -183,7 +185,7 @@ static fp3_status add_software(const family *f, unsigned rung, unsigned threads,
     point.close = close_run;
     point.self = r;
     point.threads = threads;
-    point.objects = objects_for(f->options, rung);
+    point.objects = objects_for(f->options, rung, threads);
     const fp3_status status = bench_machines_engine(f->machines, f->options->engine, CONFIG,
                                                     threads, point.objects, &r->engine, error);
     if (status)

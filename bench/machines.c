@@ -63,6 +63,7 @@ fp3_status bench_machines_engine(bench_machines *machines, const char *name, con
     def.engine = name;
     def.config = config;
     def.objects = (uint32_t)objects;
+    def.threads = threads;
     def.error = &machines->error;
     fp3_status status = fp3_engine_open(&def, &m->engine);
     if (status)

@@ -12,7 +12,8 @@ fp3_status bench_machines_open(bench_machines **machines, fp3_error *error);
 /* Also what was kept. Sets *machines to NULL, which it may be already. */
 void bench_machines_close(bench_machines **machines);
 
-/* One that is open already, or a new one. It writes its errors to the last `error` of this call. */
+/* One that is open already, or a new one; what its calls fail with, bench_machines_error says. threads:
+ * of "fast", no others have any. */
 fp3_status bench_machines_engine(bench_machines *machines, const char *name, const char *config,
                                  unsigned threads, uint64_t objects, fp3_engine **engine,
                                  fp3_error *error);

@@ -94,8 +94,6 @@ static fp3_status measure(const options *o, const bench_problem *problem, fp3_er
         if (!status)
             status = add_peers(&points, problem, o, slopes, error);
     }
-    fprintf(stderr, "%s: %zu points, up to %u times\n", problem->model->name, points.count,
-            points.repeats);
     if (!status)
         status = bench_points_time(&points, error);
     if (!status)
@@ -225,10 +223,10 @@ int bench_points_command(int argc, char **argv) {
                "loop, GSL and SUNDIALS."};
     options o = {.variants = 64,
                  .repeats = 5,
-                 .patience = 1,
+                 .patience = 0.5,
                  .bench = {.engine = "fast",
                            .objects = 16384,
-                           .object_steps = 1 << 25,
+                           .object_steps = 1 << 22,
                            .most_rungs = 18,
                            .fewest_digits = 2,
                            .most_digits = 10,

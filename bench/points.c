@@ -127,12 +127,14 @@ static fp3_status first_run(bench_points *points, bench_point *p, int *stays, fp
 /* In turn: the first repeat of all, the second of all, ... */
 static fp3_status repeat_all(bench_points *points, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (unsigned r = 0; !status && r < points->repeats; r++)
+    for (unsigned r = 0; !status && r < points->repeats; r++) {
+        fprintf(stderr, "  %zu points, time %u of %u\n", points->count, r + 1, points->repeats);
         for (size_t i = 0; !status && i < points->count; i++) {
             bench_point *p = &points->point[i];
             if (r < p->repeats && p->repeats > 1)
                 status = p->run(p, &p->seconds[r], error);
         }
+    }
     return status;
 }
 

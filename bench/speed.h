@@ -11,16 +11,20 @@ typedef struct speed_runner speed_runner;
 struct speed_runner {
     const char *engine, *method; /* method: or NULL */
     unsigned threads;
-    int has_flags; /* exceptions are kept for each object */
+    int has_flags; /* exceptions and the first failing step are kept for each object */
     int is_exact;  /* has the bits of the loop by hand */
     double ns;     /* of an object-step, roughly: what takes too long is left out */
     const bench_ship_loop *loop;
-    const char *path; /* of the engine: FP3_FAST, or NULL */
+    const char *config; /* of the engine; NULL: by the number of objects */
+    int is_interpreter; /* "fast" without native code */
     fp3_status (*run)(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                       double *seconds, fp3_error *error);
     bench_machines *machines;
     const fp3_image *image;
 };
+
+/* Of an engine. */
+const char *speed_config(const speed_runner *runner, size_t objects);
 
 /* Advances the ships from where they start, and leaves where they end. *seconds is of the steps alone. */
 fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, uint64_t steps,

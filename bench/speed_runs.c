@@ -18,6 +18,10 @@ fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, 
     return FP3_OK;
 }
 
+const char *speed_config(const speed_runner *runner, size_t objects) {
+    return runner->config ? runner->config : objects == 1 ? "single_full" : "many_full";
+}
+
 static fp3_status write_start(fp3_engine *engine, const fp3_image *image,
                               const bench_ships *ships) {
     const struct {
@@ -36,16 +40,20 @@ static fp3_status write_start(fp3_engine *engine, const fp3_image *image,
 fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                             double *seconds, fp3_error *error) {
     fp3_engine *engine = NULL;
-    const char *config = ships->objects == 1 ? "single_full" : "many_full";
-    fp3_status status = bench_machines_engine(runner->machines, runner->engine, config,
-                                              runner->threads, ships->objects, &engine, error);
+    fp3_status status = bench_machines_engine(runner->machines, runner->engine,
+                                              speed_config(runner, ships->objects), runner->threads,
+                                              ships->objects, &engine, error);
     if (status)
         return status;
+    if (runner->is_interpreter) /* read when a program is loaded */
+        setenv("FP3_FAST", "interpreter", 1);
     for (int i = 0; !status && i < 2; i++) { /* twice: what a program needs once is not timed */
         status = write_start(engine, runner->image, ships);
         if (!status && i == 0)
             status = fp3_engine_run(engine, 1, NULL);
     }
+    if (runner->is_interpreter)
+        unsetenv("FP3_FAST");
     const double begin = bench_now();
     if (!status)
         status = fp3_engine_run(engine, steps, NULL);

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-ENGINE = "isa"
+ENGINE = "fast"
 
 
 @pytest.fixture(scope="module")

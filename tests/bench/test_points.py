@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-ENGINE = "isa"
+ENGINE = "fast"
 FIELDS = {"model", "engine", "method", "integrator", "arithmetic", "config", "threads", "objects", "steps", "h", "tolerance",
           "error_median", "error_worst", "ns_per_object", "cycles", "repeats"}
 SOLVERS = {("gsl", name) for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")} \

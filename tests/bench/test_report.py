@@ -141,12 +141,12 @@ def test_a_new_baseline_holds(root, data, tmp_path):
     words = ["--baseline", path, "--input", HERE / "fixture.json"]
     assert tool(root, "bench_check.py", *words, "--write").returncode == 0
     done = tool(root, "bench_check.py", *words)
-    assert done.returncode == 0 and "3 ratios within 1.3 times" in done.stdout
+    assert done.returncode == 0 and "3 ratios within 1.5 times" in done.stdout
     stored = json.loads(path.read_text())
     stored["ratios"]["fast, 1 threads, 16384 objects, 1000 steps"] = 0.5
     path.write_text(json.dumps(stored))
     done = tool(root, "bench_check.py", *words)
-    assert done.returncode == 1 and "1.25 times the loop by hand, the baseline 0.50, at most 0.65" in done.stdout
+    assert done.returncode == 1 and "1.25 times the loop by hand, the baseline 0.50, at most 0.75" in done.stdout
 
 
 def test_pictures_are_well_formed(data):

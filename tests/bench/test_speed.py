@@ -1,11 +1,12 @@
 """bench speed: who runs, by how many objects and steps; all with the bits of the loop by hand."""
 
 import json
+import os
 import subprocess
 
 import pytest
 
-ENGINE = "isa"
+ENGINE = "fast"
 FIELDS = {"program", "engine", "method", "threads", "flags", "objects", "steps", "ns_per_object_step", "ratio_to_hand", "repeats"}
 
 
@@ -40,3 +41,17 @@ def test_ratios_are_those_of_the_cell(rows):
 def test_a_wrong_bit_stops_it(build, root, tmp_path):
     done = bench(build, root, "--flip", "--json", tmp_path / "x.json")
     assert done.returncode == 1 and "other bits than in the loop by hand" in done.stderr and not (tmp_path / "x.json").exists()
+
+
+def test_the_fast_engine_is_measured_in_all_its_ways(rows):
+    ways = {(row["method"], row["threads"], row["flags"]) for row in rows if row["engine"] == "fast"}
+    assert {(None, 1, False), (None, 1, True), ("interpreter", 1, False)} <= ways
+    assert os.cpu_count() == 1 or (None, os.cpu_count(), False) in ways
+
+
+def test_the_interpreter_is_no_native_code(rows):
+    """By far slower: it would not be if FP3_FAST were not read."""
+    def of(method):
+        return next(row["ns_per_object_step"] for row in rows
+                    if (row["engine"], row["method"], row["threads"], row["flags"], row["objects"], row["steps"]) == ("fast", method, 1, False, 1024, 1000))
+    assert of("interpreter") > 1.5 * of(None)
