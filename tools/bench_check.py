@@ -26,7 +26,7 @@ ENGINES = ("fast", "isa", "plain_c", "gsl")
 
 def key(row):
     name = row["engine"] + (f" {row['method']}" if row["method"] else "") + (" flags" if row["flags"] else "")
-    return f"{name}, {row['threads']} threads, {row['objects']} objects, {row['steps']} steps"
+    return f"{name}, {row['threads']} thread{'s'[:row['threads'] > 1]}, {row['objects']} object{'s'[:row['objects'] > 1]}, {row['steps']} steps"
 
 
 def ratios(rows):
@@ -69,7 +69,8 @@ def check(baseline, measured):
 def new_baseline(measured):
     """The median of some runs."""
     runs = [measured() for _ in range(TRIES)]
-    found = [ratios([row for row in run["speed"] if (row["objects"], row["steps"]) in CELLS and row["engine"] in ENGINES]) for run in runs]
+    found = [ratios([row for row in run["speed"] if (row["objects"], row["steps"]) in CELLS and row["engine"] in ENGINES
+                     and row["threads"] == 1]) for run in runs]          # others have other numbers of processors
     return {"target": runs[0].get("about", runs[0])["target"], "margin": MARGIN,
             "ratios": {name: round(statistics.median(one[name] for one in found), 3) for name in found[0]}}
 
@@ -90,6 +91,7 @@ def main():
         return 0
     baseline = json.loads(options.baseline.read_text())
     slow = check(baseline, measured)
+    print(f"baseline: for {baseline['target']}")
     print("\n".join(slow) if slow else f"{len(baseline['ratios'])} ratios within {baseline['margin']} times those of {options.baseline.name}")
     return 1 if slow else 0
 
