@@ -211,23 +211,20 @@ static fp3_status add_counters(fp3_recording *r, const fp3_stats *part) {
 
 /* Counts each object once; those of the first part that has some tell which was first. */
 static fp3_status note_failures(fp3_recording *r, const fp3_failure *of_part, fp3_error *error) {
+    const fp3_engine *engine = r->source.engine;
     fp3_failure *first = &r->cost.failure;
     size_t failed = first->failed;
-    fp3_status status = FP3_OK;
     if (!r->has_failed && !(r->has_failed = calloc(r->source.objects, 1)))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; !status && i < r->source.objects; i++) {
-        fp3_failure of_object;
-        if (r->has_failed[i])
-            continue;
-        status = fp3_engine_failure(r->source.engine, i, 1, &of_object);
-        if (!status && of_object.failed)
-            r->has_failed[i] = 1, failed++;
+    for (size_t i = 0; i < engine->failure_count; i++) {
+        char *has_failed = &r->has_failed[engine->failures[i].object];
+        failed += !*has_failed;
+        *has_failed = 1;
     }
     if (!first->failed)
         *first = *of_part;
     first->failed = failed;
-    return status;
+    return FP3_OK;
 }
 
 static fp3_status look_for_failures(fp3_recording *r, fp3_error *error) {

@@ -21,7 +21,7 @@ def single(text):
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("engine", ["isa", "rtl"])
+@pytest.mark.parametrize("engine", ["isa", "rtl", "fast"])
 def test_snapshots_have_the_bits_that_a_run_prints(start, engine):
     which = ("-e", engine, "-c", "many_full", "-o", "5", "--spread", "m=8e5:9e5")
     whole = start("ship.ode", *which, "-n", "9", "--every", "4")

@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-WHERE = [("isa", "single_full"), ("rtl", "single_full"), ("isa", "many_full"), ("rtl", "many_full"), ("rtl", "array"), ("rtl", "shared_full")]
+WHERE = [("fast", "single_full"), ("fast", "many_full"), ("isa", "single_full"), ("rtl", "single_full"), ("isa", "many_full"), ("rtl", "many_full"), ("rtl", "array"), ("rtl", "shared_full")]
 
 
 def which(engine, config, objects=3):
@@ -32,11 +32,11 @@ def test_the_bits_of_one_run(start, root, engine, config, every):
 @pytest.mark.parametrize("config", ["single_full", "many_full"])
 def test_engines_agree_at_every_snapshot(start, config):
     texts = {engine: start("elastic_pendulum.ode", *which(engine, config), "-n", "30", "--every", "1").path.read_bytes()
-             for engine in ("isa", "rtl")}
-    assert texts["isa"] == texts["rtl"] and texts["isa"].count(b"\n") > 30
+             for engine in ("isa", "rtl", "fast")}
+    assert texts["isa"] == texts["rtl"] == texts["fast"] and texts["isa"].count(b"\n") > 30
 
 
-@pytest.mark.parametrize("engine, config", [("isa", "shared"), ("rtl", "shared")])
+@pytest.mark.parametrize("engine, config", [("isa", "shared"), ("rtl", "shared"), ("fast", "shared")])
 def test_who_sleeps_sleeps_in_the_same_step(start, root, engine, config):
     options = (*which(engine, config, 9), "--params", root / "programs/ship.cfg", "--set", "eps=2.4e-3", "--spread", "T=2.6e5:3.2e5", "-n", "200")
     whole = start("ship_sleep.s", *options, output=None)
@@ -93,7 +93,7 @@ GROWS = ".state x\n.param a\nstep: mul x, x, a\n"
 WORDS = r"(object \d+ [^;]*); (\d+) of (\d+) objects failed"
 
 
-@pytest.mark.parametrize("engine, config", [("isa", "single"), ("rtl", "single"), ("isa", "many"), ("rtl", "many"), ("rtl", "lanes")])
+@pytest.mark.parametrize("engine, config", [("isa", "single"), ("rtl", "single"), ("isa", "many"), ("rtl", "many"), ("rtl", "lanes"), ("fast", "many")])
 @pytest.mark.parametrize("every", [1, 4, 6, 50])
 def test_the_first_failure_of_all_parts_is_told(start, tmp_path, engine, config, every):
     (tmp_path / "x.s").write_text(GROWS)
@@ -108,7 +108,14 @@ def test_the_first_failure_of_all_parts_is_told(start, tmp_path, engine, config,
     assert start("x.s", *which(engine, config, 9), *spread, "--every", every, "--allow-failures").stderr == ""
 
 
-@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_many_failures_are_counted_once_and_fast(start, tmp_path):
+    (tmp_path / "x.s").write_text(GROWS)
+    done = start("x.s", "-c", "many", "-e", "fast", "-o", "200000", "--set", "x=1", "--spread", "a=2^10:2^21", "-n", "12", "--every", "2",
+                 code=3, output="/dev/null")   # in minutes, if each is asked about in turn
+    assert int(re.search(WORDS, done.stderr)[2]) == sum((2**10 + i * (2**21 - 2**10) / 199999)**12 >= 2**128 for i in range(200000))
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl", "fast"])
 def test_what_fails_in_the_middle_alone_is_a_failure(start, tmp_path, engine):
     # x is infinite after step 1 without an exception, and 1 again after step 2: min(inf, 1).
     (tmp_path / "x.s").write_text(".state x y\nstep: add x, y, 0.0\n mul y, 1.0, 1.0\n")
