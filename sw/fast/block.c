@@ -61,6 +61,7 @@ void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t c
     pick(from->lane, lanes, count, to->lane);
     pick(from->known, lanes, count, to->known);
     pick(from->grave, lanes, count, to->grave);
+    to->common = from->common;
     to->count = count;
     to->is_direct = to->is_dense = 0;
     fp3_fast_fill(to, rows, records);

@@ -20,6 +20,7 @@ typedef struct {
     uint32_t lane[FP3_BLOCK];   /* its lane when the block was taken up */
     int known[FP3_BLOCK];       /* flags that are known to have been raised */
     int grave[FP3_BLOCK];       /* the grave ones of this run */
+    uint32_t common;            /* flags of which nothing new is to be known of any lane */
     uint32_t count;
     int is_dense;  /* objects are numbered in a row */
     int is_direct; /* records are the columns */

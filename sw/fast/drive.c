@@ -49,9 +49,9 @@ static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
 
 /* ---- whose flags they are ---- */
 
-/* Words of the store that a stretch changes. */
-static uint64_t stored_in(const fp3_drive *d, const stretch *s) {
-    return s->part == FP3_PART_LAST ? d->fast->plan.stored : d->fast->plan.stored_in_step;
+/* Words of the store that a stretch reads or changes. */
+static uint64_t words_in(const fp3_drive *d, const stretch *s) {
+    return d->fast->plan.part[s->part].words;
 }
 
 static uint64_t rows_of(const fp3_drive *d, const stretch *s) {
@@ -68,7 +68,7 @@ static void remember(const fp3_drive *d, const stretch *s) {
     const size_t size = d->lanes->count * sizeof(float);
     EACH(rows_of(d, s), reg)
     memcpy(w->rows[reg], d->lanes->rows[reg], size);
-    EACH(stored_in(d, s) | d->fast->plan.read, reg)
+    EACH(words_in(d, s), reg)
     memcpy(w->records[reg], d->lanes->records[reg], size);
     memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
 }
@@ -79,7 +79,7 @@ static void pick_remembered(const fp3_drive *d, const stretch *s, const uint32_t
     fp3_fast_worker *w = d->worker;
     fp3_fast_lanes *to = &w->aside;
     fp3_fast_pick(d->lanes, which, count, 0, 0, to);
-    const uint64_t records = stored_in(d, s) | d->fast->plan.read;
+    const uint64_t records = words_in(d, s);
     EACH(rows_of(d, s), reg)
     for (uint32_t i = 0; i < count; i++)
         to->rows[reg][i] = w->rows[reg][which[i]];
@@ -117,6 +117,7 @@ static void find_out(const fp3_drive *d, const stretch *s, const uint32_t *which
         w->is_grave |= is->grave[i];
         note_status(d, d->lanes->object[which[i]], (uint32_t)is->flags[i], (uint32_t)is->failed[i]);
     }
+    fp3_drive_know(d->run, d->lanes);
 }
 
 /* What the stretch raised, and is not known of a lane. Of an object that sleeps the processor raises what
@@ -131,11 +132,20 @@ static uint32_t unknown_of(const fp3_drive *d, uint32_t lane, uint32_t flags) {
     return grave | (d->run->status ? others : 0) | all;
 }
 
+void fp3_drive_know(const fp3_fast_run *run, fp3_fast_lanes *l) {
+    uint32_t common = UINT32_MAX;
+    for (uint32_t i = 0; run->status && i < l->count; i++)
+        common &= (uint32_t)l->known[i];
+    l->common = common & ~FP3_FLAGS_GRAVE;
+}
+
 static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
     uint32_t which[FP3_BLOCK], count = 0;
     if (!d->fast->plan.sleeps)
         d->worker->confirmed |= flags;
-    for (uint32_t i = 0; flags && i < d->lanes->count; i++) {
+    if (!(flags & ~(d->lanes->common & d->worker->confirmed)))
+        return;
+    for (uint32_t i = 0; i < d->lanes->count; i++) {
         which[count] = i;
         count += unknown_of(d, i, flags) != 0;
     }

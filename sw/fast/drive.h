@@ -15,6 +15,9 @@ typedef struct {
     void *user;
 } fp3_drive;
 
+/* Sets lanes->common from what is known of each lane. */
+void fp3_drive_know(const fp3_fast_run *run, fp3_fast_lanes *lanes);
+
 /* All rows and records that the first part reads are there. */
 void fp3_drive_run(fp3_drive *drive);
 

@@ -4,12 +4,15 @@
 #include "block.h"
 #include "drive.h"
 
+#include "gen/registers.h"
 #include <fp3/isa.h>
 #include <machine/estimate.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xmmintrin.h>
+
+#define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
 
 #define EACH(set, reg)                                                                             \
     for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)                                        \
@@ -124,14 +127,17 @@ static uint64_t changed(const fp3_fast *f) {
 }
 
 static void number(fp3_fast_lanes *l, const uint32_t *list, uint32_t first, uint32_t count) {
-    l->count = count;
-    l->is_dense = 1;
-    for (uint32_t i = 0; i < count; i++) {
+    int is_dense = 1;
+    for (uint32_t i = 0; i < count; i++)
         l->object[i] = list ? list[i] : first + i;
-        l->is_dense &= l->object[i] - l->object[0] == i;
+    for (uint32_t i = 0; list && i < count; i++)
+        is_dense &= list[i] - list[0] == i;
+    for (uint32_t i = 0; i < count; i++)
         l->lane[i] = i;
-        l->known[i] = l->grave[i] = 0;
-    }
+    memset(l->known, 0, count * sizeof *l->known);
+    memset(l->grave, 0, count * sizeof *l->grave);
+    l->count = count;
+    l->is_dense = is_dense;
 }
 
 /* Objects side by side in whole vectors need no copy. */
@@ -145,7 +151,8 @@ static void take_up(const block *b) {
     fp3_fast_lanes *l = &w->now;
     memcpy(w->objects, l->object, l->count * sizeof *w->objects);
     for (uint32_t i = 0; b->run->status && i < l->count; i++)
-        l->known[i] = (int)(b->run->status[l->object[i]] & 0x1f);
+        l->known[i] = (int)(b->run->status[l->object[i]] & FLAGS);
+    fp3_drive_know(b->run, l);
     l->is_direct = is_direct(b);
     EACH(words(b->fast), reg)
     l->records[reg] =

@@ -36,7 +36,7 @@ static fp3_status check(const fp3_config *config, const fp3_fast_plan *plan, uin
     return FP3_OK;
 }
 
-static void note(fp3_fast_plan *plan, uint32_t pc, uint32_t step, uint32_t last) {
+static void note(fp3_fast_plan *plan, uint32_t pc) {
     const fp3_instruction *in = &plan->code[pc].in;
     const fp3_operation *of = fp3_operation_find(in->op);
     for (uint32_t i = 0; i < of->sources; i++) {
@@ -48,8 +48,10 @@ static void note(fp3_fast_plan *plan, uint32_t pc, uint32_t step, uint32_t last)
         plan->read |= bit(in->d);
     if (in->op == FP3_OP_ST)
         plan->stored |= bit(in->d);
-    if (in->op == FP3_OP_ST && pc >= step && pc < last)
-        plan->stored_in_step |= bit(in->d);
+    for (int i = 0; i < FP3_PARTS; i++)
+        if ((is_load(in) || in->op == FP3_OP_ST) && pc >= plan->part[i].first &&
+            pc < plan->part[i].end)
+            plan->part[i].words |= bit(in->d);
     if (is_arithmetic(in))
         plan->written |= bit(in->d);
     plan->sleeps |= in->op == FP3_OP_SLEEP;
@@ -64,7 +66,7 @@ static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *e
                             pc);
         status = check(plan->config, plan, pc, error);
         if (!status)
-            note(plan, pc, code->step, code->last);
+            note(plan, pc);
     }
     return status;
 }

@@ -25,6 +25,7 @@ typedef struct {
     uint32_t first, end; /* of the instructions */
     uint64_t loaded;     /* rows read before they are written, or kept for those asleep */
     uint64_t kept;       /* rows written and read later */
+    uint64_t words;      /* of records, that it loads or stores */
 } fp3_fast_part;
 
 typedef struct {
@@ -32,11 +33,11 @@ typedef struct {
     fp3_fast_word *code;
     uint32_t count;
     fp3_fast_part part[FP3_PARTS];
-    uint64_t live;      /* rows that count between two steps, and for those asleep */
-    uint64_t written;   /* registers that an arithmetic operation writes */
-    uint64_t constants; /* shared constants that are read */
-    uint64_t read, stored, stored_in_step; /* record words: by ld and lds; by st */
-    int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
+    uint64_t live;         /* rows that count between two steps, and for those asleep */
+    uint64_t written;      /* registers that an arithmetic operation writes */
+    uint64_t constants;    /* shared constants that are read */
+    uint64_t read, stored; /* record words: by ld and lds; by st */
+    int sleeps, slept;     /* there is a sleep; the register of sleep and lds, or -1 */
 } fp3_fast_plan;
 
 /* states: registers that are looked at after each step. *plan is freed by the caller. FP3_E_PROGRAM: a word is no instruction that the configuration has, or an

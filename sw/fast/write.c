@@ -202,7 +202,7 @@ static void part(writer *w, unsigned beside) {
 static unsigned beside_of(const fp3_fast_plan *plan, unsigned lanes) {
     const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
     const unsigned most = lanes == 16 ? 8 : 4;
-    return count <= 40 ? most : count <= 250 ? 4 : count <= 800 ? 2 : 1;
+    return count <= 40 ? most : count <= 250 ? 4 : 1;
 }
 
 fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error) {
