@@ -186,11 +186,29 @@ static int is_polynomial(const fp3_model *model, const fp3_expr *e) {
     }
 }
 
+/* Marks what a step computes: not what stands in invariants and closed forms alone. */
+static void mark_computed(const fp3_model *model, char *is_computed) {
+    for (uint32_t i = 0; i < model->state_count; i++)
+        is_computed[model->states[i].derivative] = 1;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        is_computed[model->events[i].condition] = 1;
+    for (uint32_t i = 0; i < model->assignment_count; i++)
+        is_computed[model->assignments[i].expr] = 1;
+    for (uint32_t i = model->expr_count; i-- > 0;)
+        for (int k = 0; is_computed[i] && k < 3; k++)
+            if (model->exprs[i].operand[k] != FP3_NONE)
+                is_computed[model->exprs[i].operand[k]] = 1;
+}
+
 static int has_polynomials(const fp3_model *model) {
-    for (uint32_t i = 0; i < model->expr_count; i++)
-        if (!model->exprs[i].is_known && is_polynomial(model, &model->exprs[i]))
-            return 1;
-    return 0;
+    char *is_computed = calloc(model->expr_count + 1u, sizeof *is_computed);
+    int has = !is_computed;
+    if (is_computed)
+        mark_computed(model, is_computed);
+    for (uint32_t i = 0; i < model->expr_count && !has; i++)
+        has = is_computed[i] && !model->exprs[i].is_known && is_polynomial(model, &model->exprs[i]);
+    free(is_computed);
+    return has;
 }
 
 static void measure(const fp3_ladder *l, unsigned order, fp3_convergence *c) {
