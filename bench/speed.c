@@ -186,14 +186,24 @@ static void put(const speed *s, const speed_runner *r, uint64_t steps, double se
     json_array_append_new(s->rows, row);
 }
 
+/* The loop by hand that takes the fewest nanoseconds says what everybody must end with. */
+static const speed_runner *reference(const speed *s) {
+    const speed_runner *best = &s->runner[0];
+    for (unsigned i = 1; i < s->count; i++)
+        if (s->runner[i].ns < best->ns && !strcmp(s->runner[i].engine, "hand"))
+            best = &s->runner[i];
+    return best;
+}
+
 static fp3_status measure_cell(speed *s, uint64_t steps, fp3_error *error) {
     double seconds[RUNNERS_MOST][BENCH_REPEATS], by_hand = INFINITY, ignored;
     fp3_status status = FP3_OK;
-    bench_ships expected = whole(&s->expected, &s->runner[0]);
+    const speed_runner *by = reference(s);
+    bench_ships expected = whole(&s->expected, by);
     reset(&s->start, &s->expected);
-    if (!is_in_time(s, &s->runner[0], steps))
+    if (!is_in_time(s, by, steps))
         return FP3_OK;
-    status = s->runner[0].run(&s->runner[0], &expected, steps, &ignored, error);
+    status = by->run(by, &expected, steps, &ignored, error);
     for (unsigned k = 0; !status && k < s->o->repeats; k++)
         for (unsigned i = 0; !status && i < s->count; i++)
             if (is_in_time(s, &s->runner[i], steps))

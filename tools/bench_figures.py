@@ -114,12 +114,12 @@ def speed_grids(rows):
     steps = sorted({row["steps"] for row in rows}, key=lambda n: abs(n - 1000))[:1]
     for chosen in steps:
         values, lines = grid([row for row in rows if row["steps"] == chosen], "objects")
-        yield f"By the number of objects, {chosen:,} steps:", ["", *(f"{value:,} objects" for value in values)], lines
+        yield f"By the number of objects, {chosen:,} steps:", ["", *(f"{value:,} object{'s'[:value > 1]}" for value in values)], lines
     for objects in (16384, 1):
         of = [row for row in rows if row["objects"] == objects]
         if of:
             values, lines = grid(of, "steps")
-            yield f"By the number of steps, {objects:,} object{'s'[:objects > 1]}:", ["", *(f"{value:,} steps" for value in values)], lines
+            yield f"By the number of steps, {objects:,} object{'s'[:objects > 1]}:", ["", *(f"{value:,} step{'s'[:value > 1]}" for value in values)], lines
     ratios = [[runner(row), row["objects"], row["steps"], row["ns_per_object_step"], 1e3 / row["ns_per_object_step"], row["ratio_to_hand"]]
               for row in rows if row["steps"] in steps and row["objects"] in (1, 16384)]
     yield "Beside the loop by hand:", ["", "objects", "steps", "ns", "million object-steps per second", "time by that of the loop"], ratios

@@ -39,10 +39,10 @@ have some are measured without the others."""
 
 
 def number(x):
-    """Three figures."""
+    """Three figures; all of a whole number."""
     if x is None:
         return "–"
-    if x >= 100:
+    if isinstance(x, int) or x >= 100:
         return f"{x:,.0f}"
     return f"{x:.{max(0, 2 - math.floor(math.log10(x)))}f}" if x > 0 else "0"
 
