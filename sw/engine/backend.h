@@ -20,6 +20,9 @@ typedef struct {
     /* The registers that an object keeps from run to run, and constants. */
     fp3_status (*write)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
     fp3_status (*read)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
+    /* One register of objects first .. first+count-1; NULL: one after the other by read. */
+    fp3_status (*read_column)(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                              float *values);
     fp3_status (*write_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
     fp3_status (*read_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t *bits);
     /* The word that space `status` has for an object; only if the configuration has it. */

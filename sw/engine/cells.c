@@ -51,6 +51,8 @@ fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values) {
     fp3_status status = check_cell(engine, first, count, reg);
+    if (!status && engine->backend->read_column)
+        return engine->backend->read_column(engine, first, count, reg, values);
     for (size_t i = 0; !status && i < count; i++) {
         uint32_t bits = 0;
         if (!(status = engine->backend->read(engine, first + i, reg, &bits)))

@@ -166,6 +166,16 @@ static fp3_status fast_read(fp3_engine *engine, size_t object, uint32_t reg, uin
     return FP3_OK;
 }
 
+static fp3_status fast_read_column(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                   float *values) {
+    const uint32_t *column = ((fast *)engine->self)->column[reg];
+    if (column)
+        memcpy(values, &column[first], count * sizeof *values);
+    else
+        memset(values, 0, count * sizeof *values);
+    return FP3_OK;
+}
+
 static uint32_t *constant(fp3_engine *engine, uint32_t of, uint32_t index) {
     return &((fast *)engine->self)->shared[(size_t)of * engine->config->registers + index];
 }
@@ -460,6 +470,7 @@ const fp3_backend fp3_backend_fast = {
     .load = fast_load,
     .write = fast_write,
     .read = fast_read,
+    .read_column = fast_read_column,
     .write_shared = fast_write_shared,
     .read_shared = fast_read_shared,
     .write_status = fast_write_status,
