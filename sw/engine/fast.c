@@ -132,7 +132,7 @@ static fp3_status load_group(fp3_engine *engine, uint32_t i) {
     group *g = &((fast *)engine->self)->groups[i];
     const fp3_fast_def def = {engine->config, &members->program,
                               g->is_ahead = calloc(members->program.count + 1u, 1),
-                              fp3_engine_states_of(members)};
+                              fp3_engine_states_of(members), engine->def.is_interpreted};
     if (!g->is_ahead)
         return no_memory(engine);
     fp3_ahead_find(&members->program, def.states, g->is_ahead);

@@ -21,11 +21,11 @@
 /* ---- a program ---- */
 
 /* FP3_FAST: the best kind of processor that may be used, or "interpreter", or both with a comma. */
-static void open_native(fp3_fast *f) {
+static void open_native(fp3_fast *f, int is_interpreted) {
     const char *asked = getenv("FP3_FAST");
     fp3_error why = {"asked for"};
     fp3_status status = FP3_E_SYSTEM;
-    if (!asked || !strstr(asked, "interpreter"))
+    if (!is_interpreted && (!asked || !strstr(asked, "interpreter")))
         status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, &f->native, &why);
     if (status)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
@@ -47,7 +47,7 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
     f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states};
     f->sweep = fp3_sweep_choose(def->config, asked);
     fp3_estimate_table(f->table);
-    open_native(f);
+    open_native(f, def->is_interpreted);
     return FP3_OK;
 }
 

@@ -29,6 +29,7 @@ typedef struct {
     const fp3_code *code;
     const uint8_t *is_ahead; /* of each word: it works for the step that follows */
     uint64_t states;         /* registers whose values must be finite */
+    int is_interpreted;      /* 1: no native code is made */
 } fp3_fast_def;
 
 /* The caller frees *fast. FP3_E_PROGRAM: see fp3_fast_plan_make. Without a compiler it is interpreted. */

@@ -101,6 +101,7 @@ typedef struct {
     /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
      * processor. The results are the same. */
     uint32_t threads;
+    int is_interpreted; /* fast only: 1: without native code, which is worth its time in long runs */
     /* rtl only: file for every transfer on the host port, as sim/replay.v reads it, or NULL. It has
      * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
