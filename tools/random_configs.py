@@ -5,8 +5,8 @@ retirement, every address of the host port, schedulers with programs of their ow
     tools/random_configs.py --count 200 --seed 1 --jobs 2
     tools/random_configs.py --seed 1 --only 17 --keep DIR     that one again; what was built stays in DIR
 
-Needs what `make setup` installs, and nothing that make has built unless --objects says so. Ends with 1 if one configuration
-failed.
+Needs what `make all` has built: only what knows which configurations there are is compiled anew. Ends with 1 if one
+configuration failed.
 """
 
 import argparse
@@ -29,11 +29,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 KEYS = (ROOT / "isa/configs.toml").read_text().partition("[[config]]")[0]
 KNOWN = load(ROOT).keys
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
-LIBS = "-lz -lm".split()
+LIBS = "-lgsl -lgslcblas -lconfig -lz -ldl -lm".split()
 TESTS = ("random_stream", "host_port", "different_programs", "chosen_values", "mix")
-# Compiled once: all that does not know which configurations there are.
-COMMON = ("sw/base/*.c", "sw/text/*.c", "sw/machine/*.c", "sw/image/*.c", "sw/asm/*.c", "sw/engine/*.c", *(f"tests/cosim/{name}.c" for name in TESTS))
-OWN = ("sw/machine/config.c",)
+# The one file that knows which configurations there are; its object hides that of the library.
+OWN = "sw/machine/config.c"
 
 
 class Failed(Exception):
@@ -123,18 +122,8 @@ def run(*command, timeout=600):
     return done.stdout
 
 
-def sources(patterns):
-    return [path for pattern in patterns for path in sorted(ROOT.glob(pattern))]
-
-
 def includes(tree):
     return [f"-I{path}" for path in (tree / "sw", ROOT / "sw/include", ROOT / "sw", ROOT / "sim")]
-
-
-def compile_c(path, tree, to):
-    target = to / (path.stem + ".o")
-    run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", target, path)
-    return target
 
 
 def make_tree(row, tree):
@@ -157,7 +146,7 @@ def verilator_root():
     return pathlib.Path(run("verilator", "--getenv", "VERILATOR_ROOT").strip()) / "include"
 
 
-def make_hardware(name, tree, runtime):
+def make_hardware(name, tree, made):
     """What the rtl engine loads."""
     top, rtl = f"fp3_{name}", tree / "rtl"
     rooms = [word for room in sorted({path.parent for path in (ROOT / "rtl").glob("*/*.v")} - {ROOT / "rtl/gen"})
@@ -169,33 +158,16 @@ def make_hardware(name, tree, runtime):
     include = verilator_root()
     run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-isystem", tree / "cc", "-isystem", include,
         "-isystem", include / "vltstd", "-c", "-o", tree / "shim.o", ROOT / "sim/fp3_shim.cpp")
-    run("g++", "-shared", "-o", tree / f"{top}.so", tree / "shim.o", tree / f"cc/V{top}__ALL.a", *runtime)
+    run("g++", "-shared", "-o", tree / f"{top}.so", tree / "shim.o", tree / f"cc/V{top}__ALL.a",
+        made / "obj/verilator/verilated.o", made / "obj/verilator/verilated_threads.o")
 
 
-def make_common(tree, made):
-    """What all configurations share, and Verilator's run time; registers.h and isa.h do not depend on them. made: the folder
-    in which make has compiled all that, or None."""
-    make_tree(random_config(0, 0), tree)
-    shared = [path for path in sources(COMMON) if path not in sources(OWN)]
-    if made:
-        objects = {path.stem: made / path.relative_to(ROOT).with_suffix(".o") for path in shared}
-        return objects, [made / "verilator/verilated.o", made / "verilator/verilated_threads.o"]
-    objects = {path.stem: compile_c(path, tree, tree) for path in shared}
-    include = verilator_root()
-    runtime = [tree / "verilated.o", tree / "verilated_threads.o"]
-    for target in runtime:
-        run("g++", "-std=c++17", "-O1", "-w", "-fPIC", "-isystem", include, "-isystem", include / "vltstd", "-c", "-o", target,
-            include / f"{target.stem}.cpp")
-    return objects, runtime
-
-
-def build(row, tree, common, runtime):
+def build(row, tree, made):
     make_tree(row, tree)
-    objects = {**common, **{path.stem: compile_c(path, tree, tree) for path in sources(OWN)}}
-    make_hardware(row["name"], tree, runtime)
-    library = [path for name, path in objects.items() if name not in TESTS]
+    run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", tree / "own.o", ROOT / OWN)
+    make_hardware(row["name"], tree, made)
     for name in TESTS:
-        run("gcc", "-o", tree / name, objects[name], *library, *LIBS)
+        run("gcc", "-o", tree / name, made / f"obj/tests/cosim/{name}.o", tree / "own.o", made / "lib/libfp3.a", *LIBS)
 
 
 def test(row, tree, seed, instructions):
@@ -211,13 +183,13 @@ def test(row, tree, seed, instructions):
 
 # ---- many of them -------------------------------------------------------------------------------
 
-def one(args, number, scratch, common):
+def one(args, number, scratch):
     """None, or what went wrong."""
     row = random_config(args.seed, number)
     tree, begin = scratch / row["name"], time.monotonic()
     what = " ".join(f"{key}={value}" for key, value in row.items() if key not in ("name", "doc"))
     try:
-        build(row, tree, *common)
+        build(row, tree, args.build.resolve())
         told = test(row, tree, args.seed + number, args.instructions)
     except (Failed, Bad, subprocess.TimeoutExpired) as error:
         return f"FAIL number {number}: {what}\n{error}\n  again: tools/random_configs.py --seed {args.seed} --only {number} --keep DIR"
@@ -235,7 +207,7 @@ def parse():
     parser.add_argument("--instructions", type=int, default=30000, help="of random programs, at least, in each (30000)")
     parser.add_argument("--first", type=int, default=0, help="the number of the first (0)")
     parser.add_argument("--only", type=int, help="the number of one configuration")
-    parser.add_argument("--objects", type=pathlib.Path, help="what make has compiled, build/obj, to save that time")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="what make has built (build)")
     parser.add_argument("--keep", type=pathlib.Path, help="an empty directory for all that is built")
     return parser.parse_args()
 
@@ -246,14 +218,11 @@ def main():
     numbers = range(args.first, args.first + args.count) if args.only is None else [args.only]
     failed = 0
     try:
-        common = make_common(scratch / "common", args.objects and args.objects.resolve())
         with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-            for wrong in pool.map(lambda number: one(args, number, scratch, common), numbers):
+            for wrong in pool.map(lambda number: one(args, number, scratch), numbers):
                 if wrong:
                     failed += 1
                     print(wrong, flush=True)
-    except Failed as error:
-        sys.exit(f"random_configs.py: {error}")
     finally:
         if not args.keep:
             shutil.rmtree(scratch)

@@ -16,7 +16,7 @@ def test_a_handful_of_random_configurations(root, build, long):
     """Two, of which one truncates and flushes (eight); `tools/random_configs.py --count 200` for more."""
     first, count = (0, 8) if long else (2, 2)
     done = start(root, "--first", str(first), "--count", str(count), "--seed", "7", "--jobs", "1", "--instructions", "20000",
-                 "--objects", build / "obj")
+                 "--build", build)
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(re.findall(r"^\d+: .*\d+ instructions agree", done.stdout, re.M)) == count
     assert done.stdout.endswith(f"\n{count} configurations, 0 failed\n")
