@@ -14,6 +14,7 @@ fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const f
                        .constants = (const int *)run->constants,
                        .table = fast->table,
                        .awake = lanes->awake,
+                       .seen = &lanes->seen,
                        .vectors = (lanes->count + wide - 1) / wide};
 }
 
@@ -62,6 +63,7 @@ void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t c
     pick(from->known, lanes, count, to->known);
     pick(from->grave, lanes, count, to->grave);
     to->common = from->common;
+    to->is_tiny = from->is_tiny;
     to->count = count;
     to->is_direct = to->is_dense = 0;
     fp3_fast_fill(to, rows, records);

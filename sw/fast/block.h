@@ -22,6 +22,8 @@ typedef struct {
     int grave[FP3_BLOCK];       /* the grave ones of this run */
     uint32_t common;            /* flags of which nothing new is to be known of any lane */
     uint32_t count;
+    unsigned seen; /* FP3_SEEN_* of the last stretch */
+    int is_tiny;   /* the next stretch is executed as in tiny.h */
     int is_dense;  /* objects are numbered in a row */
     int is_direct; /* records are the columns */
     fp3_witness witness;

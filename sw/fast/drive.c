@@ -6,8 +6,10 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-#define CHUNK 64u     /* steps from one look at the flags, and at who sleeps, to the next */
+#define CHUNK 64u /* steps from one look at the flags, and at who sleeps, to the next */
+#define FIRST 4u
 #define LONG 0x10000u /* ... where nobody asks */
+#define SLOW 0x12u    /* of MXCSR: subnormal operand, underflow */
 #define STICKY 0x3fu  /* of MXCSR */
 
 typedef struct {
@@ -20,12 +22,12 @@ typedef struct {
 
 static void forget_flags(void) { _mm_setcsr(_mm_getcsr() & ~STICKY); }
 
-static uint32_t raised(void) {
+static uint32_t raised(unsigned seen) {
     static const uint32_t of[] = {FP3_FLAG_INVALID,        0,
                                   FP3_FLAG_DIVIDE_BY_ZERO, FP3_FLAG_OVERFLOW,
                                   FP3_FLAG_UNDERFLOW,      FP3_FLAG_INEXACT};
     const uint32_t sticky = _mm_getcsr();
-    uint32_t flags = 0;
+    uint32_t flags = seen & FP3_SEEN_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0;
     for (unsigned i = 0; i < sizeof of / sizeof *of; i++)
         flags |= sticky >> i & 1 ? of[i] : 0;
     return flags;
@@ -35,7 +37,10 @@ static uint32_t raised(void) {
 
 static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
     const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
-    if (d->fast->native.library)
+    lanes->seen = 0;
+    if (lanes->is_tiny)
+        d->fast->sweep->run_tiny(&d->fast->plan, &place, s->part, s->steps, s->number);
+    else if (d->fast->native.library)
         d->fast->native.part[s->part](&place, s->steps, s->number);
     else
         d->fast->sweep->run(&d->fast->plan, &place, s->part, s->steps, s->number);
@@ -153,16 +158,25 @@ static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
         find_out(d, s, which, count);
 }
 
+/* A product may be slow from now on, or no more. */
+static void look_for_subnormals(fp3_fast_lanes *l) {
+    l->is_tiny = l->is_tiny ? (l->seen & FP3_SEEN_SUBNORMAL) != 0 : (_mm_getcsr() & SLOW) != 0;
+}
+
 static void make(const fp3_drive *d, const stretch *s) {
     if (d->is_watching) {
         watch(d, d->lanes, s);
     } else if (!d->fast->plan.config->flags) {
+        forget_flags();
         execute(d, d->lanes, s);
+        look_for_subnormals(d->lanes);
     } else {
         remember(d, s);
         forget_flags();
         execute(d, d->lanes, s);
-        ask_flags(d, s, raised());
+        const uint32_t flags = raised(d->lanes->seen);
+        look_for_subnormals(d->lanes);
+        ask_flags(d, s, flags);
     }
 }
 
@@ -244,9 +258,13 @@ static int is_settled(const fp3_drive *d) {
 }
 
 /* New objects raise inexact in their first step, and all know it then. */
-static uint32_t chunk_of(const fp3_drive *d, uint32_t left, int is_first) {
+static uint32_t chunk_of(const fp3_drive *d, uint32_t number, uint32_t left) {
+    const int is_first = number == d->run->clock;
     const fp3_fast_plan *p = &d->fast->plan;
     uint32_t most = p->config->flags || p->sleeps || d->is_watching ? CHUNK : LONG;
+    const uint32_t begun =
+        number - d->run->clock; /* short at first, as subnormal numbers may be slow */
+    most = d->lanes->is_tiny ? CHUNK : begun < most ? begun + FIRST : most;
     for (uint32_t i = 0; is_first && d->run->status && i < d->lanes->count; i++)
         if (!(d->lanes->known[i] & FP3_FLAG_INEXACT))
             most = 1;
@@ -256,7 +274,7 @@ static uint32_t chunk_of(const fp3_drive *d, uint32_t left, int is_first) {
 static void make_steps(const fp3_drive *d, uint32_t number, uint32_t end) {
     uint32_t which[FP3_BLOCK];
     while (number != end && d->lanes->count && !is_settled(d)) {
-        const uint32_t chunk = chunk_of(d, end - number, number == d->run->clock);
+        const uint32_t chunk = chunk_of(d, number, end - number);
         make(d, &(stretch){FP3_PART_STEP, chunk, number});
         number += chunk;
         if (d->run->tell && !d->is_watching)

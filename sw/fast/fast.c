@@ -137,6 +137,7 @@ static void number(fp3_fast_lanes *l, const uint32_t *list, uint32_t first, uint
     memset(l->known, 0, count * sizeof *l->known);
     memset(l->grave, 0, count * sizeof *l->grave);
     l->count = count;
+    l->is_tiny = 0;
     l->is_dense = is_dense;
 }
 

@@ -78,22 +78,38 @@ FP3_OPERATION fp3_v fp3_sum(fp3_v sum) {
 FP3_OPERATION fp3_v fp3_add(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) + fp3_flushed(b)); }
 FP3_OPERATION fp3_v fp3_sub(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) - fp3_flushed(b)); }
 
-/* Half of a vector in double, and a mask of double made one of float. */
+/* Halves of a vector, and a vector of its halves. */
+#if FP3_LANES == 16
+#define FP3_LOW 0, 1, 2, 3, 4, 5, 6, 7
+#define FP3_HIGH 8, 9, 10, 11, 12, 13, 14, 15
+#elif FP3_LANES == 8
+#define FP3_LOW 0, 1, 2, 3
+#define FP3_HIGH 4, 5, 6, 7
+#else
+#define FP3_LOW 0, 1
+#define FP3_HIGH 2, 3
+#endif
+typedef int fp3_narrow __attribute__((vector_size(2 * FP3_LANES)));
 FP3_OPERATION fp3_half fp3_part(fp3_v a, int part) {
-    fp3_half half[2];
-    __builtin_memcpy(half, &a, sizeof a);
-    return half[part];
+    return part ? __builtin_shufflevector(a, a, FP3_HIGH) : __builtin_shufflevector(a, a, FP3_LOW);
 }
+FP3_OPERATION fp3_narrow fp3_part_i(fp3_i a, int part) {
+    return part ? __builtin_shufflevector(a, a, FP3_HIGH) : __builtin_shufflevector(a, a, FP3_LOW);
+}
+FP3_OPERATION fp3_v fp3_whole(fp3_half low, fp3_half high) {
+    return __builtin_shufflevector(low, high, FP3_LOW, FP3_HIGH);
+}
+FP3_OPERATION fp3_i fp3_whole_i(fp3_narrow low, fp3_narrow high) {
+    return __builtin_shufflevector(low, high, FP3_LOW, FP3_HIGH);
+}
+
+/* Half of a vector in double, and a mask of double made one of float. */
 FP3_OPERATION fp3_d fp3_wide(fp3_v a, int part) {
     return __builtin_convertvector(fp3_part(a, part), fp3_d);
 }
-typedef int fp3_narrow __attribute__((vector_size(2 * FP3_LANES)));
 FP3_OPERATION fp3_i fp3_joined(fp3_l low, fp3_l high) {
-    const fp3_narrow half[2] = {__builtin_convertvector(low, fp3_narrow),
-                                __builtin_convertvector(high, fp3_narrow)};
-    fp3_i whole;
-    __builtin_memcpy(&whole, half, sizeof whole);
-    return whole;
+    return fp3_whole_i(__builtin_convertvector(low, fp3_narrow),
+                       __builtin_convertvector(high, fp3_narrow));
 }
 
 /* Bits of a double, which has every product of two floats: those of the magnitude. */

@@ -3,6 +3,8 @@
 #define FP3_PLACE_H
 
 #define FP3_BLOCK 512 /* objects */
+#define FP3_SEEN_SUBNORMAL 1u
+#define FP3_SEEN_UNDERFLOW 2u
 
 /* Rows have FP3_BLOCK lanes, one for each object. */
 typedef struct {
@@ -11,7 +13,9 @@ typedef struct {
     const int *constants;  /* [64]: bits of FP32 numbers */
     const int *table;      /* fp3_estimates */
     int *awake;            /* a row, aligned: -1, or 0 where the object sleeps */
-    unsigned vectors;      /* all lanes of the last one have an object's values, too */
+    unsigned *
+        seen; /* FP3_SEEN_*, by an executor that knows: products that were subnormal, or raised underflow */
+    unsigned vectors; /* all lanes of the last one have an object's values, too */
 } fp3_place;
 
 #endif

@@ -8,7 +8,7 @@
 #define FP3_SUBNORMAL 1
 #endif
 #define FP3_FLAGS 1
-#include "lanes.h"
+#include "tiny.h"
 
 #include <fp3/counters.h>
 #include <fp3/isa.h>
@@ -27,7 +27,9 @@ typedef struct {
     const fp3_fast_word *now;
     uint32_t number; /* of the step */
     int is_last;     /* part: those asleep take part */
-    int is_watched;  /* every value is looked at: a NaN is the machine's */
+    int is_tiny;     /* products as in tiny.h */
+    fp3_i subnormal, under;
+    int is_watched; /* every value is looked at: a NaN is the machine's */
     source from[3];
     fp3_v constant[3]; /* what from points to, if it is a constant */
     fp3_v *to;         /* where the result goes: d, or scratch if something is left to do */
@@ -56,6 +58,39 @@ static void find_sources(machine *m) {
 #define A (m->from[0].row[j * m->from[0].stride])
 #define B (m->from[1].row[j * m->from[1].stride])
 #define C (m->from[2].row[j * m->from[2].stride])
+
+FP3_OPERATION fp3_v multiply(machine *m, fp3_v a, fp3_v b) {
+    const fp3_product_of product = fp3_tiny_product(a, b);
+    m->subnormal |= product.is_subnormal;
+    m->under |= product.under;
+    return product.value;
+}
+
+/* Of the operations with a product. */
+static void calculate_tiny(machine *m) {
+    fp3_v *d = m->to;
+    switch (m->now->in.op) {
+#define CASE(name, value)                                                                          \
+    case FP3_OP_##name:                                                                            \
+        EACH d[j] = value;                                                                         \
+        break;
+        CASE(MUL, multiply(m, A, B))
+        CASE(MADD, fp3_add(C, multiply(m, A, B)))
+        CASE(MSUB, fp3_sub(C, multiply(m, A, B)))
+        CASE(ADDH, fp3_add(A, multiply(m, B, FP3_HALF)))
+        CASE(SUBH, fp3_sub(A, multiply(m, B, FP3_HALF)))
+        CASE(ADDT, fp3_add(A, multiply(m, B, FP3_TWO)))
+        CASE(SUBT, fp3_sub(A, multiply(m, B, FP3_TWO)))
+#undef CASE
+    default:
+        break;
+    }
+}
+
+static int has_product(uint32_t op) {
+    return (fp3_operation_find(op)->path & FP3_UNIT_MULTIPLIER) != 0 &&
+           fp3_operation_is_arithmetic(fp3_operation_find(op));
+}
 
 static void calculate(machine *m) {
     const int *table = m->place->table;
@@ -113,7 +148,10 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    calculate(m);
+    if (m->is_tiny && has_product(m->now->in.op))
+        calculate_tiny(m);
+    else
+        calculate(m);
     finish(m);
 }
 
@@ -165,16 +203,36 @@ static void execute(machine *m) {
     }
 }
 
+static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_number part,
+                      uint32_t steps) {
+    for (uint32_t i = 0; i < steps; i++) {
+        m->number += part == FP3_PART_STEP;
+        for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
+            m->now = &plan->code[pc];
+            execute(m);
+        }
+    }
+}
+
 static void run(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number) {
     machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST};
-    for (uint32_t i = 0; i < steps; i++) {
-        m.number += part == FP3_PART_STEP;
-        for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
-            m.now = &plan->code[pc];
-            execute(&m);
-        }
-    }
+    make_part(&m, plan, part, steps);
+}
+
+static int is_any(fp3_i mask) {
+    int any = 0;
+    for (int i = 0; i < FP3_LANES; i++)
+        any |= mask[i];
+    return any != 0;
+}
+
+static void run_tiny(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
+                     uint32_t steps, uint32_t number) {
+    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_tiny = 1};
+    make_part(&m, plan, part, steps);
+    *place->seen |=
+        (is_any(m.subnormal) ? FP3_SEEN_SUBNORMAL : 0) | (is_any(m.under) ? FP3_SEEN_UNDERFLOW : 0);
 }
 
 /* ---- with a witness ---- */
@@ -184,8 +242,7 @@ static fp3_i is_signalling(fp3_v a) { return fp3_is_nan(a) & (((fp3_i)a & 0x0040
 static fp3_i marked(fp3_i mask, int flag) { return mask & flag; }
 
 /* Halves of a mask: |x| >= 2^128. */
-#define WIDE_END 0x47f0000000000000ll
-static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & 0x7fffffffffffffffll) >= WIDE_END; }
+static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & FP3_WIDE_SIZE) >= FP3_WIDE_END; }
 
 /* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact shows in
  * the difference with the larger one, which is exact in every rounding (Dekker 1971). */
@@ -203,28 +260,14 @@ static fp3_i flags_of_sum(fp3_v x, fp3_v y) {
            marked(under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) | marked(inexact, FP3_FLAG_INEXACT);
 }
 
-/* What is less is tiny: 2^-126, or 2^-126 - 2^-151, where rounding to nearest comes first. */
-#define WIDE_TINY (FP3_SUBNORMAL && FP3_NEAREST ? 0x380ffffff0000000ll : FP3_WIDE_LEAST)
-
-static fp3_i differs(fp3_v a, fp3_v b, fp3_v d) {
-    return fp3_joined(fp3_wide(a, 0) * fp3_wide(b, 0) != fp3_wide(d, 0),
-                      fp3_wide(a, 1) * fp3_wide(b, 1) != fp3_wide(d, 1));
-}
-static fp3_i product_below(fp3_v a, fp3_v b, long long bits) {
-    return fp3_joined(fp3_is_below(a, b, 0, bits), fp3_is_below(a, b, 1, bits));
-}
-static fp3_i flags_of_product(fp3_v x, fp3_v y) {
-    const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), d = a * b;
+static fp3_i flags_of_product(fp3_v a, fp3_v b) {
+    const fp3_product_of p = fp3_tiny_product(a, b);
     const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
-    const fp3_i over =
-        finite & (~is_finite(d) | fp3_joined(is_beyond(fp3_wide(a, 0) * fp3_wide(b, 0)),
-                                             is_beyond(fp3_wide(a, 1) * fp3_wide(b, 1))));
-    const fp3_i inexact = finite & differs(a, b, d);
-    const fp3_i is_tiny = finite & product_below(a, b, WIDE_TINY);
-    const fp3_i under = is_tiny & (inexact | (FP3_SUBNORMAL ? 0 : -1));
-    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(d) & ~nan);
-    return marked(invalid, FP3_FLAG_INVALID) | marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
-           marked(under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) | marked(inexact, FP3_FLAG_INEXACT);
+    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(p.value) & ~nan);
+    return marked(invalid, FP3_FLAG_INVALID) |
+           marked(finite & p.over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
+           marked(p.under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) |
+           marked(finite & p.inexact, FP3_FLAG_INEXACT);
 }
 
 static fp3_v minus(fp3_v a) { return (fp3_v)((fp3_i)a ^ FP3_SIGN); }
@@ -242,17 +285,19 @@ static fp3_i flags_of(machine *m, unsigned j) {
     case FP3_OP_MUL:
         return flags_of_product(a, b);
     case FP3_OP_MADD:
-        return flags_of_product(a, b) | flags_of_sum(c, fp3_mul(a, b));
+        return flags_of_product(a, b) | flags_of_sum(c, fp3_tiny_product(a, b).value);
     case FP3_OP_MSUB:
-        return flags_of_product(a, b) | flags_of_sum(c, minus(fp3_mul(a, b)));
+        return flags_of_product(a, b) | flags_of_sum(c, minus(fp3_tiny_product(a, b).value));
     case FP3_OP_ADDH:
-        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_mul(b, FP3_HALF));
+        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_tiny_product(b, FP3_HALF).value);
     case FP3_OP_SUBH:
-        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, minus(fp3_mul(b, FP3_HALF)));
+        return flags_of_product(b, FP3_HALF) |
+               flags_of_sum(a, minus(fp3_tiny_product(b, FP3_HALF).value));
     case FP3_OP_ADDT:
-        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_mul(b, FP3_TWO));
+        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_tiny_product(b, FP3_TWO).value);
     case FP3_OP_SUBT:
-        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, minus(fp3_mul(b, FP3_TWO)));
+        return flags_of_product(b, FP3_TWO) |
+               flags_of_sum(a, minus(fp3_tiny_product(b, FP3_TWO).value));
     case FP3_OP_MIN:
         return marked(is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_MAX:
@@ -327,8 +372,11 @@ static void look_at_states(machine *m, uint64_t states, fp3_witness *witness) {
 static void watch(const fp3_watch_plan *w, const fp3_place *place, fp3_fast_part_number part,
                   uint32_t steps, uint32_t number, fp3_witness *witness) {
     const fp3_fast_part *of = &w->plan->part[part];
-    machine m = {
-        .place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_watched = 1};
+    machine m = {.place = place,
+                 .number = number,
+                 .is_last = part == FP3_PART_LAST,
+                 .is_tiny = 1,
+                 .is_watched = 1};
     for (uint32_t i = 0; i < steps; i++) {
         m.number += part == FP3_PART_STEP;
         if (part == FP3_PART_STEP)
@@ -356,4 +404,4 @@ static int is_any_astray(const float *row, unsigned count) {
     return is_any != 0;
 }
 
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, watch, is_any_astray};
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, run_tiny, watch, is_any_astray};

@@ -37,6 +37,10 @@ typedef struct {
     /* A part; the step part so many times, the first time as step number + 1. */
     void (*run)(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number);
+    /* The same without the processor's multiplier for subnormal numbers: see tiny.h. What it raises for
+     * underflow is in place->seen. */
+    void (*run_tiny)(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
+                     uint32_t steps, uint32_t number);
     /* The same, and what it does to each object is added to *witness. */
     void (*watch)(const fp3_watch_plan *plan, const fp3_place *place, fp3_fast_part_number part,
                   uint32_t steps, uint32_t number, fp3_witness *witness);

@@ -87,6 +87,17 @@ def test_failures_are_told_as_the_isa_engine_does(run, tmp_path):
     assert run(*options, status=3, FP3_FAST="interpreter") == expected
 
 
+def test_subnormal_numbers(run, tmp_path):
+    """They are multiplied by other means than the processor's, in stretches of steps; the bits and flags are the same."""
+    model = tmp_path / "decay.ode"
+    model.write_text("param a = 1\nstate x = 1e-37\nx' = -a*x\nstep 0.01\n")
+    options = [model, "-c", "many_full", "--steps", 1500, "-o", 70, "--all", "--spread", "x=1e-36:1e-42", "--set", "a=1.25"]
+    expected = run(*options, engine="isa")
+    assert run(*options) == expected == run(*options, FP3_FAST="interpreter")
+    small = [bits for bits in re.findall(r" 0x([0-9a-f]{8}) ", expected) if 0 < int(bits, 16) < 0x00800000]
+    assert len(small) > 60 and "underflow" in expected, expected
+
+
 def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):
     run("programs/ship.ode", "-c", "many_full", "--cycle-limit", 100, status=2)
     assert "no cycles" in run.stderr
