@@ -8,6 +8,7 @@ import sys
 import pytest
 
 ENGINE = "fast"
+pytestmark = pytest.mark.xdist_group("bench")  # measured once
 
 
 @pytest.fixture(scope="module")

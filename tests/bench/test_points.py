@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 ENGINE = "fast"
+pytestmark = pytest.mark.xdist_group("points")  # measured once
 FIELDS = {"model", "engine", "method", "integrator", "arithmetic", "config", "threads", "objects", "steps", "h", "tolerance",
           "error_median", "error_worst", "ns_per_object", "cycles", "repeats"}
 SOLVERS = {("gsl", name) for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")} \
