@@ -249,7 +249,7 @@ def precision(rows, model):
 def compared(rows):
     words = sum(row["compared"] for row in rows)
     lines = [f"{len(rows)} rows, each a model, an integrator and an arithmetic; {sum(row['mismatches'] for row in rows)} of "
-             f"{words:,} words differ between hardware, isa engine and equations."]
+             f"{words:,} words differ between hardware, the engines isa and fast, and the equations."]
     for machine in ("many_full", "single_full", "sixteen"):
         ratios = sorted(row[machine]["predicted"] / row[machine]["bound"] for row in rows)
         close = sum(ratio <= 1.05 for ratio in ratios)
