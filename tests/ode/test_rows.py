@@ -73,5 +73,7 @@ def test_schedules_of_one_object_stay_as_near_their_bound_as_they_are(rows):
 
 @pytest.mark.long
 def test_most_rows_show_their_order(rows):
-    assert sum(row["finest_order"] is not None for row in rows) > 0.95 * len(rows)
-    assert sum(row["measured_order"] is not None and abs(row["measured_order"] - row["order"]) <= 0.2 for row in rows) >= 360
+    """Van der Pol at mu = 1000 and Robertson are too stiff for steps in the window that an order needs."""
+    others = [row for row in rows if row["model"] not in ("van_der_pol_stiff", "robertson")]
+    assert sum(row["finest_order"] is not None for row in others) > 0.95 * len(others)
+    assert sum(row["measured_order"] is not None and abs(row["measured_order"] - row["order"]) <= 0.2 for row in rows) >= 575
