@@ -20,7 +20,7 @@ from bench_svg import figure
 
 LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
 INTRODUCTION = """\
-Every model of `programs/`, integrated from 0 to its span by every way there is here: how large the error is at the end, and how
+A model of `programs/` is integrated from 0 to its span by every way there is here: how large the error is at the end, and how
 long one object takes. Objects are 64 variants of the model: each one's parameters are 0.1 % larger than those of the one
 before, each start 0.2 %. The error of an object is relative to the largest magnitude that each state reaches, root of the
 mean square over the states; tables and pictures have the median over the variants. The truth is GSL's rk8pd at 1e-14, with which
@@ -55,7 +55,8 @@ def table(head, rows):
 def about(data):
     a = data["about"]
     versions = ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
-    return (f"Measured {a['date']} by `{a['command']}` ({a['form']} form), revision `{a['revision']}`, on {a['processors']} processors: "
+    models = ", ".join(f"`{problem['model']}`" for problem in data["problems"])
+    return (f"Models measured here: {models}. Measured {a['date']} by `{a['command']}` ({a['form']} form), revision `{a['revision']}`, on {a['processors']} processors: "
             f"{a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}; the loop by hand is for `{a['target']}`.")
 
 
@@ -135,7 +136,7 @@ def markdown(data):
              "diffrax (JAX) was not there: `make setup-bench` installs it.",
              "The same as pictures: `make bench` writes `build/results/bench.html`, which loads nothing, and the data behind it, "
              "`bench.json`, `bench.csv` and `bench_speed.csv`.",
-             "## All models", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
+             "## The models side by side", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
              "by the shortest time of the fast engine with one thread.", overview(data),
              f"### Where fast is not {LEAST_RATIO} times as fast as GSL", "\n".join(short) if short else "Nowhere.",
              "## Model by model", "Shortest times to get below an error (median of the variants). Hardware: cycles of the best of `many_full` and "
