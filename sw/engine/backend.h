@@ -16,6 +16,9 @@ typedef struct {
     const char *name;
     fp3_status (*open)(fp3_engine *engine);
     void (*close)(fp3_engine *engine); /* also after an open that failed */
+    /* Before a load: a program that the backend cannot execute is refused, and nothing is changed. NULL:
+     * there is none. */
+    fp3_status (*check)(fp3_engine *engine, const fp3_members *group);
     fp3_status (*load)(fp3_engine *engine);
     /* The registers that an object keeps from run to run, and constants. */
     fp3_status (*write)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);

@@ -56,10 +56,12 @@ static uint32_t threads_of(const fp3_engine *engine) {
 
 static fp3_status check_def(fp3_engine *engine) {
     const fp3_engine_def *def = &engine->def;
-    const char *what = def->retire ? "retirements" : def->trace ? "instructions" : NULL;
-    if (what)
-        return fp3_fail(def->error, FP3_E_ARGUMENT, "engine 'fast' tells no %s; isa and rtl do",
-                        def->retire ? what : "instructions (rtl alone)");
+    if (def->retire)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "engine 'fast' tells no retirements; isa and rtl do");
+    if (def->trace)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "engine 'fast' tells no instructions; rtl does");
     if (def->cycle_limit)
         return fp3_fail(def->error, FP3_E_ARGUMENT,
                         "engine 'fast' counts no cycles that a limit could be set to");
@@ -138,6 +140,10 @@ static fp3_status load_group(fp3_engine *engine, uint32_t i) {
     fp3_ahead_find(&members->program, def.states, g->is_ahead);
     fp3_status status = fp3_fast_make(&def, &g->program, engine->def.error);
     return status ? status : need_columns(engine, fp3_fast_columns(g->program));
+}
+
+static fp3_status fast_check(fp3_engine *engine, const fp3_members *members) {
+    return fp3_fast_check(engine->config, &members->program, engine->def.error);
 }
 
 static fp3_status fast_load(fp3_engine *engine) {
@@ -379,6 +385,9 @@ static fp3_status work_with(fp3_engine *engine, work *all, uint32_t count) {
 static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fast *self = engine->self;
     work all = {.engine = engine, .steps = steps};
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        if (i >= self->count || !self->groups[i].program) /* memory ran out in the load */
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
     stats->schedulers = 1;
     self->runs++;
     self->has_steps = steps != 0;
@@ -467,6 +476,7 @@ const fp3_backend fp3_backend_fast = {
     .name = "fast",
     .open = fast_open,
     .close = fast_close,
+    .check = fast_check,
     .load = fast_load,
     .write = fast_write,
     .read = fast_read,

@@ -81,7 +81,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
-    return FP3_OK;
+    return engine->backend->check ? engine->backend->check(engine, to) : FP3_OK;
 }
 
 static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {

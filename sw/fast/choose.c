@@ -13,8 +13,17 @@ static const fp3_sweep *rare(const fp3_config *config) {
     return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;
 }
 
+static const fp3_sweep *const kinds[] = {&fp3_sweep_plain, &fp3_sweep_v3, &fp3_sweep_v4};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+int fp3_sweep_is_kind(const char *name) {
+    for (int i = 0; i < KINDS; i++)
+        if (strcmp(kinds[i]->name, name) == 0)
+            return 1;
+    return 0;
+}
+
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
-    static const fp3_sweep *const kinds[] = {&fp3_sweep_plain, &fp3_sweep_v3, &fp3_sweep_v4};
     const int has[] = {1, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"),
                        __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                            __builtin_cpu_supports("avx512vl") &&
@@ -22,9 +31,9 @@ const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
     const fp3_sweep *best = kinds[0];
     if (!config->subnormal || !config->nearest)
         return rare(config);
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && has[i]; i++) {
+    for (int i = 0; i < KINDS && has[i]; i++) {
         best = kinds[i];
-        if (most && strcmp(best->name, most) == 0)
+        if (strcmp(best->name, most) == 0)
             break;
     }
     return best;

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <xmmintrin.h>
 
+#define SHOWN 40 /* characters of what nobody knows */
 #define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
 
 #define EACH(set, reg)                                                                             \
@@ -20,12 +21,45 @@
 
 /* ---- a program ---- */
 
-/* FP3_FAST: the best kind of processor that may be used, or "interpreter", or both with a comma. */
-static void open_native(fp3_fast *f, int is_interpreted) {
+fp3_status fp3_fast_check(const fp3_config *config, const fp3_code *code, fp3_error *error) {
+    fp3_fast_plan plan;
+    const fp3_status status = fp3_fast_plan_make(config, code, 0, &plan, error);
+    fp3_fast_plan_free(&plan);
+    return status;
+}
+
+typedef struct {
+    int is_interpreted;
+    char most[16]; /* the best kind of processor that may be used; "": any */
+} wish;
+
+/* FP3_FAST: a kind of processor, or "interpreter", or both with a comma. */
+static fp3_status read_wish(wish *w, fp3_error *error) {
+    static const char separators[] = ",";
     const char *asked = getenv("FP3_FAST");
+    *w = (wish){0};
+    for (; asked && *asked; asked += strspn(asked, separators)) {
+        const size_t length = strcspn(asked, separators);
+        char word[16];
+        snprintf(word, sizeof word, "%.*s", (int)length, asked);
+        if (!strcmp(word, "interpreter"))
+            w->is_interpreted = 1;
+        else if (length < sizeof word && fp3_sweep_is_kind(word))
+            memcpy(w->most, word, sizeof word);
+        else
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "FP3_FAST: found '%.*s', expected interpreter, x86-64, x86-64-v3 or "
+                            "x86-64-v4",
+                            (int)(length < SHOWN ? length : SHOWN), asked);
+        asked += length;
+    }
+    return FP3_OK;
+}
+
+static void open_native(fp3_fast *f, int is_interpreted) {
     fp3_error why = {"asked for"};
     fp3_status status = FP3_E_SYSTEM;
-    if (!is_interpreted && (!asked || !strstr(asked, "interpreter")))
+    if (!is_interpreted)
         status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, &f->native, &why);
     if (status)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
@@ -34,20 +68,21 @@ static void open_native(fp3_fast *f, int is_interpreted) {
 }
 
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error) {
-    const char *asked = getenv("FP3_FAST");
+    wish w;
     fp3_fast *f = *fast = calloc(1, sizeof *f);
     if (!f)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    const fp3_status status =
-        fp3_fast_plan_make(def->config, def->code, def->states, &f->plan, error);
+    fp3_status status = read_wish(&w, error);
+    if (!status)
+        status = fp3_fast_plan_make(def->config, def->code, def->states, &f->plan, error);
     if (status) {
         fp3_fast_free(fast);
         return status;
     }
     f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states};
-    f->sweep = fp3_sweep_choose(def->config, asked);
+    f->sweep = fp3_sweep_choose(def->config, w.most);
     fp3_estimate_table(f->table);
-    open_native(f, def->is_interpreted);
+    open_native(f, def->is_interpreted || w.is_interpreted);
     return FP3_OK;
 }
 

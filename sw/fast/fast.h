@@ -12,7 +12,7 @@
  *     fp3_fast *fast = NULL;
  *     fp3_fast_worker *worker = NULL;
  *     fp3_fast_make(&def, &fast, error), fp3_fast_worker_make(&worker, error);
- *     fp3_fast_run(fast, worker, &run, list, count);   (a block)
+ *     fp3_fast_block(fast, worker, &run, list, 0, count, error);   (a block)
  */
 #ifndef FP3_FAST_H
 #define FP3_FAST_H
@@ -32,7 +32,10 @@ typedef struct {
     int is_interpreted;      /* 1: no native code is made */
 } fp3_fast_def;
 
-/* The caller frees *fast. FP3_E_PROGRAM: see fp3_fast_plan_make. Without a compiler it is interpreted. */
+/* FP3_E_PROGRAM: the engine cannot execute it, see fp3_fast_plan_make. */
+fp3_status fp3_fast_check(const fp3_config *config, const fp3_code *code, fp3_error *error);
+/* The caller frees *fast. FP3_E_PROGRAM as of fp3_fast_check; FP3_E_ARGUMENT: the variable FP3_FAST asks for
+ * what is not there. Without a compiler the program is interpreted. */
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error);
 void fp3_fast_free(fp3_fast **fast);
 /* "native x86-64-v4", or "interpreter x86-64-v3 (why)". */

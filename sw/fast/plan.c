@@ -19,20 +19,23 @@ static int is_load(const fp3_instruction *in) {
 
 /* ---- reading ---- */
 
-static fp3_status check(const fp3_config *config, const fp3_fast_plan *plan, uint32_t pc,
+/* in_front: words that the image does not have. */
+static fp3_status check(const fp3_fast_plan *plan, uint32_t pc, uint32_t in_front,
                         fp3_error *error) {
+    const fp3_config *config = plan->config;
     const fp3_instruction *in = &plan->code[pc].in;
     const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1, most = config->registers;
     if (in->d >= most || (in->a & in_bank) >= most || (in->b & in_bank) >= most ||
         (in->c & in_bank) >= most || fp3_operation_lacks(config, in->op) != FP3_KEY_NONE)
         return fp3_fail(error, FP3_E_PROGRAM,
-                        "word %" PRIu32 " is no instruction of configuration '%s'", pc,
+                        "word %" PRIu32 " is no instruction of configuration '%s'", pc - in_front,
                         config->name);
     for (uint32_t i = 0; in->op == FP3_OP_LDS && i < pc; i++)
         if (!is_load(&plan->code[i].in))
-            return fp3_fail(
-                error, FP3_E_PROGRAM,
-                "word %" PRIu32 " is an lds: engine 'fast' wants it before all but loads", pc);
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "word %" PRIu32
+                            " is an lds: engine 'fast' wants it before all but loads",
+                            pc - in_front);
     return FP3_OK;
 }
 
@@ -63,8 +66,8 @@ static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *e
         if (fp3_word_decode(code->code[pc], &plan->code[pc].in, NULL))
             return fp3_fail(error, FP3_E_PROGRAM,
                             "word %" PRIu32 " is no instruction: engine 'fast' runs none of it",
-                            pc);
-        status = check(plan->config, plan, pc, error);
+                            pc - code->in_front);
+        status = check(plan, pc, code->in_front, error);
         if (!status)
             note(plan, pc);
     }

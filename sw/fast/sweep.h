@@ -48,7 +48,9 @@ typedef struct {
     int (*is_any_astray)(const float *row, unsigned count);
 } fp3_sweep;
 
-/* For this processor and this arithmetic. most: no better kind than this, or NULL. */
+/* For this processor and this arithmetic. most: no better kind than this; "": any. */
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most);
+/* Whether there is a kind of that name. */
+int fp3_sweep_is_kind(const char *name);
 
 #endif

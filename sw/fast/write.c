@@ -5,14 +5,11 @@
 
 #include <fp3/isa.h>
 #include <inttypes.h>
-#include <string.h>
 
 typedef struct {
     const fp3_fast_plan *plan;
     FILE *to;
     fp3_fast_part_number part;
-    uint64_t declared;
-    unsigned beside; /* vectors side by side */
 } writer;
 
 /* ---- names ---- */

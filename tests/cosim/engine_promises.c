@@ -216,20 +216,24 @@ static void names_are_those_of_the_program(bench *b) {
     EXPECT(!fp3_engine_get(b->engine, 0, "c", &value) && value == 2.5f);
 }
 
-static void an_illegal_word_ends_the_run_there(bench *b) {
+/* counting with another word in place of its last. */
+static fp3_status load_with(bench *b, uint32_t word) {
     fp3_image *good = assemble(counting), *bad = NULL;
     uint32_t code[2];
     fp3_image draft = *good;
     code[0] = good->code[0];
-    code[1] = 0xffffffffu;
+    code[1] = word;
     draft.code = code;
-    fp3_status status = fp3_image_make(&draft, &bad, NULL);
+    fp3_status status = fp3_image_make(&draft, &bad, &b->error);
     if (!status)
         status = fp3_engine_load(b->engine, bad);
     fp3_image_free(&good);
     fp3_image_free(&bad);
-    EXPECT(!status);
+    return status;
+}
 
+static void an_illegal_word_ends_the_run_there(bench *b) {
+    EXPECT(!load_with(b, 0xffffffffu));
     fp3_stats stats;
     float x, y;
     EXPECT(!fp3_engine_set(b->engine, "x", 10) && !fp3_engine_set(b->engine, "y", 20));
@@ -243,6 +247,17 @@ static void an_illegal_word_ends_the_run_there(bench *b) {
     /* The engine is as good as before. */
     EXPECT(!load(b, counting) && !fp3_engine_run(b->engine, 1, NULL));
     EXPECT(!fp3_engine_get(b->engine, 0, "y", &y) && y == 100);
+}
+
+static void what_fast_cannot_execute_changes_nothing(bench *b) {
+    float x;
+    EXPECT(load_with(b, 0xffffffffu) == FP3_E_PROGRAM && SAYS("word 1 is no instruction"));
+    EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && SAYS("no program"));
+    EXPECT(!load(b, counting) && !fp3_engine_set(b->engine, "x", 10));
+    EXPECT(!fp3_engine_run(b->engine, 2, NULL));
+    EXPECT(load_with(b, 0xffffffffu) == FP3_E_PROGRAM && SAYS("word 1 is no instruction"));
+    EXPECT(!fp3_engine_run(b->engine, 3, NULL));
+    EXPECT(!fp3_engine_get(b->engine, 0, "x", &x) && x == 15);
 }
 
 static void the_cycle_limit_stops_a_run(bench *b) {
@@ -544,11 +559,11 @@ static void an_object_knows_when_it_failed(bench *b) {
 }
 
 /* The host counts along, and asks again where it wrote, or where a run ended before its time. */
+static const char stepping[] = ".state steps x\nstep:\nadd steps, steps, 1.0\nadd x, x, 1.0\n";
+
 static void steps_are_counted_as_far_as_fp32_does(bench *b) {
-    static const char *const program =
-        ".state steps x\nstep:\nadd steps, steps, 1.0\nadd x, x, 1.0\n";
     const size_t last = fp3_engine_objects(b->engine) - 1;
-    fp3_image *image = assemble(program);
+    fp3_image *image = assemble(stepping);
     float n = FP3_STEPS_LIMIT - 3, half = 0.5f, none = NAN, x;
     EXPECT(image && fp3_image_steps(image) == 0 && !fp3_engine_load(b->engine, image));
     EXPECT(fp3_engine_run(b->engine, FP3_STEPS_LIMIT + 1, NULL) == FP3_E_ARGUMENT && SAYS("FP32"));
@@ -569,7 +584,12 @@ static void steps_are_counted_as_far_as_fp32_does(bench *b) {
     n = -FP3_STEPS_LIMIT;
     EXPECT(!fp3_engine_set(b->engine, "steps", n) && !fp3_engine_run(b->engine, 1, NULL));
     EXPECT(!fp3_engine_get(b->engine, 0, "steps", &x) && x == n + 1);
-    /* A run that the cycle limit ended. */
+    fp3_image_free(&image);
+}
+
+/* A run that the cycle limit ended. */
+static void steps_are_counted_after_a_limit_too(bench *b) {
+    fp3_image *image = assemble(stepping);
     b->def.cycle_limit = 1000;
     EXPECT(!reopen(b) && !fp3_engine_load(b->engine, image));
     EXPECT(fp3_engine_run(b->engine, 10000000, NULL) == FP3_E_LIMIT);
@@ -577,41 +597,49 @@ static void steps_are_counted_as_far_as_fp32_does(bench *b) {
     fp3_image_free(&image);
 }
 
-/* Which configurations a promise is about. */
+/* Which configurations a promise is about, and whose it is: the fast engine has the host's memory for a
+ * store, refuses illegal words, and counts no cycles. */
 typedef enum { ANY, STORE, SLEEP, STATUS } about;
+typedef enum { ALL, MACHINES, FAST } whose;
 
 #define PROMISES(X)                                                                                \
-    X(open_refuses_what_is_unknown, ANY)                                                           \
-    X(nothing_runs_before_a_load, ANY)                                                             \
-    X(registers_out_of_range_are_refused, ANY)                                                     \
-    X(registers_are_0_at_first, ANY)                                                               \
-    X(every_register_keeps_its_bits, ANY)                                                          \
-    X(load_refuses_what_does_not_fit, ANY)                                                         \
-    X(names_are_those_of_the_program, ANY)                                                         \
-    X(an_illegal_word_ends_the_run_there, ANY)                                                     \
-    X(the_cycle_limit_stops_a_run, ANY)                                                            \
-    X(steps_are_counted_as_far_as_fp32_does, ANY)                                                  \
-    X(no_steps_execute_nothing, ANY)                                                               \
-    X(flags_are_those_of_the_last_run, ANY)                                                        \
-    X(failures_are_those_of_the_last_run, ANY)                                                     \
-    X(the_bus_log_has_every_transfer, ANY)                                                         \
-    X(the_counters_of_units_add_up, ANY)                                                           \
-    X(only_programs_with_a_sleep_have_sleepers, ANY)                                               \
-    X(any_number_of_objects_is_moved, STORE)                                                       \
-    X(more_objects_leave_room_for_fewer_registers, STORE)                                          \
-    X(objects_sleep_when_they_say_so, SLEEP)                                                       \
-    X(a_repeated_run_takes_the_same_cycles, SLEEP)                                                 \
-    X(a_visit_ends_when_all_sleep, SLEEP)                                                          \
-    X(objects_are_woken_and_removed, SLEEP)                                                        \
-    X(an_object_knows_when_it_failed, STATUS)
+    X(open_refuses_what_is_unknown, ANY, ALL)                                                      \
+    X(nothing_runs_before_a_load, ANY, ALL)                                                        \
+    X(registers_out_of_range_are_refused, ANY, ALL)                                                \
+    X(registers_are_0_at_first, ANY, ALL)                                                          \
+    X(every_register_keeps_its_bits, ANY, ALL)                                                     \
+    X(load_refuses_what_does_not_fit, ANY, ALL)                                                    \
+    X(names_are_those_of_the_program, ANY, ALL)                                                    \
+    X(an_illegal_word_ends_the_run_there, ANY, MACHINES)                                           \
+    X(what_fast_cannot_execute_changes_nothing, ANY, FAST)                                         \
+    X(the_cycle_limit_stops_a_run, ANY, MACHINES)                                                  \
+    X(steps_are_counted_as_far_as_fp32_does, ANY, ALL)                                             \
+    X(steps_are_counted_after_a_limit_too, ANY, MACHINES)                                          \
+    X(no_steps_execute_nothing, ANY, ALL)                                                          \
+    X(flags_are_those_of_the_last_run, ANY, ALL)                                                   \
+    X(failures_are_those_of_the_last_run, ANY, ALL)                                                \
+    X(the_bus_log_has_every_transfer, ANY, ALL)                                                    \
+    X(the_counters_of_units_add_up, ANY, MACHINES)                                                 \
+    X(only_programs_with_a_sleep_have_sleepers, ANY, ALL)                                          \
+    X(any_number_of_objects_is_moved, STORE, ALL)                                                  \
+    X(more_objects_leave_room_for_fewer_registers, STORE, MACHINES)                                \
+    X(objects_sleep_when_they_say_so, SLEEP, ALL)                                                  \
+    X(a_repeated_run_takes_the_same_cycles, SLEEP, ALL)                                            \
+    X(a_visit_ends_when_all_sleep, SLEEP, ALL)                                                     \
+    X(objects_are_woken_and_removed, SLEEP, ALL)                                                   \
+    X(an_object_knows_when_it_failed, STATUS, ALL)
 
 typedef struct {
     const char *name;
     void (*check)(bench *);
     about about;
+    whose whose;
 } promise;
 
-static int concerns(const promise *p, const fp3_config *config) {
+static int concerns(const promise *p, const char *engine, const fp3_config *config) {
+    const int is_fast = strcmp(engine, "fast") == 0;
+    if (p->whose == (is_fast ? MACHINES : FAST))
+        return 0;
     return p->about == ANY || (p->about == STORE && config->interleave) ||
            (p->about == SLEEP && config->sleep) || (p->about == STATUS && config->status);
 }
@@ -623,7 +651,8 @@ static int check(const promise *p, const char *engine, const fp3_config *config,
     b.def = fp3_engine_default();
     b.def.engine = engine;
     b.def.config = config->name;
-    b.def.cycle_limit = 20000;
+    b.def.cycle_limit = strcmp(engine, "fast") ? 20000 : 0;
+    b.def.is_interpreted = 1;
     b.def.error = &b.error;
     if (fp3_engine_open(&b.def, &b.engine))
         b.failed = "the engine opens";
@@ -640,11 +669,11 @@ static int check(const promise *p, const char *engine, const fp3_config *config,
 
 int main(int argc, char **argv) {
     static const promise promises[] = {
-#define X(name, about) {#name, name, about},
+#define X(name, about, whose) {#name, name, about, whose},
         PROMISES(X)
 #undef X
     };
-    static const char *const engines[] = {"isa", "rtl"};
+    static const char *const engines[] = {"isa", "rtl", "fast"};
     const char *only = NULL, *only_engine = NULL;
     for (int i = 1; i + 1 < argc; i += 2) {
         only = strcmp(argv[i], "--only") == 0 ? argv[i + 1] : only;
@@ -656,7 +685,7 @@ int main(int argc, char **argv) {
             for (size_t k = 0; k < sizeof engines / sizeof *engines; k++) {
                 if ((only && strcmp(only, promises[p].name) != 0) ||
                     (only_engine && strcmp(only_engine, engines[k]) != 0) ||
-                    !concerns(&promises[p], &fp3_configs[c]))
+                    !concerns(&promises[p], engines[k], &fp3_configs[c]))
                     continue;
                 checked++;
                 failed += !check(&promises[p], engines[k], &fp3_configs[c], argv[0]);

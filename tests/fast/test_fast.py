@@ -107,6 +107,16 @@ def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):
     assert "room for 1 object" in run.stderr
 
 
+def test_what_executes_it_can_be_chosen(run):
+    for asked, how in [("interpreter,x86-64", "interpreter x86-64 (asked for)"), ("x86-64,interpreter", "interpreter x86-64 (asked for)"),
+                       ("x86-64", "native x86-64"), ("", run("programs/ship.ode", "-c", "many_full") and run.how)]:
+        run("programs/ship.ode", "-c", "many_full", FP3_FAST=asked)
+        assert run.how == how, asked
+    for asked in ("nope", "x86-64-v", "x86-64,", "interpreter,nope", "x" * 5000):
+        run("programs/ship.ode", "-c", "many_full", status=0 if asked == "x86-64," else 2, FP3_FAST=asked)
+        assert asked == "x86-64," or "FP3_FAST: found '" in run.stderr and "expected interpreter, x86-64" in run.stderr
+
+
 # ---- the cache ----
 
 SHIP = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-o", 20]

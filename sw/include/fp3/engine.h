@@ -85,16 +85,18 @@ typedef void fp3_progress_fn(void *user, double share);
 typedef struct {
     const char *engine;   /* "rtl" (default), "isa" or "fast" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
-    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none */
+    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none; fast has
+                             none */
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
     /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
      * interleave. */
     uint32_t visit;
-    fp3_retire_fn *retire; /* called for every retirement, or NULL; must not call the engine */
+    /* isa and rtl: called for every retirement, or NULL; must not call the engine. */
+    fp3_retire_fn *retire;
     void *retire_user;
-    fp3_trace_fn *trace; /* called for every instruction in every lane, or NULL; likewise */
+    fp3_trace_fn *trace; /* rtl: called for every instruction in every lane, or NULL; likewise */
     void *trace_user;
     fp3_progress_fn *progress; /* or NULL; a run is the same with it and without */
     void *progress_user;
@@ -113,7 +115,7 @@ typedef struct {
 } fp3_engine_def;
 
 /* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
- * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls. */
+ * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls; those of "fast" are all 0. */
 typedef struct {
     uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
     uint32_t schedulers;                 /* each with counters of its own; isa: 1 */
@@ -152,7 +154,7 @@ const char *fp3_engine_how(const fp3_engine *engine);
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has
  * too few registers, constants or words, lacks an operation, or its store has no room for that many
  * objects of this program; the engine is unchanged. A word that is not an instruction is not refused
- * here: the run ends at it. */
+ * here: the run ends at it. "fast" refuses it here, and an lds behind other words than loads. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* Objects that share a program. */
