@@ -3,10 +3,6 @@
 
 #include <string.h>
 
-#define EACH(set, reg)                                                                             \
-    for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)                                        \
-        if ((set) >> reg & 1)
-
 fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast) {
     const unsigned wide = fast->sweep->lanes;
     return (fp3_place){.rows = lanes->rows[0],
@@ -27,10 +23,10 @@ static void fill(void *row, uint32_t count) {
 }
 
 void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
-    EACH(rows, reg)
-    fill(l->rows[reg], l->count);
-    EACH(l->is_direct ? 0 : records, reg)
-    fill(l->own[reg], l->count);
+    FP3_EACH_REGISTER (rows, reg)
+        fill(l->rows[reg], l->count);
+    FP3_EACH_REGISTER (l->is_direct ? 0 : records, reg)
+        fill(l->own[reg], l->count);
     fill(l->awake, l->count);
 }
 
@@ -51,9 +47,9 @@ void fp3_fast_pick_witness(const fp3_fast_lanes *from, const uint32_t *lanes, ui
 
 void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count, uint64_t rows,
                    uint64_t records, fp3_fast_lanes *to) {
-    EACH(rows, reg)
-    pick(from->rows[reg], lanes, count, to->rows[reg]);
-    EACH(records, reg) {
+    FP3_EACH_REGISTER (rows, reg)
+        pick(from->rows[reg], lanes, count, to->rows[reg]);
+    FP3_EACH_REGISTER (records, reg) {
         pick(from->records[reg], lanes, count, to->own[reg]);
         to->records[reg] = to->own[reg];
     }
@@ -78,7 +74,7 @@ void fp3_fast_keep(fp3_fast_lanes *l, const uint32_t *which, uint32_t count, uin
 
 void fp3_fast_gather(fp3_fast_lanes *l, float (*to)[FP3_BLOCK], uint32_t *const *columns,
                      uint64_t set) {
-    EACH(set, reg) {
+    FP3_EACH_REGISTER (set, reg) {
         uint32_t *words = (uint32_t *)(void *)to[reg];
         if (l->is_dense) {
             memcpy(words, columns[reg] + l->object[0], l->count * sizeof *words);
@@ -91,7 +87,7 @@ void fp3_fast_gather(fp3_fast_lanes *l, float (*to)[FP3_BLOCK], uint32_t *const 
 
 void fp3_fast_scatter(const fp3_fast_lanes *l, const float *const *from, uint32_t *const *columns,
                       uint64_t set) {
-    EACH(set, reg) {
+    FP3_EACH_REGISTER (set, reg) {
         const uint32_t *words = (const uint32_t *)(const void *)from[reg];
         for (uint32_t i = 0; i < l->count; i++)
             columns[reg][l->object[i]] = words[i];

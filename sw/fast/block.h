@@ -9,13 +9,12 @@
 #include <machine/estimate.h>
 #include <machine/watch.h>
 
-#define FP3_FAST_REGISTERS 64
-
 typedef struct {
-    float rows[FP3_FAST_REGISTERS][FP3_BLOCK];
-    float own[FP3_FAST_REGISTERS][FP3_BLOCK]; /* records, unless they are the columns themselves */
+    float rows[FP3_BANK_OBJECT_COUNT][FP3_BLOCK];
+    float own[FP3_BANK_OBJECT_COUNT]
+             [FP3_BLOCK]; /* records, unless they are the columns themselves */
     int awake[FP3_BLOCK];
-    float *records[FP3_FAST_REGISTERS];
+    float *records[FP3_BANK_OBJECT_COUNT];
     uint32_t object[FP3_BLOCK]; /* its number */
     uint32_t lane[FP3_BLOCK];   /* its lane when the block was taken up */
     int known[FP3_BLOCK];       /* flags that are known to have been raised */
@@ -48,11 +47,11 @@ struct fp3_fast_worker {
     fp3_fast_lanes again;                         /* those of it that failed, from the beginning */
     fp3_fast_lanes aside;                         /* for a stretch that is made once more */
     fp3_fast_lanes leaving;                       /* those who fell asleep */
-    float rows[FP3_FAST_REGISTERS][FP3_BLOCK];    /* before a part */
-    float records[FP3_FAST_REGISTERS][FP3_BLOCK]; /* likewise */
+    float rows[FP3_BANK_OBJECT_COUNT][FP3_BLOCK]; /* before a part */
+    float records[FP3_BANK_OBJECT_COUNT][FP3_BLOCK]; /* likewise */
     int awake[FP3_BLOCK];
-    float origin[FP3_FAST_REGISTERS][FP3_BLOCK]; /* what the run changes, before it */
-    uint32_t objects[FP3_BLOCK];                 /* that the block was taken up with */
+    float origin[FP3_BANK_OBJECT_COUNT][FP3_BLOCK]; /* what the run changes, before it */
+    uint32_t objects[FP3_BLOCK];                    /* that the block was taken up with */
     fp3_fast_suspect suspects[FP3_BLOCK];
     uint32_t suspect_count;
     int is_grave;       /* some lane of the block has a grave exception */

@@ -63,18 +63,14 @@ static uint64_t rows_of(const fp3_drive *d, const stretch *s) {
     return d->fast->plan.part[s->part].loaded;
 }
 
-#define EACH(set, reg)                                                                             \
-    for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)                                        \
-        if ((set) >> reg & 1)
-
 /* What a stretch starts from. */
 static void remember(const fp3_drive *d, const stretch *s) {
     fp3_fast_worker *w = d->worker;
     const size_t size = d->lanes->count * sizeof(float);
-    EACH(rows_of(d, s), reg)
-    memcpy(w->rows[reg], d->lanes->rows[reg], size);
-    EACH(words_in(d, s), reg)
-    memcpy(w->records[reg], d->lanes->records[reg], size);
+    FP3_EACH_REGISTER (rows_of(d, s), reg)
+        memcpy(w->rows[reg], d->lanes->rows[reg], size);
+    FP3_EACH_REGISTER (words_in(d, s), reg)
+        memcpy(w->records[reg], d->lanes->records[reg], size);
     memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
 }
 
@@ -85,10 +81,10 @@ static void pick_remembered(const fp3_drive *d, const stretch *s, const uint32_t
     fp3_fast_lanes *to = &w->aside;
     fp3_fast_pick(d->lanes, which, count, 0, 0, to);
     const uint64_t records = words_in(d, s);
-    EACH(rows_of(d, s), reg)
-    for (uint32_t i = 0; i < count; i++)
-        to->rows[reg][i] = w->rows[reg][which[i]];
-    EACH(records, reg) {
+    FP3_EACH_REGISTER (rows_of(d, s), reg)
+        for (uint32_t i = 0; i < count; i++)
+            to->rows[reg][i] = w->rows[reg][which[i]];
+    FP3_EACH_REGISTER (records, reg) {
         for (uint32_t i = 0; i < count; i++)
             to->own[reg][i] = w->records[reg][which[i]];
         to->records[reg] = to->own[reg];
@@ -202,7 +198,7 @@ static uint64_t all_rows(const fp3_drive *d) {
 /* Lanes whose records are columns cannot be moved. */
 static void detach(const fp3_drive *d) {
     fp3_fast_lanes *l = d->lanes;
-    EACH(l->is_direct ? words_of(d) : 0, reg) {
+    FP3_EACH_REGISTER (l->is_direct ? words_of(d) : 0, reg) {
         memcpy(l->own[reg], l->records[reg], l->count * sizeof *l->own[reg]);
         l->records[reg] = l->own[reg];
     }

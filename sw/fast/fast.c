@@ -12,12 +12,8 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-#define SHOWN 40 /* characters of what nobody knows */
+#define SHOWN 40                                /* characters of what nobody knows */
 #define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
-
-#define EACH(set, reg)                                                                             \
-    for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)                                        \
-        if ((set) >> reg & 1)
 
 /* ---- a program ---- */
 
@@ -190,9 +186,9 @@ static void take_up(const block *b) {
         l->known[i] = (int)(b->run->status[l->object[i]] & FLAGS);
     fp3_drive_know(b->run, l);
     l->is_direct = is_direct(b);
-    EACH(words(b->fast), reg)
-    l->records[reg] =
-        l->is_direct ? (float *)(void *)(b->run->columns[reg] + l->object[0]) : l->own[reg];
+    FP3_EACH_REGISTER (words(b->fast), reg)
+        l->records[reg] =
+            l->is_direct ? (float *)(void *)(b->run->columns[reg] + l->object[0]) : l->own[reg];
     if (!l->is_direct)
         fp3_fast_gather(l, l->own, b->run->columns, words(b->fast));
     fp3_fast_gather(l, l->rows, b->run->columns, rows_in(b->fast));
@@ -228,7 +224,7 @@ static void suspect(const block *b, const fp3_fast_lanes *l, uint32_t lane, int 
 
 static int is_any_astray(const block *b, const fp3_fast_lanes *l) {
     int is_any = 0;
-    EACH(b->fast->watch.states, reg) {
+    FP3_EACH_REGISTER (b->fast->watch.states, reg) {
         const float *row = state_of(b, l, reg);
         if (row)
             is_any |= b->fast->sweep->is_any_astray(row, l->count);
@@ -244,8 +240,8 @@ static void look_for_failures(const block *b, const fp3_fast_lanes *l) {
         return;
     for (uint32_t i = 0; i < l->count; i++) {
         int astray = 0;
-        EACH(b->fast->watch.states, reg)
-        astray |= is_astray(b, l, i, reg);
+        FP3_EACH_REGISTER (b->fast->watch.states, reg)
+            astray |= is_astray(b, l, i, reg);
         if (astray || l->grave[i])
             suspect(b, l, i, astray);
     }
@@ -255,19 +251,19 @@ static void look_for_failures(const block *b, const fp3_fast_lanes *l) {
 static void make_one_nan(const block *b, const fp3_fast_lanes *l) {
     if (is_interleaved(b->fast) || b->fast->plan.sleeps)
         return;
-    EACH(b->fast->plan.written, reg)
-    for (uint32_t i = 0; i < l->count; i++) {
-        uint32_t *word = &b->run->columns[reg][l->object[i]];
-        *word = (*word & 0x7fffffffu) > 0x7f800000u ? FP3_BITS_NAN : *word;
-    }
+    FP3_EACH_REGISTER (b->fast->plan.written, reg)
+        for (uint32_t i = 0; i < l->count; i++) {
+            uint32_t *word = &b->run->columns[reg][l->object[i]];
+            *word = (*word & 0x7fffffffu) > 0x7f800000u ? FP3_BITS_NAN : *word;
+        }
 }
 
 /* Objects that are through. */
 static void settle(void *user, const fp3_fast_lanes *l) {
     const block *b = user;
-    const float *from[FP3_FAST_REGISTERS];
+    const float *from[FP3_BANK_OBJECT_COUNT];
     look_for_failures(b, l);
-    for (uint32_t reg = 0; reg < FP3_FAST_REGISTERS; reg++)
+    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         from[reg] = is_interleaved(b->fast) ? l->records[reg] : l->rows[reg];
     if (!l->is_direct)
         fp3_fast_scatter(l, from, b->run->columns, changed(b->fast));
@@ -291,30 +287,30 @@ static void begin_again(const block *b) {
     fp3_fast_gather(l, to, b->run->columns, all & ~changed(b->fast));
     for (uint32_t i = 0; i < l->count; i++) {
         l->known[i] = w->suspects[i].is_astray;
-        EACH(changed(b->fast), reg)
-        to[reg][i] = w->origin[reg][w->suspects[i].lane];
+        FP3_EACH_REGISTER (changed(b->fast), reg)
+            to[reg][i] = w->origin[reg][w->suspects[i].lane];
     }
-    EACH(all, reg)
-    l->records[reg] = l->own[reg];
-    EACH(is_interleaved(b->fast) ? b->fast->watch.states : 0, reg)
-    memcpy(l->rows[reg], to[reg], sizeof l->rows[reg]);
+    FP3_EACH_REGISTER (all, reg)
+        l->records[reg] = l->own[reg];
+    FP3_EACH_REGISTER (is_interleaved(b->fast) ? b->fast->watch.states : 0, reg)
+        memcpy(l->rows[reg], to[reg], sizeof l->rows[reg]);
     fp3_fast_fill(l, all, all);
 }
 
 /* States that were not finite before the run. */
 static void look_before(const block *b) {
     fp3_fast_lanes *l = &b->worker->again;
-    EACH(b->fast->watch.states, reg)
-    for (uint32_t i = 0; i < l->count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &l->rows[reg][i], sizeof bits);
-        if (is_finite(bits) || l->witness.is_strayed[i])
-            continue;
-        l->witness.is_strayed[i] = -1;
-        l->witness.strayed[i] = (int)b->run->clock;
-        l->witness.reg[i] = (int)reg;
-        l->witness.bits[i] = (int)bits;
-    }
+    FP3_EACH_REGISTER (b->fast->watch.states, reg)
+        for (uint32_t i = 0; i < l->count; i++) {
+            uint32_t bits;
+            memcpy(&bits, &l->rows[reg][i], sizeof bits);
+            if (is_finite(bits) || l->witness.is_strayed[i])
+                continue;
+            l->witness.is_strayed[i] = -1;
+            l->witness.strayed[i] = (int)b->run->clock;
+            l->witness.reg[i] = (int)reg;
+            l->witness.bits[i] = (int)bits;
+        }
 }
 
 static fp3_failed failure_of(const block *b, const fp3_fast_lanes *l, uint32_t i) {

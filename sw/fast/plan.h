@@ -7,8 +7,14 @@
 #ifndef FP3_FAST_PLAN_H
 #define FP3_FAST_PLAN_H
 
+#include <fp3/isa.h>
 #include <machine/operation.h>
 #include <machine/placement.h>
+
+/* Each register of a set. */
+#define FP3_EACH_REGISTER(set, reg)                                                                \
+    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)                                     \
+        if ((set) >> reg & 1)
 
 typedef struct {
     fp3_instruction in;

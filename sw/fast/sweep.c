@@ -240,6 +240,7 @@ static void run_tiny(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast
 static fp3_i is_finite(fp3_v a) { return fp3_magnitude(a) < FP3_INFINITE; }
 static fp3_i is_signalling(fp3_v a) { return fp3_is_nan(a) & (((fp3_i)a & 0x00400000) == 0); }
 static fp3_i marked(fp3_i mask, int flag) { return mask & flag; }
+static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask & b); }
 
 /* Halves of a mask: |x| >= 2^128. */
 static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & FP3_WIDE_SIZE) >= FP3_WIDE_END; }
@@ -322,8 +323,8 @@ static fp3_i flags_of(machine *m, unsigned j) {
 /* A grave exception counts as a failure in this step, unless one did before. */
 static void fail(fp3_witness *witness, unsigned j, fp3_i flags, uint32_t number) {
     const fp3_i new = (flags != 0) & ~ROW(is_raised)[j];
-    ROW(raised)[j] = (new &(int)number) | (~new &ROW(raised)[j]);
-    ROW(raised_flags)[j] = (new &flags) | (~new &ROW(raised_flags)[j]);
+    ROW(raised)[j] = chosen(new, fp3_all((int)number), ROW(raised)[j]);
+    ROW(raised_flags)[j] = chosen(new, flags, ROW(raised_flags)[j]);
     ROW(is_raised)[j] |= new;
 }
 
@@ -333,7 +334,7 @@ static void note_flags(machine *m, int is_ahead, fp3_witness *witness) {
     EACH {
         const fp3_i flags = flags_of(m, j) & (m->is_last ? fp3_all(-1) : awake[j]);
         const fp3_i grave = flags & GRAVE, first = (grave != 0) & (ROW(failed)[j] == 0);
-        ROW(failed)[j] = (first & (int)m->number) | (~first & ROW(failed)[j]);
+        ROW(failed)[j] = chosen(first, fp3_all((int)m->number), ROW(failed)[j]);
         ROW(grave)[j] |= grave;
         ROW(flags)[j] |= flags;
         if (is_ahead)
@@ -356,9 +357,9 @@ static void look_at_state(machine *m, uint32_t reg, fp3_witness *witness) {
     const fp3_v *row = row_of(m->place, reg);
     EACH {
         const fp3_i new = ~is_finite(row[j]) & ~ROW(is_strayed)[j];
-        ROW(strayed)[j] = (new &(int)m->number) | (~new &ROW(strayed)[j]);
-        ROW(reg)[j] = (new &(int)reg) | (~new &ROW(reg)[j]);
-        ROW(bits)[j] = (new &(fp3_i)row[j]) | (~new &ROW(bits)[j]);
+        ROW(strayed)[j] = chosen(new, fp3_all((int)m->number), ROW(strayed)[j]);
+        ROW(reg)[j] = chosen(new, fp3_all((int)reg), ROW(reg)[j]);
+        ROW(bits)[j] = chosen(new, (fp3_i)row[j], ROW(bits)[j]);
         ROW(is_strayed)[j] |= new;
     }
 }

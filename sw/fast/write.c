@@ -22,10 +22,6 @@ static void operand(const writer *w, uint32_t number, unsigned vector) {
         fprintf(w->to, "r%" PRIu32 "_%u", number, vector);
 }
 
-#define EACH(set, reg)                                                                             \
-    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)                                     \
-        if ((set) >> reg & 1)
-
 /* ---- an instruction ---- */
 
 static int compares(uint32_t op) {
@@ -133,7 +129,7 @@ static uint64_t registers_of(const fp3_fast_plan *plan, fp3_fast_part_number par
 static void body(writer *w, unsigned beside) {
     const fp3_fast_part *part = &w->plan->part[w->part];
     for (unsigned vector = 0; vector < beside; vector++) {
-        EACH(registers_of(w->plan, w->part), reg) {
+        FP3_EACH_REGISTER (registers_of(w->plan, w->part), reg) {
             fprintf(w->to, "        fp3_v r%" PRIu32 "_%u", reg, vector);
             if (part->loaded >> reg & 1)
                 fprintf(w->to, " = w%" PRIu32 "[j + %u]", reg, vector);
@@ -146,9 +142,9 @@ static void body(writer *w, unsigned beside) {
         for (unsigned vector = 0; vector < beside; vector++)
             instruction(w, &w->plan->code[pc], vector);
     for (unsigned vector = 0; vector < beside; vector++) {
-        EACH(part->kept, reg)
-        fprintf(w->to, "        w%" PRIu32 "[j + %u] = r%" PRIu32 "_%u;\n", reg, vector, reg,
-                vector);
+        FP3_EACH_REGISTER (part->kept, reg)
+            fprintf(w->to, "        w%" PRIu32 "[j + %u] = r%" PRIu32 "_%u;\n", reg, vector, reg,
+                    vector);
         if (w->plan->sleeps)
             fprintf(w->to, "        awake[j + %u] = awake_%u;\n", vector, vector);
     }
@@ -159,20 +155,20 @@ static void declare(const writer *w) {
     const fp3_fast_part *part = &plan->part[w->part];
     fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
                    "    fp3_i *const awake = (fp3_i *)p->awake;\n    (void)awake;\n");
-    EACH(part->loaded | part->kept, reg)
-    fprintf(w->to,
-            "    fp3_v *const w%" PRIu32 " = (fp3_v *)(p->rows + %" PRIu32 " * FP3_BLOCK);\n", reg,
-            reg);
-    EACH(plan->read | plan->stored, reg)
-    fprintf(w->to,
-            "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->records[%" PRIu32
-            "];\n    (void)q%" PRIu32 ";\n",
-            reg, reg, reg);
-    EACH(plan->constants, k)
-    fprintf(w->to,
-            "    const fp3_v k%" PRIu32 " = (fp3_v)fp3_all(p->constants[%" PRIu32
-            "]);\n    (void)k%" PRIu32 ";\n",
-            k, k, k);
+    FP3_EACH_REGISTER (part->loaded | part->kept, reg)
+        fprintf(w->to,
+                "    fp3_v *const w%" PRIu32 " = (fp3_v *)(p->rows + %" PRIu32 " * FP3_BLOCK);\n",
+                reg, reg);
+    FP3_EACH_REGISTER (plan->read | plan->stored, reg)
+        fprintf(w->to,
+                "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->records[%" PRIu32
+                "];\n    (void)q%" PRIu32 ";\n",
+                reg, reg, reg);
+    FP3_EACH_REGISTER (plan->constants, k)
+        fprintf(w->to,
+                "    const fp3_v k%" PRIu32 " = (fp3_v)fp3_all(p->constants[%" PRIu32
+                "]);\n    (void)k%" PRIu32 ";\n",
+                k, k, k);
 }
 
 static void loop(writer *w, unsigned beside) {
