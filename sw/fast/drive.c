@@ -6,7 +6,7 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-#define CHUNK 64u /* steps from one look at the flags, and at who sleeps, to the next */
+#define CHUNK 128u /* steps from one look at the flags, and at who sleeps, to the next */
 #define FIRST 4u
 #define LONG 0x10000u /* ... where nobody asks */
 #define SLOW 0x12u    /* of MXCSR: subnormal operand, underflow */

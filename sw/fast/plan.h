@@ -11,10 +11,14 @@
 #include <machine/operation.h>
 #include <machine/placement.h>
 
-/* Each register of a set. */
+/* Each register of a set, in order. */
+static inline uint32_t fp3_register_from(uint64_t set, uint32_t first) {
+    const uint64_t left = first < FP3_BANK_OBJECT_COUNT ? set >> first : 0;
+    return left ? first + (uint32_t)__builtin_ctzll(left) : FP3_BANK_OBJECT_COUNT;
+}
 #define FP3_EACH_REGISTER(set, reg)                                                                \
-    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)                                     \
-        if ((set) >> reg & 1)
+    for (uint32_t reg = fp3_register_from((set), 0); reg < FP3_BANK_OBJECT_COUNT;                  \
+         reg = fp3_register_from((set), reg + 1))
 
 typedef struct {
     fp3_instruction in;

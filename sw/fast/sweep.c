@@ -93,33 +93,38 @@ static int has_product(uint32_t op) {
 }
 
 static void calculate(machine *m) {
-    const int *table = m->place->table;
-    fp3_v *d = m->to;
+    /* Locals, since a result might be a field of the machine, for all that the compiler knows. */
+    const int *const table = m->place->table;
+    const fp3_v *a = m->from[0].row, *b = m->from[1].row, *c = m->from[2].row;
+    const unsigned next_a = m->from[0].stride, next_b = m->from[1].stride,
+                   next_c = m->from[2].stride;
+    fp3_v *d = m->to, *const end = d + m->place->vectors;
     switch (m->now->in.op) {
 #define CASE(name, value)                                                                          \
     case FP3_OP_##name:                                                                            \
-        EACH d[j] = value;                                                                         \
+        _Pragma("GCC unroll 2") for (; d != end; d++, a += next_a, b += next_b, c += next_c) *d =  \
+            value;                                                                                 \
         break;
-        CASE(ADD, fp3_add(A, B))
-        CASE(SUB, fp3_sub(A, B))
-        CASE(MUL, fp3_mul(A, B))
-        CASE(MADD, fp3_madd(A, B, C))
-        CASE(MSUB, fp3_msub(A, B, C))
-        CASE(ADDH, fp3_addh(A, B))
-        CASE(SUBH, fp3_subh(A, B))
-        CASE(ADDT, fp3_addt(A, B))
-        CASE(SUBT, fp3_subt(A, B))
-        CASE(MIN, fp3_min_raw(A, B))
-        CASE(MAX, fp3_max_raw(A, B))
-        CASE(ABS, fp3_abs(A))
-        CASE(LT, fp3_lt_raw(A, B))
-        CASE(LE, fp3_le_raw(A, B))
-        CASE(SEL, fp3_sel(A, B, C))
-        CASE(RCP, fp3_rcp(A, table))
-        CASE(RSQRT, fp3_rsqrt(A, table))
-        CASE(RINT, fp3_rint(A))
-        CASE(EXP2, fp3_exp2(A))
-        CASE(LOGB, fp3_logb(A))
+        CASE(ADD, fp3_add(*a, *b))
+        CASE(SUB, fp3_sub(*a, *b))
+        CASE(MUL, fp3_mul(*a, *b))
+        CASE(MADD, fp3_madd(*a, *b, *c))
+        CASE(MSUB, fp3_msub(*a, *b, *c))
+        CASE(ADDH, fp3_addh(*a, *b))
+        CASE(SUBH, fp3_subh(*a, *b))
+        CASE(ADDT, fp3_addt(*a, *b))
+        CASE(SUBT, fp3_subt(*a, *b))
+        CASE(MIN, fp3_min_raw(*a, *b))
+        CASE(MAX, fp3_max_raw(*a, *b))
+        CASE(ABS, fp3_abs(*a))
+        CASE(LT, fp3_lt_raw(*a, *b))
+        CASE(LE, fp3_le_raw(*a, *b))
+        CASE(SEL, fp3_sel(*a, *b, *c))
+        CASE(RCP, fp3_rcp(*a, table))
+        CASE(RSQRT, fp3_rsqrt(*a, table))
+        CASE(RINT, fp3_rint(*a))
+        CASE(EXP2, fp3_exp2(*a))
+        CASE(LOGB, fp3_logb(*a))
 #undef CASE
     default:
         break;

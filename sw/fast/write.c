@@ -93,6 +93,11 @@ static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
     fprintf(w->to, ";\n");
 }
 
+/* A row's vector. All rows are at a constant distance from `here`, so that the compiler needs one address. */
+static void element(const writer *w, uint32_t reg, unsigned vector) {
+    fprintf(w->to, "here[%" PRIu32 " * (FP3_BLOCK / FP3_LANES) + %u]", reg, vector);
+}
+
 static void instruction(const writer *w, const fp3_fast_word *p, unsigned vector) {
     switch (p->in.op) {
     case FP3_OP_SLEEP:
@@ -131,8 +136,10 @@ static void body(writer *w, unsigned beside) {
     for (unsigned vector = 0; vector < beside; vector++) {
         FP3_EACH_REGISTER (registers_of(w->plan, w->part), reg) {
             fprintf(w->to, "        fp3_v r%" PRIu32 "_%u", reg, vector);
-            if (part->loaded >> reg & 1)
-                fprintf(w->to, " = w%" PRIu32 "[j + %u]", reg, vector);
+            if (part->loaded >> reg & 1) {
+                fprintf(w->to, " = ");
+                element(w, reg, vector);
+            }
             fprintf(w->to, ";\n");
         }
         if (w->plan->sleeps)
@@ -142,9 +149,11 @@ static void body(writer *w, unsigned beside) {
         for (unsigned vector = 0; vector < beside; vector++)
             instruction(w, &w->plan->code[pc], vector);
     for (unsigned vector = 0; vector < beside; vector++) {
-        FP3_EACH_REGISTER (part->kept, reg)
-            fprintf(w->to, "        w%" PRIu32 "[j + %u] = r%" PRIu32 "_%u;\n", reg, vector, reg,
-                    vector);
+        FP3_EACH_REGISTER (part->kept, reg) {
+            fprintf(w->to, "        ");
+            element(w, reg, vector);
+            fprintf(w->to, " = r%" PRIu32 "_%u;\n", reg, vector);
+        }
         if (w->plan->sleeps)
             fprintf(w->to, "        awake[j + %u] = awake_%u;\n", vector, vector);
     }
@@ -152,13 +161,8 @@ static void body(writer *w, unsigned beside) {
 
 static void declare(const writer *w) {
     const fp3_fast_plan *plan = w->plan;
-    const fp3_fast_part *part = &plan->part[w->part];
     fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
                    "    fp3_i *const awake = (fp3_i *)p->awake;\n    (void)awake;\n");
-    FP3_EACH_REGISTER (part->loaded | part->kept, reg)
-        fprintf(w->to,
-                "    fp3_v *const w%" PRIu32 " = (fp3_v *)(p->rows + %" PRIu32 " * FP3_BLOCK);\n",
-                reg, reg);
     FP3_EACH_REGISTER (plan->read | plan->stored, reg)
         fprintf(w->to,
                 "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->records[%" PRIu32
@@ -172,7 +176,10 @@ static void declare(const writer *w) {
 }
 
 static void loop(writer *w, unsigned beside) {
-    fprintf(w->to, "        for (; j + %u <= p->vectors; j += %u) {\n", beside, beside);
+    fprintf(w->to,
+            "        for (; j + %u <= p->vectors; j += %u) {\n"
+            "        fp3_v *const here = (fp3_v *)p->rows + j;\n        (void)here;\n",
+            beside, beside);
     body(w, beside);
     fprintf(w->to, "        }\n");
 }
@@ -182,7 +189,7 @@ static void part(writer *w, unsigned beside) {
     fprintf(w->to, "void %s(const fp3_place *p, unsigned steps, unsigned number) {\n",
             names[w->part]);
     declare(w);
-    fprintf(w->to, "    for (unsigned i = 0; i < steps; i++) {\n        unsigned j = 0;\n");
+    fprintf(w->to, "    for (unsigned i = 0; i < steps; i++) {\n        unsigned long j = 0;\n");
     if (w->part == FP3_PART_STEP)
         fprintf(w->to, "        number++;\n");
     if (beside > 1)
