@@ -64,6 +64,8 @@ typedef struct {
 } bench_points;
 
 double bench_now(void); /* seconds */
+double bench_spent(
+    void); /* ... that this thread had a processor: limits do not depend on what else runs */
 
 /* A copy, with room for its ends. NULL: no memory. */
 bench_point *bench_points_add(bench_points *points, const bench_point *point);

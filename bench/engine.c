@@ -19,9 +19,9 @@
 #define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
 #define SOLVED 0.1         /* ... if the error was once below this */
 #define ERROR_MOST 0.5
-#define SAMPLE_SECONDS 2.0         /* the run that finds the error takes no longer */
-#define OBJECTS_LEAST 1024         /* of a timed run with many steps */
-#define OBJECTS_LEAST_THREADS 8192 /* ... that is shared by threads */
+#define SAMPLE_SECONDS 0.5         /* the run that finds the error takes no longer */
+#define OBJECTS_LEAST 512          /* of a timed run with many steps: one block */
+#define OBJECTS_LEAST_THREADS 4096 /* ... that is shared by threads */
 #define RUNGS_MOST 32
 
 static const char *const hardware[] = {"many_full", "single_full"};

@@ -17,10 +17,9 @@
 #define NAMES_MOST 64
 
 typedef struct {
-    const char *model, *json, *integrators[NAMES_MOST + 1];
+    const char *model, *json, *problem, *integrators[NAMES_MOST + 1];
     unsigned integrator_count, variants, repeats;
     double patience;
-    int is_quick, is_problem;
     bench_options bench;
 } options;
 
@@ -130,7 +129,7 @@ static fp3_status write_problem(const options *o, const bench_problem *p, fp3_er
                             rows(p->truth, p->variants, p->model->state_count), "scale",
                             rows(p->scale, 1, p->model->state_count));
     text = all ? json_dumps(all, JSON_REAL_PRECISION(17)) : NULL;
-    status = text ? fp3_file_write(o->json, text, strlen(text), error)
+    status = text ? fp3_file_write(o->problem, text, strlen(text), error)
                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     free(text);
     free(equations);
@@ -147,7 +146,9 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
         status = bench_problem_open(model, o->variants, &problem, error);
     }
     if (!status)
-        status = o->is_problem ? write_problem(o, &problem, error) : measure(o, &problem, error);
+        status = measure(o, &problem, error);
+    if (!status && o->problem && !model->event_count)
+        status = write_problem(o, &problem, error);
     bench_problem_close(&problem);
     fp3_model_free(&model);
     return status;
@@ -160,8 +161,10 @@ static const struct argp_option table[] = {
     {"engine", KEY_ENGINE, "NAME", 0, "Of fp3: fast (default) or isa", 0},
     {"integrator", 'i', "NAME", 0, "May be repeated (default: all)", 0},
     {"quick", KEY_QUICK, NULL, 0, "Few tolerances, few objects, three repeats", 0},
-    {"problem", KEY_PROBLEM, NULL, 0,
-     "Measure nothing: the equations in Python, and of every object its start and its truth", 0},
+    {"problem", KEY_PROBLEM, "FILE", 0,
+     "Where the equations go in Python, and of every object its start and its truth; a model with "
+     "events has none",
+     0},
     {"flip", KEY_FLIP, NULL, 0, "Turn a bit of what the engine gives, which must be noticed", 0},
     {0},
 };
@@ -194,7 +197,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         make_quick(o);
         break;
     case KEY_PROBLEM:
-        o->is_problem = 1;
+        o->problem = text;
         break;
     case KEY_FLIP:
         o->bench.is_flipped = 1;
@@ -223,10 +226,10 @@ int bench_points_command(int argc, char **argv) {
                "loop, GSL and SUNDIALS."};
     options o = {.variants = 64,
                  .repeats = 5,
-                 .patience = 0.5,
+                 .patience = 0.3,
                  .bench = {.engine = "fast",
                            .objects = 16384,
-                           .object_steps = 1 << 22,
+                           .object_steps = 1 << 21,
                            .most_rungs = 18,
                            .fewest_digits = 2,
                            .most_digits = 10,

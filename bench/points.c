@@ -9,13 +9,20 @@
 
 #define SOLVED 0.1
 #define WORSE_MOST 2
-#define ERROR_MOST 0.5 /* of the scale: beyond it nothing is solved */
+#define ERROR_MOST 0.5   /* of the scale: beyond it nothing is solved */
+#define SECONDS_MOST 1.0 /* of a run: the next tolerance would take longer */
+#define NEAR 1.5         /* times the shortest time to an error: still near the front */
+#define FAR_PATIENCE 0.1 /* for the others, of the patience */
 
-double bench_now(void) {
+static double seconds_of(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+double bench_now(void) { return seconds_of(CLOCK_MONOTONIC); }
+
+double bench_spent(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 bench_point *bench_points_add(bench_points *points, const bench_point *point) {
     if (points->count == points->room) {
@@ -99,12 +106,17 @@ json_t *bench_points_json(const bench_points *points) {
     return all;
 }
 
-/* Runs once for the error; whether the point stays. */
-static fp3_status first_run(bench_points *points, bench_point *p, int *stays, fp3_error *error) {
+/* Runs once for the error; whether the point stays; seconds of this thread's processor. */
+static fp3_status first_run(bench_points *points, bench_point *p, int *stays, double *spent,
+                            fp3_error *error) {
     double seconds = 0;
     fp3_error why = {""};
     *stays = 1;
+    const double begin = bench_spent();
     const fp3_status status = p->run ? p->run(p, &seconds, &why) : FP3_OK;
+    *spent = bench_spent() - begin;
+    p->seconds[0] = seconds; /* kept if there is no time for another */
+    p->repeats = p->run != NULL;
     if (status == FP3_E_LIMIT) {
         bench_points_leave_out(points, p, why.text);
         *stays = 0;
@@ -115,13 +127,77 @@ static fp3_status first_run(bench_points *points, bench_point *p, int *stays, fp
                         p->method ? p->method : p->integrator, why.text);
     bench_problem_errors(p->problem, p->ends, &p->error_median, &p->error_worst);
     *stays = p->error_median < ERROR_MOST;
-    const double fits = seconds > 0 ? points->patience / seconds : points->repeats;
-    p->repeats = !p->run                  ? 0
-                 : fits < 1               ? 1
-                 : fits < points->repeats ? (unsigned)fits
-                                          : points->repeats;
-    p->seconds[0] = seconds; /* kept if there is no time for another */
     return FP3_OK;
+}
+
+/* ---- sweeps ---- */
+
+/* Points of one solver with smaller and smaller time steps or tolerances. The rest is not worth a run
+ * when two in a row are no better than the best, or one took too long. */
+typedef struct {
+    const char *engine, *method;
+    double best;
+    unsigned worse;
+} sweep;
+
+static int is_swept(const bench_point *p) { return p->run && p->method; }
+
+static int is_worth_it(sweep *s, const bench_point *p) {
+    if (!is_swept(p))
+        return 1;
+    if (p->engine != s->engine || p->method != s->method)
+        *s = (sweep){.engine = p->engine, .method = p->method, .best = INFINITY};
+    return s->worse < WORSE_MOST;
+}
+
+/* A point that was left out has no error. */
+static void note(sweep *s, const bench_points *points, const bench_point *p, int stays,
+                 double spent) {
+    if (!is_swept(p))
+        return;
+    if (stays)
+        s->worse = p->error_median < s->best || s->best > SOLVED ? 0 : s->worse + 1;
+    s->best = stays ? fmin(s->best, p->error_median) : s->best;
+    if (spent > (p->steps ? points->patience : SECONDS_MOST))
+        s->worse = WORSE_MOST;
+}
+
+/* ---- which points are near the front ---- */
+
+static int is_alike(const bench_point *a, const bench_point *b) {
+    return a->run && b->run && !strcmp(a->engine, b->engine) && a->threads == b->threads;
+}
+
+static double per_object(const bench_point *p) { return p->seconds[0] / (double)p->objects; }
+
+/* No other of its engine that is as accurate takes by far less time. */
+static int is_near(const bench_points *points, const bench_point *p) {
+    double best = INFINITY;
+    for (size_t i = 0; i < points->count; i++) {
+        const bench_point *q = &points->point[i];
+        if (q->repeats && is_alike(p, q) && q->error_median <= p->error_median)
+            best = fmin(best, per_object(q));
+    }
+    return per_object(p) <= NEAR * best;
+}
+
+/* The same with one thread. */
+static const bench_point *alone(const bench_points *points, const bench_point *p) {
+    for (size_t i = 0; i < points->count; i++) {
+        const bench_point *q = &points->point[i];
+        if (q->engine == p->engine && q->threads == 1 && q->integrator == p->integrator &&
+            q->arithmetic == p->arithmetic && q->steps == p->steps)
+            return q;
+    }
+    return NULL;
+}
+
+/* ---- all of it ---- */
+
+static unsigned repeats_of(const bench_points *points, const bench_point *p) {
+    const double patience = points->patience * (is_near(points, p) ? 1 : FAR_PATIENCE);
+    const double fits = p->seconds[0] > 0 ? patience / p->seconds[0] : points->repeats;
+    return fits < 1 ? 1 : fits < points->repeats ? (unsigned)fits : points->repeats;
 }
 
 /* In turn: the first repeat of all, the second of all, ... */
@@ -138,49 +214,49 @@ static fp3_status repeat_all(bench_points *points, fp3_error *error) {
     return status;
 }
 
-/* Points with smaller and smaller time steps, of one solver: when two in a row are no better than the
- * best, or the next would take too long, the rest is not worth a run. */
-typedef struct {
-    const char *engine, *method;
-    double best;
-    unsigned worse;
-} series;
-
-static int is_worth_it(series *s, const bench_point *p) {
-    if (!p->run || !p->steps || !p->method)
-        return 1;
-    if (p->engine != s->engine || p->method != s->method)
-        *s = (series){.engine = p->engine, .method = p->method, .best = INFINITY};
-    return s->worse < WORSE_MOST;
+static void drop(bench_points *points, const unsigned char *stays) {
+    size_t kept = 0;
+    for (size_t i = 0; i < points->count; i++)
+        if (stays[i])
+            points->point[kept++] = points->point[i];
+        else
+            close_point(&points->point[i]);
+    points->count = kept;
 }
 
-static void note(series *s, const bench_points *points, const bench_point *p) {
-    if (!p->run || !p->steps || !p->method)
-        return;
-    s->worse = p->error_median < s->best || s->best > SOLVED ? 0 : s->worse + 1;
-    s->best = fmin(s->best, p->error_median);
-    if (2 * p->seconds[0] > points->patience)
-        s->worse = WORSE_MOST;
+/* Those with one thread; with several only what is near the front with one. */
+static fp3_status first_runs(bench_points *points, int has_threads, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    sweep of = {0};
+    unsigned char *stays = calloc(points->count + 1, 1);
+    if (!stays)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < points->count; i++) {
+        bench_point *p = &points->point[i];
+        int stay = 1;
+        double spent = 0;
+        if ((p->threads > 1) == has_threads) {
+            const bench_point *one = has_threads ? alone(points, p) : NULL;
+            stay = has_threads ? one && is_near(points, one) : is_worth_it(&of, p);
+            if (stay) {
+                status = first_run(points, p, &stay, &spent, error);
+                note(&of, points, p, stay, spent);
+            }
+        }
+        stays[i] = (unsigned char)stay;
+    }
+    if (!status)
+        drop(points, stays);
+    free(stays);
+    return status;
 }
 
 fp3_status bench_points_time(bench_points *points, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    size_t kept = 0, i = 0;
-    series of = {0};
-    for (; !status && i < points->count; i++) {
-        bench_point *p = &points->point[i];
-        int stays = is_worth_it(&of, p);
-        if (stays) {
-            status = first_run(points, p, &stays, error);
-            note(&of, points, p);
-        }
-        if (stays && !status)
-            points->point[kept++] = *p;
-        else
-            close_point(p);
-    }
-    for (; i < points->count; i++) /* after a failure */
-        close_point(&points->point[i]);
-    points->count = kept;
+    fp3_status status = first_runs(points, 0, error);
+    if (!status)
+        status = first_runs(points, 1, error);
+    for (size_t i = 0; !status && i < points->count; i++)
+        if (points->point[i].run)
+            points->point[i].repeats = repeats_of(points, &points->point[i]);
     return status ? status : repeat_all(points, error);
 }

@@ -20,6 +20,7 @@ import platform
 import re
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 QUICK = {"ship": ["rk4", "euler"], "kepler": ["rk4", "leapfrog"]}
@@ -47,48 +48,82 @@ def write_csv(path, rows):
 
 # ---- what is measured -------------------------------------------------------------------------------
 
+class Failed(Exception):
+    """One measurement; the others go on."""
+
+
 def is_fresh(path, *sources):
     return path.exists() and all(path.stat().st_mtime >= source.stat().st_mtime for source in sources)
 
 
 def run(command):
-    done = subprocess.run(command, cwd=ROOT)
-    if done.returncode:
-        sys.exit(f"bench.py: {' '.join(map(str, command))}: exit code {done.returncode}")
+    """What it says on standard error is passed on; its last line is why it failed."""
+    last = "no word"
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as program:
+        for line in program.stderr:
+            sys.stderr.write(line)
+            last = line.strip() or last
+    if program.returncode:
+        raise Failed(f"exit code {program.returncode}: {last}")
+
+
+def measure(path, command, *sources):
+    """Has a program write path, unless what is there is newer than the sources; adds when, and of which revision."""
+    if is_fresh(path, *sources):
+        print(f"bench: {path.stem}: kept", file=sys.stderr)
+        return path
+    new, begin = path.with_name(f"{path.name}.new"), time.monotonic()
+    try:
+        run([*command, new])
+        part = json.loads(new.read_text(encoding="utf-8"))
+    finally:
+        new.unlink(missing_ok=True)
+    part["measured"] = {"revision": revision(), "date": datetime.date.today().isoformat(), "seconds": round(time.monotonic() - begin, 1)}
+    write(path, json.dumps(part, indent=1) + "\n")
+    return path
+
+
+def quick(options):
+    return ["--quick"] if options.quick else []
 
 
 def measure_model(options, name):
-    """The file of its points."""
-    model, path = ROOT / f"programs/{name}.ode", options.parts / f"{name}.json"
-    if is_fresh(path, options.bench, model):
-        print(f"bench: {name}: kept", file=sys.stderr)
-        return path
+    """The file of its points; beside it, the problem for diffrax."""
+    model = ROOT / f"programs/{name}.ode"
     words = [word for i in (QUICK.get(name, ["rk4"]) if options.quick else []) for word in ("-i", i)]
-    run([options.bench, "points", model, "--engine", options.engine, "--json", path, *words, *(["--quick"] if options.quick else [])])
-    return path
+    command = [options.bench, "points", model, "--engine", options.engine, *words, *quick(options),
+               "--problem", options.parts / f"{name}.problem.json", "--json"]
+    return measure(options.parts / f"{name}.json", command, options.bench, model)
 
 
 def measure_speed(options):
-    path = options.parts / "speed.json"
-    if not is_fresh(path, options.bench):
-        run([options.bench, "speed", "--engine", options.engine, "--json", path, *(["--quick"] if options.quick else [])])
-    return path
+    return measure(options.parts / "speed.json", [options.bench, "speed", "--engine", options.engine, *quick(options), "--json"], options.bench)
 
 
 def measure_diffrax(options, name):
     """The same with diffrax, if `make setup-bench` has put it into .venv-bench/; None: it has not, or there are events."""
     python, path = ROOT / ".venv-bench/bin/python", options.parts / f"{name}.diffrax.json"
-    tool, part = ROOT / "tools/bench_diffrax.py", options.parts / f"{name}.json"
-    if options.quick or not python.exists() or not tool.exists():
+    tool, problem = ROOT / "tools/bench_diffrax.py", options.parts / f"{name}.problem.json"
+    if options.quick or not python.exists() or not problem.exists():
         return None
-    if not is_fresh(path, tool, part):
-        if json.loads(part.read_text(encoding="utf-8"))["has_events"]:
-            return None
-        problem = options.parts / f"{name}.problem.json"
-        run([options.bench, "points", ROOT / f"programs/{name}.ode", "--problem", "--json", problem])
-        run([python, tool, problem, path])
-        problem.unlink()
-    return path
+    return measure(path, [python, tool, problem], tool, problem)
+
+
+def try_all(options, names):
+    """The files of all parts, and what failed: its name and why."""
+    begin, parts, failed = time.monotonic(), [], []
+    work = [(name, measure_it, (options, name)) for name in names for measure_it in (measure_model, measure_diffrax)]
+    for number, (name, measure_it, arguments) in enumerate([*work, ("speed", measure_speed, (options,))]):
+        if measure_it is not measure_diffrax:
+            print(f"bench: {name}, {number // 2 + 1} of {len(names) + 1}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
+        elif name in (one["name"] for one in failed):
+            continue
+        try:
+            parts.append(measure_it(*arguments))
+        except Failed as why:
+            print(f"bench: {name}: failed: {why}", file=sys.stderr)
+            failed.append({"name": name, "why": str(why)})
+    return [part for part in parts if part], failed
 
 
 # ---- where it is measured ---------------------------------------------------------------------------
@@ -98,6 +133,10 @@ def said(*command):
         return subprocess.run(command, capture_output=True, text=True, cwd=ROOT).stdout.splitlines()[0].strip()
     except (OSError, IndexError):
         return None
+
+
+def revision():
+    return said("git", "describe", "--always", "--dirty")
 
 
 def processor():
@@ -111,7 +150,7 @@ def about(options):
     return {"date": datetime.date.today().isoformat(), "form": "quick" if options.quick else "full",
             "command": "make bench" + (" QUICK=1" if options.quick else ""), "processor": processor(), "processors": os.cpu_count(),
             "load": os.getloadavg()[0], "system": platform.platform(), "compiler": said("cc", "--version"),
-            "revision": said("git", "describe", "--always", "--dirty")}
+            "revision": revision()}
 
 
 def clocks(text):
@@ -129,19 +168,20 @@ def put_times(points, mhz):
 
 # ---- all of it --------------------------------------------------------------------------------------
 
-def gather(options, models):
-    points, left_out, problems, versions = [], [], [], {}
-    for path in models:
+def gather(options, paths, failed):
+    found = {"about": about(options), "problems": [], "points": [], "left_out": [], "speed": [], "failed": failed}
+    versions, mhz = {}, clocks((ROOT / CLOCKS).read_text(encoding="utf-8"))
+    for path in paths:
         part = json.loads(path.read_text(encoding="utf-8"))
-        points += part.pop("points")
-        left_out += part.pop("left_out")
+        for name in ("points", "left_out", "speed"):
+            found[name] += part.pop(name, [])
         versions.update(part.pop("versions", {}))
         if "states" in part:
-            problems.append(part)
-    mhz = clocks((ROOT / CLOCKS).read_text(encoding="utf-8"))
-    put_times(points, mhz)
-    return {"about": about(options) | {"versions": versions, "mhz": mhz}, "problems": problems, "points": points,
-            "left_out": left_out}
+            found["problems"].append(part)
+        found["about"].setdefault("target", part.get("target"))
+    put_times(found["points"], mhz)
+    found["about"] |= {"versions": versions, "mhz": mhz}
+    return found
 
 
 def main():
@@ -160,20 +200,15 @@ def main():
     options.parts = options.output.parent / "bench" / ("quick" if options.quick else ".")
     options.parts.mkdir(parents=True, exist_ok=True)
     names = options.models or (list(QUICK) if options.quick else all_models)
-    parts = []
-    for number, name in enumerate(names, 1):
-        print(f"bench: {name}, {number} of {len(names)}", file=sys.stderr)
-        parts += [measure_model(options, name), measure_diffrax(options, name)]
-    print("bench: speed", file=sys.stderr)
-    speed = json.loads(measure_speed(options).read_text(encoding="utf-8"))
-    found = gather(options, [part for part in parts if part])
-    found["about"]["target"] = speed["target"]
-    found["speed"] = speed["speed"]
+    found = gather(options, *try_all(options, names))
     write(options.output, json.dumps(found, indent=1) + "\n")
     write_csv(options.output.with_suffix(".csv"), found["points"])
     write_csv(options.output.with_name(f"{options.output.stem}_speed.csv"), found["speed"])
     print(f"{len(found['points'])} points of {len(found['problems'])} models, {len(found['speed'])} figures of speed, "
           f"{len(found['left_out'])} left out")
+    for one in found["failed"]:
+        print(f"failed: {one['name']}: {one['why']}")
+    return 3 if found["failed"] else 0
 
 
 if __name__ == "__main__":

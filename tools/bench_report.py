@@ -28,13 +28,16 @@ the model's closed form, or GSL's rkck, must agree to 1e-9 for every variant; wi
 
 Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
 on the same machine, so a change of its speed meets all of them. A run of `fast` has up to 16,384 objects; compiling the program and
-writing the start are not part of it. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
+writing the start are not part of it. Every time step is run once. A point that takes at most 1.5 times as long as the fastest of its
+engine that is as accurate is near the front: it is run up to 5 times, and with all threads too. The others are repeated only where that takes
+less than a thirtieth of a second. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
 hardware the cycles that the compiler predicts.
 
 The others run in double, one object after another, with the right-hand side as C that `cc -O3 -march=native` compiles, tolerances
 from 1e-2 to 1e-10, relative to the size of each state. Memory is allocated once, not for each object. Jacobians are differences.
 GSL's `rk4` has fixed steps, and makes two of h/2 for each h. `plain_c` is the loop that a game has: rk4 in FP32, one object at a
-time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. Nobody but fp3 and `plain_c` looks for events, so models that
+time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. A sweep of one of them ends when two tolerances in a row
+are no better than the best, or when a run of the 64 objects took more than a second. Nobody but fp3 and `plain_c` looks for events, so models that
 have some are measured without the others."""
 
 
@@ -52,11 +55,22 @@ def table(head, rows):
     return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
 
 
+def revisions(data):
+    """Of the models: they may have been measured one by one."""
+    by_revision = {}
+    for problem in data["problems"]:
+        by_revision.setdefault(problem["measured"]["revision"], []).append(problem["model"])
+    if len(by_revision) == 1:
+        return f"revision `{next(iter(by_revision))}`"
+    return "revisions " + "; ".join(f"`{revision}`: {', '.join(models)}" for revision, models in by_revision.items())
+
+
 def about(data):
     a = data["about"]
     versions = ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
     models = ", ".join(f"`{problem['model']}`" for problem in data["problems"])
-    return (f"Models measured here: {models}. Measured {a['date']} by `{a['command']}` ({a['form']} form), revision `{a['revision']}`, on {a['processors']} processors: "
+    failed = "".join(f" `{one['name']}` failed: {one['why']}." for one in data["failed"])
+    return (f"Models measured here: {models}.{failed} Measured {a['date']} by `{a['command']}` ({a['form']} form), {revisions(data)}, on {a['processors']} processors: "
             f"{a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}; the loop by hand is for `{a['target']}`.")
 
 

@@ -26,7 +26,7 @@ def run(root, build, folder, *more):
 
 def test_everything_is_in_one_file(measured):
     data = json.loads((measured / "bench.json").read_text())
-    assert {"about", "problems", "points", "left_out", "speed"} == set(data)
+    assert {"about", "problems", "points", "left_out", "speed", "failed"} == set(data) and data["failed"] == []
     assert {"date", "command", "processor", "processors", "system", "compiler", "revision", "versions", "mhz", "target", "form",
             "load"} == set(data["about"]) and {"GSL", "SUNDIALS"} <= set(data["about"]["versions"])
     assert [problem["model"] for problem in data["problems"]] == ["ship", "kepler"]
@@ -58,3 +58,52 @@ def test_what_was_measured_is_kept_and_what_is_gone_is_measured_again(root, buil
 def test_an_unknown_model_is_told(root, build, tmp_path):
     done = run(root, build, tmp_path, "--models", "nonesuch")
     assert done.returncode != 0 and "nonesuch" in done.stderr and "Traceback" not in done.stderr and not (tmp_path / "bench.json").exists()
+
+
+# ---- with a program that measures nothing ---------------------------------------------------------
+
+FAKE = """#!/usr/bin/env python3
+import json, pathlib, sys
+name = pathlib.Path(sys.argv[2]).stem if sys.argv[1] == "points" else "speed"
+pathlib.Path(__file__).with_name("log").open("a").write(name + "\\n")
+if pathlib.Path(__file__).with_name("fails").read_text() == name:
+    sys.exit("bench: no luck today")
+part = {"points": [], "left_out": [], "model": name, "states": 1, "doc": "", "span": 1.0} if name != "speed" else {"speed": [], "target": "none"}
+pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).write_text(json.dumps(part))
+"""
+
+
+def fake(root, folder, fails, *models):
+    """What it was asked for, and how it ended."""
+    (folder / "fails").write_text(fails)
+    (folder / "log").write_text("")
+    program = folder / "bench"
+    if not program.exists():
+        program.write_text(FAKE)
+        program.chmod(0o755)
+    done = subprocess.run([sys.executable, root / "tools/bench.py", "--bench", program, "--quick", "--output", folder / "out/bench.json",
+                           "--models", *models], capture_output=True, text=True, timeout=60)
+    return (folder / "log").read_text().split(), done
+
+
+def test_a_model_that_fails_is_told_and_the_others_are_measured(root, tmp_path):
+    asked, done = fake(root, tmp_path, "lorenz", "kepler", "lorenz", "ship")
+    assert asked == ["kepler", "lorenz", "ship", "speed"] and done.returncode == 3
+    assert "failed: lorenz: exit code 1: bench: no luck today" in done.stdout
+    data = json.loads((tmp_path / "out/bench.json").read_text())
+    assert [problem["model"] for problem in data["problems"]] == ["kepler", "ship"]
+    assert data["failed"] == [{"name": "lorenz", "why": "exit code 1: bench: no luck today"}]
+    assert "bench: lorenz, 2 of 4, " in done.stderr and "s so far" in done.stderr
+
+
+def test_a_run_goes_on_with_what_is_missing(root, tmp_path):
+    fake(root, tmp_path, "lorenz", "kepler", "lorenz")
+    asked, done = fake(root, tmp_path, "", "kepler", "lorenz")
+    assert asked == ["lorenz"] and done.returncode == 0 and "kepler: kept" in done.stderr
+
+
+def test_each_part_says_what_revision_it_is_of(root, tmp_path):
+    fake(root, tmp_path, "", "kepler")
+    data = json.loads((tmp_path / "out/bench.json").read_text())
+    assert set(data["problems"][0]["measured"]) == {"revision", "date", "seconds"}
+    assert data["problems"][0]["measured"]["revision"] == data["about"]["revision"]

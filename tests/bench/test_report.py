@@ -58,6 +58,13 @@ def test_the_page_has_machine_versions_command_and_date(data):
     assert "| fast, 2 threads | 0.130 |" in page and "| fast | 16,384 | 1,000 | 0.250 | 4,000 | 1.25 |" in page
 
 
+def test_the_page_says_what_failed_and_which_revisions_there_are(data):
+    data["failed"] = [{"name": "lorenz", "why": "no luck"}]
+    data["problems"].append(data["problems"][0] | {"model": "ship", "measured": {"revision": "def"}})
+    page = bench_report.markdown(data)
+    assert "`lorenz` failed: no luck." in page and "revisions `abc`: kepler; `def`: ship" in page
+
+
 def test_a_quick_form_makes_no_page_of_the_project(root, data, tmp_path):
     data["about"]["form"] = "quick"
     (tmp_path / "bench.json").write_text(json.dumps(data))
