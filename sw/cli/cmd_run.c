@@ -137,10 +137,6 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
     if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
-    if (fp3_run_record_is_asked(&o->record) && o->scene)
-        argp_error(state,
-                   "--output, --plot: a scene's groups have states of their own: record a group's "
-                   "program by itself");
     if (fp3_run_record_is_asked(&o->record) && o->cycle_limit)
         argp_error(state,
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
@@ -283,16 +279,19 @@ static void warn(const options *o, const fp3_run_task *of) {
     }
 }
 
-static fp3_status record(options *o, const fp3_program *program, fp3_engine *engine, fp3_cost *cost,
+/* A scene of one group is one program. */
+static fp3_status record(options *o, const fp3_run_task *of, fp3_engine *engine, fp3_cost *cost,
                          fp3_error *error) {
+    const fp3_program *program = of->scene ? of->scene->groups[0].program : of->program;
+    const fp3_params *params = of->scene ? of->scene->groups[0].params : o->params;
     fp3_recording_def *def = &o->record.def;
     fp3_status status = FP3_OK;
     if (def->times && !o->has_steps)
         status =
-            fp3_recording_steps(program, o->params, def->times, def->time_count, &o->steps, error);
+            fp3_recording_steps(program, params, def->times, def->time_count, &o->steps, error);
     def->steps = o->steps;
     if (!status)
-        status = fp3_recording_open(def, program, o->params, engine, &o->recording, error);
+        status = fp3_recording_open(def, program, params, engine, &o->recording, error);
     return status ? status : fp3_recording_run(o->recording, cost, error);
 }
 
@@ -311,7 +310,7 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
         status = fp3_run_record_is_asked(&o->record)
-                     ? record(o, of->program, engine, &cost, error)
+                     ? record(o, of, engine, &cost, error)
                      : fp3_engine_run(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
@@ -382,14 +381,22 @@ static fp3_status check_files(options *o, fp3_error *error) {
 
 static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (size_t i = 0; !status && o->bus_log && i < scene->group_count; i++) {
+    for (size_t i = 0; !status && i < scene->group_count; i++) {
         fp3_files files = {0};
         fp3_files_read(&files, "program", scene->groups[i].path);
         fp3_files_read(&files, "integrator", scene->groups[i].integrator_file);
         fp3_files_read(&files, "params", scene->groups[i].params_file);
         fp3_files_write(&files, "--bus-log", o->bus_log);
+        fp3_files_write(&files, "--output", o->record.def.path);
+        fp3_files_write(&files, "--plot", o->record.def.plot);
         status = fp3_files_check(&files, error);
     }
+    if (!status && fp3_run_record_is_asked(&o->record) && scene->group_count != 1)
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "%s:%d: --output, --plot: %zu groups have states of their own: record a scene "
+            "of one group",
+            scene->path, scene->line, scene->group_count);
     return status;
 }
 

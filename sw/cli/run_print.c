@@ -62,6 +62,21 @@ static void print_asleep(fp3_engine *engine, const part *of) {
     putchar('\n');
 }
 
+/* Where objects are born and gone: how many are in each stage at the end. */
+static void print_lives(const fp3_engine *engine, const fp3_scene_group *group) {
+    size_t of[FP3_GONE + 1] = {0};
+    int is_any = 0;
+    for (size_t i = 0; i < group->objects; i++) {
+        uint64_t born, gone;
+        fp3_scene_life(group, i, &born, &gone);
+        is_any |= born || gone != FP3_FOREVER;
+        of[fp3_engine_life(engine, group->first + i)]++;
+    }
+    if (is_any)
+        printf("%-16s %zu of %zu, %zu not born yet, %zu gone\n", "alive", of[FP3_ALIVE],
+               group->objects, of[FP3_UNBORN], of[FP3_GONE]);
+}
+
 static fp3_status find_failure(fp3_engine *engine, const part *of, const fp3_cost *cost,
                                fp3_failure *failure) {
     *failure = cost->failure;
@@ -137,21 +152,25 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
     printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
            group->first + group->objects - 1);
     print_states(engine, &of, all);
+    print_lives(engine, group);
     print_status(engine, &of, cost);
-    printf("%-16s %" PRIu64 "\n\n", "object_steps", fp3_engine_group_steps(engine, number));
+    const uint64_t steps =
+        cost->counter ? cost->stats.object_steps : fp3_engine_group_steps(engine, number);
+    printf("%-16s %" PRIu64 "\n\n", "object_steps", steps);
 }
 
 /* Whose cycles each scheduler spent, and how long the first to end waited for the last. */
-static void print_balance(fp3_engine *engine, const fp3_stats *stats) {
+static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
     uint64_t least = UINT64_MAX, most = 0;
     printf("balance of schedulers\n");
-    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
+    for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
         fp3_scheduler_share share;
         if (fp3_engine_scheduler_counters(engine, scheduler, counter) ||
             fp3_engine_scheduler_share(engine, scheduler, &share))
             return;
-        const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
+        const uint64_t cycles = cost->counter ? cost->counter[scheduler][FP3_COUNTER_CYCLES]
+                                              : counter[FP3_COUNTER_CYCLES];
         printf("  scheduler %-8" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", scheduler,
                cycles, share.group, share.objects);
         least = cycles < least ? cycles : least;
@@ -181,7 +200,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     if (is_rtl)
         print_occupancy(engine, cost);
     if (is_rtl && of->scene)
-        print_balance(engine, stats);
+        print_balance(engine, cost);
 }
 
 fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error) {

@@ -44,6 +44,11 @@ typedef struct {
 
 typedef struct fp3_origin fp3_origin;
 
+/* Steps since the load: an object makes those above born, up to gone. */
+typedef struct {
+    uint64_t born, gone;
+} fp3_life;
+
 extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast;
 
 /* By the name of its engine, which may be NULL; NULL with an error if there is none. */
@@ -58,7 +63,13 @@ struct fp3_engine {
     fp3_layout layout; /* one group without a program until a load */
     int is_touched;    /* some register, constant or status may be other than 0 */
     uint32_t clock;    /* steps of earlier runs */
-    double expected;   /* instructions of this run, if nobody sleeps */
+    uint64_t made;     /* ... since the load, as lifetimes count them */
+    uint32_t began;    /* the clock when this run began */
+    fp3_life *lives;   /* of each object; NULL: all live, always */
+    uint64_t (
+        *sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run; NULL with lives */
+    double expected;               /* instructions of this part of the run, if nobody sleeps */
+    double told, part;             /* shares of the run: the parts before this one, and this one */
     /* Of each object, what its sleep register held when it was last looked at. */
     uint32_t *slept;
     int is_slept_known;                      /* slept is up to date */
@@ -72,7 +83,7 @@ struct fp3_engine {
     void *self;           /* the backend's own */
 };
 
-/* Whether a run visits the object. */
+/* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 
 /* The states of a group for which its records have room, as a set of registers; the sleep register is

@@ -1,5 +1,6 @@
 /* engine.c - opens and closes engines of every backend. */
 #include "backend.h"
+#include "life.h"
 #include "origin.h"
 
 #include "gen/registers.h"
@@ -123,6 +124,7 @@ void fp3_engine_close(fp3_engine **engine) {
         return;
     closing->backend->close(closing);
     fp3_layout_free(&closing->layout);
+    fp3_life_forget(closing);
     free(closing->slept);
     free(closing->counters);
     free(closing->failures);

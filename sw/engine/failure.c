@@ -5,6 +5,7 @@
  * engine makes the run again and watches.
  */
 #include "checks.h"
+#include "life.h"
 #include "machine/ahead.h"
 #include "origin.h"
 
@@ -106,6 +107,9 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     again->config = &config;
     status = load_again(engine, again);
     again->clock = engine->origin->clock;
+    again->made = engine->origin->made;
+    if (!status)
+        status = fp3_life_copy(engine, again);
     if (!status)
         status = look_ahead(again);
     if (!status)

@@ -210,12 +210,18 @@ static fp3_status fast_read_status(fp3_engine *engine, size_t object, uint32_t *
 
 /* ---- who is awake ---- */
 
+/* Whether some objects of a group may be left out of a run. */
+static int has_list(const fp3_engine *engine, uint32_t i) {
+    return engine->config->interleave &&
+           (engine->layout.groups[i].program.slept >= 0 || engine->lives);
+}
+
 static fp3_status fast_list(fp3_engine *engine) {
     fast *self = engine->self;
     for (uint32_t i = 0; i < self->count; i++) {
         const fp3_members *members = &engine->layout.groups[i];
         group *g = &self->groups[i];
-        if (members->program.slept < 0)
+        if (!has_list(engine, i))
             continue;
         if (!g->awake)
             g->awake = calloc(members->objects, sizeof *g->awake);
@@ -268,8 +274,7 @@ typedef struct {
 
 static uint32_t members_of(const fp3_engine *engine, uint32_t i) {
     const fast *self = engine->self;
-    const int sleeps = engine->config->interleave && engine->layout.groups[i].program.slept >= 0;
-    return sleeps ? self->groups[i].awake_count : engine->layout.groups[i].objects;
+    return has_list(engine, i) ? self->groups[i].awake_count : engine->layout.groups[i].objects;
 }
 
 static uint64_t blocks_of(const fp3_engine *engine, uint32_t i) {
@@ -305,9 +310,7 @@ static fp3_status run_block(hand *h, uint32_t i, uint32_t number) {
     const uint32_t first = number * FP3_BLOCK, left = members_of(engine, i) - first;
     run.tell = h->number == 0 && engine->def.progress ? tell : NULL;
     run.user = h;
-    const uint32_t *list = engine->config->interleave && members->program.slept >= 0
-                               ? self->groups[i].awake + first
-                               : NULL;
+    const uint32_t *list = has_list(engine, i) ? self->groups[i].awake + first : NULL;
     return fp3_fast_block(self->groups[i].program, self->workers[h->number], &run, list,
                           members->first + first, left < FP3_BLOCK ? left : FP3_BLOCK, &h->error);
 }

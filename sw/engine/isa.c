@@ -165,7 +165,7 @@ static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
     if (watched && r->is_ahead)
         fp3_watch_ahead(&watched[object], flags);
     else if (watched)
-        fp3_watch_flags(&watched[object], r->number - r->engine->clock, flags);
+        fp3_watch_flags(&watched[object], r->number - r->engine->began, flags);
     *word |= flags;
     if (flags & FP3_FLAGS_GRAVE && !(*word >> FP3_STATUS_STEP_LO))
         *word |= r->number << FP3_STATUS_STEP_LO;
@@ -259,7 +259,7 @@ static void watch_states(const round_of *r) {
     const uint64_t states = fp3_engine_states_of(group);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
         if (self->now[i] != AWAY)
-            fp3_watch_states(&r->engine->watched[i], r->number - r->engine->clock, states,
+            fp3_watch_states(&r->engine->watched[i], r->number - r->engine->began, states,
                              &self->registers[(size_t)i * r->engine->config->registers]);
 }
 
@@ -270,7 +270,7 @@ static void begin_step(round_of *r) {
     r->number++;
     for (uint32_t i = group->first; r->engine->watched && i < group->first + group->objects; i++)
         if (self->now[i] == AWAKE)
-            fp3_watch_step(&r->engine->watched[i], r->number - r->engine->clock);
+            fp3_watch_step(&r->engine->watched[i], r->number - r->engine->began);
 }
 
 /* All visits of a round. Where nothing interleaves a run is one round. */

@@ -1,5 +1,6 @@
 /* load.c - programs and groups: whether the configuration has room for them, and loading them. */
 #include "checks.h"
+#include "life.h"
 #include "luggage.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
@@ -144,6 +145,8 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     engine->layout = *layout;
     *layout = old;
     engine->clock = 0;
+    engine->made = 0;
+    fp3_life_forget(engine);
     engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
     fp3_origin_load(engine, l->objects != NULL);

@@ -123,6 +123,7 @@ fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
     fp3_origin *o = engine->origin;
     const fp3_status status = o->registers ? read_all(engine) : FP3_OK;
     o->clock = engine->clock;
+    o->made = engine->made;
     o->visit = engine->def.visit;
     o->steps = steps;
     o->is_complete = 0;

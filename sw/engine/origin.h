@@ -17,6 +17,7 @@ struct fp3_origin {
     int has_constants;   /* the constants are as they are here */
     /* The last run. is_complete: it came to its end, and nothing was written or loaded since. */
     uint32_t clock, visit, steps, flags;
+    uint64_t made; /* before it, as lifetimes count */
     int is_complete;
 };
 

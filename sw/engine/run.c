@@ -1,7 +1,9 @@
 /* run.c - a run: who is awake at its beginning, what it cost, how many steps were made. */
 #include "checks.h"
 #include "count.h"
+#include "life.h"
 #include "origin.h"
+#include "part_failures.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -44,19 +46,29 @@ static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
         }
 }
 
+static void add(const fp3_stats *part, fp3_stats *stats) {
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+        stats->counter[i] += part->counter[i];
+    stats->schedulers = part->schedulers;
+    stats->object_steps += part->object_steps;
+    stats->flags |= part->flags;
+}
+
 /* Steps that objects made; their copies of the sleep register have what they held before. */
 static fp3_status count_steps_of(fp3_engine *engine, fp3_members *group, uint32_t steps) {
     const int slept = group->program.slept;
     fp3_status status = FP3_OK;
-    if (slept < 0)
-        group->steps = (uint64_t)group->objects * steps;
-    for (uint32_t i = group->first; slept >= 0 && !status && i < group->first + group->objects;
-         i++) {
+    if (slept < 0 && !engine->lives) {
+        group->steps += (uint64_t)group->objects * steps;
+        return FP3_OK;
+    }
+    for (uint32_t i = group->first; !status && i < group->first + group->objects; i++) {
         uint32_t *now = &engine->slept[i];
-        if (*now)
+        if (!fp3_engine_is_awake(engine, i))
             continue;
-        status = engine->backend->read(engine, i, (uint32_t)slept, now);
-        group->steps += *now ? *now - engine->clock : steps;
+        if (slept >= 0)
+            status = engine->backend->read(engine, i, (uint32_t)slept, now);
+        group->steps += slept >= 0 && *now ? *now - engine->clock : steps;
     }
     return status;
 }
@@ -65,8 +77,9 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
+        const uint64_t before = group->steps;
         status = count_steps_of(engine, group, steps);
-        stats->object_steps += group->steps;
+        stats->object_steps += group->steps - before;
     }
     return status;
 }
@@ -89,37 +102,98 @@ static double count_instructions(const fp3_engine *engine, uint32_t steps) {
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed) {
     if (engine->def.progress && engine->expected > 0)
         engine->def.progress(engine->def.progress_user,
-                             fmin(1, (double)executed / engine->expected));
+                             engine->told +
+                                 engine->part * fmin(1, (double)executed / engine->expected));
 }
 
-/* After an end before its time nobody knows who slept, and the lists are in pieces. */
-static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+static void forget_counters(fp3_engine *engine) {
     memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
+}
+
+/* Steps that the same objects make. After an end before its time nobody knows who slept, and the lists are
+ * in pieces. */
+static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    engine->is_listed &= !fp3_life_has_changed(engine);
+    fp3_status status = list_who_is_awake(engine);
+    if (status)
+        return status;
+    forget_counters(engine);
+    engine->is_slept_known = engine->is_listed = 0;
+    engine->expected = count_instructions(engine, steps);
+    status = engine->backend->run(engine, steps, stats);
+    sum_counters(engine, stats);
+    fp3_life_add_counters(engine);
+    if (!status)
+        status = count_steps(engine, steps, stats);
+    if (!status)
+        engine->is_slept_known = engine->is_listed = 1;
+    return status;
+}
+
+/* Where nobody lives, a run of no steps: it executes nothing. */
+static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    fp3_status status = FP3_OK;
+    uint32_t made = 0;
+    do {
+        fp3_stats part = {0};
+        int is_any = 1;
+        const uint32_t n = steps ? fp3_life_part(engine, steps - made, &is_any) : 0;
+        engine->told = steps ? (double)made / steps : 0;
+        engine->part = steps ? (double)n / steps : 1;
+        status = run_part(engine, is_any ? n : 0, &part);
+        add(&part, stats);
+        if (!status && n < steps && engine->backend->failures)
+            status = fp3_part_failures_add(engine, made);
+        if (!status) {
+            made += n;
+            engine->clock += n;
+            engine->made += n;
+        }
+    } while (!status && made < steps);
+    fp3_life_take_counters(engine);
+    return status;
+}
+
+/* A limit is of one run of the backend. */
+static fp3_status check_limit(fp3_engine *engine, uint32_t steps) {
+    int is_any;
+    if (!engine->def.cycle_limit || !steps || fp3_life_part(engine, steps, &is_any) == steps)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "a cycle limit of %" PRIu64
+                    ": objects are born or gone on the way, which splits the "
+                    "run, and a limit is of one",
+                    engine->def.cycle_limit);
+}
+
+static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    forget_counters(engine);
     for (uint32_t i = 0; i < engine->layout.count; i++)
         engine->layout.groups[i].steps = 0;
     fp3_status status = fp3_engine_check_count(engine, steps);
     if (!status)
-        status = list_who_is_awake(engine);
+        status = check_limit(engine, steps);
     if (!status)
         status = fp3_origin_begin(engine, steps);
     if (status)
         return status;
     const int was_counted = engine->is_counted;
-    engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
+    const uint64_t made = engine->made;
+    engine->is_counted = 0;
     engine->is_touched = 1;
-    engine->expected = count_instructions(engine, steps);
-    status = engine->backend->run(engine, steps, stats);
-    fp3_origin_end(engine, !status, stats->flags);
+    engine->began = engine->clock;
     free(engine->failures);
     engine->failures = NULL;
-    sum_counters(engine, stats);
-    if (!status)
-        status = count_steps(engine, steps, stats);
+    engine->failure_count = 0;
+    status = run_parts(engine, steps, stats);
+    fp3_origin_end(engine, !status, stats->flags);
     if (!status) {
-        engine->is_slept_known = engine->is_listed = 1;
         engine->is_counted = was_counted;
-        engine->clock += steps;
         fp3_engine_count(engine, steps);
+    } else {
+        engine->clock = engine->began;
+        engine->made = made;
+        stats->object_steps = 0;
     }
     return status;
 }

@@ -8,8 +8,9 @@
 #define BLOCK_MOST 262144u       /* objects: a chunk of 1 MB of floats */
 #define BLOCKS_BYTES (48u << 20) /* of all columns together */
 
-/* What a snapshot has besides the values. */
-static const char *const reserved[] = {"step", "time", "object"};
+/* What a snapshot has besides the values; the last only if objects are born and gone. */
+static const char *const reserved[] = {"step", "time", "object", "life"};
+#define LIFE 3
 
 /* ---- finding ---- */
 
@@ -75,11 +76,11 @@ static fp3_status unknown(const fp3_program *program, const char *name, fp3_erro
                     model ? "" : "; definitions and invariants are a model's (*.ode)");
 }
 
-static fp3_status add(const fp3_program *program, const char *name, fp3_columns *columns,
-                      fp3_error *error) {
+static fp3_status add(const fp3_program *program, const char *name, int has_lives,
+                      fp3_columns *columns, fp3_error *error) {
     fp3_column *column = &columns->list[columns->count];
     *column = (fp3_column){.unit = "", .doc = ""};
-    for (size_t i = 0; i < sizeof reserved / sizeof *reserved; i++)
+    for (size_t i = 0; i < LIFE + (size_t)has_lives; i++)
         if (!strcmp(reserved[i], name))
             return fp3_fail(error, FP3_E_ARGUMENT,
                             "'%s' cannot be observed: a snapshot has a %s of its own", name, name);
@@ -96,18 +97,26 @@ static fp3_status add(const fp3_program *program, const char *name, fp3_columns 
 }
 
 /* A model's own; `steps` and what updates lose are the compiler's. */
-static fp3_status add_states(const fp3_program *program, fp3_columns *columns, fp3_error *error) {
+static fp3_status add_states(const fp3_program *program, int has_lives, fp3_columns *columns,
+                             fp3_error *error) {
     const fp3_image *image = program->image;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && program->model && i < program->model->state_count; i++)
-        status = add(program, program->model->states[i].name, columns, error);
+        status = add(program, program->model->states[i].name, has_lives, columns, error);
     for (uint32_t i = 0; !status && !program->model && i < image->symbol_count; i++)
         if (image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
-            status = add(program, image->symbols[i].name, columns, error);
+            status = add(program, image->symbols[i].name, has_lives, columns, error);
     return status ? status
            : columns->count
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT, "the program has no state to observe");
+}
+
+static void add_life(fp3_columns *columns) {
+    fp3_column *column = &columns->list[columns->count++];
+    *column = (fp3_column){
+        .unit = "", .doc = "0: not born yet, 1: alive, 2: gone", .kind = FP3_COLUMN_LIFE};
+    strcpy(column->name, reserved[LIFE]);
 }
 
 /* ---- room ---- */
@@ -136,18 +145,20 @@ static fp3_status make_room(const fp3_program *program, size_t objects, fp3_colu
 }
 
 fp3_status fp3_columns_open(const fp3_program *program, const char *const *names, size_t count,
-                            size_t objects, fp3_columns *columns, fp3_error *error) {
+                            size_t objects, int has_lives, fp3_columns *columns, fp3_error *error) {
     const size_t most = names ? count : 64; /* registers */
     fp3_status status = FP3_OK;
-    *columns = (fp3_columns){.list = calloc(most + 1, sizeof *columns->list)};
+    *columns = (fp3_columns){.list = calloc(most + 2, sizeof *columns->list)};
     if (!columns->list)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!names)
-        status = add_states(program, columns, error);
+        status = add_states(program, has_lives, columns, error);
     for (size_t i = 0; !status && names && i < count; i++)
-        status = add(program, names[i], columns, error);
+        status = add(program, names[i], has_lives, columns, error);
     if (!status && !columns->count)
         status = fp3_fail(error, FP3_E_ARGUMENT, "nothing is observed");
+    if (!status && has_lives)
+        add_life(columns);
     return status ? status : make_room(program, objects, columns, error);
 }
 
@@ -165,6 +176,11 @@ fp3_status fp3_columns_begin(fp3_columns *columns, const fp3_source *source, fp3
     return columns->evaluator ? fp3_evaluator_begin(columns->evaluator, source, error) : FP3_OK;
 }
 
+static void tell_lives(const fp3_engine *engine, size_t first, size_t count, uint32_t *stages) {
+    for (size_t i = 0; i < count; i++)
+        stages[i] = (uint32_t)fp3_engine_life(engine, first + i);
+}
+
 static void fill(const fp3_columns *columns, size_t i) {
     const double *values = fp3_evaluator_values(columns->evaluator, i);
     for (size_t c = 0; c < columns->count; c++)
@@ -176,7 +192,9 @@ fp3_status fp3_columns_read(fp3_columns *columns, const fp3_source *source, uint
                             size_t first, size_t count) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < columns->count; i++)
-        if (columns->list[i].kind != FP3_COLUMN_COMPUTED)
+        if (columns->list[i].kind == FP3_COLUMN_LIFE)
+            tell_lives(source->engine, first, count, columns->list[i].values);
+        else if (columns->list[i].kind != FP3_COLUMN_COMPUTED)
             status = fp3_engine_read(source->engine, first, count, columns->list[i].reg,
                                      columns->list[i].values);
     if (status || !columns->evaluator)

@@ -9,6 +9,7 @@
 typedef enum {
     FP3_COLUMN_STATE,    /* float */
     FP3_COLUMN_SLEPT,    /* uint32_t: the step in which the object fell asleep */
+    FP3_COLUMN_LIFE,     /* uint32_t: an fp3_life_stage */
     FP3_COLUMN_COMPUTED, /* double: a definition or an invariant of the model */
 } fp3_column_kind;
 
@@ -28,11 +29,11 @@ typedef struct {
     fp3_evaluator *evaluator; /* NULL: nothing is computed */
 } fp3_columns;
 
-/* names: NULL for the states. Room for blocks of at most `objects` objects, fewer where there are many
+/* names: NULL for the states. has_lives: objects are born and gone, so the last column says who lives. Room for blocks of at most `objects` objects, fewer where there are many
  * columns. The caller frees *columns, after a failure too. FP3_E_ARGUMENT: no such name, twice the same,
  * or one that stands for a column of its own. */
 fp3_status fp3_columns_open(const fp3_program *program, const char *const *names, size_t count,
-                            size_t objects, fp3_columns *columns, fp3_error *error);
+                            size_t objects, int has_lives, fp3_columns *columns, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_columns_free(fp3_columns *columns);
 

@@ -51,6 +51,7 @@ static fp3_status failed(const hdf5 *self, fp3_error *error) {
 static fp3_hdf5_type type_of(const fp3_column *column) {
     static const fp3_hdf5_type types[] = {[FP3_COLUMN_STATE] = FP3_HDF5_FLOAT,
                                           [FP3_COLUMN_SLEPT] = FP3_HDF5_UINT32,
+                                          [FP3_COLUMN_LIFE] = FP3_HDF5_UINT32,
                                           [FP3_COLUMN_COMPUTED] = FP3_HDF5_DOUBLE};
     return types[column->kind];
 }

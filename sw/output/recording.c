@@ -5,10 +5,10 @@
 #include "hdf5.h"
 #include "plan.h"
 #include "plot.h"
-#include "split.h"
 
 #include "engine/backend.h"
 #include "engine/count.h"
+#include "scene/split.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -121,10 +121,12 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
     if (!status)
         status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
     if (!status && fp3_plan_next(&r->plan, 0) < r->plan.steps)
-        status = fp3_split_check(source, error);
+        status = fp3_split_check(source->program, source->params, source->engine->config->name,
+                                 "snapshots", error);
     if (!status)
-        status = fp3_columns_open(source->program, def->observed, def->observed_count,
-                                  source->objects, &r->columns, error);
+        status =
+            fp3_columns_open(source->program, def->observed, def->observed_count, source->objects,
+                             source->engine->lives != NULL, &r->columns, error);
     if (!status)
         status = fp3_columns_begin(&r->columns, source, error);
     r->counter = calloc(fp3_config_schedulers(source->engine->config), sizeof *r->counter);

@@ -3,7 +3,9 @@
 
 #include "apply.h"
 #include "engine/backend.h"
+#include "lifetime.h"
 #include "scene_read.h"
+#include "split.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -70,12 +72,33 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
     return status;
 }
 
+/* A run is split for the objects of all groups. */
+static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    int is_split = 0;
+    for (size_t i = 0; i < scene->group_count; i++)
+        is_split |= fp3_lifetime_is_any(&scene->groups[i]);
+    for (size_t i = 0; is_split && !status && i < scene->group_count; i++) {
+        const fp3_scene_group *group = &scene->groups[i];
+        fp3_error why = {""};
+        status = fp3_split_check(group->program, group->params, scene->config,
+                                 "births and ends of objects", &why);
+        if (status)
+            fp3_fail(error, status, "%s:%d: %s", scene->path, group->line, why.text);
+    }
+    return status;
+}
+
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
     fp3_status status = load_programs(scene, engine, error);
+    if (!status)
+        status = check_split(scene, error);
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
         const fp3_apply_to to = {engine, i, group->first, group->objects};
         status = fp3_apply(group->program, group->params, &to, error);
+        if (!status)
+            status = fp3_lifetime_apply(group, engine);
     }
     return status;
 }

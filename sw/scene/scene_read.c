@@ -2,6 +2,7 @@
 #include "scene_read.h"
 
 #include "engine/backend.h"
+#include "lifetime.h"
 #include "machine/config.h"
 #include "machine/placement.h"
 #include "text/number.h"
@@ -214,15 +215,31 @@ static fp3_status read_objects(const reader *r, const config_setting_t *from, fp
     return FP3_OK;
 }
 
+/* Before the engine, which knows no line. */
+static fp3_status check_lives(const reader *r, const config_setting_t *from,
+                              const fp3_scene_group *group) {
+    const config_setting_t *born = config_setting_get_member(from, "born");
+    if (!fp3_lifetime_is_any(group) || !r->machine->interleave || r->machine->sleep)
+        return FP3_OK;
+    return fp3_setting_wrong(&r->in, born ? born : config_setting_get_member(from, "gone"),
+                             "born, gone: configuration '%s' has no sleep: all its objects make "
+                             "all steps",
+                             r->machine->name);
+}
+
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
-    static const char *const names[] = {"program", "integrator", "compensated", "objects",
-                                        "params",  "set",        "spread",      NULL};
+    static const char *const names[] = {"program", "integrator", "compensated", "objects", "params",
+                                        "set",     "spread",     "born",        "gone",    NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");
     fp3_status status = fp3_setting_keys(&r->in, from, "a group", names);
     if (!status)
         status = read_objects(r, from, to);
+    if (!status)
+        status = fp3_lifetime_read(&r->in, from, to);
+    if (!status)
+        status = check_lives(r, from, to);
     if (!status)
         status = read_program(r, from, to);
     return status ? status : read_params(r, from, to);

@@ -143,9 +143,9 @@ def test_somewhere_it_must_be_written(start, arguments):
     assert "expected --output FILE" in start("ship.ode", arguments, output=None, code=2).stderr
 
 
-def test_scenes_are_refused(start, root):
+def test_a_scene_of_several_groups_is_refused(start, root):
     done = start("--scene", root / "programs/mixed.scene", code=2)
-    assert "--output, --plot: a scene's groups have states of their own" in done.stderr
+    assert "mixed.scene:13: --output, --plot: 2 groups have states of their own" in done.stderr
 
 
 # ---- files ----

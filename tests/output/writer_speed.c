@@ -85,7 +85,7 @@ int main(int argc, char **argv) {
                      .is_compressed = argc > 4};
     fp3_status status = open_program(&program, &error);
     if (!status)
-        status = fp3_columns_open(&program, NULL, 0, s.objects, &columns, &error);
+        status = fp3_columns_open(&program, NULL, 0, s.objects, 0, &columns, &error);
     const double begin = now();
     if (!status)
         status = write_all(&s, &error);

@@ -204,7 +204,7 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * first part once, the step part once per step, and the last part once. 0 steps execute nothing. An
  * object that falls asleep still executes the last part of that visit, and nothing after it.
  * FP3_E_ARGUMENT: too many, or more than a program can count in `steps` (FP3_STEPS_LIMIT) from what an
- * object has there; nothing was executed.
+ * object has there, or a cycle limit and an object that is born or gone on the way; nothing was executed.
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
  * within a step, a few cycles late. After both, registers can be read, stats (may be NULL) is filled,
  * and the next run numbers its steps as if this one had not been. If the configuration interleaves,
@@ -277,6 +277,21 @@ void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failur
  * (remove). FP3_E_PROGRAM: the program of one of them has no sleep; nothing is changed. */
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
+
+/* Objects first .. first+count-1 live from step `born` to step `gone`, counted from the load: they make the
+ * steps born + 1 .. gone and cost no cycles in any other. Before, they hold what the host wrote; after, what
+ * they had in the end. A load makes all objects live from 0 to FP3_FOREVER. Of an object without sleep, too.
+ * A run is split where an object is born or gone: each part of it executes the first and the last part
+ * of the program, which must only prepare and complete values, and costs the host a look at each object.
+ * FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is loaded. FP3_E_PROGRAM: the
+ * configuration interleaves and has no `sleep`, so it visits all its objects. Nothing is changed then. */
+#define FP3_FOREVER UINT64_MAX
+fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
+                           uint64_t gone);
+
+typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
+/* Of an object, after the runs since the load: FP3_ALIVE if it lives to make the next step. */
+fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
 FP3_API_END
 

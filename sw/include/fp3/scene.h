@@ -20,11 +20,17 @@
 #define FP3_SCENE_H
 
 #include <fp3/api.h>
+#include <fp3/engine.h>
 #include <fp3/program.h>
 #include <stddef.h>
 #include <stdint.h>
 
 FP3_API_BEGIN
+
+/* Steps of the first and of the last object of a group; those of the others lie evenly between, whole. */
+typedef struct {
+    uint64_t first, last;
+} fp3_scene_steps;
 
 typedef struct {
     char *path;                          /* of the program */
@@ -33,7 +39,9 @@ typedef struct {
     /* What the file says. More may be set before fp3_scene_load. */
     fp3_params *params;
     size_t first, objects; /* the group is objects first .. first + objects - 1 */
-    int line;              /* of the scene file */
+    /* fp3_engine_live; born {0, 0} and gone {FP3_FOREVER, FP3_FOREVER} are what the file need not say. */
+    fp3_scene_steps born, gone;
+    int line; /* of the scene file */
 } fp3_scene_group;
 
 /* Read it, never change it (but params). All that it points to belongs to it. */
@@ -54,12 +62,17 @@ fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scen
 /* Sets *scene to NULL; that it was NULL before does no harm. */
 void fp3_scene_close(fp3_scene **scene);
 
+/* The lifetime of an object of a group, 0 .. objects - 1. */
+void fp3_scene_life(const fp3_scene_group *group, size_t object, uint64_t *born, uint64_t *gone);
+
 /* The definition of an engine for the scene: fp3_engine_default() with its engine, configuration,
  * objects and visit. The scene must outlive the engine. */
 fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
 
-/* Loads programs and values into an engine that has as many objects as the scene. What the engine
- * refuses is told where its definition says, with the path and the line of `groups` in front. */
+/* Loads programs, values and lifetimes into an engine that has as many objects as the scene. What the engine
+ * refuses is told where its definition says, with the path and the line of `groups` in front.
+ * FP3_E_ARGUMENT: also if objects have lifetimes, which split a run, and a program's first or last part does
+ * more than prepare and complete values. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
 
 FP3_API_END
