@@ -5,6 +5,7 @@
 #include "cli.h"
 #include "files.h"
 #include "progress.h"
+#include "run_adaptive.h"
 #include "run_print.h"
 #include "run_record.h"
 
@@ -23,6 +24,7 @@ typedef struct {
     fp3_run_record record;
     fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
+    fp3_program_def how;
     double clock; /* Hz; 0: not given */
     fp3_progress *progress;
 } options;
@@ -46,13 +48,21 @@ enum {
     KEY_OUTPUT,
     KEY_COMPRESS,
     KEY_PLOT,
-    KEY_THREADS
+    KEY_THREADS,
+    KEY_TOLERANCE,
+    KEY_UNTIL
 };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
+    {"tolerance", KEY_TOLERANCE, "TOL", 0,
+     "Of a model: each object chooses its own steps, so that the error of each is about TOL, "
+     "relative and absolute; the integrator has an error estimate",
+     0},
+    {"until", KEY_UNTIL, "TIME", 0,
+     "With --tolerance: where objects end (default: the model's span)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, or "
@@ -61,7 +71,9 @@ static const struct argp_option table[] = {
      0},
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
     {"steps", 'n', "N", 0,
-     "How often the step part runs (default: 1; with --times until the last of them)", 0},
+     "How often the step part runs (default: 1; with --times until the last of them; with "
+     "--tolerance 1000000, and objects end before)",
+     0},
     {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
      0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
@@ -120,6 +132,7 @@ static void check(const options *o, struct argp_state *state) {
     if (o->program && o->scene)
         argp_error(state, "--scene: found '%s', but the scene names its programs itself",
                    o->program);
+    fp3_run_adaptive_check(&o->how, o->is_model, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
     if ((o->integrator || o->is_compensated) && !o->is_model)
@@ -141,6 +154,8 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state,
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
                    "for each snapshot");
+    if (fp3_run_record_is_asked(&o->record) && o->how.is_adaptive)
+        argp_error(state, "--tolerance: --output and --plot are of fixed steps");
     fp3_run_record_check(&o->record, state);
 }
 
@@ -179,6 +194,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_MODEL:
         o->is_model = 1;
+        break;
+    case KEY_TOLERANCE:
+        fp3_run_adaptive_tolerance(&o->how, state, text);
+        break;
+    case KEY_UNTIL:
+        fp3_run_adaptive_until(&o->how, state, text);
         break;
     case KEY_THREADS:
         o->threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
@@ -299,7 +320,7 @@ static fp3_status record(options *o, const fp3_run_task *of, fp3_engine *engine,
 static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *def, int *has_run,
                       fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_cost cost = {0};
+    fp3_cost cost = {.is_adaptive = o->how.is_adaptive};
     fp3_status status = fp3_engine_open(def, &engine);
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
@@ -309,8 +330,10 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
-        status = fp3_run_record_is_asked(&o->record)
-                     ? record(o, of, engine, &cost, error)
+        status = fp3_run_record_is_asked(&o->record) ? record(o, of, engine, &cost, error)
+                 : cost.is_adaptive
+                     ? fp3_adaptive_run(engine, o->has_steps ? o->steps : FP3_ADAPTIVE_ATTEMPTS,
+                                        &cost.stats)
                      : fp3_engine_run(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
@@ -401,14 +424,14 @@ static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_e
 }
 
 static fp3_status run_program(options *o, char **report, fp3_error *error) {
-    fp3_program_def how = fp3_program_default();
+    fp3_program_def how = o->how;
     fp3_engine_def def = fp3_engine_default();
     fp3_program *program = NULL;
     def.config = o->config ? o->config : o->is_model ? how.compile.config : def.config;
     how.is_model = o->is_model;
     how.compile.config = def.config;
     how.compile.is_compensated = o->is_compensated;
-    how.integrator = o->integrator ? o->integrator : how.integrator;
+    how.integrator = o->integrator ? o->integrator : how.is_adaptive ? "dopri5" : how.integrator;
     def.objects = (uint32_t)o->objects;
     define(o, &def, error);
     fp3_status status = fp3_program_open(o->program, &how, &program, report, error);
@@ -436,7 +459,7 @@ static fp3_status run_scene(options *o, fp3_error *error) {
 }
 
 int fp3_cmd_run(int argc, char **argv) {
-    options o = {.steps = 1, .record.def = fp3_recording_default()};
+    options o = {.steps = 1, .how = fp3_program_default(), .record.def = fp3_recording_default()};
     const struct argp argp = {
         .options = table,
         .parser = parse,

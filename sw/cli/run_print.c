@@ -1,6 +1,8 @@
 /* run_print.c - see run_print.h. */
 #include "run_print.h"
 
+#include "run_adaptive.h"
+
 #include <fp3/trace.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -94,6 +96,10 @@ static void print_failed(fp3_engine *engine, const part *of, const fp3_cost *cos
 }
 
 static void print_status(fp3_engine *engine, const part *of, const fp3_cost *cost) {
+    if (cost->is_adaptive) {
+        fp3_run_adaptive_print(engine, NULL);
+        return;
+    }
     print_asleep(engine, of);
     print_failed(engine, of, cost);
 }
@@ -205,6 +211,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
 
 fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error) {
     const size_t objects = fp3_engine_objects(engine);
+    if (cost->is_adaptive)
+        return fp3_run_adaptive_judge(engine, error);
     fp3_failure failure;
     char text[FP3_FAILURE_TEXT_SIZE];
     fp3_status status = find_failure(engine, &(part){.objects = objects}, cost, &failure);

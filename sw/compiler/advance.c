@@ -34,7 +34,20 @@ term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state) {
 
 /* n h, or (n + 1) h: one rounding each, and the second is the first of the next step. Between them
  * n h + c h, where c h is a known value. n is exact, so no error adds up over steps. */
+static term own_time(const fp3_advance *a, dag *g, double c) {
+    const int is_end = fabs(c - 1) < COEFFICIENT_ERROR, is_begin = fabs(c) < COEFFICIENT_ERROR;
+    const uint32_t outside = g->note;
+    if (is_begin || is_end)
+        return is_end ? a->end : a->begin;
+    g->note = fp3_note(&a->step->notes, "t + %.6g h", c);
+    const term t = fp3_term_add(g, a->begin, fp3_advance_scaled_step(a, c, 1));
+    g->note = outside;
+    return t;
+}
+
 term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
+    if (a->is_adaptive)
+        return own_time(a, g, c);
     const uint32_t outside = g->note;
     const int is_end = fabs(c - 1) < COEFFICIENT_ERROR, is_begin = fabs(c) < COEFFICIENT_ERROR;
     term n = fp3_advance_held(a, g, ROLE_STEPS, FP3_NONE);
@@ -53,8 +66,19 @@ term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
     return t;
 }
 
+/* coefficient * h^n where the object has its own h. */
+static term own_scaled_step(const fp3_advance *a, double coefficient, unsigned n) {
+    dag *g = &a->step->values;
+    term made = fp3_term(fp3_dag_number(g, fabs(coefficient)));
+    for (; n; n--)
+        made = fp3_dag_is_number(g, made.node, 1) ? a->h : fp3_term_mul(g, made, a->h);
+    return coefficient < 0 ? fp3_term_negated(made) : made;
+}
+
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n) {
     known_table *known = &a->step->known;
+    if (a->is_adaptive)
+        return own_scaled_step(a, coefficient, n);
     uint32_t made = fp3_known_number(known, fabs(coefficient));
     for (; n; n--)
         made = fp3_known_make(known, KNOWN_MUL, made, fp3_known_step(known));

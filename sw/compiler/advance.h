@@ -16,6 +16,14 @@ typedef struct {
     lowering *places; /* of each stage or substep, for expressions there */
     uint32_t place_count;
     term *now, *lost; /* of each live state; they become those after the step */
+    /* Adaptive steps (adaptive.h): the step is a value of the object. */
+    int is_adaptive;
+    term begin, h, end; /* t, the step that is made, t + h */
+    term *error;        /* of each live state: how wrong the step is, as the method estimates it */
+    term *slope;        /* likewise, where has_slope: its derivative at the new states */
+    int has_slope;
+    uint32_t is_attempt, is_good,
+        by; /* nodes: there is a step; it is accepted; the next is longer by */
 } fp3_advance;
 
 /* Opens a step's places: `state` gives the value of a state at one of them, and gets `user`; their

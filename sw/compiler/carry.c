@@ -64,9 +64,16 @@ static void mark_frontier(const carrying *c) {
             c->is_frontier[c->step->variables[i].next] = 1;
 }
 
+static int is_kept(const fp3_step *step, uint32_t node) {
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        if (step->variables[i].first == node)
+            return 1;
+    return 0;
+}
+
 static int add_variables(const carrying *c) {
     for (uint32_t i = 0; i < c->step->values.count; i++) {
-        if (!c->is_frontier[i])
+        if (!c->is_frontier[i] || is_kept(c->step, i))
             continue;
         if (!fp3_step_add(c->step, ROLE_CARRIED, FP3_NONE))
             return 0;

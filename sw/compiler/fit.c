@@ -3,6 +3,8 @@
 
 #include "notes.h"
 
+#include <fp3/adaptive.h>
+
 #include <assert.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -42,6 +44,13 @@ int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_even
     return 0;
 }
 
+int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model) {
+    for (uint32_t i = 0; i < model->event_count; i++)
+        if (fp3_fit_has_event(fit, model, &model->events[i]))
+            return 1;
+    return 0;
+}
+
 static void find_needs(const fitting *f) {
     for (uint32_t i = 0; i < f->model->expr_count; i++) {
         const fp3_expr *e = &f->model->exprs[i];
@@ -65,6 +74,12 @@ static uint64_t found_by(const fitting *f, uint32_t state) {
     return f->integrator->kind == FP3_STOERMER && position != FP3_NONE ? BIT(position) : 0;
 }
 
+/* Those behind state t. */
+static uint64_t find_control(const fp3_model *model) {
+    const uint32_t first = fp3_model_adapted(model);
+    return first == FP3_NONE ? 0 : ((UINT64_C(1) << 6) - 1) << first;
+}
+
 /* What is needed to change the states of this set, if events do. */
 static uint64_t needs_of_events(const fitting *f, uint64_t states) {
     uint64_t needs = 0;
@@ -84,6 +99,8 @@ static void find_live(const fitting *f, const fp3_options *options) {
     const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
     uint64_t *live = &f->fit->live;
     *live = fp3_has_pass(options, FP3_PASS_DEAD) ? options->observed : all;
+    if (f->fit->control) /* an object needs t and h, whoever looks */
+        *live |= UINT64_C(3) << fp3_model_adapted(f->model);
     for (uint64_t before = ~*live; before != *live;) {
         before = *live;
         for (uint32_t s = 0; s < count; s++)
@@ -151,19 +168,23 @@ static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
     return check_stoermer_events(f, error);
 }
 
-static fp3_status check(const fitting *f, fp3_error *error) {
-    if (f->integrator->kind == FP3_RUNGE_KUTTA)
+static fp3_status check_adaptive(const fitting *f, fp3_error *error) {
+    if (!f->fit->control || f->integrator->embedded_order)
         return FP3_OK;
-    fp3_status status = check_splitting(f, error);
-    return status || f->integrator->kind == FP3_SPLITTING ? status : check_stoermer(f, error);
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "adaptive steps need an estimate of the error: integrator '%s' has none "
+                    "(`embedded` in its table)",
+                    f->integrator->name);
 }
 
-/* An event happens up to a step late. */
-static int has_events(const fitting *f) {
-    for (uint32_t i = 0; i < f->model->event_count; i++)
-        if (fp3_fit_has_event(f->fit, f->model, &f->model->events[i]))
-            return 1;
-    return 0;
+static fp3_status check(const fitting *f, fp3_error *error) {
+    const fp3_status status = check_adaptive(f, error);
+    if (status)
+        return status;
+    if (f->integrator->kind == FP3_RUNGE_KUTTA)
+        return FP3_OK;
+    const fp3_status split = check_splitting(f, error);
+    return split || f->integrator->kind == FP3_SPLITTING ? split : check_stoermer(f, error);
 }
 
 static uint32_t first_of(uint64_t states) {
@@ -175,7 +196,7 @@ static uint32_t first_of(uint64_t states) {
 
 static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
-    if (has_events(f))
+    if (fp3_fit_has_events(f->fit, f->model)) /* each happens up to a step late */
         return 1;
     if (integrator->kind == FP3_RUNGE_KUTTA)
         return integrator->is_position_late && f->fit->live & f->fit->positions
@@ -213,7 +234,10 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
                         const fp3_options *options, fp3_fit *fit, fp3_error *error) {
     fitting f = {.model = model, .integrator = integrator, .fit = fit};
     assert(model->state_count <= FP3_STATES_MAX);
-    *fit = (fp3_fit){.positions = find_positions(model), .fallen = FP3_NONE, .by = FP3_NONE};
+    *fit = (fp3_fit){.positions = find_positions(model),
+                     .control = find_control(model),
+                     .fallen = FP3_NONE,
+                     .by = FP3_NONE};
     f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);
     f.needs_time = calloc(model->expr_count + 1u, 1);
     fp3_status status =

@@ -10,6 +10,7 @@
 typedef struct {
     uint64_t live;      /* what somebody observes, and what that depends on */
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
+    uint64_t control;   /* adaptive steps: t, h and what counts them */
     int has_time;       /* the equations or events of a live state have t in them */
     unsigned order;     /* theoretical, of the worst live state */
     /* A live state that brings the order of a splitting down to 1, and a state that is no position and
@@ -24,6 +25,9 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
 /* Whether the event changes a live state. */
 int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event);
 
+/* Whether any does. */
+int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model);
+
 /* Says so: *warning is NULL where no state is fallen; else the caller frees it. */
 fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
                         const fp3_integrator *integrator, char **warning, fp3_error *error);
@@ -33,6 +37,11 @@ uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_
 
 static inline int fp3_fit_is_live(const fp3_fit *fit, uint32_t state) {
     return (int)(fit->live >> state & 1);
+}
+
+/* A live state that the integrator advances. */
+static inline int fp3_fit_is_moved(const fp3_fit *fit, uint32_t state) {
+    return (int)((fit->live & ~fit->control) >> state & 1);
 }
 
 static inline int fp3_fit_is_position(const fp3_fit *fit, uint32_t state) {

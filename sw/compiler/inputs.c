@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-int fp3_inputs_has_variable(const variable *v) { return v->role != ROLE_CARRIED; }
+int fp3_inputs_has_variable(const variable *v) {
+    return v->role != ROLE_CARRIED && v->role != ROLE_SLEPT; /* awake, without a word */
+}
 
 int fp3_inputs_has_constant(const fp3_step *step, const conversion *c, uint32_t constant) {
     return step->known.list[c->constants[constant]].op != KNOWN_NUMBER;

@@ -1,6 +1,7 @@
 /* integrate.c - the variables of a step, and what becomes of them. */
 #include "integrate.h"
 
+#include "adaptive.h"
 #include "advance.h"
 #include "events.h"
 #include "runge_kutta.h"
@@ -15,7 +16,8 @@ static fp3_status no_memory(fp3_error *error) {
 
 static int add_variables(const fp3_advance *a, role role, int positions, int others) {
     for (uint32_t s = 0; s < a->step->model->state_count; s++)
-        if (fp3_fit_is_live(a->fit, s) && (fp3_fit_is_position(a->fit, s) ? positions : others) &&
+        if ((role == ROLE_STATE ? fp3_fit_is_live : fp3_fit_is_moved)(a->fit, s) &&
+            (fp3_fit_is_position(a->fit, s) ? positions : others) &&
             !fp3_step_add(a->step, role, s))
             return 0;
     return 1;
@@ -29,7 +31,7 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
         !add_variables(a, ROLE_LOST, has_lost, has_lost && !is_stoermer) ||
         !add_variables(a, ROLE_BEFORE, is_stoermer, 0) ||
         !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0) ||
-        (a->fit->has_time && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)))
+        (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)))
         return no_memory(error);
     for (uint32_t i = 0; i < a->step->variable_count; i++) {
         const variable *v = &a->step->variables[i];
@@ -52,6 +54,8 @@ static term next_of(const fp3_advance *a, const variable *v) {
         g->note = fp3_note(&a->step->notes, "steps made");
         return fp3_term_add(g, fp3_advance_held(a, g, v->role, v->state),
                             fp3_term(fp3_dag_number(g, 1)));
+    case ROLE_SLEPT:
+        return fp3_advance_held(a, g, v->role, v->state);
     default:
         return fp3_advance_held(a, g, v->role == ROLE_BEFORE ? ROLE_STATE : ROLE_LOST, v->state);
     }
@@ -74,21 +78,34 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     fp3_advance a = {.step = step, .integrator = integrator, .options = options, .fit = fit};
     a.now = calloc(model->state_count + 1u, sizeof *a.now);
     a.lost = calloc(model->state_count + 1u, sizeof *a.lost);
+    a.error = calloc(model->state_count + 1u, sizeof *a.error);
+    a.slope = calloc(model->state_count + 1u, sizeof *a.slope);
+    a.is_adaptive = fit->control != 0;
     fp3_status status = fp3_step_open(step, model, options, error);
-    if (!status && (!a.now || !a.lost))
+    if (!status && (!a.now || !a.lost || !a.error || !a.slope))
         status = no_memory(error);
     if (!status)
         status = make_variables(&a, error);
     if (!status)
+        status = fp3_adaptive_begin(&a, error);
+    if (!status)
         status = advance(&a, error);
     if (!status)
+        status = fp3_adaptive_judge(&a, error);
+    if (!status)
         status = fp3_events(&a, error);
+    if (!status)
+        status = fp3_adaptive_accept(&a, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++)
-        step->variables[i].next = fp3_term_value(&step->values, next_of(&a, &step->variables[i]));
+        if (step->variables[i].next == FP3_NONE) /* else fp3_adaptive_accept has made it */
+            step->variables[i].next =
+                fp3_term_value(&step->values, next_of(&a, &step->variables[i]));
     for (uint32_t i = 0; i < a.place_count; i++)
         fp3_lower_close(&a.places[i]);
     free(a.places);
     free(a.now);
     free(a.lost);
+    free(a.error);
+    free(a.slope);
     return status ? status : fp3_step_check(step, error);
 }

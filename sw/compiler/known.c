@@ -116,6 +116,15 @@ uint32_t fp3_known_model(known_table *table, uint32_t expr) {
         (known){.op = KNOWN_MODEL, .a = table->same[expr], .is_shared = table->is_shared[expr]});
 }
 
+uint32_t fp3_known_param(known_table *table, const char *name) {
+    const fp3_model *model = table->model;
+    const uint32_t param = fp3_model_param(model, name);
+    uint32_t e = 0;
+    while (model->exprs[e].op != FP3_EXPR_PARAM || model->exprs[e].index != param)
+        e++;
+    return fp3_known_model(table, e);
+}
+
 int fp3_known_constant(known_table *table, uint32_t expr, double *value) {
     const fp3_model *model = table->model;
     if (table->has_failed || !model->exprs[expr].is_known || !table->is_constant[expr])

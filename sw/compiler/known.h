@@ -45,6 +45,8 @@ void fp3_known_close(known_table *table);
 uint32_t fp3_known_number(known_table *table, double number);
 uint32_t fp3_known_step(known_table *table);
 uint32_t fp3_known_model(known_table *table, uint32_t expr);
+/* A param of the model that an expression reads. */
+uint32_t fp3_known_param(known_table *table, const char *name);
 uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b);
 
 /* Whether no param is in an expression of the model that is_known; then its value. */

@@ -107,6 +107,8 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
     char wanted[FP3_NAME_SIZE + 16];
     if (v->role == ROLE_STEPS)
         snprintf(wanted, sizeof wanted, "%s", FP3_NAME_STEPS);
+    else if (v->role == ROLE_SLEPT)
+        snprintf(wanted, sizeof wanted, "slept");
     else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
     else

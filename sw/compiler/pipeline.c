@@ -4,6 +4,7 @@
 #include "carry.h"
 #include "check.h"
 #include "integrate.h"
+#include "rest.h"
 #include "schedule/schedule.h"
 
 /* Fewer cycles are better, then fewer instructions. */
@@ -92,7 +93,9 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
     status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);
     if (!status && fp3_has_pass(options, FP3_PASS_CARRY))
         status = fp3_carry(&p->step, error);
-    return status ? status : schedule(p, options, error);
+    if (!status)
+        status = schedule(p, options, error);
+    return status ? status : fp3_rest(&p->step, &p->code, options->config, p->schedule, error);
 }
 
 void fp3_pipeline_close(fp3_pipeline *p) {

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ESTIMATE_LEAST 1e-12 /* what is left of equal weights that were written as fractions */
+
 /* A row of the table without its zeros. */
 typedef struct {
     double c;
@@ -139,11 +141,20 @@ static int is_late(const runge_kutta *r, uint32_t state) {
     return r->a->integrator->is_position_late && fp3_fit_is_position(r->a->fit, state);
 }
 
+/* The last stage of a pair is at the new state itself: only then do its slopes serve the next step. */
+static int is_at_new(const runge_kutta *r, uint32_t place) {
+    const fp3_integrator *integrator = r->a->integrator;
+    return r->a->is_adaptive && integrator->is_first_same_as_last &&
+           place + 1 == integrator->stages;
+}
+
 static term state_at(lowering *l, uint32_t state) {
     runge_kutta *r = l->user;
     const uint32_t i = cell(r, l->index, state);
     if (l->index == 0 || is_late(r, state))
         return held(r, state);
+    if (is_at_new(r, l->index))
+        return r->a->now[state];
     if (!r->has_stage[i]) {
         const uint32_t outside = values(r)->note;
         summand list[FP3_STAGES_MAX];
@@ -192,6 +203,24 @@ static void advance_late(runge_kutta *r, uint32_t s) {
     r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
 }
 
+/* The distance of the two methods of a pair. */
+static void estimate(runge_kutta *r, uint32_t s) {
+    const fp3_integrator *integrator = r->a->integrator;
+    double c[FP3_STAGES_MAX];
+    summand list[FP3_STAGES_MAX];
+    for (unsigned i = 0; i < integrator->stages; i++)
+        c[i] = fabs(integrator->b[i] - integrator->embedded[i]) < ESTIMATE_LEAST
+                   ? 0
+                   : integrator->b[i] - integrator->embedded[i];
+    const unsigned n = row(r, c, integrator->stages, s, list);
+    values(r)->note = fp3_note(notes(r), "error of %s", name_of(r, s));
+    r->a->error[s] = increment(r, list, n);
+    r->a->has_slope = integrator->is_first_same_as_last;
+    if (r->a->has_slope)
+        r->a->slope[s] = fp3_lower(&r->a->places[integrator->stages - 1],
+                                   r->a->step->model->states[s].derivative);
+}
+
 fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
     const uint32_t states = a->step->model->state_count;
     const size_t cells = (size_t)a->integrator->stages * states + 1u;
@@ -209,8 +238,11 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
         a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
     for (int late = 0; !status && late < 2; late++)
         for (uint32_t s = 0; s < states; s++)
-            if (fp3_fit_is_live(a->fit, s) && is_late(&r, s) == late)
+            if (fp3_fit_is_moved(a->fit, s) && is_late(&r, s) == late)
                 (late ? advance_late : advance_early)(&r, s);
+    for (uint32_t s = 0; !status && a->is_adaptive && s < states; s++)
+        if (fp3_fit_is_moved(a->fit, s))
+            estimate(&r, s);
     free(r.stage);
     free(r.slope);
     free(r.has_stage);

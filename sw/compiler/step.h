@@ -16,6 +16,7 @@ typedef enum {
     ROLE_BEFORE,      /* the state one step ago */
     ROLE_LOST_BEFORE, /* what was lost one step ago */
     ROLE_STEPS,       /* how many steps were made: t is that times h */
+    ROLE_SLEPT,       /* adaptive steps: written by `sleep`; 0: awake */
     ROLE_CARRIED      /* a value that the next step needs again; the host does not see it */
 } role;
 
@@ -34,6 +35,9 @@ typedef struct {
     dag last;   /* of the last part: its variables are those after the step */
     variable *variables;
     uint32_t variable_count, variable_room;
+    uint32_t
+        tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: nobody sleeps */
+    uint32_t rest_note;
     fp3_notes notes;
 } fp3_step;
 

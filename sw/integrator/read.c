@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "conditions.h"
+#include "embedded.h"
 #include "settings/settings.h"
 
 typedef struct {
@@ -33,6 +34,8 @@ static const struct {
     {"late_position", KIND(FP3_RUNGE_KUTTA)},
     {"A", KIND(FP3_RUNGE_KUTTA)},
     {"b", KIND(FP3_RUNGE_KUTTA)},
+    {"embedded", KIND(FP3_RUNGE_KUTTA)},
+    {"embedded_order", KIND(FP3_RUNGE_KUTTA)},
     {"substeps", KIND(FP3_SPLITTING)},
 };
 enum { KEYS = sizeof keys / sizeof *keys };
@@ -154,27 +157,53 @@ static fp3_status read_row(const reader *r, const config_setting_t *row, unsigne
     return status;
 }
 
-static fp3_status read_weights(const reader *r) {
-    const config_setting_t *b = fp3_setting_need(&r->in, "b");
+/* `weights`, one for each row of A, which add up to 1. */
+static fp3_status read_weights(const reader *r, const char *key, double *weights) {
+    const config_setting_t *b = fp3_setting_need(&r->in, key);
     if (!b)
         return FP3_E_PROGRAM;
     if (!fp3_setting_is_list(b))
-        return fp3_setting_expected(&r->in, b, "b", "a list ( )");
+        return fp3_setting_expected(&r->in, b, key, "a list ( )");
     const unsigned length = (unsigned)config_setting_length(b);
     if (length != r->table->stages)
         return fp3_setting_wrong(&r->in, b,
-                                 "b: found the length %u, expected %u, one for each row of A",
+                                 "%s: found the length %u, expected %u, one for each row of A", key,
                                  length, r->table->stages);
     fp3_status status = FP3_OK;
     double sum = 0;
     for (unsigned i = 0; i < length && !status; i++) {
         char what[32];
-        snprintf(what, sizeof what, "b[%u]", i + 1);
-        status = read_coefficient(r, config_setting_get_elem(b, i), what, &r->table->b[i]);
-        sum += r->table->b[i];
+        snprintf(what, sizeof what, "%s[%u]", key, i + 1);
+        status = read_coefficient(r, config_setting_get_elem(b, i), what, &weights[i]);
+        sum += weights[i];
     }
     if (!status && !(fabs(sum - 1) <= FP3_CONDITION_TOLERANCE))
-        status = fp3_setting_wrong(&r->in, b, "b: found the sum %.12g, expected 1", sum);
+        status = fp3_setting_wrong(&r->in, b, "%s: found the sum %.12g, expected 1", key, sum);
+    return status;
+}
+
+/* The keys are optional, but stand together. */
+static fp3_status read_embedded(const reader *r) {
+    fp3_integrator *table = r->table;
+    const config_setting_t *order = config_setting_get_member(r->in.root, "embedded_order");
+    uint64_t claimed = 0;
+    if (!order && !config_setting_get_member(r->in.root, "embedded"))
+        return FP3_OK;
+    fp3_status status = read_weights(r, "embedded", table->embedded);
+    if (!status && !(order = fp3_setting_need(&r->in, "embedded_order")))
+        status = FP3_E_PROGRAM;
+    if (!status)
+        status = fp3_setting_count(&r->in, order, "embedded_order", 1, FP3_TREE_ORDER, &claimed);
+    if (!status && !fp3_embedded_find(table))
+        status = fp3_setting_wrong(
+            &r->in, order, "embedded: found the weights b, expected those of another method");
+    if (!status && table->embedded_order < claimed)
+        status =
+            fp3_setting_wrong(&r->in, order, "embedded_order %u claimed: the weights have order %u",
+                              (unsigned)claimed, table->embedded_order);
+    if (!status && table->is_position_late)
+        status =
+            fp3_setting_wrong(&r->in, order, "embedded: a late position has no error estimate");
     return status;
 }
 
@@ -184,8 +213,10 @@ static fp3_status read_runge_kutta(const reader *r) {
     for (unsigned i = 0; !status && i < r->table->stages; i++)
         status = read_row(r, config_setting_get_elem(a, i), i);
     if (!status)
-        status = read_weights(r);
-    return status ? status : read_late(r);
+        status = read_weights(r, "b", r->table->b);
+    if (!status)
+        status = read_late(r);
+    return status ? status : read_embedded(r);
 }
 
 static fp3_status read_substep(const reader *r, const config_setting_t *setting, unsigned i) {

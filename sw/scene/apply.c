@@ -7,6 +7,7 @@
 #include "text/number.h"
 
 #include <assert.h>
+#include <fp3/adaptive.h>
 #include <fp3/start.h>
 #include <math.h>
 #include <stdlib.h>
@@ -125,7 +126,8 @@ static uint32_t steps_input(const fp3_compiled *c) {
 
 static int model_has(const void *of, const char *name) {
     const fp3_program *program = of;
-    return strcmp(name, FP3_NAME_STEP) == 0 ||
+    const int is_adapted = fp3_model_adapted(program->model) != FP3_NONE; /* h_next is a state */
+    return (strcmp(name, FP3_NAME_STEP) == 0 && !is_adapted) ||
            (strcmp(name, FP3_NAME_STEPS) == 0 && steps_input(program->compiled) != FP3_NONE) ||
            fp3_model_param(program->model, name) != FP3_NONE ||
            fp3_model_state(program->model, name) != FP3_NONE;

@@ -11,7 +11,8 @@
 #include "text/report.h"
 
 fp3_program_def fp3_program_default(void) {
-    return (fp3_program_def){.integrator = "rk4", .compile = fp3_compile_default()};
+    return (fp3_program_def){
+        .integrator = "rk4", .adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
 }
 
 static int ends(const char *path, const char *end) {
@@ -65,6 +66,11 @@ static fp3_status compile(const char *path, const fp3_program_def *def, fp3_prog
     fp3_status status = fp3_file_read(path, &text, &size, error);
     if (!status)
         status = fp3_model_read(text, size, path, &program->model, report, error);
+    if (!status && def->is_adaptive) {
+        status = fp3_model_adapt(program->model, &def->adaptive, &why);
+        if (status)
+            fp3_fail(error, status, "%s: %s", path, why.text);
+    }
     if (!status)
         status = fp3_integrator_find(def->integrator, &program->integrator, error);
     if (!status) {

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "before.h"
+#include "compiler/adapted.h"
 #include "compiler/compiled.h"
 #include "compiler/inputs.h"
 #include "text/number.h"
@@ -72,6 +73,8 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
         known && start && inputs ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_known_evaluate(&step->known, params, h, known, error);
+    if (!status)
+        status = fp3_adapted_check(step->model, &k->options, params, initial, error);
     if (!status)
         status = fp3_before_start(step, params, initial, h, start, error);
     if (!status) {

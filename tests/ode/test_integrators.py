@@ -168,7 +168,7 @@ WRONG = [
     (RK4, "order = 4", "order = 4.0", 1, "order: found '4.0', expected an integer from 1 to 8"),
     (RK4, "order = 4", "order = 0", 1, "order: found '0', expected an integer from 1 to 8"),
     (RK4, "order = 4", "order = 9", 1, "order: found '9', expected an integer from 1 to 8"),
-    (RK4, "b = (", "B = (", 6, "found 'B', expected a setting of an integrator: name, doc, source, kind, order, late_position, A, b, substeps (did you mean 'b'?)"),
+    (RK4, "b = (", "B = (", 6, "found 'B', expected a setting of an integrator: name, doc, source, kind, order, late_position, A, b, embedded, embedded_order, substeps (did you mean 'b'?)"),
     (RK4, "b = (", "substeps = (); b = (", 6, "found 'substeps', which kind runge-kutta does not have"),
     (RK4, "b = (", "late_position = 1; b = (", 6, "late_position: found '1', expected true or false"),
     (RK4, "A = (", "X = (", 2, "found 'X'"),

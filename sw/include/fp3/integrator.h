@@ -43,6 +43,12 @@ typedef struct {
     int is_position_late;
     unsigned position_order; /* order of such a state: 1 if late, else order */
     fp3_substep substeps[FP3_STAGES_MAX];
+    /* Runge-Kutta: weights of a second method on the same stages, whose distance from the first is the
+     * estimate of the error that adaptive steps need. */
+    double embedded[FP3_STAGES_MAX];
+    unsigned embedded_order; /* 0: there is none */
+    /* The last stage is at the new state, so it is the first one of the next step. */
+    int is_first_same_as_last;
 } fp3_integrator;
 
 /* text is a table in libconfig's syntax; name is for messages ("name:line: found ..., expected ...").

@@ -11,6 +11,7 @@
 #ifndef FP3_PROGRAM_H
 #define FP3_PROGRAM_H
 
+#include <fp3/adaptive.h>
 #include <fp3/api.h>
 #include <fp3/compile.h>
 #include <fp3/engine.h>
@@ -23,10 +24,12 @@ FP3_API_BEGIN
 typedef struct {
     const char *integrator; /* a built-in table, or a file */
     int is_model;           /* the program is a model, whatever its name */
+    int is_adaptive;        /* the model is adapted (fp3/adaptive.h), as `adaptive` says */
+    fp3_adaptive_def adaptive;
     fp3_compile_def compile;
 } fp3_program_def;
 
-/* "rk4", and fp3_compile_default(). */
+/* "rk4", fixed steps, fp3_adaptive_default() and fp3_compile_default(). */
 fp3_program_def fp3_program_default(void);
 
 /* Read it, never change it. All that it points to belongs to it. */

@@ -56,6 +56,7 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
 
 /* What the whole run cost and who failed in it. */
 typedef struct {
+    int is_adaptive; /* fp3/adaptive.h says who failed, not `failure` */
     fp3_stats stats; /* sums over its parts; cycles: of each part the maximum */
     /* Of all parts, as of fp3_engine_failure. A state that is not finite at a snapshot is a failure. */
     fp3_failure failure;

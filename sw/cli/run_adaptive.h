@@ -1,0 +1,20 @@
+/* run_adaptive.h - fp3 run with steps that objects choose: its options, what is printed, who failed. */
+#ifndef FP3_RUN_ADAPTIVE_H
+#define FP3_RUN_ADAPTIVE_H
+
+#include <argp.h>
+#include <fp3/adaptive.h>
+#include <fp3/program.h>
+
+/* What an option says; ends with 2 and a message where it cannot be. */
+void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);
+void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text);
+/* After the last option. */
+void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
+
+/* Prints how many steps objects made, and who did not end. */
+fp3_status fp3_run_adaptive_print(fp3_engine *engine, fp3_error *error);
+/* FP3_E_FAILED: somebody did not end. */
+fp3_status fp3_run_adaptive_judge(fp3_engine *engine, fp3_error *error);
+
+#endif

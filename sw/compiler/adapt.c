@@ -1,0 +1,117 @@
+/* adapt.c - the states and params that adaptive steps add to a model. */
+#include <fp3/adaptive.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "options.h"
+
+#define NO_STEP_YET 3.4028234e38 /* of `smallest`: the largest number there is */
+
+typedef struct {
+    const char *name, *doc;
+    double value;
+    int is_shared;
+} addition;
+
+fp3_adaptive_def fp3_adaptive_default(void) { return (fp3_adaptive_def){.tolerance = 1e-5}; }
+
+uint32_t fp3_model_adapted(const fp3_model *model) {
+    return fp3_model_state(model, "t"); /* a text cannot declare it: t is reserved */
+}
+
+static int is_taken(const fp3_model *model, const char *name) {
+    for (uint32_t i = 0; i < model->definition_count; i++)
+        if (!strcmp(model->definitions[i].name, name))
+            return 1;
+    for (uint32_t i = 0; i < model->invariant_count; i++)
+        if (!strcmp(model->invariants[i].name, name))
+            return 1;
+    return fp3_model_state(model, name) != FP3_NONE || fp3_model_param(model, name) != FP3_NONE;
+}
+
+static int add_expr(fp3_model *model, fp3_expr e) {
+    fp3_expr *exprs = realloc(model->exprs, (model->expr_count + 1u) * sizeof *exprs);
+    if (!exprs)
+        return 0;
+    e.is_known = 1;
+    for (int i = 0; i < 3; i++)
+        e.operand[i] = FP3_NONE;
+    model->exprs = exprs;
+    model->exprs[model->expr_count++] = e;
+    return 1;
+}
+
+static fp3_status add(fp3_model *model, fp3_quantity **list, uint32_t *count, const addition *what,
+                      const char *dimension, fp3_error *error) {
+    fp3_quantity *more;
+    if (is_taken(model, what->name))
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "adaptive steps have a '%s' of their own: found one in the model",
+                        what->name);
+    if (*count == FP3_STATES_MAX)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "adaptive steps add '%s': a model has at most %d states and as many params",
+                        what->name, FP3_STATES_MAX);
+    if (!(more = realloc(*list, (*count + 1u) * sizeof *more)))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *list = more;
+    fp3_quantity *q = &more[*count];
+    *q = (fp3_quantity){.value = what->value,
+                        .is_shared = what->is_shared,
+                        .derivative = FP3_NONE,
+                        .velocity = FP3_NONE,
+                        .exact = FP3_NONE,
+                        .dimension = strdup(dimension),
+                        .doc = strdup(what->doc)};
+    strcpy(q->name, what->name);
+    ++*count;
+    return q->dimension && q->doc ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+/* Its derivative, a number, is for who solves the equations without steps. */
+static fp3_status add_state(fp3_model *model, const addition *what, const char *dimension,
+                            double derivative, fp3_error *error) {
+    fp3_status status = add(model, &model->states, &model->state_count, what, dimension, error);
+    if (!status && !add_expr(model, (fp3_expr){.op = FP3_EXPR_NUMBER, .number = derivative}))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        model->states[model->state_count - 1].derivative = model->expr_count - 1;
+    return status;
+}
+
+static fp3_status add_param(fp3_model *model, const addition *what, const char *dimension,
+                            fp3_error *error) {
+    const uint32_t index = model->param_count;
+    fp3_status status = add(model, &model->params, &model->param_count, what, dimension, error);
+    if (!status && !add_expr(model, (fp3_expr){.op = FP3_EXPR_PARAM, .index = index}))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return status;
+}
+
+fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {
+    const double until = def->until != 0 ? def->until : model->span;
+    const addition states[] = {
+        {"t", "time", 0, 0},
+        {"h_next", "the step that is tried next", model->step, 0},
+        {"accepted", "steps", 0, 0},
+        {"rejected", "attempts", 0, 0},
+        {"smallest", "accepted step but the last", NO_STEP_YET, 0},
+        {"largest", "accepted step", 0, 0},
+    };
+    const addition params[] = {
+        {"until", "where the object ends", until, 0},
+        {"tolerance", "of a step's error, relative", def->tolerance, 1},
+        {"absolute", "of a step's error", def->absolute != 0 ? def->absolute : def->tolerance, 1},
+        {"locate", "how late an event may be",
+         def->locate != 0 ? def->locate : def->tolerance * until, 1},
+    };
+    const char *unit = model->time_unit;
+    const size_t param_count = model->event_count ? 4 : 3;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < param_count; i++)
+        status = add_param(model, &params[i], i == 0 || i == 3 ? unit : "", error);
+    for (size_t i = 0; !status && i < sizeof states / sizeof *states; i++)
+        status = add_state(model, &states[i], i == 2 || i == 3 ? "" : unit, i == 0, error);
+    return status;
+}

@@ -1,0 +1,239 @@
+/* adaptive.c - the step that is made, whether it is good, and the one that follows. */
+#include "adaptive.h"
+
+#include "locate.h"
+#include "ops.h"
+
+#include <fp3/adaptive.h>
+#include <math.h>
+
+#define SAFETY 0.9 /* of the step that would have just the error that is allowed */
+#define SHRINK 0.2 /* the next step is this much shorter at most, */
+#define GROW 5.0   /* this much longer at most, */
+/* and after a rejected one this much shorter at least: t and less than half a unit in its last place is t, so a
+ * step of one unit is not tried twice. */
+#define RETRY 0.49
+
+/* Of a model's own states, by the order of fp3_model_adapt. */
+enum { T, H, ACCEPTED, REJECTED, SMALLEST, LARGEST };
+
+static uint32_t state_of(const fp3_advance *a, uint32_t which) {
+    return fp3_model_adapted(a->step->model) + which;
+}
+
+static uint32_t old(const fp3_advance *a, uint32_t which) {
+    return fp3_advance_held(a, &a->step->values, ROLE_STATE, state_of(a, which)).node;
+}
+
+static void put(const fp3_advance *a, uint32_t which, uint32_t value) {
+    a->now[state_of(a, which)] = fp3_term(value);
+}
+
+static int is_live(const fp3_advance *a, uint32_t which) {
+    return fp3_fit_is_live(a->fit, state_of(a, which));
+}
+
+static void note(const fp3_advance *a, const char *text) {
+    a->step->values.note = fp3_note(&a->step->notes, "%s", text);
+}
+
+static uint32_t until(const fp3_advance *a) {
+    return fp3_dag_known(&a->step->values, fp3_known_param(&a->step->known, "until"));
+}
+
+/* A tolerance times a number that the host multiplies it with. */
+static uint32_t allowed(const fp3_advance *a, const char *name, double share) {
+    known_table *known = &a->step->known;
+    return fp3_dag_known(&a->step->values,
+                         fp3_known_make(known, KNOWN_MUL, fp3_known_number(known, share),
+                                        fp3_known_param(known, name)));
+}
+
+/* ---- the step ---- */
+
+/* t + h, but never beyond the end; what is made of it is what is left of t after rounding. */
+static uint32_t end_of(const fp3_advance *a, uint32_t t, uint32_t h) {
+    dag *g = &a->step->values;
+    return op2(g, FP3_OP_MIN, add(g, t, h), until(a));
+}
+
+fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
+    const fp3_config *config = a->options->config;
+    dag *g = &a->step->values;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    if (config->interleave && !config->sleep)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "adaptive steps need `sleep`, which configuration '%s' does not have",
+                        config->name);
+    if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    note(a, "t at the end of the step");
+    a->begin = fp3_term(old(a, T));
+    a->end = fp3_term(end_of(a, a->begin.node, old(a, H)));
+    note(a, "the step that is tried");
+    a->h = fp3_term(sub(g, a->end.node, a->begin.node));
+    return FP3_OK;
+}
+
+/* ---- its error ---- */
+
+static uint32_t count_moved(const fp3_advance *a) {
+    uint32_t count = 0;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++)
+        count += (uint32_t)fp3_fit_is_moved(a->fit, s);
+    return count;
+}
+
+/* A state's error over what is allowed, times the root of SAFETY^-8/n. */
+static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
+    dag *g = &a->step->values;
+    const uint32_t y = fp3_advance_held(a, g, ROLE_STATE, s).node;
+    g->note = fp3_note(&a->step->notes, "allowed error of %s", fp3_advance_name(a, s));
+    const uint32_t size = mul(g, allowed(a, "tolerance", share), op1(g, FP3_OP_ABS, y));
+    const uint32_t scale = add(g, size, allowed(a, "absolute", share));
+    g->note = fp3_note(&a->step->notes, "error of %s, relative", fp3_advance_name(a, s));
+    return mul(g, a->error[s].node, op1(g, FP3_OP_RCP, scale));
+}
+
+/* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it. */
+static uint32_t squares(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    const double share = sqrt(count_moved(a)) * pow(SAFETY, 4);
+    uint32_t sum = FP3_NONE;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        const uint32_t r = ratio(a, s, share), square = mul(g, r, r);
+        note(a, "error of the step, squared");
+        sum = sum == FP3_NONE ? square : add(g, sum, square);
+    }
+    return sum;
+}
+
+/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. A NaN asks for SHRINK. */
+static uint32_t factor(const fp3_advance *a, uint32_t x, uint32_t is_good) {
+    dag *g = &a->step->values;
+    note(a, "what the next step is longer by");
+    for (int i = 0; i < 3; i++)
+        x = op1(g, FP3_OP_RSQRT, x);
+    const uint32_t most = sel(g, is_good, num(g, GROW), num(g, RETRY));
+    return op2(g, FP3_OP_MIN, op2(g, FP3_OP_MAX, x, num(g, SHRINK)), most);
+}
+
+fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    uint32_t is_late = FP3_NONE;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    if (!count_moved(a))
+        return fp3_fail(error, FP3_E_PROGRAM, "adaptive steps need a state that is observed");
+    const uint32_t x = squares(a);
+    note(a, "is the error small enough");
+    uint32_t is_good = op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
+    const fp3_status status = fp3_locate(a, &is_late, error);
+    if (status)
+        return status;
+    if (is_late != FP3_NONE) {
+        note(a, "an event happens too early in the step");
+        is_good = sel(g, is_late, num(g, 0), is_good);
+    }
+    a->by = factor(a, x, is_good);
+    note(a, "is there a step at all");
+    a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->h.node);
+    note(a, "is the step accepted");
+    a->is_good = mul(g, is_good, a->is_attempt);
+    return FP3_OK;
+}
+
+/* ---- the new states ---- */
+
+static void select_states(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        g->note = fp3_note(&a->step->notes, "%s, if the step is accepted", fp3_advance_name(a, s));
+        const uint32_t y = fp3_advance_held(a, g, ROLE_STATE, s).node;
+        a->now[s] = fp3_term(sel(g, a->is_good, fp3_term_value(g, a->now[s]), y));
+        if (!a->options->is_compensated)
+            continue;
+        g->note = fp3_note(&a->step->notes, "what is lost of %s", fp3_advance_name(a, s));
+        const uint32_t lost = fp3_advance_held(a, g, ROLE_LOST, s).node;
+        a->lost[s] = fp3_term(sel(g, a->is_good, fp3_term_value(g, a->lost[s]), lost));
+    }
+}
+
+static int is_first_of_any(const fp3_step *step, uint32_t node) {
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        if (step->variables[i].first == node)
+            return 1;
+    return 0;
+}
+
+static fp3_status keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error) {
+    if (!fp3_step_add(step, ROLE_CARRIED, FP3_NONE))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    step->variables[step->variable_count - 1].first = first;
+    step->variables[step->variable_count - 1].next = next;
+    return FP3_OK;
+}
+
+/* The slopes at the new states are the first ones of the next step; after a rejected step the old ones
+ * are. Where an event may change the new states, they are computed again. */
+static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    fp3_status status = FP3_OK;
+    if (!a->has_slope || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
+        fp3_fit_has_events(a->fit, a->step->model))
+        return FP3_OK;
+    for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        const term f = fp3_lower(&a->places[0], a->step->model->states[s].derivative);
+        const term to = f.is_negative ? fp3_term_negated(a->slope[s]) : a->slope[s];
+        if (fp3_dag_is_leaf(g, f.node) || is_first_of_any(a->step, f.node))
+            continue;
+        g->note = fp3_note(&a->step->notes, "first slope of %s for the next step",
+                           fp3_advance_name(a, s));
+        status = keep(a->step, f.node, sel(g, a->is_good, fp3_term_value(g, to), f.node), error);
+    }
+    return status;
+}
+
+static void count(const fp3_advance *a, uint32_t left) {
+    dag *g = &a->step->values;
+    note(a, "steps and attempts so far");
+    if (is_live(a, ACCEPTED))
+        put(a, ACCEPTED, add(g, old(a, ACCEPTED), a->is_good));
+    if (is_live(a, REJECTED))
+        put(a, REJECTED, add(g, old(a, REJECTED), sub(g, a->is_attempt, a->is_good)));
+    if (is_live(a, SMALLEST)) {
+        const uint32_t so_far = old(a, SMALLEST);
+        const uint32_t h = sel(g, a->is_good, sel(g, left, a->h.node, so_far), so_far);
+        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, h));
+    }
+    if (is_live(a, LARGEST))
+        put(a, LARGEST, op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, a->h.node)));
+}
+
+fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    select_states(a);
+    note(a, "new t");
+    const uint32_t t = sel(g, a->is_good, a->end.node, a->begin.node);
+    note(a, "the next step; one that the end cut off says nothing about it");
+    const uint32_t left = sub(g, until(a), t);
+    const uint32_t h = sel(g, left, mul(g, a->h.node, a->by), old(a, H));
+    put(a, T, t);
+    put(a, H, h);
+    count(a, left);
+    note(a, "the step that is tried next");
+    const uint32_t next = sub(g, end_of(a, t, h), t);
+    a->step->tested = a->step->variable_count;
+    a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
+    fp3_status status = keep(a->step, a->h.node, next, error);
+    return status ? status : keep_slopes(a, error);
+}

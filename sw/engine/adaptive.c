@@ -1,0 +1,194 @@
+/* adaptive.c - runs of adaptive steps, and what became of their objects. */
+#include <fp3/adaptive.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "backend.h"
+
+#define RUN_LEAST 4 /* attempts that one object makes before the host looks again: at least, */
+#define RUN_FIRST 8 /* and at most at first; one more for each RUN_GROWTH that it has made */
+#define RUN_GROWTH 8
+
+/* What a state or a shared number of the object holds; *has_it: there is one. */
+static fp3_status value_of(fp3_engine *engine, size_t object, const char *name, float *value,
+                           int *has_it) {
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
+    *value = 0;
+    *has_it =
+        group->image && fp3_image_find(group->image, name, FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
+    return *has_it ? fp3_engine_get(engine, object, name, value) : FP3_OK;
+}
+
+static fp3_status need(fp3_engine *engine, size_t object, const char *name, float *value) {
+    int has_it;
+    const fp3_status status = value_of(engine, object, name, value, &has_it);
+    return has_it || status ? status
+                            : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                                       "the program has no '%s': its steps are not adaptive", name);
+}
+
+static fp3_status count(fp3_engine *engine, size_t object, const char *name, uint32_t *found) {
+    float value;
+    int has_it;
+    const fp3_status status = value_of(engine, object, name, &value, &has_it);
+    *found = (uint32_t)value;
+    return status;
+}
+
+/* The first state that is not finite. */
+static fp3_status find_lost(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
+    const uint64_t states = fp3_engine_states_of(group);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && !found->state[0] && i < group->image->symbol_count; i++) {
+        const fp3_symbol *symbol = &group->image->symbols[i];
+        float value = 0;
+        if (symbol->symbol_class != FP3_SYMBOL_STATE || !(states >> symbol->index & 1))
+            continue;
+        status = fp3_engine_read(engine, object, 1, symbol->index, &value);
+        if (!status && !isfinite(value))
+            strcpy(found->state, symbol->name);
+    }
+    return status;
+}
+
+/* As the program has it; a float of one operation, in the host's rounding, is the same but where the
+ * configuration truncates: then an object that is stuck may seem limited. */
+static int has_step(const fp3_adaptive_object *o) {
+    const float end = fminf(o->t + o->step, o->until);
+    return end - o->t >= 0x1p-126f;
+}
+
+fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
+    int has_it;
+    *found = (fp3_adaptive_object){.end = FP3_ADAPTIVE_ENDED};
+    if (object >= fp3_engine_objects(engine))
+        return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "there is no object %zu", object);
+    fp3_status status = need(engine, object, "t", &found->t);
+    if (!status)
+        status = need(engine, object, "h_next", &found->step);
+    if (!status)
+        status = need(engine, object, "until", &found->until);
+    if (!status)
+        status = count(engine, object, "accepted", &found->accepted);
+    if (!status)
+        status = count(engine, object, "rejected", &found->rejected);
+    if (!status)
+        status = value_of(engine, object, "smallest", &found->smallest, &has_it);
+    if (!status)
+        status = value_of(engine, object, "largest", &found->largest, &has_it);
+    if (!status)
+        status = find_lost(engine, object, found);
+    if (found->t < found->until)
+        found->end = has_step(found) ? FP3_ADAPTIVE_LIMITED : FP3_ADAPTIVE_STUCK;
+    else if (found->state[0])
+        found->end = FP3_ADAPTIVE_LOST;
+    return status;
+}
+
+void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
+                       char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+    char why[FP3_NAME_SIZE + 48] = "it has ended";
+    if (found->end == FP3_ADAPTIVE_STUCK)
+        strcpy(why, "the step that the tolerance allows is too short to change t");
+    if (found->end == FP3_ADAPTIVE_LIMITED)
+        snprintf(why, sizeof why, "no attempt is left, the next step is %.6g", (double)found->step);
+    if (found->end == FP3_ADAPTIVE_LOST)
+        snprintf(why, sizeof why, "state %s is not finite", found->state);
+    snprintf(text, FP3_ADAPTIVE_TEXT_SIZE,
+             "object %zu at t = %.9g of %.9g, after %u steps and %u rejected attempts: %s", object,
+             (double)found->t, (double)found->until, found->accepted, found->rejected, why);
+}
+
+/* ---- a run ---- */
+
+static void add_stats(const fp3_stats *run, fp3_stats *sum) {
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+        sum->counter[i] += run->counter[i];
+    sum->schedulers = run->schedulers;
+    sum->object_steps += run->object_steps;
+    sum->flags |= run->flags;
+    sum->seconds += run->seconds;
+}
+
+/* About half of what is left, if the steps stay as long as the next one. */
+static uint64_t attempts_of(const fp3_adaptive_object *o, uint64_t made) {
+    const uint64_t most = RUN_FIRST + made / RUN_GROWTH;
+    const float wanted = ceilf((o->until - o->t) / (2 * o->step));
+    return wanted < RUN_LEAST ? RUN_LEAST : wanted > (float)most ? most : (uint64_t)wanted;
+}
+
+/* One object that cannot sleep: runs, and a look after each. */
+static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats *sum) {
+    fp3_adaptive_object o;
+    fp3_status status = fp3_adaptive_look(engine, 0, &o);
+    for (uint64_t made = 0; !status && made < attempts && o.t < o.until && has_step(&o);) {
+        const uint64_t wanted = attempts_of(&o, made), left = attempts - made;
+        fp3_stats run = {0};
+        status = fp3_engine_run(engine, wanted < left ? wanted : left, &run);
+        made += wanted;
+        add_stats(&run, sum);
+        if (!status)
+            status = fp3_adaptive_look(engine, 0, &o);
+    }
+    return status;
+}
+
+fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t attempts, fp3_stats *stats) {
+    fp3_stats sum = {0};
+    const fp3_status status = engine->config->sleep ? fp3_engine_run(engine, attempts, &sum)
+                                                    : run_and_look(engine, attempts, &sum);
+    if (stats)
+        *stats = sum;
+    return status;
+}
+
+/* ---- the report ---- */
+
+static int compare_counts(const void *a, const void *b) {
+    const uint32_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static fp3_adaptive_counts counts_of(uint32_t *list, size_t size) {
+    qsort(list, size, sizeof *list, compare_counts);
+    return (fp3_adaptive_counts){list[0], list[(size - 1) / 2], list[size - 1]};
+}
+
+static void take(size_t object, const fp3_adaptive_object *o, fp3_adaptive_report *report) {
+    if (o->smallest <= o->largest && (report->smallest == 0 || o->smallest < report->smallest))
+        report->smallest = o->smallest;
+    report->largest = fmaxf(report->largest, o->largest);
+    if (o->end == FP3_ADAPTIVE_ENDED)
+        return;
+    if (!report->failed++) {
+        report->first = object;
+        report->why = *o;
+    }
+}
+
+fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t size,
+                                    fp3_adaptive_report *report) {
+    uint32_t *accepted = calloc(size + 1, sizeof *accepted);
+    uint32_t *rejected = calloc(size + 1, sizeof *rejected);
+    *report = (fp3_adaptive_report){0};
+    fp3_status status =
+        accepted && rejected ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < size; i++) {
+        fp3_adaptive_object o;
+        status = fp3_adaptive_look(engine, first + i, &o);
+        accepted[i] = o.accepted;
+        rejected[i] = o.rejected;
+        take(first + i, &o, report);
+    }
+    if (!status && size) {
+        report->accepted = counts_of(accepted, size);
+        report->rejected = counts_of(rejected, size);
+    }
+    free(accepted);
+    free(rejected);
+    return status;
+}

@@ -1,0 +1,206 @@
+"""Adaptive steps: each object has its own time, on every engine the same bits; right to the tolerance, or refused by name."""
+import math
+import re
+
+import pytest
+from runs import fp3, number
+
+# Kepler, from the pericentre; after whole periods of 2 pi a^(3/2) it is there again.
+PLANET = """param e = 0.5
+state v[2] = (0, sqrt(3))
+state r[2] = (0.5, 0)
+v' = -r/norm(r)^3
+r' = v
+step 0.015625
+span 6.283185307179586
+"""
+PAIRS = {"dopri5": 6e-3, "heun": 4e-2}
+DECAY = """param rate = 1
+state y = 1
+state c = 0
+y' = -rate*y + cos(t)
+c' = cos(t)
+step 0.01
+span 4
+"""
+
+
+@pytest.fixture
+def model(tmp_path):
+    def write(text, name="m.ode"):
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    return write
+
+
+def ends(out):
+    """Numbers that a run ends with, by object and name."""
+    found = {}
+    for name, bits, n in re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8}) +object (\d+)$", out, re.M):
+        found.setdefault(int(n), {})[name] = bits
+    return found
+
+
+def run(path, *arguments, config="single_full", engine="isa", status=0):
+    done = fp3("run", path, "-e", engine, "-c", config, "--all", *arguments, status=status)
+    return ends(done.stdout), done
+
+
+def value(of, name, n=0):
+    return number(of[n][name])
+
+
+# The objects end at different times, after different numbers of attempts: nobody waits for anybody.
+SPREAD = ["--tolerance", "1e-4", "--spread", "until=0:5", "-o", "7"]
+
+
+@pytest.mark.parametrize("arithmetic", [[], ["-k"]])
+def test_engines_and_machines_agree(model, arithmetic):
+    path = model(PLANET)
+    seen = [run(path, *SPREAD, *arithmetic, config="many_full", engine=e)[0] for e in ("isa", "rtl", "fast")]
+    assert seen[0] == seen[1] == seen[2] and len(seen[0]) == 7
+    assert value(seen[0], "t", 0) == 0 and value(seen[0], "accepted", 0) == 0, "an end at the start"
+    assert len({value(seen[0], "accepted", n) for n in range(7)}) > 3
+    for n in (2, 6):
+        alone = [run(path, "--tolerance", "1e-4", "--set", f"until={5 * n / 6!r}", *arithmetic, engine=e)[0][0]
+                 for e in ("isa", "rtl", "fast")]
+        of_many = {name: bits for name, bits in seen[0][n].items() if name != "slept"}
+        assert alone[0] == alone[1] == alone[2] == of_many
+
+
+def test_visits_change_nothing(model):
+    path = model(PLANET)
+    whole, short = (run(path, *SPREAD, *visit, config="many_full")[0] for visit in ([], ["--visit", "3"]))
+    assert whole == short
+
+
+def test_sleepers_cost_nothing(model):
+    """A run ends when the last object does, and what it costs is what objects do until their ends."""
+    path = model(PLANET)
+    of, done = run(path, *SPREAD, config="many_full")
+    attempts = sum(value(of, "accepted", n) + value(of, "rejected", n) for n in range(1, 7)) + 1
+    assert int(re.search(r"^object_steps +(\d+)", done.stdout, re.M)[1]) == attempts
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_error_follows_tolerance(model, name):
+    path = model(PLANET)
+    errors = []
+    for tolerance in (1e-3, 1e-4, 1e-5):
+        of, _ = run(path, "-i", name, "--tolerance", tolerance)
+        at = [value(of, x) for x in ("v_x", "v_y", "r_x", "r_y")]
+        errors.append(math.dist(at, (0, math.sqrt(3), 0.5, 0)))
+        assert value(of, "t") == pytest.approx(2 * math.pi, rel=1e-7)
+    assert errors[0] > 5 * errors[1] > 15 * errors[2]
+    assert errors[2] < PAIRS[name]
+
+
+def test_time_is_that_of_the_object(model):
+    """c' = cos(t) is right only if every stage of every attempt has its own t."""
+    of, _ = run(model(DECAY), "--tolerance", "1e-6", "--spread", "until=1:9", "-o", "5", config="many_full")
+    for n in range(5):
+        t = value(of, "t", n)
+        assert t == 1 + 2 * n
+        assert value(of, "c", n) == pytest.approx(math.sin(t), abs=2e-6)
+        assert value(of, "y", n) == pytest.approx((math.cos(t) + math.sin(t) + math.exp(-t)) / 2, abs=3e-6)
+
+
+def test_end_is_exact_and_steps_are_counted(model):
+    of, done = run(model(DECAY), "--tolerance", "1e-5", "--until", "3.3")
+    assert of[0]["t"] == "0x40533333"
+    accepted, rejected = value(of, "accepted"), value(of, "rejected")
+    assert re.search(rf"^accepted +{accepted:.0f}$", done.stdout, re.M)
+    assert re.search(rf"^rejected +{rejected:.0f}$", done.stdout, re.M)
+    assert 0 < value(of, "smallest") <= value(of, "largest") < 3.3
+
+
+def test_a_first_step_that_is_no_good(model):
+    """Too long or too short: what the first step is does not matter but for the attempts that it takes."""
+    path = model(PLANET)
+    for first in ("1e3", "1e-6", "3e38"):
+        of, _ = run(path, "--tolerance", "1e-5", "--set", f"h_next={first}")
+        assert math.dist([value(of, x) for x in ("r_x", "r_y")], (0.5, 0)) < 4e-3
+
+
+def test_overflow_in_a_stage_is_a_rejected_step(model):
+    path = model("state y = 1\ny' = -y*y*y*y*y*y*y*y*y\nstep 1e9\nspan 4")
+    of, done = run(path, "--tolerance", "1e-4")
+    assert "overflow" in done.stdout, "some stage is beyond FP32"
+    assert value(of, "y") == pytest.approx((1 + 8 * 4) ** (-1 / 8), rel=1e-3)
+
+
+def test_blow_up_is_named(model):
+    """y' = y^2 is infinite at t = 1: no step gets there."""
+    path = model("param k = 1\nstate y = 1\ny' = k*y*y\nstep 0.01\nspan 2")
+    for engine, config, spread in (("isa", "single_full", []), ("rtl", "many_full", ["--spread", "k=0:1", "-o", "3"]),
+                                   ("fast", "many_full", ["--spread", "k=0:1", "-o", "3"])):
+        _, done = run(path, "--tolerance", "1e-4", *spread, config=config, engine=engine, status=3)
+        said = re.search(r"object (\d) at t = (\S+) of 2, after \d+ steps and \d+ rejected attempts: (.*?);", done.stderr)
+        assert said, done.stderr
+        assert said[1] == ("2" if spread else "0")
+        assert float(said[2]) == pytest.approx(1, abs=1e-3)
+        assert re.search("too short to change t|not finite", said[3])
+
+
+def test_no_attempt_left(model):
+    _, done = run(model(PLANET), "--tolerance", "1e-5", "--steps", "10", status=3)
+    assert re.search(r"object 0 at t = [\d.]+ of 6.28\d+, after 10 steps and 0 rejected attempts: no attempt is left", done.stderr)
+
+
+def test_events_are_found_to_their_tolerance(model):
+    """A ball that falls 1 m bounces at sqrt(2/g), up to `locate` late."""
+    path = model("state x = 1\nstate v = 0\nx' = v\nv' = -9.75\nwhen x < 0 and v < 0: x = -x, v = -v\nstep 0.01\nspan 1")
+    first = math.sqrt(2 / 9.75)
+    for locate in (1e-3, 1e-5):
+        of, _ = run(path, "--tolerance", "1e-6", "--set", f"locate={locate}", "--until", "0.6")
+        speed = 9.75 * first
+        after = 0.6 - first
+        assert value(of, "x") == pytest.approx(speed * after - 9.75 / 2 * after * after, abs=2 * speed * locate + 1e-6)
+        assert value(of, "smallest") <= locate
+
+
+@pytest.mark.parametrize("options, message", [
+    (["--tolerance", "0"], "--tolerance: found '0', expected a number above 0"),
+    (["--tolerance", "-1e-3"], "--tolerance: found '-1e-3', expected a number above 0"),
+    (["--tolerance", "1e-8"], "'tolerance' is 1e-08: expected a number from 1.19e-07"),
+    (["--tolerance", "1e-9", "-k"], "'tolerance' is 1e-09: expected a number from 7.45e-09"),
+    (["--tolerance", "2"], "'tolerance' is 2: expected a number"),
+    (["--tolerance", "1e-5", "--set", "absolute=0"], "'absolute' is 0: expected a finite number from 7.89e-31 on"),
+    (["--tolerance", "1e-5", "--until", "0"], "--until: found '0', expected a number above 0"),
+    (["--tolerance", "1e-5", "--set", "until=-1"], "'until' is -1: expected a finite time that does not come before t, 0"),
+    (["--tolerance", "1e-5", "--set", "h_next=0"], "'h_next' is 0: expected a finite number above 0"),
+    (["--tolerance", "1e-5", "--set", "h=0.1"], "the program has no parameter 'h'"),
+    (["--tolerance", "1e-5", "-i", "rk4"], "integrator 'rk4' has none"),
+    (["--tolerance", "1e-5", "--output", "x.csv"], "--tolerance: --output and --plot are of fixed steps"),
+    (["--until", "3"], "--until: expected --tolerance, too"),
+    (["--tolerance", "1e-5", "-c", "lanes"], "adaptive steps need `sleep`, which configuration 'lanes' does not have"),
+])
+def test_refused(model, options, message):
+    done = fp3("run", model(PLANET), "-e", "isa", *options, status=2)
+    assert message in done.stderr
+
+
+def test_names_of_the_model(model):
+    path = model("param until = 3\nstate y = 1\ny' = -until*y\nstep 0.1\n")
+    done = fp3("run", path, "-e", "isa", "--tolerance", "1e-4", status=2)
+    assert "adaptive steps have a 'until' of their own: found one in the model" in done.stderr
+
+
+@pytest.mark.parametrize("row, message", [
+    ("embedded = (1, 0, 0); embedded_order = 1;", "embedded: found the length 3, expected 2"),
+    ("embedded = (1, 1); embedded_order = 1;", "embedded: found the sum 2, expected 1"),
+    ('embedded = ("1/2", "1/2"); embedded_order = 1;', "embedded: found the weights b, expected those of another method"),
+    ("embedded = 1; embedded_order = 1;", "embedded: found"),
+    ("embedded = (1, 0);", "found no 'embedded_order', expected one"),
+    ("embedded_order = 1;", "found no 'embedded', expected one"),
+    ("embedded = (1, 0); embedded_order = 0;", "embedded_order: found '0', expected an integer from 1 to 8"),
+    ("embedded = (1, 0); embedded_order = 2;", "embedded_order 2 claimed: the weights have order 1"),
+    ("embedded = (1, 0); embedded_order = 1; late_position = true;", "a late position has no error estimate"),
+])
+def test_tables(model, tmp_path, row, message):
+    table = tmp_path / "mine.cfg"
+    table.write_text('name = "mine"; doc = "d"; source = "s"; kind = "runge-kutta"; order = 2;\n'
+                     f'A = ((), (1)); b = ("1/2", "1/2");\n{row}\n')
+    done = fp3("run", model(PLANET), "-e", "isa", "--tolerance", "1e-4", "-i", table, status=2)
+    assert message in done.stderr
