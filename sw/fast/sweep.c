@@ -59,32 +59,48 @@ static void find_sources(machine *m) {
 #define B (m->from[1].row[j * m->from[1].stride])
 #define C (m->from[2].row[j * m->from[2].stride])
 
-FP3_OPERATION fp3_v multiply(machine *m, fp3_v a, fp3_v b) {
-    const fp3_product_of product = fp3_tiny_product(a, b);
-    m->subnormal |= product.is_subnormal;
-    m->under |= product.under;
+/* What products of a row met. */
+typedef struct {
+    fp3_i subnormal, under;
+} met;
+
+FP3_OPERATION fp3_v multiply(met *met, fp3_v a, fp3_v b) {
+    const fp3_light_product product = fp3_tiny_value(a, b);
+    met->subnormal |= product.is_subnormal;
+    met->under |= product.under;
     return product.value;
 }
 
-/* Of the operations with a product. */
-static void calculate_tiny(machine *m) {
-    fp3_v *d = m->to;
-    switch (m->now->in.op) {
+/* Operands, results and what products meet are locals, since a result might be a field of the machine, for
+ * all that the compiler knows. */
+#define OPERANDS(m)                                                                                \
+    const fp3_v *a = (m)->from[0].row, *b = (m)->from[1].row, *c = (m)->from[2].row;               \
+    const unsigned next_a = (m)->from[0].stride, next_b = (m)->from[1].stride,                     \
+                   next_c = (m)->from[2].stride;                                                   \
+    fp3_v *d = (m)->to, *const end = d + (m)->place->vectors
 #define CASE(name, value)                                                                          \
     case FP3_OP_##name:                                                                            \
-        EACH d[j] = value;                                                                         \
+        _Pragma("GCC unroll 2") for (; d != end; d++, a += next_a, b += next_b, c += next_c) *d =  \
+            value;                                                                                 \
         break;
-        CASE(MUL, multiply(m, A, B))
-        CASE(MADD, fp3_add(C, multiply(m, A, B)))
-        CASE(MSUB, fp3_sub(C, multiply(m, A, B)))
-        CASE(ADDH, fp3_add(A, multiply(m, B, FP3_HALF)))
-        CASE(SUBH, fp3_sub(A, multiply(m, B, FP3_HALF)))
-        CASE(ADDT, fp3_add(A, multiply(m, B, FP3_TWO)))
-        CASE(SUBT, fp3_sub(A, multiply(m, B, FP3_TWO)))
-#undef CASE
+
+/* Of the operations with a product. */
+static void calculate_tiny(machine *m) {
+    OPERANDS(m);
+    met met = {fp3_all(0), fp3_all(0)};
+    switch (m->now->in.op) {
+        CASE(MUL, multiply(&met, *a, *b))
+        CASE(MADD, fp3_add(*c, multiply(&met, *a, *b)))
+        CASE(MSUB, fp3_sub(*c, multiply(&met, *a, *b)))
+        CASE(ADDH, fp3_add(*a, multiply(&met, *b, FP3_HALF)))
+        CASE(SUBH, fp3_sub(*a, multiply(&met, *b, FP3_HALF)))
+        CASE(ADDT, fp3_add(*a, multiply(&met, *b, FP3_TWO)))
+        CASE(SUBT, fp3_sub(*a, multiply(&met, *b, FP3_TWO)))
     default:
         break;
     }
+    m->subnormal |= met.subnormal;
+    m->under |= met.under;
 }
 
 static int has_product(uint32_t op) {
@@ -93,18 +109,9 @@ static int has_product(uint32_t op) {
 }
 
 static void calculate(machine *m) {
-    /* Locals, since a result might be a field of the machine, for all that the compiler knows. */
+    OPERANDS(m);
     const int *const table = m->place->table;
-    const fp3_v *a = m->from[0].row, *b = m->from[1].row, *c = m->from[2].row;
-    const unsigned next_a = m->from[0].stride, next_b = m->from[1].stride,
-                   next_c = m->from[2].stride;
-    fp3_v *d = m->to, *const end = d + m->place->vectors;
     switch (m->now->in.op) {
-#define CASE(name, value)                                                                          \
-    case FP3_OP_##name:                                                                            \
-        _Pragma("GCC unroll 2") for (; d != end; d++, a += next_a, b += next_b, c += next_c) *d =  \
-            value;                                                                                 \
-        break;
         CASE(ADD, fp3_add(*a, *b))
         CASE(SUB, fp3_sub(*a, *b))
         CASE(MUL, fp3_mul(*a, *b))
@@ -125,11 +132,12 @@ static void calculate(machine *m) {
         CASE(RINT, fp3_rint(*a))
         CASE(EXP2, fp3_exp2(*a))
         CASE(LOGB, fp3_logb(*a))
-#undef CASE
     default:
         break;
     }
 }
+#undef CASE
+#undef OPERANDS
 
 /* Where an object sleeps it keeps what it has. */
 static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
