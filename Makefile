@@ -55,8 +55,9 @@ CORES   := fp_add fp_mul
 RTL_ROOMS := config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
-LIB_C   := $(filter-out sw/cli/% $(HDF5_C),$(wildcard sw/*/*.c))
-CLI_C   := $(wildcard sw/cli/*.c)
+LIB_C   := $(filter-out sw/cli/% sw/measure/% $(HDF5_C),$(wildcard sw/*/*.c))
+MEASURE_C := $(wildcard sw/measure/*.c)
+CLI_C   := $(wildcard sw/cli/*.c) $(MEASURE_C)
 TEST_C  := $(wildcard tests/*.c tests/*/*.c)
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
 TESTS   := $(addprefix $(BUILD)/tests/,$(notdir $(TEST_C:.c=)))
@@ -320,7 +321,7 @@ fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/fou
 BENCH_C := $(wildcard bench/*.c)
 BENCH_LIBS := -lsundials_cvode -lsundials_arkode -lsundials_nvecserial
 $(call obj,$(BENCH_C)): | need-bench
-$(BUILD)/bench/bench: $(call obj,$(BENCH_C)) $(LIB)
+$(BUILD)/bench/bench: $(call obj,$(BENCH_C) $(MEASURE_C)) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
 	@gcc $(LDFLAGS) -o $@ $^ $(BENCH_LIBS) $(LDLIBS)

@@ -1,262 +1,165 @@
-/* points.c - ways to solve a problem: each is run for its error, then all in turn for their times. */
-#include "bench.h"
+/* points.c - bench points MODEL.ode: error against run time of every way to solve a model, as JSON. */
+#include "commands.h"
+#include "sundials.h"
 
-#include <math.h>
+#include "base/file.h"
+#include "bench/equations.h"
+
+#include <argp.h>
+#include <gsl/gsl_version.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
+#include <sundials/sundials_version.h>
 
-#define SOLVED 0.1
-#define WORSE_MOST 2
-#define ERROR_MOST 0.5   /* of the scale: beyond it nothing is solved */
-#define SECONDS_MOST 1.0 /* of a run: the next tolerance would take longer */
-#define NEAR 1.5         /* times the shortest time to an error: still near the front */
-#define FAR_PATIENCE 0.1 /* for the others, of the patience */
+#define NAMES_MOST 64
 
-static double seconds_of(clockid_t clock) {
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+typedef struct {
+    const char *model, *json, *problem, *engine, *integrators[NAMES_MOST + 1];
+    unsigned integrator_count;
+    int is_quick, is_flipped;
+} options;
+
+static void say(void *user, const char *what) {
+    (void)user;
+    fprintf(stderr, "%s\n", what);
 }
 
-double bench_now(void) { return seconds_of(CLOCK_MONOTONIC); }
-
-double bench_spent(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
-
-bench_point *bench_points_add(bench_points *points, const bench_point *point) {
-    if (points->count == points->room) {
-        const size_t room = 2 * points->room + 64;
-        bench_point *more = realloc(points->point, room * sizeof *more);
-        if (!more)
-            return NULL;
-        points->point = more;
-        points->room = room;
-    }
-    bench_point *added = &points->point[points->count];
-    *added = *point;
-    added->ends = calloc((size_t)point->problem->variants * point->problem->model->state_count + 1,
-                         sizeof *added->ends);
-    if (!added->ends)
-        return NULL;
-    points->count++;
-    return added;
+static fp3_status write_json(const char *path, json_t *all, size_t digits, fp3_error *error) {
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(digits)) : NULL;
+    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
+                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    json_decref(all);
+    return status;
 }
 
-static void close_point(bench_point *point) {
-    if (point->close)
-        point->close(point);
-    free(point->ends);
+static fp3_status write_result(const options *o, const fp3_measure *m, fp3_error *error) {
+    json_t *all = fp3_measure_json(m);
+    char sundials[64] = "";
+    SUNDIALSGetVersion(sundials, sizeof sundials);
+    json_object_set_new(all, "versions",
+                        json_pack("{s:s, s:s}", "GSL", gsl_version, "SUNDIALS", sundials));
+    return write_json(o->json, all, 9, error);
 }
 
-void bench_points_close(bench_points *points) {
-    for (size_t i = 0; i < points->count; i++)
-        close_point(&points->point[i]);
-    free(points->point);
-    json_decref(points->left_out);
-    *points = (bench_points){0};
-}
+/* ---- a problem for others ---- */
 
-static void put_text(json_t *object, const char *key, const char *text) {
-    json_object_set_new(object, key, text ? json_string(text) : json_null());
-}
-
-static void put_number(json_t *object, const char *key, double number) {
-    json_object_set_new(object, key,
-                        number > 0 && isfinite(number) ? json_real(number) : json_null());
-}
-
-static json_t *about(const bench_point *p) {
-    json_t *o = json_object();
-    put_text(o, "model", p->problem->model->name);
-    put_text(o, "engine", p->engine);
-    put_text(o, "method", p->method);
-    put_text(o, "integrator", p->integrator);
-    put_text(o, "arithmetic", p->arithmetic);
-    put_text(o, "config", p->config);
-    put_number(o, "h", p->h);
-    put_number(o, "tolerance", p->tolerance);
-    return o;
-}
-
-void bench_points_leave_out(bench_points *points, const bench_point *point, const char *why) {
-    json_t *o = about(point);
-    put_text(o, "why", why);
-    json_array_append_new(points->left_out, o);
-}
-
-json_t *bench_points_json(const bench_points *points) {
+static json_t *rows(const double *values, size_t count, size_t width) {
     json_t *all = json_array();
-    for (size_t i = 0; i < points->count; i++) {
-        const bench_point *p = &points->point[i];
-        json_t *o = about(p);
-        const double seconds = bench_median(p->seconds, p->repeats);
-        json_object_set_new(o, "threads", json_integer((json_int_t)p->threads));
-        json_object_set_new(o, "objects", json_integer((json_int_t)p->objects));
-        json_object_set_new(o, "steps",
-                            p->steps ? json_integer((json_int_t)p->steps) : json_null());
-        json_object_set_new(o, "error_median", json_real(p->error_median));
-        json_object_set_new(o, "error_worst",
-                            isfinite(p->error_worst) ? json_real(p->error_worst) : json_null());
-        put_number(o, "ns_per_object", seconds * 1e9 / (double)p->objects);
-        put_number(o, "cycles", p->cycles);
-        json_object_set_new(o, "repeats", json_integer((json_int_t)p->repeats));
-        json_array_append_new(all, o);
+    for (size_t i = 0; i < count; i++) {
+        json_t *row = json_array();
+        for (size_t k = 0; k < width; k++)
+            json_array_append_new(row, json_real(values[i * width + k]));
+        json_array_append_new(all, row);
     }
     return all;
 }
 
-/* Runs once for the error; whether the point stays; seconds of this thread's processor. */
-static fp3_status first_run(bench_points *points, bench_point *p, int *stays, double *spent,
-                            fp3_error *error) {
-    double seconds = 0;
-    fp3_error why = {""};
-    *stays = 1;
-    const double begin = bench_spent();
-    const fp3_status status = p->run ? p->run(p, &seconds, &why) : FP3_OK;
-    *spent = bench_spent() - begin;
-    p->seconds[0] = seconds; /* kept if there is no time for another */
-    p->repeats = p->run != NULL;
-    if (status == FP3_E_LIMIT) {
-        bench_points_leave_out(points, p, why.text);
-        *stays = 0;
-        return FP3_OK;
-    }
+/* The equations in Python; of every variant params, start and end. */
+static fp3_status write_problem(const options *o, const fp3_measure_problem *p, fp3_error *error) {
+    char *equations = NULL;
+    const fp3_status status = fp3_bench_equations(p->model, FP3_BENCH_PYTHON, &equations, error);
     if (status)
-        return fp3_fail(error, status, "%s %s: %s", p->engine,
-                        p->method ? p->method : p->integrator, why.text);
-    bench_problem_errors(p->problem, p->ends, &p->error_median, &p->error_worst);
-    *stays = p->error_median < ERROR_MOST;
-    return FP3_OK;
+        return status;
+    json_t *all = json_pack("{s:s, s:s, s:f, s:o, s:o, s:o, s:o}", "model", p->model->name,
+                            "equations", equations, "span", p->end, "params",
+                            rows(p->params, p->variants, p->model->param_count), "initial",
+                            rows(p->initial, p->variants, p->model->state_count), "truth",
+                            rows(p->truth, p->variants, p->model->state_count), "scale",
+                            rows(p->scale, 1, p->model->state_count));
+    free(equations);
+    return write_json(o->problem, all, 17, error);
 }
 
-/* ---- sweeps ---- */
-
-/* Points of one solver with smaller and smaller time steps or tolerances. The rest is not worth a run
- * when two in a row are no better than the best, or one took too long. */
-typedef struct {
-    const char *engine, *method;
-    double best;
-    unsigned worse;
-} sweep;
-
-static int is_swept(const bench_point *p) { return p->run && p->method; }
-
-static int is_worth_it(sweep *s, const bench_point *p) {
-    if (!is_swept(p))
-        return 1;
-    if (p->engine != s->engine || p->method != s->method)
-        *s = (sweep){.engine = p->engine, .method = p->method, .best = INFINITY};
-    return s->worse < WORSE_MOST;
-}
-
-/* A point that was left out has no error. */
-static void note(sweep *s, const bench_points *points, const bench_point *p, int stays,
-                 double spent) {
-    if (!is_swept(p))
-        return;
-    if (stays)
-        s->worse = p->error_median < s->best || s->best > SOLVED ? 0 : s->worse + 1;
-    s->best = stays ? fmin(s->best, p->error_median) : s->best;
-    if (spent > (p->steps ? points->patience : SECONDS_MOST))
-        s->worse = WORSE_MOST;
-}
-
-/* ---- which points are near the front ---- */
-
-static int is_alike(const bench_point *a, const bench_point *b) {
-    return a->run && b->run && !strcmp(a->engine, b->engine) && a->threads == b->threads;
-}
-
-static double per_object(const bench_point *p) { return p->seconds[0] / (double)p->objects; }
-
-/* No other of its engine that is as accurate takes by far less time. */
-static int is_near(const bench_points *points, const bench_point *p) {
-    double best = INFINITY;
-    for (size_t i = 0; i < points->count; i++) {
-        const bench_point *q = &points->point[i];
-        if (q->repeats && is_alike(p, q) && q->error_median <= p->error_median)
-            best = fmin(best, per_object(q));
-    }
-    return per_object(p) <= NEAR * best;
-}
-
-/* The same with one thread. */
-static const bench_point *alone(const bench_points *points, const bench_point *p) {
-    for (size_t i = 0; i < points->count; i++) {
-        const bench_point *q = &points->point[i];
-        if (q->engine == p->engine && q->threads == 1 && q->integrator == p->integrator &&
-            q->arithmetic == p->arithmetic && q->steps == p->steps)
-            return q;
-    }
-    return NULL;
-}
-
-/* ---- all of it ---- */
-
-static unsigned repeats_of(const bench_points *points, const bench_point *p) {
-    const double patience = points->patience * (is_near(points, p) ? 1 : FAR_PATIENCE);
-    const double fits = p->seconds[0] > 0 ? patience / p->seconds[0] : points->repeats;
-    return fits < 1 ? 1 : fits < points->repeats ? (unsigned)fits : points->repeats;
-}
-
-/* In turn: the first repeat of all, the second of all, ... */
-static fp3_status repeat_all(bench_points *points, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    for (unsigned r = 0; !status && r < points->repeats; r++) {
-        fprintf(stderr, "  %zu points, time %u of %u\n", points->count, r + 1, points->repeats);
-        for (size_t i = 0; !status && i < points->count; i++) {
-            bench_point *p = &points->point[i];
-            if (r < p->repeats && p->repeats > 1)
-                status = p->run(p, &p->seconds[r], error);
-        }
-    }
+static fp3_status bench(const options *o, char **report, fp3_error *error) {
+    fp3_measure_options with = fp3_measure_default(o->engine, o->is_quick);
+    with.integrators = o->integrator_count ? o->integrators : NULL;
+    with.is_flipped = o->is_flipped;
+    with.more = bench_add_sundials;
+    with.more_name = "sundials";
+    with.say = say;
+    fp3_model *model = NULL;
+    fp3_measure m = {0};
+    fp3_status status = fp3_model_load(o->model, &model, report, error);
+    if (!status)
+        status = fp3_measure_model(model, &with, &m, error);
+    if (!status)
+        status = write_result(o, &m, error);
+    if (!status && o->problem && !model->event_count)
+        status = write_problem(o, &m.problem, error);
+    fp3_measure_close(&m);
+    fp3_model_free(&model);
     return status;
 }
 
-static void drop(bench_points *points, const unsigned char *stays) {
-    size_t kept = 0;
-    for (size_t i = 0; i < points->count; i++)
-        if (stays[i])
-            points->point[kept++] = points->point[i];
-        else
-            close_point(&points->point[i]);
-    points->count = kept;
-}
+enum { KEY_JSON = 256, KEY_QUICK, KEY_FLIP, KEY_ENGINE, KEY_PROBLEM };
 
-/* Those with one thread; with several only what is near the front with one. */
-static fp3_status first_runs(bench_points *points, int has_threads, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    sweep of = {0};
-    unsigned char *stays = calloc(points->count + 1, 1);
-    if (!stays)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; !status && i < points->count; i++) {
-        bench_point *p = &points->point[i];
-        int stay = 1;
-        double spent = 0;
-        if ((p->threads > 1) == has_threads) {
-            const bench_point *one = has_threads ? alone(points, p) : NULL;
-            stay = has_threads ? one && is_near(points, one) : is_worth_it(&of, p);
-            if (stay) {
-                status = first_run(points, p, &stay, &spent, error);
-                note(&of, points, p, stay, spent);
-            }
-        }
-        stays[i] = (unsigned char)stay;
+static const struct argp_option table[] = {
+    {"json", KEY_JSON, "FILE", 0, "Where the points go", 0},
+    {"engine", KEY_ENGINE, "NAME", 0, "Of fp3: fast (default) or isa", 0},
+    {"integrator", 'i', "NAME", 0, "May be repeated (default: all)", 0},
+    {"quick", KEY_QUICK, NULL, 0, "Few tolerances, few objects, three repeats", 0},
+    {"problem", KEY_PROBLEM, "FILE", 0,
+     "Where the equations go in Python, and of every object its start and its truth; a model with "
+     "events has none",
+     0},
+    {"flip", KEY_FLIP, NULL, 0, "Turn a bit of what the engine gives, which must be noticed", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    switch (key) {
+    case KEY_JSON:
+        o->json = text;
+        break;
+    case KEY_ENGINE:
+        o->engine = text;
+        break;
+    case 'i':
+        if (o->integrator_count == NAMES_MOST)
+            argp_error(state, "found more than %d integrators", NAMES_MOST);
+        o->integrators[o->integrator_count++] = text;
+        break;
+    case KEY_QUICK:
+        o->is_quick = 1;
+        break;
+    case KEY_PROBLEM:
+        o->problem = text;
+        break;
+    case KEY_FLIP:
+        o->is_flipped = 1;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->model)
+            argp_error(state, "found '%s', expected one model", text);
+        o->model = text;
+        break;
+    case ARGP_KEY_END:
+        if (!o->model || !o->json)
+            argp_error(state, "expected a model (*.ode) and --json");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
     }
-    if (!status)
-        drop(points, stays);
-    free(stays);
-    return status;
+    return 0;
 }
 
-fp3_status bench_points_time(bench_points *points, fp3_error *error) {
-    fp3_status status = first_runs(points, 0, error);
-    if (!status)
-        status = first_runs(points, 1, error);
-    for (size_t i = 0; !status && i < points->count; i++)
-        if (points->point[i].run)
-            points->point[i].repeats = repeats_of(points, &points->point[i]);
-    return status ? status : repeat_all(points, error);
+int bench_points_command(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "MODEL",
+        .doc = "Error against run time of MODEL (*.ode): fp3's engines and hardware, a plain C "
+               "loop, GSL and SUNDIALS."};
+    options o = {.engine = "fast"};
+    argp_parse(&argp, argc, argv, 0, NULL, &o);
+    fp3_error error = {""};
+    char *report = NULL;
+    const fp3_status status = bench(&o, &report, &error);
+    if (status)
+        fprintf(stderr, "bench points: %s\n", report ? report : error.text);
+    free(report);
+    return fp3_exit_code(status);
 }

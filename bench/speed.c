@@ -5,8 +5,8 @@
  */
 #include "speed.h"
 
-#include "bench.h"
 #include "commands.h"
+#include "measure/measure.h"
 
 #include "base/file.h"
 #include "machine/config.h"
@@ -42,7 +42,7 @@ typedef struct {
     const options *o;
     speed_runner runner[RUNNERS_MOST];
     unsigned count;
-    bench_machines *machines;
+    fp3_measure_machines *machines;
     fp3_program *program;
     bench_ships start, now, expected; /* start: of T, C, rm, v, s; the others share T, C, rm */
     json_t *rows;
@@ -196,7 +196,7 @@ static const speed_runner *reference(const speed *s) {
 }
 
 static fp3_status measure_cell(speed *s, uint64_t steps, fp3_error *error) {
-    double seconds[RUNNERS_MOST][BENCH_REPEATS], by_hand = INFINITY, ignored;
+    double seconds[RUNNERS_MOST][FP3_MEASURE_REPEATS], by_hand = INFINITY, ignored;
     fp3_status status = FP3_OK;
     const speed_runner *by = reference(s);
     bench_ships expected = whole(&s->expected, by);
@@ -210,11 +210,11 @@ static fp3_status measure_cell(speed *s, uint64_t steps, fp3_error *error) {
                 status = run(s, &s->runner[i], steps, &seconds[i][k], error);
     for (unsigned i = 0; !status && i < s->count; i++)
         if (is_in_time(s, &s->runner[i], steps) && !strcmp(s->runner[i].engine, "hand"))
-            by_hand = fmin(by_hand, bench_median(seconds[i], s->o->repeats));
+            by_hand = fmin(by_hand, fp3_measure_median(seconds[i], s->o->repeats));
     for (unsigned i = 0; !status && i < s->count; i++)
         if (is_in_time(s, &s->runner[i], steps))
-            put(s, &s->runner[i], steps, bench_median(seconds[i], s->o->repeats), s->o->repeats,
-                by_hand);
+            put(s, &s->runner[i], steps, fp3_measure_median(seconds[i], s->o->repeats),
+                s->o->repeats, by_hand);
     return status;
 }
 
@@ -246,7 +246,7 @@ static fp3_status write_json(const speed *s, fp3_error *error) {
 static fp3_status bench(const options *o, char **report, fp3_error *error) {
     speed s = {.o = o, .rows = json_array()};
     const fp3_program_def def = fp3_program_default();
-    fp3_status status = bench_machines_open(&s.machines, error);
+    fp3_status status = fp3_measure_machines_open(&s.machines, error);
     if (!status)
         status = fp3_program_open(PROGRAM, &def, &s.program, report, error);
     if (!status) {
@@ -256,7 +256,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     if (!status)
         status = write_json(&s, error);
     fp3_program_close(&s.program);
-    bench_machines_close(&s.machines);
+    fp3_measure_machines_close(&s.machines);
     json_decref(s.rows);
     return status;
 }

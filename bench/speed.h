@@ -2,7 +2,7 @@
 #ifndef BENCH_SPEED_H
 #define BENCH_SPEED_H
 
-#include "machines.h"
+#include "measure/machines.h"
 #include "ship.h"
 
 #include <stdint.h>
@@ -19,7 +19,7 @@ struct speed_runner {
     int is_interpreter; /* "fast" without native code */
     fp3_status (*run)(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                       double *seconds, fp3_error *error);
-    bench_machines *machines;
+    fp3_measure_machines *machines;
     const fp3_image *image;
 };
 

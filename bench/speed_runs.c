@@ -1,7 +1,7 @@
 /* speed_runs.c - see speed.h. */
 #include "speed.h"
 
-#include "bench.h"
+#include "measure/measure.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -12,9 +12,9 @@
 fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                           double *seconds, fp3_error *error) {
     (void)error;
-    const double begin = bench_now();
+    const double begin = fp3_measure_now();
     runner->loop->run(ships, steps);
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     return FP3_OK;
 }
 
@@ -40,9 +40,9 @@ static fp3_status write_start(fp3_engine *engine, const fp3_image *image,
 fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                             double *seconds, fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_status status = bench_machines_engine(runner->machines, runner->engine,
-                                              speed_config(runner, ships->objects), runner->threads,
-                                              ships->objects, &engine, error);
+    fp3_status status = fp3_measure_machines_engine(
+        runner->machines, runner->engine, speed_config(runner, ships->objects), runner->threads,
+        ships->objects, &engine, error);
     if (status)
         return status;
     if (runner->is_interpreter) /* read when a program is loaded */
@@ -54,10 +54,10 @@ fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships
     }
     if (runner->is_interpreter)
         unsetenv("FP3_FAST");
-    const double begin = bench_now();
+    const double begin = fp3_measure_now();
     if (!status)
         status = fp3_engine_run(engine, steps, NULL);
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     const struct {
         const char *name;
         float *values;
@@ -66,8 +66,9 @@ fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships
         const fp3_symbol *s = fp3_image_find(runner->image, ends[i].name, FP3_CLASSES_HOST);
         status = fp3_engine_read(engine, 0, ships->objects, s->index, ends[i].values);
     }
-    return status ? fp3_fail(error, status, "%s", bench_machines_error(runner->machines)->text)
-                  : FP3_OK;
+    return status
+               ? fp3_fail(error, status, "%s", fp3_measure_machines_error(runner->machines)->text)
+               : FP3_OK;
 }
 
 static int slopes(double t, const double y[], double f[], void *self) {
@@ -87,7 +88,7 @@ fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, u
     if (!step)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     int result = GSL_SUCCESS;
-    const double begin = bench_now();
+    const double begin = fp3_measure_now();
     for (size_t i = 0; !result && i < ships->objects; i++) {
         double y[] = {(double)ships->v[i], (double)ships->s[i]};
         p[0] = (double)ships->T[i];
@@ -100,7 +101,7 @@ fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, u
         ships->v[i] = (float)y[0];
         ships->s[i] = (float)y[1];
     }
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     gsl_odeiv2_step_free(step);
     return result ? fp3_fail(error, FP3_E_ARGUMENT, "%s", gsl_strerror(result)) : FP3_OK;
 }

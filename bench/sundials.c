@@ -3,7 +3,7 @@
  * Memory is made once and initialised again for each object. CVODE's Newton iteration gets its Jacobian
  * by its own differences.
  */
-#include "bench.h"
+#include "sundials.h"
 
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
@@ -36,7 +36,7 @@ typedef struct {
     SUNMatrix matrix;
     SUNLinearSolver linear;
     SUNNonlinearSolver nonlinear;
-    bench_slopes_fn *slopes;
+    fp3_measure_slopes_fn *slopes;
     double *params; /* of the present object; not owned */
 } solver;
 
@@ -64,11 +64,11 @@ static int one(solver *s, double end) {
     return result ? result : ERKStepEvolve(s->memory, end, s->y, &t, ARK_NORMAL);
 }
 
-static fp3_status run(bench_point *point, double *seconds, fp3_error *error) {
-    const bench_problem *p = point->problem;
+static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *error) {
+    const fp3_measure_problem *p = point->problem;
     solver *s = point->self;
     const size_t states = p->model->state_count;
-    const double begin = bench_now(), spent = bench_spent();
+    const double begin = fp3_measure_now(), spent = fp3_measure_spent();
     for (unsigned v = 0; v < p->variants; v++) {
         s->params = p->params + v * p->model->param_count;
         memcpy(N_VGetArrayPointer(s->y), p->initial + v * states, states * sizeof(double));
@@ -81,15 +81,15 @@ static fp3_status run(bench_point *point, double *seconds, fp3_error *error) {
             free(name);
             return FP3_E_LIMIT;
         }
-        if (bench_spent() - spent > SECONDS_MOST)
+        if (fp3_measure_spent() - spent > SECONDS_MOST)
             return fp3_fail(error, FP3_E_LIMIT, "%u of %u objects took more than %g s", v + 1,
                             p->variants, SECONDS_MOST);
     }
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     return FP3_OK;
 }
 
-static void close_solver(bench_point *point) {
+static void close_solver(fp3_measure_point *point) {
     solver *s = point->self;
     if (s->memory && s->is_cvode)
         CVodeFree(&s->memory);
@@ -145,7 +145,7 @@ static int open_erk(solver *s, unsigned order) {
 }
 
 /* Errors are relative to the scale of a state, as they are told. */
-static int open_solver(solver *s, int method, const bench_problem *p, double tolerance) {
+static int open_solver(solver *s, int method, const fp3_measure_problem *p, double tolerance) {
     const sunindextype states = p->model->state_count;
     if (SUNContext_Create(NULL, &s->context))
         return -1;
@@ -162,25 +162,26 @@ static int open_solver(solver *s, int method, const bench_problem *p, double tol
                        : open_erk(s, methods[method].order);
 }
 
-fp3_status bench_add_sundials(bench_points *points, const bench_problem *problem,
-                              const bench_options *options, bench_slopes_fn *slopes_of,
+fp3_status bench_add_sundials(fp3_measure_points *points, const fp3_measure_problem *problem,
+                              const fp3_measure_options *options, fp3_measure_slopes_fn *slopes_of,
                               fp3_error *error) {
     for (int m = 0; m < METHODS; m++)
         for (unsigned d = options->fewest_digits; d <= options->most_digits;
              d += options->digits_apart) {
-            bench_point point = {.engine = "sundials",
-                                 .method = methods[m].name,
-                                 .tolerance = pow(10, -(double)d),
-                                 .threads = 1,
-                                 .objects = problem->variants,
-                                 .run = run,
-                                 .close = close_solver,
-                                 .problem = problem};
+            fp3_measure_point point = {.engine = "sundials",
+                                       .method = methods[m].name,
+                                       .tolerance = pow(10, -(double)d),
+                                       .threads = 1,
+                                       .objects = problem->variants,
+                                       .run = run,
+                                       .close = close_solver,
+                                       .problem = problem};
             solver *s = point.self = calloc(1, sizeof *s);
             if (!s)
                 return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
             s->slopes = slopes_of;
-            if (open_solver(s, m, problem, point.tolerance) || !bench_points_add(points, &point)) {
+            if (open_solver(s, m, problem, point.tolerance) ||
+                !fp3_measure_points_add(points, &point)) {
                 close_solver(&point);
                 return fp3_fail(error, FP3_E_SYSTEM, "SUNDIALS' %s does not start",
                                 methods[m].name);

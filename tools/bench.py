@@ -78,8 +78,10 @@ def measure(path, command, *sources):
         part = json.loads(new.read_text(encoding="utf-8"))
     finally:
         new.unlink(missing_ok=True)
-    part["measured"] = {"revision": revision(), "date": datetime.date.today().isoformat(), "seconds": round(time.monotonic() - begin, 1)}
-    write(path, json.dumps(part, indent=1) + "\n")
+    measured = {"revision": revision(), "date": datetime.date.today().isoformat(), "seconds": round(time.monotonic() - begin, 1)}
+    for problem in part.get("problems", []):
+        problem["measured"] = measured
+    write(path, json.dumps(part | {"measured": measured}, indent=1) + "\n")
     return path
 
 
@@ -173,11 +175,9 @@ def gather(options, paths, failed):
     versions, mhz = {}, clocks((ROOT / CLOCKS).read_text(encoding="utf-8"))
     for path in paths:
         part = json.loads(path.read_text(encoding="utf-8"))
-        for name in ("points", "left_out", "speed"):
-            found[name] += part.pop(name, [])
-        versions.update(part.pop("versions", {}))
-        if "states" in part:
-            found["problems"].append(part)
+        for name in ("problems", "points", "left_out", "speed"):
+            found[name] += part.get(name, [])
+        versions.update(part.get("versions", {}))
         found["about"].setdefault("target", part.get("target"))
     put_times(found["points"], mhz)
     found["about"] |= {"versions": versions, "mhz": mhz}

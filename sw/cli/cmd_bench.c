@@ -1,8 +1,10 @@
 /* cmd_bench.c - fp3 bench: programs on the hardware, the ship unless another is named. The pairs of
  * program and configuration, scenes of many objects, the tables, the JSON; bench/bench.h runs one.
+ * Models go to bench_models.h.
  */
 #include "arguments.h"
 #include "base/file.h"
+#include "bench_models.h"
 #include "bench_table.h"
 #include "cli.h"
 #include "files.h"
@@ -27,6 +29,8 @@ typedef struct {
     uint64_t steps;         /* after the first, of one object; many share them */
     uint64_t scene_objects; /* 0: no scenes */
     int is_model;
+    fp3_bench_models models; /* error against run time; the others are not for it */
+    const char *not_for_models;
 } options;
 
 static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3_error *error) {
@@ -363,7 +367,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     return status;
 }
 
-enum { KEY_MODEL = 256 };
+enum { KEY_MODEL = 256, KEY_QUICK };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "One configuration (default: all)", 0},
@@ -376,11 +380,43 @@ static const struct argp_option table[] = {
     {"scenes", 's', "N", OPTION_ARG_OPTIONAL,
      "Also run scenes of N objects from the store (default: 10000)", 0},
     {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
+    {"integrator", 'i', "NAME", 0, "Of MODEL; may be repeated (default: all that are built in)", 0},
+    {"quick", KEY_QUICK, NULL, 0, "Of MODEL: few tolerances, few objects, three repeats", 0},
     {0},
 };
 
+static void add_name(struct argp_state *state, const char *what, const char *text,
+                     const char **names, unsigned *count) {
+    if (*count == FP3_BENCH_NAMES_MOST)
+        argp_error(state, "found more than %d %s", FP3_BENCH_NAMES_MOST, what);
+    names[(*count)++] = text;
+}
+
+/* Options of one form are refused with the other. */
+static void check_form(struct argp_state *state, const options *o) {
+    const fp3_bench_models *m = &o->models;
+    if (m->model_count && o->not_for_models)
+        argp_error(state,
+                   "found --%s and '%s': with MODEL there are --integrator, --quick and --json",
+                   o->not_for_models, m->models[0]);
+    if (!m->model_count && (m->integrator_count || m->is_quick))
+        argp_error(state, "found --%s, expected MODEL", m->is_quick ? "quick" : "integrator");
+}
+
+/* The long name of an option that is for programs alone; NULL: it is not. */
+static const char *program_option(int key) {
+    static const int keys[] = {'c', 'p', 'P', 'n', KEY_MODEL, 's'};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        for (const struct argp_option *at = table; keys[i] == key && at->name; at++)
+            if (at->key == key)
+                return at->name;
+    return NULL;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
+    if (program_option(key))
+        o->not_for_models = program_option(key);
     switch (key) {
     case 'c':
         o->config = text;
@@ -392,7 +428,13 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->params = text;
         break;
     case 'j':
-        o->json = text;
+        o->json = o->models.json = text;
+        break;
+    case 'i':
+        add_name(state, "integrators", text, o->models.integrators, &o->models.integrator_count);
+        break;
+    case KEY_QUICK:
+        o->models.is_quick = 1;
         break;
     case 'n':
         o->steps = fp3_arguments_number(state, "--steps", text, 1, 10000000);
@@ -406,7 +448,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
                  : SCENE_OBJECTS;
         break;
     case ARGP_KEY_ARG:
-        argp_error(state, "found '%s', expected options only", text);
+        if (fp3_program_is_named(text) && !fp3_program_is_model(text))
+            argp_error(state, "found '%s', expected a model (*.ode)", text);
+        add_name(state, "models", text, o->models.models, &o->models.model_count);
+        break;
+    case ARGP_KEY_END:
+        check_form(state, o);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -419,15 +466,24 @@ int fp3_cmd_bench(int argc, char **argv) {
     const struct argp argp = {
         .options = table,
         .parser = parse,
+        .args_doc = "[MODEL...]",
         .doc =
-            "Runs the ship, or another program or model, on the hardware under Verilator: compares "
+            "With MODEL (programs/MODEL.ode, or a path: with a / or an ending): error against run "
+            "time. For every integrator, arithmetic and time step, the nanoseconds of the engine "
+            "fast with one thread and with all, and the cycles of hardware; beside it a plain C "
+            "loop and GSL's solvers. The table has the best, the JSON all. A minute a model, of "
+            "an idle machine. It needs a C compiler.\v"
+            "Without: runs the ship, or another program or model, on the hardware under Verilator: "
+            "compares "
             "every write of a state with golden (a ship by hand) or the isa engine bit for bit, "
             "counts cycles, measures the error against truth. Exit code 1 on any mismatch, 3 if "
             "objects failed or there is no truth; the figures are there."};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error = {""};
     char *report = NULL;
-    const fp3_status status = bench(&o, &report, &error);
+    const fp3_status status = o.models.model_count
+                                  ? fp3_bench_models_run(&o.models, &report, &error)
+                                  : bench(&o, &report, &error);
     const int exit_code = fp3_cli_end("bench", status, &error, report);
     free(report);
     return exit_code;

@@ -1,5 +1,5 @@
 /* problem.c - a model, its variants, and where they really end. */
-#include "bench.h"
+#include "problem.h"
 
 #include "bench/variants.h"
 
@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* The scale is that of fp3/convergence.h, of the first variant. */
-static fp3_status find_scale(bench_problem *p, fp3_error *error) {
+static fp3_status find_scale(fp3_measure_problem *p, fp3_error *error) {
     fp3_ladder *ladder = NULL;
     const fp3_status status = fp3_ladder_open(p->model, p->end, FP3_LOOKS, &ladder, error);
     if (!status)
@@ -19,16 +19,17 @@ static fp3_status find_scale(bench_problem *p, fp3_error *error) {
     return status;
 }
 
-fp3_status bench_problem_open(const fp3_model *model, unsigned variants, bench_problem *problem,
-                              fp3_error *error) {
+fp3_status fp3_measure_problem_open(const fp3_model *model, unsigned variants,
+                                    fp3_measure_problem *problem, fp3_error *error) {
     const size_t params = model->param_count, states = model->state_count;
-    *problem = (bench_problem){.model = model, .end = (float)model->span, .variants = variants};
+    *problem =
+        (fp3_measure_problem){.model = model, .end = (float)model->span, .variants = variants};
     problem->params = calloc(variants * params + 1, sizeof(double));
     problem->initial = calloc(variants * states + 1, sizeof(double));
     problem->truth = calloc(variants * states + 1, sizeof(double));
     problem->scale = calloc(states + 1, sizeof(double));
     if (!problem->params || !problem->initial || !problem->truth || !problem->scale) {
-        bench_problem_close(problem);
+        fp3_measure_problem_close(problem);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     fp3_status status = find_scale(problem, error);
@@ -38,19 +39,19 @@ fp3_status bench_problem_open(const fp3_model *model, unsigned variants, bench_p
                                  problem->end, problem->truth + v * states, error);
     }
     if (status)
-        bench_problem_close(problem);
+        fp3_measure_problem_close(problem);
     return status;
 }
 
-void bench_problem_close(bench_problem *problem) {
+void fp3_measure_problem_close(fp3_measure_problem *problem) {
     free(problem->params);
     free(problem->initial);
     free(problem->truth);
     free(problem->scale);
-    *problem = (bench_problem){0};
+    *problem = (fp3_measure_problem){0};
 }
 
-static double error_of(const bench_problem *p, unsigned variant, const double *ends) {
+static double error_of(const fp3_measure_problem *p, unsigned variant, const double *ends) {
     const size_t states = p->model->state_count;
     double sum = 0;
     unsigned terms = 0;
@@ -71,7 +72,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-double bench_median(const double *values, unsigned count) {
+double fp3_measure_median(const double *values, unsigned count) {
     double *sorted = calloc(count + 1u, sizeof *sorted);
     if (!sorted)
         return NAN;
@@ -82,8 +83,8 @@ double bench_median(const double *values, unsigned count) {
     return median;
 }
 
-void bench_problem_errors(const bench_problem *problem, const double *ends, double *median,
-                          double *worst) {
+void fp3_measure_problem_errors(const fp3_measure_problem *problem, const double *ends,
+                                double *median, double *worst) {
     double *errors = calloc(problem->variants, sizeof *errors);
     *median = *worst = errors ? 0 : NAN;
     for (unsigned v = 0; errors && v < problem->variants; v++) {
@@ -91,6 +92,6 @@ void bench_problem_errors(const bench_problem *problem, const double *ends, doub
         *worst = fmax(*worst, errors[v]);
     }
     if (errors)
-        *median = bench_median(errors, problem->variants);
+        *median = fp3_measure_median(errors, problem->variants);
     free(errors);
 }

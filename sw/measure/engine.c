@@ -3,6 +3,8 @@
  * Time steps are span/1, span/2, span/4, ...: all end at the same time, exactly. A short run of
  * the variants alone says which of them are worth a point.
  */
+#include "engine.h"
+
 #include "run.h"
 
 #include "bench/variants.h"
@@ -24,14 +26,16 @@
 #define OBJECTS_LEAST_THREADS 4096 /* ... that is shared by threads */
 #define RUNGS_MOST 32
 
-static const char *const hardware[] = {"many_full", "single_full"};
+/* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
+static const char *const hardware[] = {"many_full", "single_full", "many", "single",
+                                       "lanes",     "uncut",       "paper"};
 enum { HARDWARE = sizeof hardware / sizeof *hardware };
 
 typedef struct {
-    bench_points *points;
-    const bench_problem *problem;
-    const bench_options *options;
-    bench_machines *machines;
+    fp3_measure_points *points;
+    const fp3_measure_problem *problem;
+    const fp3_measure_options *options;
+    fp3_measure_machines *machines;
     const char *name; /* of the integrator */
     const fp3_integrator *integrator;
     const fp3_bench_arithmetic *arithmetic;
@@ -44,26 +48,28 @@ typedef struct {
 
 #define ROOM(f) ((f)->problem->variants * (f)->problem->model->state_count + 1)
 
-static double step_of(const bench_problem *p, unsigned rung) { return ldexp(p->end, -(int)rung); }
+static double step_of(const fp3_measure_problem *p, unsigned rung) {
+    return ldexp(p->end, -(int)rung);
+}
 
 /* ---- a timed run ---- */
 
 /* Its ends are known from the sample. */
-static fp3_status run(bench_point *point, double *seconds, fp3_error *error) {
-    const bench_problem *p = point->problem;
+static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *error) {
+    const fp3_measure_problem *p = point->problem;
     uint64_t cycles;
     double *ends = calloc(p->variants * p->model->state_count + 1, sizeof *ends);
-    fp3_status status = ends ? bench_run_solve(point->self, p, point->h, point->steps, ends,
-                                               seconds, &cycles, error)
+    fp3_status status = ends ? fp3_measure_run_solve(point->self, p, point->h, point->steps, ends,
+                                                     seconds, &cycles, error)
                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = bench_run_compare(p, p->variants, ends, "a timed run", point->ends,
-                                   "the run of the variants alone", error);
+        status = fp3_measure_run_compare(p, p->variants, ends, "a timed run", point->ends,
+                                         "the run of the variants alone", error);
     free(ends);
     return status;
 }
 
-static void close_run(bench_point *point) { free(point->self); }
+static void close_run(fp3_measure_point *point) { free(point->self); }
 
 /* ---- agreement ---- */
 
@@ -72,14 +78,14 @@ static fp3_status brief(const family *f, const fp3_compiled *compiled, const cha
                         const char *config, uint64_t objects, double *ends, uint64_t *cycles,
                         fp3_error *error) {
     double seconds;
-    bench_run r = {.compiled = compiled,
-                   .machines = f->machines,
-                   .is_flipped = f->options->is_flipped && !strcmp(name, f->options->engine)};
+    fp3_measure_run r = {.compiled = compiled,
+                         .machines = f->machines,
+                         .is_flipped = f->options->is_flipped && !strcmp(name, f->options->engine)};
     fp3_status status =
-        bench_machines_engine(f->machines, name, config, 1, objects, &r.engine, error);
+        fp3_measure_machines_engine(f->machines, name, config, 1, objects, &r.engine, error);
     if (!status)
-        status = bench_run_solve(&r, f->problem, step_of(f->problem, f->first), CHECKED_STEPS, ends,
-                                 &seconds, cycles, error);
+        status = fp3_measure_run_solve(&r, f->problem, step_of(f->problem, f->first), CHECKED_STEPS,
+                                       ends, &seconds, cycles, error);
     return status;
 }
 
@@ -94,13 +100,13 @@ static fp3_status agree(const family *f, const fp3_compiled *compiled, const cha
                                      ends, &cycles, error)
                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = bench_machines_engine(f->machines, name, config, 1,
-                                       is_rtl ? 0 : f->problem->variants, &engine, error);
+        status = fp3_measure_machines_engine(f->machines, name, config, 1,
+                                             is_rtl ? 0 : f->problem->variants, &engine, error);
     if (!status) {
         const size_t objects = fp3_engine_objects(engine);
-        status = bench_run_compare(f->problem,
-                                   objects < f->problem->variants ? objects : f->problem->variants,
-                                   f->brief, f->options->engine, ends, name, error);
+        status = fp3_measure_run_compare(
+            f->problem, objects < f->problem->variants ? objects : f->problem->variants, f->brief,
+            f->options->engine, ends, name, error);
     }
     const uint64_t predicted = is_rtl ? fp3_compiled_cycles(compiled, CHECKED_STEPS) : 0;
     if (!status && predicted && predicted != cycles)
@@ -115,22 +121,23 @@ static fp3_status agree(const family *f, const fp3_compiled *compiled, const cha
 
 /* Fills ends of the rungs that are worth a point: those that solve it, up to one beyond the best. */
 static fp3_status sample(family *f, fp3_error *error) {
-    const bench_problem *p = f->problem;
-    bench_run r = {.compiled = f->compiled, .machines = f->machines};
+    const fp3_measure_problem *p = f->problem;
+    fp3_measure_run r = {.compiled = f->compiled, .machines = f->machines};
     double best = INFINITY, seconds = 0;
     unsigned worse = 0;
     uint64_t cycles;
-    fp3_status status = bench_machines_engine(f->machines, f->options->engine, CONFIG, 1,
-                                              p->variants, &r.engine, error);
+    fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
+                                                    p->variants, &r.engine, error);
     for (unsigned k = 0; !status && k < f->options->most_rungs && worse < RUNGS_WORSE &&
                          2 * seconds < SAMPLE_SECONDS;
          k++) {
         double median = INFINITY, worst, *ends = calloc(ROOM(f), sizeof *ends);
         if (!ends)
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-        status = bench_run_solve(&r, p, step_of(p, k), 1ull << k, ends, &seconds, &cycles, error);
+        status =
+            fp3_measure_run_solve(&r, p, step_of(p, k), 1ull << k, ends, &seconds, &cycles, error);
         if (!status)
-            bench_problem_errors(p, ends, &median, &worst);
+            fp3_measure_problem_errors(p, ends, &median, &worst);
         worse = median < best || best > SOLVED ? 0 : worse + 1;
         best = fmin(best, median);
         if (median < ERROR_MOST && worse < RUNGS_WORSE) {
@@ -146,18 +153,18 @@ static fp3_status sample(family *f, fp3_error *error) {
 
 /* ---- points ---- */
 
-static bench_point blank(const family *f, const char *engine, const char *config) {
-    return (bench_point){.engine = engine,
-                         .integrator = f->name,
-                         .arithmetic = f->arithmetic->name,
-                         .config = config,
-                         .problem = f->problem};
+static fp3_measure_point blank(const family *f, const char *engine, const char *config) {
+    return (fp3_measure_point){.engine = engine,
+                               .integrator = f->name,
+                               .arithmetic = f->arithmetic->name,
+                               .config = config,
+                               .problem = f->problem};
 }
 
-static fp3_status add(const family *f, bench_point *point, unsigned rung, fp3_error *error) {
+static fp3_status add(const family *f, fp3_measure_point *point, unsigned rung, fp3_error *error) {
     point->h = step_of(f->problem, rung);
     point->steps = 1ull << rung;
-    bench_point *added = bench_points_add(f->points, point);
+    fp3_measure_point *added = fp3_measure_points_add(f->points, point);
     if (!added) {
         free(point->self);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -167,7 +174,7 @@ static fp3_status add(const family *f, bench_point *point, unsigned rung, fp3_er
 }
 
 /* As many objects as can make all steps in the time; always whole rounds of the variants. */
-static uint64_t objects_for(const bench_options *options, unsigned rung, unsigned threads) {
+static uint64_t objects_for(const fp3_measure_options *options, unsigned rung, unsigned threads) {
     const uint64_t least = threads > 1 ? OBJECTS_LEAST_THREADS : OBJECTS_LEAST;
     uint64_t objects = options->objects;
     while (objects > least && (objects << rung) > options->object_steps)
@@ -176,18 +183,18 @@ static uint64_t objects_for(const bench_options *options, unsigned rung, unsigne
 }
 
 static fp3_status add_software(const family *f, unsigned rung, unsigned threads, fp3_error *error) {
-    bench_point point = blank(f, f->options->engine, NULL);
-    bench_run *r = calloc(1, sizeof *r);
+    fp3_measure_point point = blank(f, f->options->engine, NULL);
+    fp3_measure_run *r = calloc(1, sizeof *r);
     if (!r)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    *r = (bench_run){.compiled = f->compiled, .machines = f->machines};
+    *r = (fp3_measure_run){.compiled = f->compiled, .machines = f->machines};
     point.run = run;
     point.close = close_run;
     point.self = r;
     point.threads = threads;
     point.objects = objects_for(f->options, rung, threads);
-    const fp3_status status = bench_machines_engine(f->machines, f->options->engine, CONFIG,
-                                                    threads, point.objects, &r->engine, error);
+    const fp3_status status = fp3_measure_machines_engine(
+        f->machines, f->options->engine, CONFIG, threads, point.objects, &r->engine, error);
     if (status)
         free(r);
     return status ? status : add(f, &point, rung, error);
@@ -196,10 +203,10 @@ static fp3_status add_software(const family *f, unsigned rung, unsigned threads,
 /* What the hardware needs is known beforehand; a sample of it has been run. */
 static fp3_status add_hardware(const family *f, const fp3_compiled *compiled, const char *config,
                                unsigned rung, fp3_error *error) {
-    bench_point point = blank(f, "rtl", config);
+    fp3_measure_point point = blank(f, "rtl", config);
     fp3_engine *engine = NULL;
     const fp3_status status =
-        bench_machines_engine(f->machines, "rtl", config, 1, 0, &engine, error);
+        fp3_measure_machines_engine(f->machines, "rtl", config, 1, 0, &engine, error);
     if (status)
         return status;
     point.objects = fp3_engine_objects(engine);
@@ -217,11 +224,11 @@ static fp3_status compile(const family *f, const char *engine, const char *confi
     *compiled = NULL;
     const fp3_status status = fp3_compile(f->problem->model, f->integrator, &def, compiled, error);
     if (status == FP3_E_PROGRAM || status == FP3_E_LIMIT) {
-        const bench_point point = blank(f, engine, config);
-        bench_points_leave_out(f->points, &point, error->text);
+        const fp3_measure_point point = blank(f, engine, config);
+        fp3_measure_points_leave_out(f->points, &point, error->text);
         return FP3_OK;
     }
-    return status ? status : bench_machines_keep(f->machines, *compiled, error);
+    return status ? status : fp3_measure_machines_keep(f->machines, *compiled, error);
 }
 
 static fp3_status add_configuration(const family *f, const char *config, fp3_error *error) {
@@ -264,8 +271,8 @@ static fp3_status add_family(family *f, fp3_error *error) {
     if (!status && f->is_solved)
         status = add_all(f, error);
     if (!status && !f->is_solved) {
-        const bench_point point = blank(f, f->options->engine, NULL);
-        bench_points_leave_out(f->points, &point, "no time step that was tried solves it");
+        const fp3_measure_point point = blank(f, f->options->engine, NULL);
+        fp3_measure_points_leave_out(f->points, &point, "no time step that was tried solves it");
     }
     for (unsigned k = 0; k < RUNGS_MOST; k++)
         free(f->ends[k]);
@@ -283,7 +290,8 @@ static fp3_status add_integrator(family *shared, const char *name, fp3_error *er
         f.name = name;
         if (!fp3_bench_applies(f.arithmetic, integrator))
             continue;
-        fprintf(stderr, "%s: %s, %s\n", f.problem->model->name, name, f.arithmetic->name);
+        fp3_measure_points_say(f.points, "%s: %s, %s", f.problem->model->name, name,
+                               f.arithmetic->name);
         status = add_family(&f, error);
         if (status) {
             const fp3_error why = *error;
@@ -294,9 +302,9 @@ static fp3_status add_integrator(family *shared, const char *name, fp3_error *er
     return status;
 }
 
-fp3_status bench_add_engine(bench_points *points, const bench_problem *problem,
-                            const bench_options *options, bench_machines *machines,
-                            fp3_error *error) {
+fp3_status fp3_measure_add_engine(fp3_measure_points *points, const fp3_measure_problem *problem,
+                                  const fp3_measure_options *options,
+                                  fp3_measure_machines *machines, fp3_error *error) {
     family shared = {
         .points = points, .problem = problem, .options = options, .machines = machines};
     fp3_status status = FP3_OK;

@@ -13,7 +13,7 @@ typedef struct {
     fp3_engine *engine;
 } machine;
 
-struct bench_machines {
+struct fp3_measure_machines {
     machine machine[ENGINES_MOST];
     unsigned count;
     fp3_compiled **kept;
@@ -21,13 +21,13 @@ struct bench_machines {
     fp3_error error;
 };
 
-fp3_status bench_machines_open(bench_machines **machines, fp3_error *error) {
+fp3_status fp3_measure_machines_open(fp3_measure_machines **machines, fp3_error *error) {
     *machines = calloc(1, sizeof **machines);
     return *machines ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
-void bench_machines_close(bench_machines **machines) {
-    bench_machines *m = *machines;
+void fp3_measure_machines_close(fp3_measure_machines **machines) {
+    fp3_measure_machines *m = *machines;
     if (!m)
         return;
     for (unsigned i = 0; i < m->count; i++)
@@ -39,7 +39,9 @@ void bench_machines_close(bench_machines **machines) {
     *machines = NULL;
 }
 
-const fp3_error *bench_machines_error(const bench_machines *machines) { return &machines->error; }
+const fp3_error *fp3_measure_machines_error(const fp3_measure_machines *machines) {
+    return &machines->error;
+}
 
 static int is_same(const machine *m, const char *name, const char *config, unsigned threads,
                    uint64_t objects) {
@@ -47,9 +49,9 @@ static int is_same(const machine *m, const char *name, const char *config, unsig
            m->objects == objects;
 }
 
-fp3_status bench_machines_engine(bench_machines *machines, const char *name, const char *config,
-                                 unsigned threads, uint64_t objects, fp3_engine **engine,
-                                 fp3_error *error) {
+fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const char *name,
+                                       const char *config, unsigned threads, uint64_t objects,
+                                       fp3_engine **engine, fp3_error *error) {
     for (unsigned i = 0; i < machines->count; i++)
         if (is_same(&machines->machine[i], name, config, threads, objects)) {
             *engine = machines->machine[i].engine;
@@ -73,7 +75,8 @@ fp3_status bench_machines_engine(bench_machines *machines, const char *name, con
     return FP3_OK;
 }
 
-fp3_status bench_machines_keep(bench_machines *machines, fp3_compiled *compiled, fp3_error *error) {
+fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, fp3_compiled *compiled,
+                                     fp3_error *error) {
     fp3_compiled **more =
         realloc(machines->kept, (machines->kept_count + 1) * sizeof *machines->kept);
     if (!more) {

@@ -1,5 +1,5 @@
 /* loop.c - the plain C loop of bench/loop.h of the library: one object after the other, and in columns. */
-#include "bench.h"
+#include "loop.h"
 
 #include "bench/loop.h"
 
@@ -23,8 +23,8 @@ typedef struct {
     float *p, *y; /* rows of an object each; of vectors: columns */
 } self;
 
-static void fill(const bench_point *point) {
-    const bench_problem *problem = point->problem;
+static void fill(const fp3_measure_point *point) {
+    const fp3_measure_problem *problem = point->problem;
     const self *s = point->self;
     const size_t params = problem->model->param_count, states = problem->model->state_count;
     const size_t objects = point->objects;
@@ -39,19 +39,19 @@ static void fill(const bench_point *point) {
     }
 }
 
-static fp3_status run(bench_point *point, double *seconds, fp3_error *error) {
+static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *error) {
     (void)error;
-    const bench_problem *problem = point->problem;
+    const fp3_measure_problem *problem = point->problem;
     const self *s = point->self;
     const size_t params = problem->model->param_count, states = problem->model->state_count;
     const size_t objects = point->objects;
     fill(point);
-    const double begin = bench_now();
+    const double begin = fp3_measure_now();
     if (s->is_vector)
         s->of->loop.many(s->p, s->y, objects, point->steps, (float)point->h);
     for (size_t i = 0; !s->is_vector && i < objects; i++)
         s->of->loop.one(s->p + i * params, s->y + i * states, 0, point->steps, (float)point->h);
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     for (size_t v = 0; v < problem->variants; v++)
         for (size_t k = 0; k < states; k++)
             point->ends[v * states + k] =
@@ -66,7 +66,7 @@ static void leave(shared *of) {
     }
 }
 
-static void close_self(bench_point *point) {
+static void close_self(fp3_measure_point *point) {
     self *s = point->self;
     leave(s->of);
     free(s->p);
@@ -74,8 +74,8 @@ static void close_self(bench_point *point) {
     free(s);
 }
 
-static fp3_status add(bench_points *points, bench_point point, shared *of, int is_vector,
-                      fp3_error *error) {
+static fp3_status add(fp3_measure_points *points, fp3_measure_point point, shared *of,
+                      int is_vector, fp3_error *error) {
     const fp3_model *model = point.problem->model;
     self *s = point.self = calloc(1, sizeof *s);
     if (!s)
@@ -85,15 +85,15 @@ static fp3_status add(bench_points *points, bench_point point, shared *of, int i
                 .is_vector = is_vector,
                 .p = calloc(point.objects * model->param_count + 1, sizeof(float)),
                 .y = calloc(point.objects * model->state_count + 1, sizeof(float))};
-    if (!s->p || !s->y || !bench_points_add(points, &point)) {
+    if (!s->p || !s->y || !fp3_measure_points_add(points, &point)) {
         close_self(&point);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     return FP3_OK;
 }
 
-static fp3_status add_form(bench_points *points, const bench_problem *problem,
-                           const bench_options *options, int is_vector, fp3_error *error) {
+static fp3_status add_form(fp3_measure_points *points, const fp3_measure_problem *problem,
+                           const fp3_measure_options *options, int is_vector, fp3_error *error) {
     shared *of = calloc(1, sizeof *of);
     if (!of)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -101,26 +101,26 @@ static fp3_status add_form(bench_points *points, const bench_problem *problem,
     fp3_status status = fp3_bench_loop_open(problem->model, is_vector ? vector_flags : scalar_flags,
                                             &of->loop, error);
     for (unsigned k = 0; !status && k < options->most_rungs; k++) {
-        bench_point point = {.engine = "plain_c",
-                             .method = is_vector ? "vectors" : "scalar",
-                             .integrator = "rk4",
-                             .arithmetic = "plain",
-                             .threads = 1,
-                             .objects =
-                                 is_vector ? 16 * (uint64_t)problem->variants : problem->variants,
-                             .steps = 1ull << k,
-                             .h = ldexp(problem->end, -(int)k),
-                             .run = run,
-                             .close = close_self,
-                             .problem = problem};
+        fp3_measure_point point = {.engine = "plain_c",
+                                   .method = is_vector ? "vectors" : "scalar",
+                                   .integrator = "rk4",
+                                   .arithmetic = "plain",
+                                   .threads = 1,
+                                   .objects = is_vector ? 16 * (uint64_t)problem->variants
+                                                        : problem->variants,
+                                   .steps = 1ull << k,
+                                   .h = ldexp(problem->end, -(int)k),
+                                   .run = run,
+                                   .close = close_self,
+                                   .problem = problem};
         status = add(points, point, of, is_vector, error);
     }
     leave(of);
     return status;
 }
 
-fp3_status bench_add_loop(bench_points *points, const bench_problem *problem,
-                          const bench_options *options, fp3_error *error) {
+fp3_status fp3_measure_add_loop(fp3_measure_points *points, const fp3_measure_problem *problem,
+                                const fp3_measure_options *options, fp3_error *error) {
     const fp3_status status = add_form(points, problem, options, 0, error);
     return status ? status : add_form(points, problem, options, 1, error);
 }

@@ -3,7 +3,7 @@
  * A driver is made once and reset for each object. GSL's rk4 makes two steps of h/2 for each step of h,
  * to estimate the error.
  */
-#include "bench.h"
+#include "gsl.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -31,7 +31,7 @@ typedef struct {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver; /* of adaptive steps */
     gsl_odeiv2_step *step;     /* of fixed ones */
-    bench_slopes_fn *slopes;
+    fp3_measure_slopes_fn *slopes;
     double *params;        /* of the present object; not owned */
     double *y, *error, *f; /* states each */
 } solver;
@@ -59,7 +59,7 @@ static int jacobian(double t, const double y[], double *dfdy, double dfdt[], voi
     return GSL_SUCCESS;
 }
 
-static int one(solver *s, const bench_point *point, double *y) {
+static int one(solver *s, const fp3_measure_point *point, double *y) {
     double t = 0;
     if (s->driver) {
         int result = gsl_odeiv2_driver_reset_hstart(s->driver, point->problem->end * FIRST_STEP);
@@ -75,26 +75,26 @@ static int one(solver *s, const bench_point *point, double *y) {
     return GSL_SUCCESS;
 }
 
-static fp3_status run(bench_point *point, double *seconds, fp3_error *error) {
-    const bench_problem *p = point->problem;
+static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *error) {
+    const fp3_measure_problem *p = point->problem;
     solver *s = point->self;
     const size_t states = p->model->state_count;
-    const double begin = bench_now(), spent = bench_spent();
+    const double begin = fp3_measure_now(), spent = fp3_measure_spent();
     memcpy(point->ends, p->initial, p->variants * states * sizeof *point->ends);
     for (unsigned v = 0; v < p->variants; v++) {
         s->params = p->params + v * p->model->param_count;
         const int result = one(s, point, point->ends + v * states);
         if (result)
             return fp3_fail(error, FP3_E_LIMIT, "%s", gsl_strerror(result));
-        if (bench_spent() - spent > SECONDS_MOST)
+        if (fp3_measure_spent() - spent > SECONDS_MOST)
             return fp3_fail(error, FP3_E_LIMIT, "%u of %u objects took more than %g s", v + 1,
                             p->variants, SECONDS_MOST);
     }
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     return FP3_OK;
 }
 
-static void close_solver(bench_point *point) {
+static void close_solver(fp3_measure_point *point) {
     solver *s = point->self;
     if (s->driver)
         gsl_odeiv2_driver_free(s->driver);
@@ -105,9 +105,9 @@ static void close_solver(bench_point *point) {
 }
 
 /* errors are relative to the scale of a state, as they are told. */
-static fp3_status add(bench_points *points, bench_point point, int method, bench_slopes_fn *fn,
-                      fp3_error *error) {
-    const bench_problem *p = point.problem;
+static fp3_status add(fp3_measure_points *points, fp3_measure_point point, int method,
+                      fp3_measure_slopes_fn *fn, fp3_error *error) {
+    const fp3_measure_problem *p = point.problem;
     const size_t n = p->model->state_count;
     solver *s = calloc(1, sizeof *s);
     if (!s || !(s->y = calloc(3 * n, sizeof *s->y))) {
@@ -127,26 +127,26 @@ static fp3_status add(bench_points *points, bench_point point, int method, bench
                                                        0, p->scale);
     if (s->driver)
         gsl_odeiv2_driver_set_nmax(s->driver, STEPS_MOST);
-    if ((!s->driver && !s->step) || !bench_points_add(points, &point)) {
+    if ((!s->driver && !s->step) || !fp3_measure_points_add(points, &point)) {
         close_solver(&point);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     return FP3_OK;
 }
 
-fp3_status bench_add_gsl(bench_points *points, const bench_problem *problem,
-                         const bench_options *options, bench_slopes_fn *slopes_of,
-                         fp3_error *error) {
+fp3_status fp3_measure_add_gsl(fp3_measure_points *points, const fp3_measure_problem *problem,
+                               const fp3_measure_options *options, fp3_measure_slopes_fn *slopes_of,
+                               fp3_error *error) {
     fp3_status status = FP3_OK;
     gsl_set_error_handler_off(); /* GSL's own ends the program */
     for (int m = 0; !status && m < METHODS; m++) {
-        bench_point point = {.engine = "gsl",
-                             .method = methods[m].name,
-                             .threads = 1,
-                             .objects = problem->variants,
-                             .run = run,
-                             .close = close_solver,
-                             .problem = problem};
+        fp3_measure_point point = {.engine = "gsl",
+                                   .method = methods[m].name,
+                                   .threads = 1,
+                                   .objects = problem->variants,
+                                   .run = run,
+                                   .close = close_solver,
+                                   .problem = problem};
         for (unsigned d = options->fewest_digits;
              !status && !methods[m].is_fixed && d <= options->most_digits;
              d += options->digits_apart) {

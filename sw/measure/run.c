@@ -6,12 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static fp3_status said(const bench_run *e, fp3_status status, fp3_error *error) {
-    return fp3_fail(error, status, "%s", bench_machines_error(e->machines)->text);
+static fp3_status said(const fp3_measure_run *e, fp3_status status, fp3_error *error) {
+    return fp3_fail(error, status, "%s", fp3_measure_machines_error(e->machines)->text);
 }
 
 /* Twice: what a program needs once is not timed. */
-static fp3_status prepare(const bench_run *e, const bench_problem *p, double h, fp3_error *error) {
+static fp3_status prepare(const fp3_measure_run *e, const fp3_measure_problem *p, double h,
+                          fp3_error *error) {
     fp3_status status = FP3_OK;
     for (int i = 0; !status && i < 2; i++) {
         error->text[0] = 0;
@@ -23,7 +24,7 @@ static fp3_status prepare(const bench_run *e, const bench_problem *p, double h, 
 }
 
 /* The states of the variants, row by row; objects that are the same variant must have the same bits. */
-static fp3_status read_ends(const bench_run *e, const bench_problem *p, double *ends,
+static fp3_status read_ends(const fp3_measure_run *e, const fp3_measure_problem *p, double *ends,
                             fp3_error *error) {
     const size_t states = p->model->state_count, objects = fp3_engine_objects(e->engine);
     float *column = calloc(objects, sizeof *column);
@@ -57,9 +58,9 @@ static fp3_status read_ends(const bench_run *e, const bench_problem *p, double *
 /* NaNs have one form. */
 static int is_same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
 
-fp3_status bench_run_compare(const bench_problem *p, size_t variants, const double *ends,
-                             const char *who, const double *others, const char *whom,
-                             fp3_error *error) {
+fp3_status fp3_measure_run_compare(const fp3_measure_problem *p, size_t variants,
+                                   const double *ends, const char *who, const double *others,
+                                   const char *whom, fp3_error *error) {
     const size_t states = p->model->state_count;
     for (size_t i = 0; i < variants * states; i++)
         if (!is_same(ends[i], others[i]))
@@ -69,15 +70,16 @@ fp3_status bench_run_compare(const bench_problem *p, size_t variants, const doub
     return FP3_OK;
 }
 
-fp3_status bench_run_solve(const bench_run *e, const bench_problem *p, double h, uint64_t steps,
-                           double *ends, double *seconds, uint64_t *cycles, fp3_error *error) {
+fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_problem *p, double h,
+                                 uint64_t steps, double *ends, double *seconds, uint64_t *cycles,
+                                 fp3_error *error) {
     fp3_stats stats;
     fp3_status status = prepare(e, p, h, error);
     if (status)
         return status;
-    const double begin = bench_now();
+    const double begin = fp3_measure_now();
     status = fp3_engine_run(e->engine, steps, &stats);
-    *seconds = bench_now() - begin;
+    *seconds = fp3_measure_now() - begin;
     *cycles = stats.counter[FP3_COUNTER_CYCLES];
     return status ? said(e, status, error) : read_ends(e, p, ends, error);
 }

@@ -1,0 +1,25 @@
+/* machines.h - the engines of fp3 that points share. */
+#ifndef FP3_MEASURE_MACHINES_H
+#define FP3_MEASURE_MACHINES_H
+
+#include <fp3/compile.h>
+#include <fp3/engine.h>
+
+typedef struct fp3_measure_machines fp3_measure_machines;
+
+/* *machines is NULL on failure. */
+fp3_status fp3_measure_machines_open(fp3_measure_machines **machines, fp3_error *error);
+/* Also what was kept. Sets *machines to NULL, which it may be already. */
+void fp3_measure_machines_close(fp3_measure_machines **machines);
+
+/* One that is open already, or a new one; what its calls fail with, fp3_measure_machines_error says. threads:
+ * of "fast", no others have any. */
+fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const char *name,
+                                       const char *config, unsigned threads, uint64_t objects,
+                                       fp3_engine **engine, fp3_error *error);
+/* Frees it in the end. */
+fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, fp3_compiled *compiled,
+                                     fp3_error *error);
+const fp3_error *fp3_measure_machines_error(const fp3_measure_machines *machines);
+
+#endif
