@@ -8,12 +8,15 @@
 /* How a state is updated, as the columns `arithmetic` of results name it. */
 typedef struct {
     const char *name;
-    int is_compensated;
+    int is_compensated, is_double_single;
     unsigned passes; /* beside those that keep the bits */
 } fp3_bench_arithmetic;
 
-#define FP3_BENCH_ARITHMETICS 3
+#define FP3_BENCH_ARITHMETICS 4
 extern const fp3_bench_arithmetic fp3_bench_arithmetics[FP3_BENCH_ARITHMETICS];
+
+/* Which of them has this name; FP3_BENCH_ARITHMETICS: none. */
+int fp3_bench_arithmetic_find(const char *name);
 
 /* Whether its programs differ from the plain ones: the coefficients of a splitting contain h anyway. */
 int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrator *integrator);

@@ -37,6 +37,7 @@ typedef struct {
     double span;
     uint64_t most_steps;
     int is_quick, has_errors, is_model, is_native;
+    unsigned arithmetics; /* a set; 0: all */
 } options;
 
 typedef struct {
@@ -95,23 +96,32 @@ static fp3_status note_failure(comparison *k, int machine, row *r) {
     return status;
 }
 
+static void count(row *r, float got, float wanted) {
+    r->mismatches += memcmp(&got, &wanted, sizeof got) != 0;
+    r->compared++;
+}
+
 /* What one object ends with on one machine, on all engines, against the reference. */
 static fp3_status compare_object(comparison *k, const fp3_compiled *c, int machine, size_t object,
                                  uint64_t steps, row *r, fp3_error *error) {
     const fp3_model *model = k->model;
     double params[64 + 1], initial[64 + 1];
-    float wanted[64 + 1] = {0};
+    float wanted[64 + 1] = {0}, low[64 + 1] = {0};
     fp3_bench_variant(model, object, params, initial);
-    fp3_status status =
-        fp3_compiled_reference(c, params, initial, model->step, &steps, 1, wanted, error);
+    fp3_status status = fp3_compiled_reference_pairs(c, params, initial, model->step, &steps, 1,
+                                                     wanted, low, error);
     for (uint32_t s = 0; !status && s < model->state_count; s++) {
         if (!fp3_image_find(c->image, model->states[s].name, FP3_CLASS(FP3_SYMBOL_STATE)))
             continue;
         for (int i = 0; !status && i < ENGINES; i++) {
             float got = 0;
             status = fp3_engine_get(k->engines[machine][i], object, model->states[s].name, &got);
-            r->mismatches += memcmp(&got, &wanted[s], sizeof got) != 0;
-            r->compared++;
+            count(r, got, wanted[s]);
+            if (!status && fp3_compiled_low(c, s) >= 0) {
+                status = fp3_engine_read(k->engines[machine][i], object, 1,
+                                         (uint32_t)fp3_compiled_low(c, s), &got);
+                count(r, got, low[s]);
+            }
         }
     }
     return status;
@@ -164,6 +174,7 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int 
         fp3_compiled *c = NULL;
         def.config = machines[i];
         def.is_compensated = fp3_bench_arithmetics[arithmetic].is_compensated;
+        def.is_double_single = fp3_bench_arithmetics[arithmetic].is_double_single;
         def.passes |= fp3_bench_arithmetics[arithmetic].passes;
         status = fp3_compile(k->model, integrator, &def, &c, error);
         if (status)
@@ -219,7 +230,7 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
         json_object_set_new(o, "errors", errors_of(k, r));
     json_array_append_new(k->rows, o);
     fp3_progress_pause(k->progress);
-    printf("%-16s %-20s %-12s %5" PRIu32 " %5" PRIu32
+    printf("%-16s %-20s %-13s %5" PRIu32 " %5" PRIu32
            " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
            k->model->name, integrator->name, fp3_bench_arithmetics[arithmetic].name,
            r->on[0].operations, r->on[0].instructions, r->on[0].cycles, r->on[1].cycles,
@@ -235,7 +246,7 @@ static void leave_out(comparison *k, const char *integrator, int arithmetic, con
                                     integrator, "arithmetic",
                                     fp3_bench_arithmetics[arithmetic].name, "why", why));
     fp3_progress_pause(k->progress);
-    printf("%-16s %-20s %-12s left out: %s\n", k->model->name, integrator,
+    printf("%-16s %-20s %-13s left out: %s\n", k->model->name, integrator,
            fp3_bench_arithmetics[arithmetic].name, why);
     fflush(stdout);
     fp3_progress_resume(k->progress);
@@ -247,7 +258,8 @@ static fp3_status compare_integrator(comparison *k, const char *name, fp3_error 
     for (int i = 0; !status && i < FP3_BENCH_ARITHMETICS; i++) {
         row r;
         fp3_error why;
-        if (!fp3_bench_applies(&fp3_bench_arithmetics[i], integrator))
+        if (!fp3_bench_applies(&fp3_bench_arithmetics[i], integrator) ||
+            (k->o->arithmetics && !(k->o->arithmetics >> i & 1)))
             continue;
         fp3_progress_say(k->progress, "%s, %s", name, fp3_bench_arithmetics[i].name);
         const fp3_status made = make_row(k, integrator, i, &r, &why);
@@ -312,7 +324,7 @@ static fp3_status compare(comparison *k, fp3_error *error) {
     if (!status && !o->is_quick)
         status = open_engines(k, error);
     if (!status)
-        printf("%-16s %-20s %-12s %5s %5s %8s %8s %8s %5s %8s %6s %6s %9s %s\n", "model",
+        printf("%-16s %-20s %-13s %5s %5s %8s %8s %8s %5s %8s %6s %6s %9s %s\n", "model",
                "integrator", "arithmetic", "ops", "instr", "many", "single", "bound", "order",
                "measured", "double", "finest", "floor", "mismatches");
     for (unsigned i = 0; !status && o->integrator_count && i < o->integrator_count; i++)
@@ -328,12 +340,23 @@ static fp3_status compare(comparison *k, fp3_error *error) {
 
 /* ---- the command ---- */
 
-enum { KEY_JSON = 256, KEY_SPAN, KEY_STEPS, KEY_QUICK, KEY_ERRORS, KEY_MODEL, KEY_NATIVE };
+enum {
+    KEY_JSON = 256,
+    KEY_SPAN,
+    KEY_STEPS,
+    KEY_QUICK,
+    KEY_ERRORS,
+    KEY_MODEL,
+    KEY_NATIVE,
+    KEY_ARITHMETIC
+};
 
 static const struct argp_option table[] = {
     {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
     {"integrator", 'i', "NAME", 0,
      "A built-in table, or a file; may be repeated (default: all that are built in)", 0},
+    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
+     "plain, compensated, folded or double_single; may be repeated (default: all)", 0},
     {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
     {"errors", KEY_ERRORS, NULL, 0, "... with the error at every number of steps", 0},
     {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
@@ -354,6 +377,15 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         else
             o->integrators[o->integrator_count++] = text;
         break;
+    case KEY_ARITHMETIC: {
+        const int arithmetic = fp3_bench_arithmetic_find(text);
+        if (arithmetic == FP3_BENCH_ARITHMETICS)
+            argp_error(state, "found '%s', expected plain, compensated, folded or double_single",
+                       text);
+        else
+            o->arithmetics |= 1u << arithmetic;
+        break;
+    }
     case KEY_JSON:
         o->json = text;
         break;

@@ -30,7 +30,8 @@ enum {
     KEY_PARAMS,
     KEY_LIST,
     KEY_OBSERVE,
-    KEY_MODEL
+    KEY_MODEL,
+    KEY_DOUBLE
 };
 
 static const struct argp_option table[] = {
@@ -38,6 +39,8 @@ static const struct argp_option table[] = {
     {"integrator", 'i', "NAME", 0, "A built-in table, or a file (default rk4)", 0},
     {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
     {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
+    {"double-single", KEY_DOUBLE, NULL, 0,
+     "States and all arithmetic as sums of two floats, 48 bits", 0},
     {"observe", KEY_OBSERVE, "STATE", 0,
      "A state that somebody reads; may be repeated (default all)", 0},
     {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits; may be repeated", 0},
@@ -100,6 +103,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case 'k':
         o->def.compile.is_compensated = 1;
         break;
+    case KEY_DOUBLE:
+        o->def.compile.is_double_single = 1;
+        break;
     case KEY_OBSERVE:
         if (o->def.compile.observed_count == OBSERVED_MAX)
             argp_error(state, "found more than %d states", OBSERVED_MAX);
@@ -141,6 +147,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case ARGP_KEY_END:
         fp3_arguments_model(state, o->model, o->def.is_model);
+        if (o->def.compile.is_compensated && o->def.compile.is_double_single)
+            argp_error(state,
+                       "found both --compensated and --double-single, expected one arithmetic");
         o->def.is_model = 1;
         if (fp3_params_count(o->params) && !o->values)
             argp_error(state, "--set: values are of the host's, and go to --params FILE");

@@ -50,7 +50,8 @@ enum {
     KEY_PLOT,
     KEY_THREADS,
     KEY_TOLERANCE,
-    KEY_UNTIL
+    KEY_UNTIL,
+    KEY_DOUBLE
 };
 
 static const struct argp_option table[] = {
@@ -64,6 +65,8 @@ static const struct argp_option table[] = {
     {"until", KEY_UNTIL, "TIME", 0,
      "With --tolerance: where objects end (default: the model's span)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
+    {"double-single", KEY_DOUBLE, NULL, 0,
+     "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
     {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, or "
      "fast, "
@@ -135,9 +138,11 @@ static void check(const options *o, struct argp_state *state) {
     fp3_run_adaptive_check(&o->how, o->is_model, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
-    if ((o->integrator || o->is_compensated) && !o->is_model)
-        argp_error(state,
-                   "--integrator, --compensated: only a model (*.ode, or --model) is compiled");
+    if ((o->integrator || o->is_compensated || o->how.compile.is_double_single) && !o->is_model)
+        argp_error(state, "--integrator, --compensated, --double-single: only a model (*.ode, or "
+                          "--model) is compiled");
+    if (o->is_compensated && o->how.compile.is_double_single)
+        argp_error(state, "found both --compensated and --double-single, expected one arithmetic");
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->params))
@@ -191,6 +196,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case 'k':
         o->is_compensated = 1;
+        break;
+    case KEY_DOUBLE:
+        o->how.compile.is_double_single = 1;
         break;
     case KEY_MODEL:
         o->is_model = 1;

@@ -26,18 +26,58 @@ static void print_state(fp3_engine *engine, const fp3_symbol *symbol, size_t obj
 
 /* The objects of one program. */
 typedef struct {
+    const fp3_program *program;
     const fp3_image *image;
     size_t first, objects;
 } part;
 
+/* The register of the second word of a symbol's state; -1: it is in no double-single. */
+static int low_of(const part *of, const fp3_symbol *symbol) {
+    const fp3_compiled *compiled = of->program ? of->program->compiled : NULL;
+    return compiled ? fp3_compiled_low(compiled, fp3_model_state(of->program->model, symbol->name))
+                    : -1;
+}
+
+/* Whether it is the second word of a state, which is printed with the first. */
+static int is_low(const part *of, const fp3_symbol *symbol) {
+    const fp3_compiled *compiled = of->program ? of->program->compiled : NULL;
+    for (uint32_t i = 0; compiled && i < compiled->input_count; i++)
+        if (compiled->inputs[i].low_of != FP3_NONE &&
+            strcmp(compiled->inputs[i].name, symbol->name) == 0)
+            return 1;
+    return 0;
+}
+
+/* The sum in double, then both words. */
+static void print_sum(fp3_engine *engine, const fp3_symbol *symbol, int low, size_t object) {
+    union {
+        float value;
+        uint32_t bits;
+    } word[2];
+    if (fp3_engine_read(engine, object, 1, symbol->index, &word[0].value) ||
+        fp3_engine_read(engine, object, 1, (uint32_t)low, &word[1].value))
+        return;
+    printf("%-16s %-23.17g 0x%08" PRIx32 " 0x%08" PRIx32 "   object %zu\n", symbol->name,
+           (double)word[0].value + (double)word[1].value, word[0].bits, word[1].bits, object);
+}
+
+static void print_symbol(fp3_engine *engine, const part *of, const fp3_symbol *symbol,
+                         size_t object) {
+    const int low = low_of(of, symbol);
+    if (is_low(of, symbol))
+        return;
+    if (low >= 0)
+        print_sum(engine, symbol, low, object);
+    else
+        print_state(engine, symbol, object, (int)symbol->index == fp3_image_slept(of->image));
+}
+
 static void print_states(fp3_engine *engine, const part *of, int all) {
-    const int slept = fp3_image_slept(of->image);
     const size_t shown = all || of->objects < SHOWN ? of->objects : SHOWN;
     for (size_t n = 0; n < shown; n++)
         for (uint32_t i = 0; i < of->image->symbol_count; i++)
             if (of->image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
-                print_state(engine, &of->image->symbols[i], of->first + n,
-                            (int)of->image->symbols[i].index == slept);
+                print_symbol(engine, of, &of->image->symbols[i], of->first + n);
     if (shown < of->objects)
         printf("%-16s %zu objects, which --all prints\n", "more", of->objects - shown);
 }
@@ -154,7 +194,7 @@ static void print_speed(const fp3_stats *stats, const char *how) {
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
                         const fp3_cost *cost, int all) {
     const fp3_scene_group *group = &scene->groups[number];
-    const part of = {group->program->image, group->first, group->objects};
+    const part of = {group->program, group->program->image, group->first, group->objects};
     printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
            group->first + group->objects - 1);
     print_states(engine, &of, all);
@@ -191,7 +231,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     if (of->program) {
-        const part objects = {of->program->image, 0, fp3_engine_objects(engine)};
+        const part objects = {of->program, of->program->image, 0, fp3_engine_objects(engine)};
         print_states(engine, &objects, all);
         print_status(engine, &objects, cost);
     }

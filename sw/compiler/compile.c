@@ -64,6 +64,7 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->bound_path = s->bound_path;
     made->passes = k->options.passes;
     made->order = k->p.fit.order;
+    made->is_double_single = k->options.is_double_single;
 }
 
 /* ---- all of it ---- */
@@ -122,6 +123,7 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
     k->options = (fp3_options){.config = config,
                                .passes = fp3_options_usable(def->passes, config),
                                .is_compensated = def->is_compensated,
+                               .is_double_single = def->is_double_single,
                                .has_notes = 1};
     made->self = k;
     status = compile(k, model, integrator, def, made, error);
@@ -148,6 +150,15 @@ void fp3_compiled_free(fp3_compiled **compiled) {
     fp3_inputs_free(made->inputs, made->input_count);
     free(made);
     *compiled = NULL;
+}
+
+int fp3_compiled_low(const fp3_compiled *compiled, uint32_t state) {
+    for (uint32_t i = 0; i < compiled->input_count; i++)
+        if (compiled->inputs[i].low_of == state && state != FP3_NONE)
+            return (int)fp3_image_find(compiled->image, compiled->inputs[i].name,
+                                       FP3_CLASS(FP3_SYMBOL_STATE))
+                ->index;
+    return -1;
 }
 
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps) {

@@ -1,7 +1,7 @@
 /* dag.h - the values of a step: every value once, operands before what is made of them.
  *
  * A node is an instruction of the machine, or a leaf: a known value, or a variable as it was when the
- * step began.
+ * step began. Where quotients and roots are made later (double_step.h), they are nodes, too.
  */
 #ifndef FP3_DAG_H
 #define FP3_DAG_H
@@ -10,7 +10,15 @@
 
 #define FP3_DAG_LIMIT 20000u /* nodes: no instruction memory holds so many */
 
-enum { NODE_KNOWN = 256, NODE_VARIABLE = 257 }; /* beside FP3_OP_... */
+/* Beside FP3_OP_... */
+enum {
+    NODE_KNOWN = 256,
+    NODE_VARIABLE,
+    NODE_QUOTIENT,     /* a / b */
+    NODE_ROOT,         /* of a */
+    NODE_INVERSE_ROOT, /* 1 / its root */
+    NODE_REFUSED /* a leaf: expression a of the model, which cannot be made in this arithmetic */
+};
 
 typedef struct {
     uint32_t op;
@@ -27,6 +35,7 @@ typedef struct {
     uint32_t bucket[FP3_DAG_BUCKETS];
     unsigned passes; /* what fold.h may do */
     uint32_t note;   /* of the nodes made from now on */
+    int is_abstract; /* quotients and roots are nodes of their own */
     int has_failed;  /* out of memory */
     int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
 } dag;
@@ -38,6 +47,7 @@ void fp3_dag_close(dag *g);
 uint32_t fp3_dag_known(dag *g, uint32_t known);
 uint32_t fp3_dag_number(dag *g, double number);
 uint32_t fp3_dag_variable(dag *g, uint32_t index);
+uint32_t fp3_dag_refused(dag *g, uint32_t expr);
 
 /* A node of its own; see fold.h for the usual way. */
 uint32_t fp3_dag_make(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
@@ -49,7 +59,8 @@ uint32_t fp3_dag_is_known(const dag *g, uint32_t node);
 int fp3_dag_is_number(const dag *g, uint32_t node, double number);
 
 static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
-    return g->nodes[node].op >= NODE_KNOWN;
+    const uint32_t op = g->nodes[node].op;
+    return op == NODE_KNOWN || op == NODE_VARIABLE || op == NODE_REFUSED;
 }
 
 /* Operand 0 .. 2 of a node. */

@@ -40,7 +40,9 @@ static void say_quantity(const fp3_quantity *q, char comment[COMMENT_SIZE]) {
 static void put_state(const fp3_step *step, FILE *out, const variable *v, const char *name) {
     static const char *const meaning[] = {[ROLE_LOST] = "what updates of %s rounded away",
                                           [ROLE_BEFORE] = "%s one step ago",
-                                          [ROLE_LOST_BEFORE] = "what was lost of %s one step ago"};
+                                          [ROLE_LOST_BEFORE] = "what was lost of %s one step ago",
+                                          [ROLE_LOW] = "second word of %s",
+                                          [ROLE_LOW_BEFORE] = "second word of %s one step ago"};
     char comment[COMMENT_SIZE];
     if (v->role == ROLE_STEPS) {
         put_declaration(out, ".state", name, "steps made: t is this times h");
@@ -138,7 +140,10 @@ static void put_part(const fp3_step *step, const fp3_names *names, const char *l
 static void put_head(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
                      const fp3_options *options, const fp3_title *title, FILE *out) {
     fprintf(out, "# %s by %s%s, for configuration '%s'. Compiled by fp3.\n", step->model->name,
-            title->integrator, options->is_compensated ? ", compensated" : "",
+            title->integrator,
+            options->is_compensated     ? ", compensated"
+            : options->is_double_single ? ", double-single"
+                                        : "",
             options->config->name);
     if (*step->model->doc)
         fprintf(out, "# %s\n", step->model->doc);

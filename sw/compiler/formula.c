@@ -140,9 +140,8 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
     const int level = k->op == KNOWN_ADD || k->op == KNOWN_SUB ? SUM : PRODUCT;
     if (is_long(p))
         return;
-    /* The last two are no formulas of the model's language: (-1)^a is 0 where a is no integer. */
-    if (p->depth == RULE_DEPTH ||
-        (p->is_rule && (k->op == KNOWN_EXPONENT || k->op == KNOWN_SIGN))) {
+    /* Those of one value are no formulas of the model's language: (-1)^a is 0 where a is no integer. */
+    if (p->depth == RULE_DEPTH || (p->is_rule && k->op >= KNOWN_EXPONENT)) {
         p->is_beyond = 1;
         return;
     }
@@ -162,6 +161,10 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
     else if (k->op == KNOWN_SIGN) {
         put(p, "(-1)^");
         print_known(table, p, k->a, RAISED);
+    } else if (k->op >= KNOWN_LOW) {
+        put(p, k->op == KNOWN_LOW ? "low(" : k->op == KNOWN_HEAD ? "head(" : "tail(");
+        print_known(table, p, k->a, LOOSE);
+        put(p, ")");
     } else {
         put(p, level < around ? "(" : "");
         print_known(table, p, k->a, level);

@@ -37,9 +37,11 @@ static char *variable_formula(const fp3_step *step, const variable *v) {
         return strdup("0");
     const char *name = step->model->states[v->state].name;
     if (asprintf(&text,
-                 v->role == ROLE_STATE    ? "%s at the start"
-                 : v->role == ROLE_BEFORE ? "%s at -h"
-                                          : "0",
+                 v->role == ROLE_STATE        ? "%s at the start"
+                 : v->role == ROLE_BEFORE     ? "%s at -h"
+                 : v->role == ROLE_LOW        ? "second word of %s at the start"
+                 : v->role == ROLE_LOW_BEFORE ? "second word of %s at -h"
+                                              : "0",
                  name) < 0)
         return NULL;
     return text;
@@ -50,18 +52,20 @@ static char *variable_rule(const variable *v) {
 }
 
 static fp3_input variable_input(const fp3_step *step, const variable *v) {
-    const int is_before = v->role == ROLE_BEFORE;
+    const int is_before = v->role == ROLE_BEFORE || v->role == ROLE_LOW_BEFORE;
     return (fp3_input){.state = v->role == ROLE_STATE ? v->state : FP3_NONE,
+                       .low_of = v->role == ROLE_LOW ? v->state : FP3_NONE,
                        .formula = variable_formula(step, v),
                        .rule = variable_rule(v),
                        .params = is_before ? UINT64_MAX : 0,
                        .has_h = is_before,
-                       .has_start = is_before};
+                       .has_start = is_before || v->role == ROLE_LOW};
 }
 
 static fp3_input known_input(const fp3_step *step, uint32_t id, int is_shared) {
     fp3_input input = {.is_shared = is_shared,
                        .state = FP3_NONE,
+                       .low_of = FP3_NONE,
                        .formula = fp3_formula_known(&step->known, id),
                        .rule = fp3_formula_rule(&step->known, id)};
     input.params = fp3_known_params(&step->known, id, &input.has_h);

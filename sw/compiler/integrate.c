@@ -3,6 +3,7 @@
 
 #include "adaptive.h"
 #include "advance.h"
+#include "double_step.h"
 #include "events.h"
 #include "runge_kutta.h"
 #include "splitting.h"
@@ -107,5 +108,10 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     free(a.lost);
     free(a.error);
     free(a.slope);
+    if (!status)
+        status = fp3_step_check(step, error);
+    if (status || !options->is_double_single)
+        return status;
+    status = fp3_double_step(step, error);
     return status ? status : fp3_step_check(step, error);
 }

@@ -150,15 +150,39 @@ static double sign_of_power(double a) {
     return a != trunc(a) ? 0 : fmod(a, 2) == 0 ? 1 : -1; /* of a NaN 0 */
 }
 
-static int is_of_power(known_op op) { return op == KNOWN_EXPONENT || op == KNOWN_SIGN; }
+/* The 12 bits of a float that products of halves are made of; of a zero or an infinity itself. */
+static double head_of(float a) {
+    int exponent;
+    const double fraction = frexp((double)a, &exponent);
+    return a == 0 || !isfinite(a) ? (double)a : ldexp(rint(fraction * 0x1p12), exponent - 12);
+}
 
-static double of_power(known_op op, double a) {
-    return op == KNOWN_EXPONENT ? as_exponent(a) : sign_of_power(a);
+static int is_unary(known_op op) { return op >= KNOWN_EXPONENT; }
+
+double fp3_known_low(double value) {
+    const double single = (double)(float)value;
+    return isfinite(single) ? (double)(float)(value - single) : 0;
+}
+
+static double of_one(known_op op, double a) {
+    const float single = (float)a;
+    switch (op) {
+    case KNOWN_EXPONENT:
+        return as_exponent(a);
+    case KNOWN_SIGN:
+        return sign_of_power(a);
+    case KNOWN_LOW:
+        return fp3_known_low(a);
+    case KNOWN_HEAD:
+        return head_of(single);
+    default: /* KNOWN_TAIL */
+        return (double)single - head_of(single);
+    }
 }
 
 /* As an expression whose operands are known values. */
 static fp3_expr expr_of(known_op op, uint32_t a, uint32_t b) {
-    static const fp3_expr_op ops[KNOWN_SIGN + 1] = {[KNOWN_NEGATE] = FP3_EXPR_NEGATE,
+    static const fp3_expr_op ops[KNOWN_TAIL + 1] = {[KNOWN_NEGATE] = FP3_EXPR_NEGATE,
                                                     [KNOWN_ADD] = FP3_EXPR_ADD,
                                                     [KNOWN_SUB] = FP3_EXPR_SUB,
                                                     [KNOWN_MUL] = FP3_EXPR_MUL,
@@ -168,8 +192,8 @@ static fp3_expr expr_of(known_op op, uint32_t a, uint32_t b) {
 
 /* Of two numbers. 0: what double has no room for is left to fp3_known_evaluate. */
 static int fold(known_op op, double a, double b, double *result) {
-    if (is_of_power(op)) {
-        *result = of_power(op, a);
+    if (is_unary(op)) {
+        *result = of_one(op, a);
         return 1;
     }
     double values[3] = {a, b, 0};
@@ -254,8 +278,8 @@ static void evaluate_all(const known_table *table, double h, const evaluation *e
             values[i] = h;
         else if (k->op == KNOWN_MODEL)
             values[i] = e->exprs[k->a];
-        else if (is_of_power(k->op)) {
-            values[i] = of_power(k->op, values[k->a]);
+        else if (is_unary(k->op)) {
+            values[i] = of_one(k->op, values[k->a]);
             e->is_lost[i] = e->is_lost[k->a];
         } else
             fp3_ode_compute_careful(&made, NULL, i, values, e->is_lost);

@@ -17,7 +17,10 @@ typedef enum {
     KNOWN_MUL,
     KNOWN_DIV,
     KNOWN_EXPONENT, /* a as an exponent: beyond +-2^40 that, below 2^-52 zero, which changes no power in FP32 */
-    KNOWN_SIGN /* (-1)^a: 1 or -1; 0 if a is no integer */
+    KNOWN_SIGN, /* (-1)^a: 1 or -1; 0 if a is no integer */
+    KNOWN_LOW,  /* what rounding to FP32 takes off a, rounded: the second word of a pair */
+    KNOWN_HEAD, /* the upper 12 bits of a as FP32 has it, rounded to nearest ... */
+    KNOWN_TAIL  /* ... and the rest of it */
 } known_op;
 
 typedef struct {
@@ -60,6 +63,10 @@ uint32_t fp3_known_line(const known_table *table, uint32_t id);
 
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);
+
+/* The second word of a value in double-single: with the first, which is the value in FP32, it has 48 of its
+ * bits, as far as they are multiples of 2^-149. */
+double fp3_known_low(double value);
 
 /* All of them, values[i] of number i. A value that double has no room for, below
  * 2.2e-308, is NAN. FP3_E_ARGUMENT: h is no time step. */

@@ -52,6 +52,8 @@ static term power(dag *g, term x, unsigned n) {
 
 /* ---- expressions ---- */
 
+static uint32_t inverse_root_node(dag *g, uint32_t b) { return op1(g, NODE_INVERSE_ROOT, b); }
+
 static term at(const lowering *l, uint32_t expr) { return l->value[expr]; }
 
 static uint32_t value(lowering *l, uint32_t expr) { return fp3_term_value(l->g, at(l, expr)); }
@@ -98,11 +100,26 @@ static int is_power(const lowering *l, uint32_t expr) {
     return expr_of(l, expr)->op == FP3_EXPR_POWER && !expr_of(l, expr)->is_known;
 }
 
+/* The same as nodes that something else makes quotients of: x/b, x (1/b)^n, x (1/sqrt(b))^n. */
+static term divided_later(lowering *l, term x, uint32_t below, unsigned n, int is_root) {
+    dag *g = l->g;
+    const term b = at(l, below);
+    if (is_root)
+        return fp3_term_mul(g, x, power(g, fp3_term(inverse_root_node(g, value(l, below))), n));
+    const uint32_t above = n == 1 ? x.node : num(g, 1);
+    term result = fp3_term(op2(g, NODE_QUOTIENT, above, b.node));
+    result = n == 1 ? (term){result.node, x.is_negative} : fp3_term_mul(g, x, power(g, result, n));
+    result.is_negative ^= b.is_negative && n % 2;
+    return result;
+}
+
 /* x / base^n. A root in a denominator is never formed: the hardware estimates 1/sqrt(b). */
 static term divided(lowering *l, term x, uint32_t base, unsigned n) {
     dag *g = l->g;
     const int is_root = is_unknown_root(l, base);
     const uint32_t below = is_root ? expr_of(l, base)->operand[0] : base;
+    if (g->is_abstract)
+        return divided_later(l, x, below, n, is_root);
     if (is_root) {
         const fp3_series s = fp3_inverse_root(g, value(l, below));
         return n == 1 ? fp3_corrected(g, x, s)
@@ -122,6 +139,8 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
 
 static uint32_t root_of(lowering *l, uint32_t expr) {
     const uint32_t b = value(l, expr_of(l, expr)->operand[0]);
+    if (l->g->is_abstract)
+        return op1(l->g, NODE_ROOT, b);
     if (is_exact(l))
         return fp3_exact_root(l->g, b);
     return l->is_inverted[expr] ? fp3_root_beside_inverse(l->g, b) : fp3_root(l->g, b);
@@ -132,14 +151,23 @@ static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
     dag *g = l->g;
     const uint32_t b = value(l, base);
     if (is_below)
-        return power(g, fp3_corrected(g, one(g), fp3_inverse_root(g, b)), n);
-    const term root = fp3_term(fp3_root(g, b));
+        return power(g,
+                     g->is_abstract ? fp3_term(inverse_root_node(g, b))
+                                    : fp3_corrected(g, one(g), fp3_inverse_root(g, b)),
+                     n);
+    const term root = fp3_term(g->is_abstract ? op1(g, NODE_ROOT, b) : fp3_root(g, b));
     return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
+}
+
+static term refused(lowering *l, const fp3_expr *e) {
+    return fp3_term(fp3_dag_refused(l->g, (uint32_t)(e - l->model->exprs)));
 }
 
 static term by_logarithm(lowering *l, const fp3_expr *e, int is_denominator) {
     known_table *known = l->g->known;
     double number;
+    if (l->g->is_abstract)
+        return refused(l, e);
     uint32_t n = fp3_known_constant(known, e->operand[1], &number)
                      ? fp3_known_number(known, number)
                      : fp3_known_model(known, e->operand[1]);
@@ -212,11 +240,21 @@ static term choose(lowering *l, const fp3_expr *e) {
     }
 }
 
+/* Functions that are polynomials here. */
+static int has_constants(fp3_expr_op op) {
+    return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
+           op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
+           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS ||
+           op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
+}
+
 static term lower(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
     dag *g = l->g;
     if (e->is_known)
         return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
+    if (g->is_abstract && has_constants(e->op) && e->op != FP3_EXPR_POWER)
+        return refused(l, e);
     switch (e->op) {
     case FP3_EXPR_STATE:
         return l->state(l, e->index);
@@ -263,13 +301,6 @@ static term lower(lowering *l, uint32_t expr) {
     default:
         return choose(l, e);
     }
-}
-
-static int has_constants(fp3_expr_op op) {
-    return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
-           op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
-           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS ||
-           op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
 }
 
 /* A function's own constants are no known factors: its error is that of these products. */

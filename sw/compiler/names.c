@@ -42,8 +42,8 @@ static const char *definition_name(const fp3_model *model, uint32_t expr) {
     return NULL;
 }
 
-static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
-                        char wanted[FP3_NAME_SIZE + 16]) {
+static void name_of_value(const fp3_step *step, uint32_t id, const char *prefix,
+                          char wanted[FP3_NAME_SIZE + 16]) {
     const known *k = &step->known.list[id];
     const known *below = k->op == KNOWN_DIV ? &step->known.list[k->b] : NULL;
     const fp3_model *model = step->model;
@@ -61,6 +61,18 @@ static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
         snprintf(wanted, size, "over_%s", model->params[model->exprs[below->a].index].name);
     else
         snprintf(wanted, size, "%s%" PRIu32, prefix, id);
+}
+
+/* A word of a pair, or a half of one, is called after the value. */
+static void wanted_name(const fp3_step *step, uint32_t id, const char *prefix,
+                        char wanted[FP3_NAME_SIZE + 16]) {
+    const known *k = &step->known.list[id];
+    name_of_value(step, k->op >= KNOWN_LOW ? k->a : id, prefix, wanted);
+    const size_t length = strnlen(wanted, FP3_NAME_SIZE - 7);
+    if (k->op >= KNOWN_LOW)
+        strcpy(wanted + length, k->op == KNOWN_LOW    ? "_low"
+                                : k->op == KNOWN_HEAD ? "_head"
+                                                      : "_tail");
 }
 
 /* What the first operation that reads a constant is for. */
@@ -101,8 +113,11 @@ static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, u
 
 static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t i,
                           char name[FP3_NAME_SIZE]) {
-    static const char *const suffix[] = {
-        [ROLE_LOST] = "_lost", [ROLE_BEFORE] = "_before", [ROLE_LOST_BEFORE] = "_lost_before"};
+    static const char *const suffix[] = {[ROLE_LOST] = "_lost",
+                                         [ROLE_BEFORE] = "_before",
+                                         [ROLE_LOST_BEFORE] = "_lost_before",
+                                         [ROLE_LOW] = "_low",
+                                         [ROLE_LOW_BEFORE] = "_low_before"};
     const variable *v = &step->variables[i];
     char wanted[FP3_NAME_SIZE + 16];
     if (v->role == ROLE_STEPS)

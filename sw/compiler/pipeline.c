@@ -3,6 +3,7 @@
 
 #include "carry.h"
 #include "check.h"
+#include "double_step.h"
 #include "integrate.h"
 #include "rest.h"
 #include "schedule/schedule.h"
@@ -88,6 +89,8 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
                             fp3_error *error) {
     *p = (fp3_pipeline){0};
     fp3_status status = fp3_fit_find(model, integrator, options, &p->fit, error);
+    if (!status)
+        status = fp3_double_check(options, &p->fit, error);
     if (status)
         return status;
     status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);

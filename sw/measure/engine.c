@@ -220,6 +220,7 @@ static fp3_status compile(const family *f, const char *engine, const char *confi
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
     def.is_compensated = f->arithmetic->is_compensated;
+    def.is_double_single = f->arithmetic->is_double_single;
     def.passes |= f->arithmetic->passes;
     *compiled = NULL;
     const fp3_status status = fp3_compile(f->problem->model, f->integrator, &def, compiled, error);

@@ -23,6 +23,18 @@ static fp3_status prepare(const fp3_measure_run *e, const fp3_measure_problem *p
     return status && !error->text[0] ? said(e, status, error) : status;
 }
 
+/* The second words of a state in double-single. */
+static fp3_status add_low_words(const fp3_measure_run *e, size_t state, float *column,
+                                size_t states, size_t variants, double *ends, fp3_error *error) {
+    const int low = fp3_compiled_low(e->compiled, (uint32_t)state);
+    if (low < 0)
+        return FP3_OK;
+    const fp3_status status = fp3_engine_read(e->engine, 0, variants, (uint32_t)low, column);
+    for (size_t i = 0; !status && i < variants; i++)
+        ends[i * states + state] += (double)column[i];
+    return status ? said(e, status, error) : FP3_OK;
+}
+
 /* The states of the variants, row by row; objects that are the same variant must have the same bits. */
 static fp3_status read_ends(const fp3_measure_run *e, const fp3_measure_problem *p, double *ends,
                             fp3_error *error) {
@@ -50,6 +62,9 @@ static fp3_status read_ends(const fp3_measure_run *e, const fp3_measure_problem 
                     error, FP3_E_MISMATCH,
                     "%s of object %zu is %.9g, of object %zu, which is the same, %.9g", name, i,
                     (double)column[i], i % p->variants, (double)column[i % p->variants]);
+        if (!status)
+            status = add_low_words(e, s, column, states,
+                                   objects < p->variants ? objects : p->variants, ends, error);
     }
     free(column);
     return status;

@@ -38,6 +38,13 @@ static int find_state(const fp3_program *program, fp3_column *column) {
     column->kind =
         (int)symbol->index == fp3_image_slept(program->image) ? FP3_COLUMN_SLEPT : FP3_COLUMN_STATE;
     describe(program->model, column);
+    const uint32_t state =
+        program->model ? fp3_model_state(program->model, column->name) : FP3_NONE;
+    const int low = program->compiled ? fp3_compiled_low(program->compiled, state) : -1;
+    if (low >= 0) {
+        column->kind = FP3_COLUMN_SUM;
+        column->low = (uint32_t)low;
+    }
     return 1;
 }
 
@@ -124,15 +131,20 @@ static void add_life(fp3_columns *columns) {
 static fp3_status make_room(const fp3_program *program, size_t objects, fp3_columns *columns,
                             fp3_error *error) {
     const size_t states = program->model ? program->model->state_count + 1u : 0;
-    const size_t most = BLOCKS_BYTES / (sizeof(double) * columns->count + sizeof(float) * states);
+    const int is_double = program->compiled && program->compiled->is_double_single;
+    const size_t words = is_double ? 2 * (states + 1) : states;
+    const size_t most = BLOCKS_BYTES / (sizeof(double) * columns->count + sizeof(float) * words);
     fp3_status status = FP3_OK;
     const size_t room = most < BLOCK_MOST ? most : BLOCK_MOST;
     const size_t blocks = (objects + room - 1) / room;
     columns->room = (objects + blocks - 1) / blocks; /* so that the last is as full as the others */
     for (size_t i = 0; !status && i < columns->count; i++) {
         fp3_column *column = &columns->list[i];
-        const size_t size = column->kind == FP3_COLUMN_COMPUTED ? sizeof(double) : sizeof(float);
+        const size_t size = fp3_column_is_wide(column) ? sizeof(double) : sizeof(float);
         if (!(column->values = calloc(columns->room, size)))
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        if (column->kind == FP3_COLUMN_SUM && !columns->words &&
+            !(columns->words = calloc(2 * columns->room, sizeof *columns->words)))
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
         if (column->kind != FP3_COLUMN_COMPUTED)
             continue;
@@ -166,6 +178,7 @@ void fp3_columns_free(fp3_columns *columns) {
     for (size_t i = 0; i < columns->count; i++)
         free(columns->list[i].values);
     free(columns->list);
+    free(columns->words);
     fp3_evaluator_free(&columns->evaluator);
     *columns = (fp3_columns){0};
 }
@@ -188,12 +201,25 @@ static void fill(const fp3_columns *columns, size_t i) {
             ((double *)columns->list[c].values)[i] = values[columns->list[c].expr];
 }
 
+static fp3_status read_sum(const fp3_columns *columns, const fp3_column *column, fp3_engine *engine,
+                           size_t first, size_t count) {
+    float *low = columns->words + columns->room;
+    fp3_status status = fp3_engine_read(engine, first, count, column->reg, columns->words);
+    if (!status)
+        status = fp3_engine_read(engine, first, count, column->low, low);
+    for (size_t i = 0; !status && i < count; i++)
+        ((double *)column->values)[i] = (double)columns->words[i] + (double)low[i];
+    return status;
+}
+
 fp3_status fp3_columns_read(fp3_columns *columns, const fp3_source *source, uint64_t step,
                             size_t first, size_t count) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < columns->count; i++)
         if (columns->list[i].kind == FP3_COLUMN_LIFE)
             tell_lives(source->engine, first, count, columns->list[i].values);
+        else if (columns->list[i].kind == FP3_COLUMN_SUM)
+            status = read_sum(columns, &columns->list[i], source->engine, first, count);
         else if (columns->list[i].kind != FP3_COLUMN_COMPUTED)
             status = fp3_engine_read(source->engine, first, count, columns->list[i].reg,
                                      columns->list[i].values);

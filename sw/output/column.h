@@ -10,6 +10,7 @@ typedef enum {
     FP3_COLUMN_STATE,    /* float */
     FP3_COLUMN_SLEPT,    /* uint32_t: the step in which the object fell asleep */
     FP3_COLUMN_LIFE,     /* uint32_t: an fp3_life_stage */
+    FP3_COLUMN_SUM,      /* double: a state in double-single */
     FP3_COLUMN_COMPUTED, /* double: a definition or an invariant of the model */
 } fp3_column_kind;
 
@@ -18,6 +19,7 @@ typedef struct {
     const char *unit, *doc; /* the model's, or "" */
     fp3_column_kind kind;
     uint32_t reg;  /* of a register */
+    uint32_t low;  /* SUM: of the second word */
     uint32_t expr; /* of what is computed: in the model */
     void *values;  /* of the block that was read last */
 } fp3_column;
@@ -27,7 +29,12 @@ typedef struct {
     size_t count;
     size_t room;              /* objects of a block at most */
     fp3_evaluator *evaluator; /* NULL: nothing is computed */
+    float *words;             /* of a block, first and second; NULL: there are no sums */
 } fp3_columns;
+
+static inline int fp3_column_is_wide(const fp3_column *column) {
+    return column->kind == FP3_COLUMN_SUM || column->kind == FP3_COLUMN_COMPUTED;
+}
 
 /* names: NULL for the states. has_lives: objects are born and gone, so the last column says who lives. Room for blocks of at most `objects` objects, fewer where there are many
  * columns. The caller frees *columns, after a failure too. FP3_E_ARGUMENT: no such name, twice the same,

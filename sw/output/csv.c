@@ -63,6 +63,7 @@ static char *put_value(char *at, const fp3_column *column, size_t i) {
     case FP3_COLUMN_SLEPT:
     case FP3_COLUMN_LIFE:
         return at + snprintf(at, NUMBER_BYTES, ",%" PRIu32, ((const uint32_t *)column->values)[i]);
+    case FP3_COLUMN_SUM:
     case FP3_COLUMN_COMPUTED:
         return put_number(at, ((const double *)column->values)[i], 17);
     }

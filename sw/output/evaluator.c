@@ -14,7 +14,9 @@ struct fp3_evaluator {
     char *is_needed;                /* of each expression */
     uint32_t *needed, needed_count; /* in their order, so that operands come first */
     float *states[64];              /* of the block; NULL: not needed */
+    float *low[64];                 /* their second words; NULL: they have none */
     uint32_t reg[64];
+    int low_reg[64];
     int steps;      /* register of `steps`, or -1 */
     float *made;    /* what it holds, of the block; NULL: not needed */
     double *values; /* of all expressions, for one object */
@@ -48,7 +50,7 @@ void fp3_evaluator_free(fp3_evaluator **evaluator) {
     if (!e)
         return;
     for (size_t i = 0; i < sizeof e->states / sizeof *e->states; i++)
-        free(e->states[i]);
+        free(e->states[i]), free(e->low[i]);
     free(e->is_needed);
     free(e->needed);
     free(e->made);
@@ -63,18 +65,20 @@ static fp3_status make_room(const fp3_evaluator *e, float **block, fp3_error *er
     return FP3_OK;
 }
 
-static fp3_status need_state(fp3_evaluator *e, const fp3_image *image, uint32_t state,
+static fp3_status need_state(fp3_evaluator *e, const fp3_program *program, uint32_t state,
                              fp3_error *error) {
     const char *name = e->model->states[state].name;
-    const fp3_symbol *symbol = fp3_image_find(image, name, FP3_CLASS(FP3_SYMBOL_STATE));
+    const fp3_symbol *symbol = fp3_image_find(program->image, name, FP3_CLASS(FP3_SYMBOL_STATE));
     if (!symbol)
         return fp3_fail(error, FP3_E_ARGUMENT, "the program has no state '%s'", name);
     e->reg[state] = symbol->index;
-    return make_room(e, &e->states[state], error);
+    e->low_reg[state] = fp3_compiled_low(program->compiled, state);
+    const fp3_status status = e->low_reg[state] < 0 ? FP3_OK : make_room(e, &e->low[state], error);
+    return status ? status : make_room(e, &e->states[state], error);
 }
 
 /* Operands stand in front of what they are for. */
-static fp3_status need(fp3_evaluator *e, const fp3_image *image, fp3_error *error) {
+static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *error) {
     fp3_status status = FP3_OK;
     e->needed_count = 0;
     for (uint32_t i = e->model->expr_count; i-- > 0;)
@@ -85,8 +89,9 @@ static fp3_status need(fp3_evaluator *e, const fp3_image *image, fp3_error *erro
             continue;
         e->needed[e->needed_count++] = i;
         if (e->model->exprs[i].op == FP3_EXPR_STATE)
-            status = need_state(e, image, e->model->exprs[i].index, error);
-        if (e->model->exprs[i].op == FP3_EXPR_TIME && (e->steps = fp3_image_steps(image)) >= 0)
+            status = need_state(e, program, e->model->exprs[i].index, error);
+        if (e->model->exprs[i].op == FP3_EXPR_TIME &&
+            (e->steps = fp3_image_steps(program->image)) >= 0)
             status = make_room(e, &e->made, error);
     }
     return status;
@@ -95,7 +100,7 @@ static fp3_status need(fp3_evaluator *e, const fp3_image *image, fp3_error *erro
 fp3_status fp3_evaluator_add(fp3_evaluator *e, const fp3_program *program, uint32_t expr,
                              fp3_error *error) {
     e->is_needed[expr] = 1;
-    return need(e, program->image, error);
+    return need(e, program, error);
 }
 
 /* ---- what objects were given ---- */
@@ -140,6 +145,10 @@ fp3_status fp3_evaluator_read(fp3_evaluator *e, const fp3_source *source, uint64
     for (uint32_t i = 0; !status && i < e->model->state_count; i++)
         if (e->states[i])
             status = fp3_engine_read(source->engine, first, count, e->reg[i], e->states[i]);
+    for (uint32_t i = 0; !status && i < e->model->state_count; i++)
+        if (e->low[i])
+            status =
+                fp3_engine_read(source->engine, first, count, (uint32_t)e->low_reg[i], e->low[i]);
     if (!status && e->made)
         status = fp3_engine_read(source->engine, first, count, (uint32_t)e->steps, e->made);
     return status;
@@ -152,7 +161,8 @@ const double *fp3_evaluator_values(fp3_evaluator *e, size_t i) {
                              .params = &e->params[row],
                              .t = e->made ? (double)e->made[i] * e->h : e->t};
     for (uint32_t s = 0; s < e->model->state_count; s++)
-        states[s] = e->states[s] ? (double)e->states[s][i] : NAN;
+        states[s] =
+            (e->states[s] ? (double)e->states[s][i] : NAN) + (e->low[s] ? (double)e->low[s][i] : 0);
     for (uint32_t n = 0; n < e->needed_count; n++)
         e->values[e->needed[n]] =
             fp3_ode_compute(&e->model->exprs[e->needed[n]], &point, e->values);

@@ -88,10 +88,13 @@ static void put_data(const fp3_figure *f, FILE *out) {
 
 /* ---- panels ---- */
 
+static int is_state(const fp3_column *column) {
+    return column->kind == FP3_COLUMN_STATE || column->kind == FP3_COLUMN_SUM;
+}
+
 static int has_phase_plane(const fp3_figure *f) {
     const fp3_column *list = f->subject->columns->list;
-    return f->subject->columns->count == 2 && list[0].kind == FP3_COLUMN_STATE &&
-           list[1].kind == FP3_COLUMN_STATE;
+    return f->subject->columns->count == 2 && is_state(&list[0]) && is_state(&list[1]);
 }
 
 static int height_of(const fp3_figure *f) {

@@ -52,12 +52,13 @@ static fp3_hdf5_type type_of(const fp3_column *column) {
     static const fp3_hdf5_type types[] = {[FP3_COLUMN_STATE] = FP3_HDF5_FLOAT,
                                           [FP3_COLUMN_SLEPT] = FP3_HDF5_UINT32,
                                           [FP3_COLUMN_LIFE] = FP3_HDF5_UINT32,
+                                          [FP3_COLUMN_SUM] = FP3_HDF5_DOUBLE,
                                           [FP3_COLUMN_COMPUTED] = FP3_HDF5_DOUBLE};
     return types[column->kind];
 }
 
 static size_t size_of(const fp3_column *column) {
-    return column->kind == FP3_COLUMN_COMPUTED ? sizeof(double) : sizeof(float);
+    return fp3_column_is_wide(column) ? sizeof(double) : sizeof(float);
 }
 
 static int dataset_of(const hdf5 *self, size_t column) {

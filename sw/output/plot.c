@@ -62,6 +62,7 @@ static double value_of(const fp3_column *column, size_t i) {
     case FP3_COLUMN_SLEPT:
     case FP3_COLUMN_LIFE:
         return (double)((const uint32_t *)column->values)[i];
+    case FP3_COLUMN_SUM:
     case FP3_COLUMN_COMPUTED:
         return ((const double *)column->values)[i];
     }

@@ -12,6 +12,8 @@ static fp3_status take_h(fp3_source *source, double given, fp3_error *error) {
         return fp3_fail(error, FP3_E_ARGUMENT, "'h' is %.9g: expected %s", given, expected);
     source->has_time = 1;
     source->h = (double)h;
+    if (source->program->compiled && source->program->compiled->is_double_single)
+        source->h += (double)(float)(given - (double)h);
     source->h_given = given;
     return FP3_OK;
 }

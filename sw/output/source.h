@@ -10,7 +10,7 @@ typedef struct {
     fp3_engine *engine;
     size_t objects; /* of the engine */
     int has_time;   /* the program has a time step: */
-    double h;       /* in double what it has in FP32 */
+    double h;       /* in double what it has in FP32, or in double-single */
     double h_given; /* before it was rounded */
 } fp3_source;
 

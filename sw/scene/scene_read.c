@@ -96,13 +96,17 @@ static fp3_status read_integrator(const reader *r, const config_setting_t *from,
 static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_scene_group *to,
                            char **integrator, fp3_program_def *def) {
     const config_setting_t *compensated = config_setting_get_member(from, "compensated");
+    const config_setting_t *pairs = config_setting_get_member(from, "double_single");
     const int is_model = fp3_program_is_model(to->path);
     fp3_status status = read_integrator(r, from, integrator, &to->integrator_file);
     if (!status && compensated)
         status = fp3_setting_flag(&r->in, compensated, "compensated", &def->compile.is_compensated);
-    if (!status && !is_model && (*integrator || compensated))
-        status = fp3_setting_wrong(&r->in, from,
-                                   "integrator, compensated: only a model (*.ode) is compiled");
+    if (!status && pairs)
+        status = fp3_setting_flag(&r->in, pairs, "double_single", &def->compile.is_double_single);
+    if (!status && !is_model && (*integrator || compensated || pairs))
+        status = fp3_setting_wrong(
+            &r->in, from,
+            "integrator, compensated, double_single: only a model (*.ode) is compiled");
     def->integrator = *integrator ? *integrator : def->integrator;
     def->compile.config = r->machine->name;
     return status;
@@ -228,8 +232,9 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 }
 
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
-    static const char *const names[] = {"program", "integrator", "compensated", "objects", "params",
-                                        "set",     "spread",     "born",        "gone",    NULL};
+    static const char *const names[] = {"program", "integrator", "compensated", "double_single",
+                                        "objects", "params",     "set",         "spread",
+                                        "born",    "gone",       NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");

@@ -19,9 +19,12 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
         status = fp3_model_truth(step->model, params, initial, -h, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {
         const variable *v = &step->variables[i];
-        start[i] = v->role == ROLE_STATE    ? initial[v->state]
-                   : v->role == ROLE_BEFORE ? before[v->state]
-                                            : 0;
+        const double value = v->role == ROLE_STATE || v->role == ROLE_LOW ? initial[v->state]
+                             : v->role == ROLE_BEFORE || v->role == ROLE_LOW_BEFORE
+                                 ? before[v->state]
+                                 : 0;
+        const int is_low = v->role == ROLE_LOW || v->role == ROLE_LOW_BEFORE;
+        start[i] = is_low ? fp3_known_low(value) : value;
     }
     free(before);
     return status;

@@ -234,13 +234,14 @@ static fp3_status converge_at(const fp3_ladder *l, const fp3_compiled *compiled,
     uint64_t steps[FP3_LOOKS];
     for (unsigned j = 0; j < FP3_LOOKS; j++)
         steps[j] = steps_at(l, i, j);
-    fp3_status status = fp3_compiled_reference(compiled, l->params, l->initial, l->h[i], steps,
-                                               FP3_LOOKS, rounded, error);
+    fp3_status status =
+        fp3_compiled_reference_pairs(compiled, l->params, l->initial, l->h[i], steps, FP3_LOOKS,
+                                     rounded, rounded + cells, error);
     if (!status)
         status = fp3_compiled_exact(compiled, l->params, l->initial, l->h[i], steps, FP3_LOOKS,
                                     exact, error);
     for (size_t j = 0; j < cells; j++)
-        fp32[j] = rounded[j];
+        fp32[j] = (double)rounded[j] + (double)rounded[cells + j];
     c->error[i] = distance(l, fp32, l->truth[i]);
     c->method[i] = distance(l, exact, l->truth[i]);
     c->noise[i] = distance(l, fp32, exact);
@@ -254,7 +255,7 @@ static fp3_status converge_at(const fp3_ladder *l, const fp3_compiled *compiled,
 fp3_status fp3_converge(const fp3_ladder *l, const fp3_compiled *compiled, unsigned order,
                         fp3_convergence *c, fp3_error *error) {
     const size_t cells = (size_t)FP3_LOOKS * l->model->state_count + 1u;
-    float *rounded = calloc(cells, sizeof *rounded);
+    float *rounded = calloc(2 * cells, sizeof *rounded); /* first words, and second ones */
     double *fp32 = calloc(cells, sizeof *fp32), *exact = calloc(cells, sizeof *exact);
     fp3_status status =
         rounded && fp32 && exact ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");

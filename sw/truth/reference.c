@@ -60,14 +60,29 @@ static void step(const runner *r) {
 }
 
 /* A run without a step executes no last part. */
-static void look(const runner *r, int is_run, double *states) {
+static void look(const runner *r, int is_run, double *states, double *low) {
     const fp3_step *b = r->b;
     evaluate(r, &b->last);
     for (uint32_t i = 0; i < b->variable_count; i++) {
         const variable *v = &b->variables[i];
-        if (v->role == ROLE_STATE)
-            states[v->state] = is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i];
+        double *to = v->role == ROLE_STATE ? states : v->role == ROLE_LOW ? low : NULL;
+        if (to)
+            to[v->state] = is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i];
     }
+}
+
+/* Of double-single in double, the first word and the first half of it have all. */
+static void join_words(const fp3_step *b, double *known, double *start) {
+    for (uint32_t i = 0; i < b->known.count; i++) {
+        const known_op op = b->known.list[i].op;
+        if (op == KNOWN_HEAD)
+            known[i] = known[b->known.list[i].a];
+        else if (op == KNOWN_LOW || op == KNOWN_TAIL)
+            known[i] = 0;
+    }
+    for (uint32_t i = 0; i < b->variable_count; i++)
+        if (b->variables[i].role == ROLE_LOW || b->variables[i].role == ROLE_LOW_BEFORE)
+            start[i] = 0;
 }
 
 /* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
@@ -75,7 +90,7 @@ static void look(const runner *r, int is_run, double *states) {
  * what they estimate. */
 static fp3_status run_from(const fp3_step *b, const double *params, double h, int is_exact,
                            double *start, const uint64_t *steps, size_t count, double *states,
-                           fp3_error *error) {
+                           double *low, fp3_error *error) {
     const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
                 .is_exact = is_exact,
@@ -87,10 +102,13 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, in
                             ? fp3_known_evaluate(&b->known, params, h, r.known, error)
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     uint64_t made = 0;
+    if (!status && is_exact)
+        join_words(b, r.known, start);
     for (size_t i = 0; !status && i < count; i++) {
         for (; made < steps[i]; made++)
             step(&r);
-        look(&r, made > 0, states + i * b->model->state_count);
+        const size_t row = i * b->model->state_count;
+        look(&r, made > 0, states + row, low ? low + row : NULL);
     }
     free(r.known);
     free(r.next);
@@ -100,7 +118,7 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, in
 
 static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
                       int is_exact, const uint64_t *steps, size_t count, double *states,
-                      fp3_error *error) {
+                      double *low, fp3_error *error) {
     const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;
     if (is_counted && count && steps[count - 1] > FP3_STEPS_LIMIT)
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -113,7 +131,7 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
     for (uint32_t i = 0; !status && !is_exact && i < b->variable_count; i++)
         start[i] = (float)start[i];
     if (!status)
-        status = run_from(b, params, h, is_exact, start, steps, count, states, error);
+        status = run_from(b, params, h, is_exact, start, steps, count, states, low, error);
     free(start);
     return status;
 }
@@ -126,26 +144,37 @@ static float canonical(double x) {
     return f;
 }
 
-fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
-                                  const double *initial, double h, const uint64_t *steps,
-                                  size_t count, float *states, fp3_error *error) {
+fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
+                                        const double *initial, double h, const uint64_t *steps,
+                                        size_t count, float *states, float *low, fp3_error *error) {
     const fp3_compilation *k = compiled->self;
     const size_t cells = count * k->reference.model->state_count;
-    double *wide = calloc(cells + 1u, sizeof *wide);
+    double *wide = calloc(2 * cells + 1u, sizeof *wide);
     if (!wide)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; i < cells; i++)
         wide[i] = states[i];
-    const fp3_status status = run(&k->reference, params, initial, h, 0, steps, count, wide, error);
-    for (size_t i = 0; !status && i < cells; i++)
+    const fp3_status status =
+        run(&k->reference, params, initial, h, 0, steps, count, wide, wide + cells, error);
+    for (size_t i = 0; !status && i < cells; i++) {
         states[i] = canonical(wide[i]);
+        if (low)
+            low[i] = canonical(wide[cells + i]);
+    }
     free(wide);
     return status;
+}
+
+fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
+                                  const double *initial, double h, const uint64_t *steps,
+                                  size_t count, float *states, fp3_error *error) {
+    return fp3_compiled_reference_pairs(compiled, params, initial, h, steps, count, states, NULL,
+                                        error);
 }
 
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error) {
     const fp3_compilation *k = compiled->self;
-    return run(&k->reference, params, initial, h, 1, steps, count, states, error);
+    return run(&k->reference, params, initial, h, 1, steps, count, states, NULL, error);
 }

@@ -1,9 +1,9 @@
 /* random_models.c - compiled programs on the engines against the equations, bit for bit.
  *
  *     random_models <CASES      one case a line:
- *     MODEL INTEGRATOR CONFIG PASSES IS_COMPENSATED STEPS VISIT HAS_RTL IS_WILD SEED OBSERVED
+ *     MODEL INTEGRATOR CONFIG PASSES ARITHMETIC STEPS VISIT HAS_RTL IS_WILD SEED OBSERVED
  *
- * PASSES is a set of FP3_PASS(...) in hexadecimal, OBSERVED "all" or names with commas. States
+ * PASSES is a set of FP3_PASS(...) in hexadecimal, ARITHMETIC 0 plain, 1 compensated, 2 double-single, OBSERVED "all" or names with commas. States
  * begin at numbers of SEED; IS_WILD: infinities and NaNs are among them. Prints "bad", "refused" or
  * "same" for each case, and exits with 1 where one is bad.
  *
@@ -24,7 +24,7 @@ enum { STATES = 64, OBJECTS = 2, TEXT = 256 };
 typedef struct {
     char model[4096], integrator[4096], config[TEXT], observed[4096];
     unsigned passes;
-    int is_compensated, has_rtl, is_wild;
+    int arithmetic, has_rtl, is_wild;
     uint64_t steps;
     uint32_t visit, seed;
 } job;
@@ -35,7 +35,7 @@ typedef struct {
     fp3_integrator *integrator;
     fp3_compiled *compiled;
     double params[STATES + 1], initial[OBJECTS][STATES + 1];
-    float wanted[OBJECTS][STATES + 1];
+    float wanted[OBJECTS][STATES + 1], low[OBJECTS][STATES + 1];
     char why[1024];
 } bench;
 
@@ -60,7 +60,8 @@ static int compile(bench *b, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = b->j->config;
     def.passes = b->j->passes;
-    def.is_compensated = b->j->is_compensated;
+    def.is_compensated = b->j->arithmetic == 1;
+    def.is_double_single = b->j->arithmetic == 2;
     strcpy(names, b->j->observed);
     if (strcmp(names, "all") != 0) {
         def.observed = observed;
@@ -119,27 +120,35 @@ static fp3_status write_object(bench *b, fp3_engine *engine, size_t object, fp3_
     return status;
 }
 
+static int word_differs(bench *b, fp3_engine *engine, const char *where, uint32_t reg,
+                        size_t object, float wanted) {
+    float found = 0;
+    uint32_t bits[2];
+    if (fp3_engine_read(engine, object, 1, reg, &found))
+        abort();
+    memcpy(&bits[0], &found, 4);
+    memcpy(&bits[1], &wanted, 4);
+    if (isnan(found))
+        bits[0] = 0x7fc00000;
+    if (bits[0] == bits[1])
+        return 0;
+    snprintf(b->why, sizeof b->why,
+             "bad: %s, object %zu: %.9g %08" PRIx32 ", expected %.9g %08" PRIx32, where, object,
+             (double)found, bits[0], (double)wanted, bits[1]);
+    return 1;
+}
+
 static int differs(bench *b, fp3_engine *engine, const char *engine_name, size_t object) {
     for (uint32_t i = 0; i < b->model->state_count; i++) {
         const char *name = b->model->states[i].name;
         const fp3_symbol *s = fp3_image_find(b->compiled->image, name, FP3_CLASS(FP3_SYMBOL_STATE));
-        float found = 0;
-        uint32_t bits[2];
-        if (!s)
-            continue;
-        if (fp3_engine_read(engine, object, 1, s->index, &found))
-            abort();
-        memcpy(&bits[0], &found, 4);
-        memcpy(&bits[1], &b->wanted[object][i], 4);
-        if (isnan(found))
-            bits[0] = 0x7fc00000;
-        if (bits[0] != bits[1]) {
-            snprintf(b->why, sizeof b->why,
-                     "bad: %s, object %zu: '%s' is %.9g %08" PRIx32 ", expected %.9g %08" PRIx32,
-                     engine_name, object, name, (double)found, bits[0],
-                     (double)b->wanted[object][i], bits[1]);
+        const int low = fp3_compiled_low(b->compiled, i);
+        char where[TEXT];
+        snprintf(where, sizeof where, "%s, '%.60s'", engine_name, name);
+        if (s && word_differs(b, engine, where, s->index, object, b->wanted[object][i]))
             return 1;
-        }
+        if (low >= 0 && word_differs(b, engine, where, (uint32_t)low, object, b->low[object][i]))
+            return 1;
     }
     return 0;
 }
@@ -220,7 +229,6 @@ static int check_meaning(bench *b) {
         initial[s] = 0.25 + next(&seed) / 16777216.0;
     def.config = b->j->config;
     def.passes = 0;
-    def.is_compensated = 0;
     int is_bad = 0;
     if (!values || fp3_integrator_find("euler", &euler, &error))
         abort();
@@ -258,8 +266,8 @@ static int run(bench *b) {
         for (uint32_t s = 0; s < b->model->state_count; s++)
             b->initial[i][s] = b->integrator->kind == FP3_STOERMER ? b->model->states[s].value
                                                                    : start_of(&seed, is_wild);
-        if (fp3_compiled_reference(b->compiled, b->params, b->initial[i], b->model->step,
-                                   &b->j->steps, 1, b->wanted[i], &error)) {
+        if (fp3_compiled_reference_pairs(b->compiled, b->params, b->initial[i], b->model->step,
+                                         &b->j->steps, 1, b->wanted[i], b->low[i], &error)) {
             snprintf(b->why, sizeof b->why, "refused: %s", error.text);
             return 1;
         }
@@ -271,7 +279,7 @@ int main(void) {
     job j;
     int is_bad = 0;
     while (scanf("%4095s %4095s %255s %x %d %" SCNu64 " %" SCNu32 " %d %d %" SCNu32 " %4095s",
-                 j.model, j.integrator, j.config, &j.passes, &j.is_compensated, &j.steps, &j.visit,
+                 j.model, j.integrator, j.config, &j.passes, &j.arithmetic, &j.steps, &j.visit,
                  &j.has_rtl, &j.is_wild, &j.seed, j.observed) == 11) {
         bench b = {.j = &j, .why = "same"};
         run(&b);

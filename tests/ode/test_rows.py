@@ -14,6 +14,8 @@ FOR_ALL = {"euler", "midpoint", "heun", "ralston3", "rk4", "rk4_paper", "rk38", 
 UNEVEN = {"bouncing_ball", "thermostat"}                 # their errors do not fall evenly
 FAIL = {("van_der_pol_stiff", "forest_ruth")}            # a splitting of first order: objects overflow at their ends
 MACHINES = ("many_full", "single_full", "sixteen")
+# Double-single takes ten times as long and more: test_double_single.py has rows of it.
+ARITHMETICS = [word for name in ("plain", "compensated", "folded") for word in ("--arithmetic", name)]
 
 
 def chosen(model):
@@ -27,7 +29,7 @@ def test_rows(fp3, tmp_path, long, model):
     """Integrators by turns, with steps fine enough for an order to show; or all of both."""
     names = set(INTEGRATORS) if long else chosen(model)
     most = 131072 if long else 16384
-    done = subprocess.run([fp3, "compare", PROGRAMS / f"{model}.ode", "--errors", "--json", tmp_path / "rows.json",
+    done = subprocess.run([fp3, "compare", PROGRAMS / f"{model}.ode", *ARITHMETICS, "--errors", "--json", tmp_path / "rows.json",
                            "--most-steps", str(most), *(["--native"] if long else []), *(word for name in sorted(names) for word in ("-i", name))], capture_output=True, text=True)
     results = json.loads((tmp_path / "rows.json").read_text())
     rows = results["rows"]

@@ -29,6 +29,7 @@ typedef struct {
     const char *config;          /* the configuration that it is scheduled for */
     unsigned passes;             /* a set of FP3_PASS(...) */
     int is_compensated;          /* what an update loses is added to the next one (Kahan) */
+    int is_double_single;        /* states and all arithmetic as sums of two floats */
     const char *const *observed; /* names of the states that somebody reads; NULL: all */
     size_t observed_count;
     int finds_savings; /* fills fp3_compiled.saved, which takes as long again for each pass */
@@ -58,10 +59,11 @@ typedef struct {
     uint32_t saved[FP3_PASS_COUNT];
     unsigned passes; /* that were on and that the configuration can use */
     unsigned order;  /* theoretical, of the worst observed state: see docs/integrators.md */
+    int is_double_single;
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the integrator does not fit the
+/* FP3_E_ARGUMENT: no such configuration or state, or two arithmetics; FP3_E_PROGRAM: the integrator does not fit the
  * model (a splitting of what has no velocities), a number is beyond FP32, or the configuration lacks
  * an operation, registers, constants or words: how many are needed. Messages about a place in the
  * model begin "line:column: error: ". */
@@ -69,6 +71,10 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error);
 /* Sets *compiled to NULL; that it was NULL before does no harm. */
 void fp3_compiled_free(fp3_compiled **compiled);
+
+/* The register of the second word of a state of the model, in double-single; -1: it has none. The state is
+ * the sum of its two registers, which double holds. */
+int fp3_compiled_low(const fp3_compiled *compiled, uint32_t state);
 
 /* The exact cycles of a run of `steps` steps: one object, or all contexts full and one visit, loads and
  * stores included. 0: no steps, or schedulers share an arithmetic unit. */

@@ -10,9 +10,10 @@ FP3_API_BEGIN
 
 typedef struct {
     char name[FP3_NAME_SIZE];
-    int is_shared;  /* a .shared; else a .state or .param of each object */
-    uint32_t state; /* start of this state of the model; FP3_NONE: another value */
-    char *formula;  /* as a reader sees it, "1/m"; cut where it is long */
+    int is_shared;   /* a .shared; else a .state or .param of each object */
+    uint32_t state;  /* start of this state of the model; FP3_NONE: another value */
+    uint32_t low_of; /* double-single: the second word of the start of this state; else FP3_NONE */
+    char *formula;   /* as a reader sees it, "1/m"; cut where it is long */
     /* The same for fp3_formula_read, of h, params of the model and numbers. NULL: a state's start, or
      * what no such formula gives, or only a very long one. */
     char *rule;

@@ -15,6 +15,12 @@ fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *pa
                                   const double *initial, double h, const uint64_t *steps,
                                   size_t count, float *states, fp3_error *error);
 
+/* The same with the second words of double-single, which are 0 in any other arithmetic. low has as many
+ * floats as states; a state is the sum of its two. */
+fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
+                                        const double *initial, double h, const uint64_t *steps,
+                                        size_t count, float *states, float *low, fp3_error *error);
+
 /* The same steps in double, with quotients and roots in double: the integrator without FP32. All other
  * functions are the same polynomials. */
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,

@@ -1,0 +1,234 @@
+/* double_step.c - nodes to pairs, from the first to the last. */
+#include "double_step.h"
+
+#include "double_single.h"
+#include "formula.h"
+
+#include <assert.h>
+#include <fp3/isa.h>
+#include <stdlib.h>
+
+fp3_status fp3_double_check(const fp3_options *options, const fp3_fit *fit, fp3_error *error) {
+    if (!options->is_double_single)
+        return FP3_OK;
+    if (options->is_compensated)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "compensated and double-single are two arithmetics: expected one");
+    if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "`exact-division` is of floats: double-single has quotients and roots of "
+                        "its own");
+    if (fit->control)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "double-single has fixed steps: found adaptive ones, whose control is of "
+                        "floats");
+    if (!options->config->nearest || !options->config->subnormal)
+        return fp3_fail(error, FP3_E_PROGRAM, "double-single needs %s, and configuration '%s' %s",
+                        options->config->nearest ? "subnormal numbers" : "rounding to nearest",
+                        options->config->name,
+                        options->config->nearest ? "flushes them" : "truncates");
+    return FP3_OK;
+}
+
+/* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. */
+typedef struct {
+    fp3_pair pair;
+    int is_whole, is_truth;
+} made;
+
+typedef struct {
+    fp3_step *step;
+    const dag *from;
+    dag *to;
+    const uint32_t *low; /* of each variable: its second word, or FP3_NONE */
+    made *made;          /* of each node */
+    char *is_reached;
+} doubling;
+
+static made of_known(const doubling *d, uint32_t known) {
+    const fp3_pair pair = fp3_pair_known(d->to, known);
+    const int is_zero = fp3_known_is(d->to->known, known, 0);
+    const int is_one = fp3_known_is(d->to->known, known, 1);
+    return (made){pair, is_zero || is_one, is_zero || is_one};
+}
+
+static made of_variable(const doubling *d, uint32_t variable) {
+    const uint32_t low = d->low[variable];
+    return (made){{fp3_dag_variable(d->to, variable),
+                   low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)},
+                  d->step->variables[variable].role == ROLE_STEPS,
+                  0};
+}
+
+static made of_sum(const doubling *d, const dag_node *n) {
+    const made *a = &d->made[n->a], *b = &d->made[n->b];
+    if (n->op == FP3_OP_ADD && a->is_whole && b->is_whole)
+        return (made){
+            {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE}, 1, 0};
+    if (n->op == FP3_OP_ADD)
+        return (made){fp3_pair_add(d->to, a->pair, b->pair), 0, 0};
+    if (fp3_dag_is_number(d->from, n->a, -0.0))
+        return (made){fp3_pair_negated(d->to, b->pair), 0, 0};
+    return (made){fp3_pair_sub(d->to, a->pair, b->pair), 0, 0};
+}
+
+static made of_product(const doubling *d, const dag_node *n) {
+    const made *a = &d->made[n->a], *b = &d->made[n->b];
+    if (a->is_truth && b->is_truth)
+        return (made){
+            {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE}, 1, 1};
+    return (made){fp3_pair_mul(d->to, a->pair, b->pair), 0, 0};
+}
+
+static made of_choice(const doubling *d, const dag_node *n) {
+    const made *a = &d->made[n->a], *b = &d->made[n->b];
+    return (made){fp3_pair_select(d->to, d->made[n->c].pair.high, a->pair, b->pair),
+                  a->is_whole && b->is_whole, a->is_truth && b->is_truth};
+}
+
+/* min(a, b) is a where a < b, max(a, b) is a where b < a. */
+static fp3_pair extreme(const doubling *d, const dag_node *n) {
+    const fp3_pair a = d->made[n->a].pair, b = d->made[n->b].pair;
+    const fp3_pair is_first =
+        n->op == FP3_OP_MIN ? fp3_pair_less(d->to, a, b) : fp3_pair_less(d->to, b, a);
+    return fp3_pair_select(d->to, is_first.high, a, b);
+}
+
+static made of_node(const doubling *d, const dag_node *n) {
+    const fp3_pair a =
+        n->op < NODE_KNOWN || n->op > NODE_VARIABLE ? d->made[n->a].pair : (fp3_pair){0};
+    switch (n->op) {
+    case NODE_KNOWN:
+        return of_known(d, n->a);
+    case NODE_VARIABLE:
+        return of_variable(d, n->a);
+    case FP3_OP_ADD:
+    case FP3_OP_SUB:
+        return of_sum(d, n);
+    case FP3_OP_MUL:
+        return of_product(d, n);
+    case FP3_OP_SEL:
+        return of_choice(d, n);
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+        return (made){extreme(d, n), 0, 0};
+    case FP3_OP_ABS:
+        return (made){fp3_pair_abs(d->to, a), 0, 0};
+    case FP3_OP_LT:
+        return (made){fp3_pair_less(d->to, a, d->made[n->b].pair), 1, 1};
+    case FP3_OP_LE:
+        return (made){fp3_pair_less_equal(d->to, a, d->made[n->b].pair), 1, 1};
+    case NODE_QUOTIENT:
+        return (made){fp3_pair_quotient(d->to, a, d->made[n->b].pair), 0, 0};
+    case NODE_ROOT:
+        return (made){fp3_pair_root(d->to, a), 0, 0};
+    default:
+        assert(n->op == NODE_INVERSE_ROOT);
+        return (made){fp3_pair_inverse_root(d->to, a), 0, 0};
+    }
+}
+
+/* ---- the step ---- */
+
+static fp3_status refuse(const fp3_step *step, uint32_t expr, fp3_error *error) {
+    char at[FP3_AT_SIZE];
+    char *text = fp3_formula_expr(step->model, expr);
+    const fp3_status status =
+        text ? fp3_fail(error, FP3_E_PROGRAM,
+                        "%s%s has no double-single form: sums, products, quotients, roots, powers "
+                        "of whole and half numbers and choices have",
+                        fp3_expr_at(step->model, expr, at), text)
+             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    return status;
+}
+
+/* The nodes that variables come from, by `root`. */
+static void find_reached(const doubling *d, uint32_t (*root)(const variable *v)) {
+    for (uint32_t i = 0; i < d->step->variable_count; i++)
+        if (root(&d->step->variables[i]) != FP3_NONE)
+            d->is_reached[root(&d->step->variables[i])] = 1;
+    for (uint32_t i = d->from->count; i-- > 0;)
+        for (int j = 0; d->is_reached[i] && !fp3_dag_is_leaf(d->from, i) && j < 3; j++)
+            if (fp3_dag_operand(d->from, i, j) != FP3_NONE)
+                d->is_reached[fp3_dag_operand(d->from, i, j)] = 1;
+}
+
+static fp3_status double_nodes(const doubling *d, fp3_error *error) {
+    for (uint32_t i = 0; i < d->from->count; i++) {
+        const dag_node *n = &d->from->nodes[i];
+        if (!d->is_reached[i])
+            continue;
+        if (n->op == NODE_REFUSED)
+            return refuse(d->step, n->a, error);
+        d->to->note = n->note;
+        d->made[i] = of_node(d, n);
+    }
+    return FP3_OK;
+}
+
+static uint32_t next_root(const variable *v) { return v->next; }
+static uint32_t last_root(const variable *v) { return v->last; }
+static uint32_t *next_place(variable *v) { return &v->next; }
+static uint32_t *last_place(variable *v) { return &v->last; }
+
+/* A dag to one of pairs, which takes its place. */
+static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uint32_t variables,
+                             uint32_t (*root)(const variable *v), uint32_t *(*place)(variable *v),
+                             fp3_error *error) {
+    dag to;
+    fp3_dag_open(&to, &step->known, from->passes);
+    const doubling d = {.step = step,
+                        .from = from,
+                        .to = &to,
+                        .low = low,
+                        .made = calloc(from->count + 1u, sizeof *d.made),
+                        .is_reached = calloc(from->count + 1u, 1)};
+    fp3_status status =
+        d.made && d.is_reached ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status) {
+        find_reached(&d, root);
+        status = double_nodes(&d, error);
+    }
+    for (uint32_t i = 0; !status && i < variables; i++) {
+        const uint32_t node = root(&step->variables[i]);
+        if (node == FP3_NONE)
+            continue;
+        to.note = from->nodes[node].note;
+        *place(&step->variables[i]) = d.made[node].pair.high;
+        if (low[i] != FP3_NONE)
+            *place(&step->variables[low[i]]) = fp3_pair_low(&to, d.made[node].pair);
+    }
+    free(d.made);
+    free(d.is_reached);
+    fp3_dag_close(from);
+    *from = to;
+    return status;
+}
+
+static fp3_status add_low_words(fp3_step *step, uint32_t *low, fp3_error *error) {
+    const uint32_t count = step->variable_count;
+    for (uint32_t i = 0; i < count; i++) {
+        const variable v = step->variables[i];
+        low[i] = FP3_NONE;
+        if (v.role != ROLE_STATE && v.role != ROLE_BEFORE)
+            continue;
+        low[i] = step->variable_count;
+        if (!fp3_step_add(step, v.role == ROLE_STATE ? ROLE_LOW : ROLE_LOW_BEFORE, v.state))
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_double_step(fp3_step *step, fp3_error *error) {
+    const uint32_t variables = step->variable_count;
+    uint32_t *low = calloc(variables + 1u, sizeof *low);
+    fp3_status status =
+        low ? add_low_words(step, low, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = double_dag(step, &step->values, low, variables, next_root, next_place, error);
+    if (!status)
+        status = double_dag(step, &step->last, low, variables, last_root, last_place, error);
+    free(low);
+    return status;
+}

@@ -1,0 +1,320 @@
+/* double_single.c - the compiler's arithmetic with pairs of floats, executed as the machine does.
+ *
+ *     double_single [N]     N random pairs of operands for each operation (default 40000), eight times as many of floats
+ *
+ * Sums, differences and products of two floats against what they are exactly, over the whole range, with
+ * ties, cancellation, subnormal numbers and both ends; operations on pairs against __float128, with 113
+ * bits. Prints, for each, how many were checked, how many nodes it has, and its largest relative error in
+ * units of u^2 = 2^-48.
+ */
+#include <compiler/double_single.h>
+#include <fp3/isa.h>
+#include <machine/execute.h>
+
+#include <float.h>
+#include <fp3/counters.h>
+#include <fp3/passes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+__extension__ typedef __float128 quad;
+
+#define U2 0x1p-48
+
+static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .flags = 1};
+
+/* An operation: variables 0 .. 3 are the words of its operands. */
+typedef struct {
+    const char *name;
+    fp3_model *model;
+    known_table known;
+    dag g;
+    fp3_pair made;
+    uint64_t checked, wrong;
+    double worst;
+    const char *unit; /* of the worst */
+} operation;
+
+static void fail(const char *what, const char *why) {
+    fprintf(stderr, "%s: %s\n", what, why);
+    exit(1);
+}
+
+static void open_operation(operation *o, const char *name) {
+    static const char source[] = "state x = 0\nstep 1\nx' = 0\n";
+    char *report = NULL;
+    fp3_error error;
+    *o = (operation){.name = name, .unit = "u^2"};
+    if (fp3_model_read(source, strlen(source), name, &o->model, &report, &error))
+        fail(name, error.text);
+    fp3_known_open(&o->known, o->model);
+    fp3_dag_open(&o->g, &o->known, FP3_PASS(FP3_PASS_COMMON));
+}
+
+static int end(operation *o) {
+    uint32_t nodes = 0;
+    for (uint32_t i = 0; i < o->g.count; i++)
+        nodes += !fp3_dag_is_leaf(&o->g, i);
+    printf("%s: %llu checked, %llu wrong, %u nodes, %.3g %s at most\n", o->name,
+           (unsigned long long)o->checked, (unsigned long long)o->wrong, nodes, o->worst, o->unit);
+    const int is_bad = o->wrong != 0;
+    fp3_dag_close(&o->g);
+    fp3_known_close(&o->known);
+    fp3_model_free(&o->model);
+    return is_bad;
+}
+
+/* From the words of the operands to those of the result; flags, unless NULL: the exceptions raised. */
+static void execute(const operation *o, const float *words, float result[2], uint32_t *flags) {
+    static uint32_t value[256];
+    for (uint32_t i = 0; i < o->g.count; i++) {
+        const dag_node *n = &o->g.nodes[i];
+        uint32_t raised = 0;
+        if (n->op == NODE_VARIABLE)
+            memcpy(&value[i], &words[n->a], sizeof value[i]);
+        else if (n->op == NODE_KNOWN) {
+            const float number = (float)o->known.list[n->a].number;
+            memcpy(&value[i], &number, sizeof number);
+        } else
+            value[i] = fp3_execute(&ieee, n->op,
+                                   (uint32_t[]){value[n->a], n->b == FP3_NONE ? 0 : value[n->b],
+                                                n->c == FP3_NONE ? 0 : value[n->c]},
+                                   flags ? &raised : NULL);
+        if (flags)
+            *flags |= raised;
+    }
+    memcpy(&result[0], &value[o->made.high], sizeof *result);
+    result[1] = 0;
+    if (o->made.low != FP3_NONE)
+        memcpy(&result[1], &value[o->made.low], sizeof *result);
+}
+
+static void tell(operation *o, const float *words, unsigned count, const float result[2]) {
+    if (o->wrong++ >= 5)
+        return;
+    printf("FAIL %s:", o->name);
+    for (unsigned i = 0; i < count; i++)
+        printf(" %a", (double)words[i]);
+    printf(" gives %a + %a\n", (double)result[0], (double)result[1]);
+}
+
+/* The exceptions that it raises, which takes longer. */
+static uint32_t flags_of(const operation *o, const float *words) {
+    float result[2];
+    uint32_t flags = 0;
+    execute(o, words, result, &flags);
+    return flags;
+}
+
+/* ---- operands ---- */
+
+/* Marsaglia, Xorshift RNGs, Journal of Statistical Software 8 (2003). */
+static uint64_t chance(void) {
+    static uint64_t state = 88172645463325252u;
+    state ^= state << 13;
+    state ^= state >> 7;
+    return state ^= state << 17;
+}
+
+static float of_bits(uint32_t bits) {
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+static float between(int least, int most) {
+    const uint64_t bits = chance();
+    const float fraction = 1 + (float)(bits & 0x7fffff) * 0x1p-23f;
+    const int exponent = least + (int)((bits >> 32) % (uint64_t)(most - least + 1));
+    return ldexpf(bits >> 31 & 1 ? -fraction : fraction, exponent);
+}
+
+/* Any finite number; half of the time one that is near another, of few bits, or at an end. */
+static float any(float near) {
+    static const float ends[] = {0x1p-149f, 0x1p-126f, 0x1.fffffcp-127f, 0x1p-103f, 0x1p-102f,
+                                 1,         0x1p115f,  0x1.fffffep115f,  0x1p126f,  FLT_MAX};
+    const uint64_t kind = chance() % 16;
+    if (kind < 3) /* a cancellation, or a tie */
+        return (chance() & 1 ? -near : near) * (1 + (float)(chance() % 9) * FLT_EPSILON) *
+               (chance() & 1 ? 1 : ldexpf(1, (int)(chance() % 60) - 30));
+    if (kind == 3)
+        return ends[chance() % (sizeof ends / sizeof *ends)];
+    if (kind == 4)
+        return ldexpf((float)(chance() % 4096), (int)(chance() % 200) - 130);
+    if (kind == 5)
+        return chance() & 1 ? 0.0f : -0.0f;
+    const float x = of_bits((uint32_t)chance());
+    return isfinite(x) ? x : 0;
+}
+
+static float bounded(float x) { return isfinite(x) ? x : FLT_MAX; }
+
+/* ---- floats ---- */
+
+/* Whether s + e is a + b, of finite numbers: where quad has not all bits, nothing was rounded but the
+ * smaller one away. */
+static int is_sum(float a, float b, const float r[2]) {
+    if ((quad)r[0] + (quad)r[1] != (quad)a + (quad)b)
+        return 0;
+    const float large = fabsf(a) < fabsf(b) ? b : a, small = fabsf(a) < fabsf(b) ? a : b;
+    return fabsf(small) > fabsf(large) * 0x1p-60f || (r[0] == large && r[1] == small) ||
+           (small == 0 && r[0] == large);
+}
+
+static void check_sum(operation *o, float a, float b, int is_difference) {
+    const float words[2] = {a, b};
+    float r[2];
+    const volatile float wanted = is_difference ? a - b : a + b;
+    execute(o, words, r, NULL);
+    o->checked++;
+    if (!isfinite(wanted)) { /* said, and no number */
+        if (isfinite(r[0]) || !(flags_of(o, words) & FP3_FLAG_OVERFLOW))
+            tell(o, words, 2, r);
+    } else if (r[0] != wanted || (fmaxf(fabsf(a), fabsf(b)) < 0x1p127f
+                                      ? !is_sum(a, is_difference ? -b : b, r)
+                                      : !isnan(r[1]) && !is_sum(a, is_difference ? -b : b, r)))
+        tell(o, words, 2, r);
+}
+
+/* A product is exact in double. */
+static void check_product(operation *o, float a, float b) {
+    const float words[2] = {a, b};
+    float r[2];
+    const volatile float wanted = a * b;
+    const double exact = (double)a * (double)b, least = fabs(exact);
+    execute(o, words, r, NULL);
+    o->checked++;
+    const double found = (double)r[0] + (double)r[1];
+    if (!isfinite(wanted) || least >= 0x1.ffp127 || fmaxf(fabsf(a), fabsf(b)) >= 0x1p115f) {
+        /* From 2^115 on a half may overflow, and so may the product of two that were rounded up: then the result is said to be no number, else it is right. */
+        const int is_said = (!isfinite(r[0]) || !isfinite(r[1])) &&
+                            flags_of(o, words) & (FP3_FLAG_OVERFLOW | FP3_FLAG_INVALID);
+        if (!is_said && !(isfinite(wanted) && fabs(found - exact) <= 0x1p-147))
+            tell(o, words, 2, r);
+    } else if (least >= 0x1p-102 ? found != exact || r[0] != wanted
+                                 : fabs(found - exact) > 0x1p-147 || r[0] != wanted) {
+        tell(o, words, 2, r);
+    } else if (least < 0x1p-102)
+        o->worst = fmax(o->worst, fabs(found - exact) / 0x1p-149);
+}
+
+static int check_floats(uint64_t count) {
+    operation sum, difference, product;
+    open_operation(&sum, "two_sum");
+    open_operation(&difference, "two_difference");
+    open_operation(&product, "two_product");
+    product.unit = "units of 2^-149 below 2^-102";
+    sum.made = fp3_two_sum(&sum.g, fp3_dag_variable(&sum.g, 0), fp3_dag_variable(&sum.g, 1));
+    difference.made = fp3_two_difference(&difference.g, fp3_dag_variable(&difference.g, 0),
+                                         fp3_dag_variable(&difference.g, 1));
+    product.made = fp3_two_product(&product.g, fp3_dag_variable(&product.g, 0),
+                                   fp3_dag_variable(&product.g, 1));
+    for (uint64_t i = 0; i < count; i++) {
+        const float a = bounded(any(1)), b = bounded(any(a));
+        check_sum(&sum, a, b, 0);
+        check_sum(&difference, a, b, 1);
+        check_product(&product, a, i % 4 ? b : between(-140, -60));
+        check_product(&product, between(-70, -30), between(-80, -30));
+    }
+    return end(&sum) | end(&difference) | end(&product);
+}
+
+/* ---- pairs ---- */
+
+static quad sum_of(const float *words) { return (quad)words[0] + (quad)words[1]; }
+
+/* A pair whose second word is half a unit of the first one's last place at most; some are 0 or at it. */
+static void any_pair(float *words, int least, int most) {
+    words[0] = between(least, most);
+    const int exponent = ilogbf(words[0]) - 24;
+    const uint64_t kind = chance() % 8;
+    words[1] = kind == 0   ? 0
+               : kind == 1 ? ldexpf((float)(chance() % 3) - 1, exponent - 1)
+                           : ldexpf((float)(chance() % 0x2000000) * 0x1p-24f - 1, exponent) * 0.99f;
+}
+
+typedef fp3_pair binary(dag *g, fp3_pair x, fp3_pair y);
+typedef fp3_pair unary(dag *g, fp3_pair x);
+/* The relative error of a result. */
+typedef quad error_fn(quad x, quad y, quad result);
+
+static quad of_add(quad x, quad y, quad r) { return x + y == 0 ? r : (r - (x + y)) / (x + y); }
+static quad of_sub(quad x, quad y, quad r) { return x - y == 0 ? r : (r - (x - y)) / (x - y); }
+static quad of_mul(quad x, quad y, quad r) { return (r - x * y) / (x * y); }
+static quad of_quotient(quad x, quad y, quad r) { return (r * y - x) / x; }
+/* To the first order in an error of 2^-40. */
+static quad of_root(quad x, quad y, quad r) { return (void)y, (r * r - x) / (2 * x); }
+static quad of_inverse_root(quad x, quad y, quad r) { return (void)y, (1 - r * r * x) / -2; }
+
+static int check_pairs(const char *name, binary *two, unary *one, error_fn *error, double bound,
+                       int range, uint64_t count) {
+    operation o;
+    open_operation(&o, name);
+    uint32_t v[4];
+    for (uint32_t i = 0; i < 4; i++)
+        v[i] = fp3_dag_variable(&o.g, i);
+    const fp3_pair x = {v[0], v[1]}, y = {v[2], v[3]};
+    o.made = two ? two(&o.g, x, y) : one(&o.g, x);
+    for (uint64_t i = 0; i < count; i++) {
+        float words[4], r[2];
+        any_pair(words, -range, range);
+        any_pair(words + 2, -range, range);
+        if (!two)
+            words[1] = words[0] < 0 ? -words[1] : words[1], words[0] = fabsf(words[0]);
+        if (i % 4 == 1) { /* they cancel, to few bits or to many */
+            words[2] = words[0] * (i % 8 == 1 ? -1 : 1);
+            words[3] = words[1] * (1 + (float)(chance() % 5) * FLT_EPSILON * 0.5f);
+        }
+        execute(&o, words, r, NULL);
+        o.checked++;
+        const double found = fabs((double)error(sum_of(words), sum_of(words + 2), sum_of(r))) / U2;
+        if (!(found <= bound) || (float)sum_of(r) != r[0])
+            tell(&o, words, 4, r);
+        o.worst = fmax(o.worst, found);
+    }
+    return end(&o);
+}
+
+static int check_order(uint64_t count) {
+    operation less, at_most;
+    open_operation(&less, "less");
+    open_operation(&at_most, "less_equal");
+    for (int k = 0; k < 2; k++) {
+        operation *o = k ? &at_most : &less;
+        uint32_t v[4];
+        for (uint32_t i = 0; i < 4; i++)
+            v[i] = fp3_dag_variable(&o->g, i);
+        o->made = (k ? fp3_pair_less_equal : fp3_pair_less)(&o->g, (fp3_pair){v[0], v[1]},
+                                                            (fp3_pair){v[2], v[3]});
+        for (uint64_t i = 0; i < count; i++) {
+            float words[4], r[2];
+            any_pair(words, -3, 3);
+            any_pair(words + 2, -3, 3);
+            if (i % 2)
+                words[2] = words[0];
+            if (i % 4 == 1)
+                words[3] = words[1];
+            const quad x = sum_of(words), y = sum_of(words + 2);
+            execute(o, words, r, NULL);
+            o->checked++;
+            if (r[0] != (float)(k ? x <= y : x < y) || r[1] != 0)
+                tell(o, words, 4, r);
+        }
+    }
+    return end(&less) | end(&at_most);
+}
+
+int main(int argc, char **argv) {
+    const uint64_t count = argc > 1 ? strtoull(argv[1], NULL, 10) : 40000;
+    int is_bad = check_floats(8 * count);
+    is_bad |= check_pairs("add", fp3_pair_add, NULL, of_add, 3.1, 40, count);
+    is_bad |= check_pairs("sub", fp3_pair_sub, NULL, of_sub, 3.1, 40, count);
+    is_bad |= check_pairs("mul", fp3_pair_mul, NULL, of_mul, 5, 40, count);
+    is_bad |= check_pairs("quotient", fp3_pair_quotient, NULL, of_quotient, 32, 30, count);
+    is_bad |= check_pairs("root", NULL, fp3_pair_root, of_root, 16, 60, count);
+    is_bad |=
+        check_pairs("inverse_root", NULL, fp3_pair_inverse_root, of_inverse_root, 16, 30, count);
+    return is_bad | check_order(count / 4);
+}
