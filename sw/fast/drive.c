@@ -54,44 +54,41 @@ static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
 
 /* ---- whose flags they are ---- */
 
-/* Words of the store that a stretch reads or changes. */
-static uint64_t words_in(const fp3_drive *d, const stretch *s) {
-    return d->fast->plan.part[s->part].words;
+static const fp3_fast_part *part_of(const fp3_drive *d, const stretch *s) {
+    return &d->fast->plan.part[s->part];
 }
 
-static uint64_t rows_of(const fp3_drive *d, const stretch *s) {
-    return d->fast->plan.part[s->part].loaded;
-}
-
-/* What a stretch starts from. */
+/* What a stretch starts from and does not leave as it is. */
 static void remember(const fp3_drive *d, const stretch *s) {
     fp3_fast_worker *w = d->worker;
     const size_t size = d->lanes->count * sizeof(float);
-    FP3_EACH_REGISTER (rows_of(d, s), reg)
+    FP3_EACH_REGISTER (part_of(d, s)->replaced, reg)
         memcpy(w->rows[reg], d->lanes->rows[reg], size);
-    FP3_EACH_REGISTER (words_in(d, s), reg)
+    FP3_EACH_REGISTER (part_of(d, s)->stored, reg)
         memcpy(w->records[reg], d->lanes->records[reg], size);
-    memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
+    if (d->fast->plan.sleeps)
+        memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
 }
 
 /* These lanes as they were. */
 static void pick_remembered(const fp3_drive *d, const stretch *s, const uint32_t *which,
                             uint32_t count) {
+    const fp3_fast_part *part = part_of(d, s);
     fp3_fast_worker *w = d->worker;
     fp3_fast_lanes *to = &w->aside;
-    fp3_fast_pick(d->lanes, which, count, 0, 0, to);
-    const uint64_t records = words_in(d, s);
-    FP3_EACH_REGISTER (rows_of(d, s), reg)
+    fp3_fast_pick(d->lanes, which, count, part->loaded & ~part->replaced,
+                  part->words & ~part->stored, to);
+    FP3_EACH_REGISTER (part->replaced, reg)
         for (uint32_t i = 0; i < count; i++)
             to->rows[reg][i] = w->rows[reg][which[i]];
-    FP3_EACH_REGISTER (records, reg) {
+    FP3_EACH_REGISTER (part->stored, reg) {
         for (uint32_t i = 0; i < count; i++)
             to->own[reg][i] = w->records[reg][which[i]];
         to->records[reg] = to->own[reg];
     }
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; d->fast->plan.sleeps && i < count; i++)
         to->awake[i] = w->awake[which[i]];
-    fp3_fast_fill(to, rows_of(d, s), records);
+    fp3_fast_fill(to, part->loaded, part->words);
     memset(&to->witness, 0, sizeof to->witness);
 }
 

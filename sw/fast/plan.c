@@ -51,10 +51,12 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
         plan->read |= bit(in->d);
     if (in->op == FP3_OP_ST)
         plan->stored |= bit(in->d);
-    for (int i = 0; i < FP3_PARTS; i++)
-        if ((is_load(in) || in->op == FP3_OP_ST) && pc >= plan->part[i].first &&
-            pc < plan->part[i].end)
-            plan->part[i].words |= bit(in->d);
+    for (int i = 0; i < FP3_PARTS; i++) {
+        if (pc < plan->part[i].first || pc >= plan->part[i].end)
+            continue;
+        plan->part[i].words |= is_load(in) || in->op == FP3_OP_ST ? bit(in->d) : 0;
+        plan->part[i].stored |= in->op == FP3_OP_ST ? bit(in->d) : 0;
+    }
     if (is_arithmetic(in))
         plan->written |= bit(in->d);
     plan->sleeps |= in->op == FP3_OP_SLEEP;
@@ -125,6 +127,7 @@ static void find_live(fp3_fast_plan *plan, uint64_t states) {
         const uint64_t after = i == FP3_PART_LAST ? end : plan->live, writes = writes_of(plan, i);
         plan->part[i].kept = writes & after;
         plan->part[i].loaded = live[i] | (plan->sleeps ? writes & after : 0);
+        plan->part[i].replaced = plan->part[i].loaded & writes;
     }
 }
 

@@ -35,7 +35,9 @@ typedef struct {
     uint32_t first, end; /* of the instructions */
     uint64_t loaded;     /* rows read before they are written, or kept for those asleep */
     uint64_t kept;       /* rows written and read later */
+    uint64_t replaced;   /* rows loaded and written: to execute it again takes what they held */
     uint64_t words;      /* of records, that it loads or stores */
+    uint64_t stored;     /* those that it stores */
 } fp3_fast_part;
 
 typedef struct {
