@@ -339,6 +339,13 @@ bench-report: ## Write docs/benchmarks.md from the full form of `make bench`
 bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
 	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))
 
+.PHONY: skip skip-report
+skip: $(BUILD)/bench/bench ## What a scene does not need, done and left out: build/results/skip.json; QUICK=1
+	@$(PYTHON) tools/skip.py --bench $< --output $(RESULTS)/skip.json $(if $(QUICK),--quick)
+
+skip-report: ## Write docs/skipping.md from what `make skip` measured
+	@$(PYTHON) tools/skip.py --input $(RESULTS)/skip.json --markdown docs/skipping.md
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated

@@ -4,5 +4,6 @@
 
 int bench_points_command(int argc, char **argv); /* error against run time of a model */
 int bench_speed_command(int argc, char **argv);  /* the ship, by objects and steps */
+int bench_skip_command(int argc, char **argv);   /* what a scene does not need */
 
 #endif

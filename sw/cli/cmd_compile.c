@@ -164,6 +164,7 @@ static const char *saved_what(fp3_pass pass) {
     return pass == FP3_PASS_AHEAD   ? "cycles"
            : pass == FP3_PASS_CHAIN ? "instructions"
            : pass == FP3_PASS_SCALE ? "products"
+           : pass == FP3_PASS_SHARE ? "registers"
                                     : "operations";
 }
 

@@ -69,13 +69,15 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
 
 /* ---- all of it ---- */
 
-/* The step that the equations mean: no pass that keeps the bits, except that dead states stay dead. */
+/* The step that the equations mean: no pass that keeps the bits, except that dead states stay dead, and a
+ * coefficient 0 has no term. */
 static fp3_status make_reference(fp3_compilation *k, const fp3_model *model,
                                  const fp3_integrator *integrator, unsigned passes,
                                  fp3_error *error) {
     fp3_fit fit;
     fp3_options options = k->options;
-    options.passes = passes & (fp3_passes_that(1) | FP3_PASS(FP3_PASS_DEAD));
+    options.passes =
+        (passes & (fp3_passes_that(1) | FP3_PASS(FP3_PASS_DEAD))) | FP3_PASS(FP3_PASS_ZERO);
     options.has_notes = 0;
     fp3_status status = fp3_fit_find(model, integrator, &options, &fit, error);
     if (!status)

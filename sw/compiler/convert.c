@@ -49,6 +49,13 @@ static known_slot *same_number(const converter *c, const known *k) {
     return NULL;
 }
 
+/* A number is in the image, and a step always has the name h: both have no other place. */
+static int is_constant(const converter *c, const known *k) {
+    const fp3_options *options = c->part.options;
+    return k->op == KNOWN_NUMBER || k->op == KNOWN_STEP || options->shares_params ||
+           (k->is_shared && fp3_has_pass(options, FP3_PASS_SHARE));
+}
+
 static fp3_ref known_ref(const converter *c, uint32_t id) {
     const known *k = &c->step->known.list[id];
     known_slot *slot = &c->made->slots[id];
@@ -57,7 +64,7 @@ static fp3_ref known_ref(const converter *c, uint32_t id) {
         const known_slot *same = same_number(c, k);
         if (same)
             *slot = *same;
-        else if (k->is_shared || c->part.options->shares_params) {
+        else if (is_constant(c, k)) {
             *slot = (known_slot){FP3_AT_CONSTANT, code->constant_count};
             c->made->constants[code->constant_count++] = id;
         } else {

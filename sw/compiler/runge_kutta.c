@@ -8,7 +8,7 @@
 
 #define ESTIMATE_LEAST 1e-12 /* what is left of equal weights that were written as fractions */
 
-/* A row of the table without its zeros. */
+/* A row of the table, without its zeros as a rule. */
 typedef struct {
     double c;
     term slope;
@@ -72,7 +72,7 @@ static unsigned factors(const summand *list, unsigned count, double unit) {
 static double common_factor(const runge_kutta *r, summand *list, unsigned count) {
     double unit = INFINITY;
     for (unsigned i = 0; i < count; i++)
-        if (fabs(list[i].c) < unit)
+        if (list[i].c != 0 && fabs(list[i].c) < unit)
             unit = fabs(list[i].c);
     if (count < 2 || !isfinite(unit))
         return 0;
@@ -127,12 +127,12 @@ static term stage_sum(const runge_kutta *r, uint32_t state, uint32_t place, summ
 
 static term slope_of(runge_kutta *r, uint32_t place, uint32_t state);
 
-/* A coefficient 0 has no term: 0 k is not 0 where k is infinite. */
+/* A coefficient 0 has no term: 0 k is not 0 where k is infinite. Without the pass it has one. */
 static unsigned row(runge_kutta *r, const double *c, unsigned count, uint32_t state,
                     summand *list) {
     unsigned n = 0;
     for (unsigned j = 0; j < count; j++)
-        if (c[j] != 0)
+        if (c[j] != 0 || !fp3_has_pass(r->a->options, FP3_PASS_ZERO))
             list[n++] = (summand){c[j], slope_of(r, j, state)};
     return n;
 }

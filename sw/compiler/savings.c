@@ -21,6 +21,8 @@ static double cost(const fp3_pipeline *p, fp3_pass pass) {
         return products(p);
     case FP3_PASS_CHAIN:
         return p->schedule->step_count;
+    case FP3_PASS_SHARE:
+        return p->schedule->registers;
     default:
         return p->code.operations;
     }

@@ -66,15 +66,19 @@ struct fp3_engine {
     uint64_t made;     /* ... since the load, as lifetimes count them */
     uint32_t began;    /* the clock when this run began */
     fp3_life *lives;   /* of each object; NULL: all live, always */
+    uint64_t change;   /* the next step after which others live; not above made: unknown */
+    int is_any_alive;  /* until then */
     uint64_t (
         *sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run; NULL with lives */
     double expected;               /* instructions of this part of the run, if nobody sleeps */
     double told, part;             /* shares of the run: the parts before this one, and this one */
     /* Of each object, what its sleep register held when it was last looked at. */
     uint32_t *slept;
-    int is_slept_known;                      /* slept is up to date */
-    int is_counted;                          /* so is what groups have counted */
-    int is_listed;                           /* the next run begins with the right objects */
+    int is_slept_known; /* slept is up to date */
+    int is_counted;     /* so is what groups have counted */
+    int is_listed;      /* the next run begins with the right objects */
+    uint32_t *awake; /* ... of groups in which some may be left out; NULL: there is no such group */
+    uint32_t awake_count;
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     fp3_origin *origin;                      /* of the last run */
     fp3_failed *failures; /* of the last run, by object; NULL: nobody has asked */

@@ -126,6 +126,7 @@ void fp3_engine_close(fp3_engine **engine) {
     fp3_layout_free(&closing->layout);
     fp3_life_forget(closing);
     free(closing->slept);
+    free(closing->awake);
     free(closing->counters);
     free(closing->failures);
     fp3_origin_close(closing);

@@ -17,25 +17,30 @@ uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps)
     return to > from ? (uint32_t)(to - from) : 0;
 }
 
-uint32_t fp3_life_part(const fp3_engine *engine, uint32_t steps, int *is_any) {
-    uint64_t next = engine->made + steps;
-    *is_any = !engine->lives;
-    for (size_t i = 0; engine->lives && i < engine->objects; i++) {
+/* The next step after which somebody is born or gone. */
+static void find_change(fp3_engine *engine) {
+    engine->change = FP3_FOREVER;
+    engine->is_any_alive = 0;
+    for (size_t i = 0; i < engine->objects; i++) {
         const fp3_life *life = &engine->lives[i];
-        const fp3_life_stage stage = fp3_engine_life(engine, i);
-        const uint64_t change = stage == FP3_UNBORN ? life->born : life->gone;
-        *is_any |= stage == FP3_ALIVE;
-        if (stage != FP3_GONE && change < next)
-            next = change;
+        const uint64_t change = engine->made < life->born ? life->born : life->gone;
+        if (engine->made < change && change < engine->change)
+            engine->change = change;
+        engine->is_any_alive |= life->born <= engine->made && engine->made < life->gone;
     }
-    return (uint32_t)(next - engine->made);
 }
 
-int fp3_life_has_changed(const fp3_engine *engine) {
-    for (size_t i = 0; engine->lives && i < engine->objects; i++)
-        if (engine->lives[i].born == engine->made || engine->lives[i].gone == engine->made)
-            return 1;
-    return 0;
+uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any) {
+    *is_any = 1;
+    if (!engine->lives)
+        return steps;
+    if (engine->made >= engine->change) {
+        engine->is_listed = 0;
+        find_change(engine);
+    }
+    *is_any = engine->is_any_alive;
+    return engine->change - engine->made < steps ? (uint32_t)(engine->change - engine->made)
+                                                 : steps;
 }
 
 /* ---- lifetimes ---- */
@@ -79,6 +84,7 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
         return status;
     for (size_t i = first; i < first + count; i++)
         engine->lives[i] = (fp3_life){born, gone};
+    engine->change = 0;
     engine->is_listed = 0;
     return FP3_OK;
 }
@@ -95,6 +101,7 @@ void fp3_life_forget(fp3_engine *engine) {
     free(engine->sums);
     engine->lives = NULL;
     engine->sums = NULL;
+    engine->change = 0;
 }
 
 /* ---- counters ---- */

@@ -10,10 +10,9 @@
 
 /* How many of the next `steps` steps an object makes if it does not sleep. */
 uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps);
-/* How many of these steps the same objects make; *is_any: there is one. steps is above 0. */
-uint32_t fp3_life_part(const fp3_engine *engine, uint32_t steps, int *is_any);
-/* Whether other objects make the next step than the last one. */
-int fp3_life_has_changed(const fp3_engine *engine);
+/* How many of these steps the same objects make; *is_any: there is one. steps is above 0. When others live than
+ * in the last run, the objects are to be listed again. */
+uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any);
 
 /* In another engine with as many objects, which has the same program. */
 fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to);

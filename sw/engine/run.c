@@ -25,11 +25,36 @@ static fp3_status look_who_sleeps(fp3_engine *engine) {
     return status;
 }
 
+static int may_leave_out(const fp3_engine *engine, const fp3_members *group) {
+    return group->program.slept >= 0 || engine->lives;
+}
+
+/* The host's own list, so that a run costs it as much as there are objects awake. */
+static fp3_status list_own(fp3_engine *engine) {
+    int is_any = 0;
+    engine->awake_count = 0;
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        is_any |= may_leave_out(engine, &engine->layout.groups[i]);
+    if (is_any && !engine->awake)
+        engine->awake = malloc(engine->objects * sizeof *engine->awake);
+    if (is_any && !engine->awake)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        for (uint32_t n = 0; may_leave_out(engine, group) && n < group->objects; n++)
+            if (fp3_engine_is_awake(engine, group->first + n))
+                engine->awake[engine->awake_count++] = group->first + n;
+    }
+    return FP3_OK;
+}
+
 static fp3_status list_who_is_awake(fp3_engine *engine) {
-    if (!engine->config->interleave || engine->is_listed)
+    if (engine->is_listed)
         return FP3_OK;
-    fp3_status status = look_who_sleeps(engine);
+    fp3_status status = engine->config->interleave ? look_who_sleeps(engine) : FP3_OK;
     if (!status)
+        status = list_own(engine);
+    if (!status && engine->config->interleave)
         status = engine->backend->list(engine);
     engine->is_listed = !status;
     return status;
@@ -54,33 +79,42 @@ static void add(const fp3_stats *part, fp3_stats *stats) {
     stats->flags |= part->flags;
 }
 
-/* Steps that objects made; their copies of the sleep register have what they held before. */
-static fp3_status count_steps_of(fp3_engine *engine, fp3_members *group, uint32_t steps) {
-    const int slept = group->program.slept;
+/* What an object of the list made; *is_awake: it has not fallen asleep. */
+static fp3_status count_one(fp3_engine *engine, uint32_t object, uint32_t steps, fp3_stats *stats,
+                            int *is_awake) {
+    fp3_members *group =
+        &engine->layout
+             .groups[fp3_layout_group_of(&engine->layout, object) - engine->layout.groups];
+    uint32_t *now = &engine->slept[object];
     fp3_status status = FP3_OK;
-    if (slept < 0 && !engine->lives) {
-        group->steps += (uint64_t)group->objects * steps;
-        return FP3_OK;
-    }
-    for (uint32_t i = group->first; !status && i < group->first + group->objects; i++) {
-        uint32_t *now = &engine->slept[i];
-        if (!fp3_engine_is_awake(engine, i))
-            continue;
-        if (slept >= 0)
-            status = engine->backend->read(engine, i, (uint32_t)slept, now);
-        group->steps += slept >= 0 && *now ? *now - engine->clock : steps;
-    }
+    *is_awake = group->program.slept < 0;
+    if (!*is_awake)
+        status = engine->backend->read(engine, object, (uint32_t)group->program.slept, now);
+    *is_awake = *is_awake || !*now;
+    const uint32_t made = *is_awake ? steps : *now - engine->clock;
+    group->steps += made;
+    stats->object_steps += made;
     return status;
 }
 
 static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
-        const uint64_t before = group->steps;
-        status = count_steps_of(engine, group, steps);
-        stats->object_steps += group->steps - before;
+        if (may_leave_out(engine, group))
+            continue;
+        group->steps += (uint64_t)group->objects * steps;
+        stats->object_steps += (uint64_t)group->objects * steps;
     }
+    for (uint32_t n = 0; !status && n < engine->awake_count; n++) {
+        const uint32_t object = engine->awake[n];
+        int is_awake;
+        status = count_one(engine, object, steps, stats, &is_awake);
+        engine->awake[left] = object;
+        left += (uint32_t)is_awake;
+    }
+    engine->awake_count = left;
     return status;
 }
 
@@ -113,7 +147,6 @@ static void forget_counters(fp3_engine *engine) {
 /* Steps that the same objects make. After an end before its time nobody knows who slept, and the lists are
  * in pieces. */
 static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    engine->is_listed &= !fp3_life_has_changed(engine);
     fp3_status status = list_who_is_awake(engine);
     if (status)
         return status;
@@ -193,6 +226,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     } else {
         engine->clock = engine->began;
         engine->made = made;
+        engine->change = 0;
         stats->object_steps = 0;
     }
     return status;

@@ -55,7 +55,7 @@ typedef struct {
     double cycles; /* per object-step, predicted; 0: not known beforehand */
     double bound, bound_issue, bound_path;
     /* By each pass, if def->finds_savings: operations; of `chain` instructions, of `scale` products,
-     * of `ahead` cycles. */
+     * of `ahead` cycles, of `share` registers. */
     uint32_t saved[FP3_PASS_COUNT];
     unsigned passes; /* that were on and that the configuration can use */
     unsigned order;  /* theoretical, of the worst observed state: see docs/integrators.md */

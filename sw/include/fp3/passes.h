@@ -15,6 +15,8 @@ FP3_API_BEGIN
     X(SCALE, "scale", 0, "half and twice ride on an addition, where the configuration can")        \
     X(CHAIN, "chain", 0, "a product goes straight into the addition that needs it")                \
     X(AHEAD, "ahead", 0, "operations of the next step fill the gaps of this one")                  \
+    X(SHARE, "share", 0, "what all objects share is a constant, no register of each object")       \
+    X(ZERO, "zero", 0, "a coefficient 0 of an integrator's table has no term")                     \
     X(FOLD_STEP, "fold-step", 1, "h times a coefficient is one number: y + (h a_ij) f")            \
     X(FOLD_PRODUCT, "fold-product", 1, "known factors of a product are one number: x (h/m)")       \
     X(SMALL_ANGLES, "small-angles", 1, "sine and cosine of |x| <= pi/2 alone, NaN beyond")         \
