@@ -333,8 +333,8 @@ bench: $(BUILD)/bench/bench $(BUILD)/fp3 ## Error against run time beside GSL, S
 	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --html $(RESULTS)/bench.html
 	@echo "Look at it with a browser: $(RESULTS)/bench.html"
 
-bench-report: ## Write docs/benchmarks.md from the full form of `make bench`
-	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md
+bench-report: ## Write docs/benchmarks.md and .html from the full form of `make bench`
+	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md --html docs/benchmarks.html --most 1.5
 
 bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
 	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))

@@ -1,16 +1,21 @@
 """What the pictures and tables of the benchmark show: who is the fastest at an error, and which points belong together."""
 
 ERRORS = [10.0 ** -digits for digits in range(1, 14)]
-# One colour for one method, everywhere.
+# One colour for one method, everywhere; lines of hardware are dashed.
 COLOURS = {
-    "fp3, one thread": "#d00000", "fp3, all threads": "#ff7b00", "hardware many_full": "#000000", "hardware single_full": "#777777",
+    "fp3, one thread": "#d00000", "fp3, all threads": "#ff7b00", "hardware many_full": "#000000", "hardware single_full": "#8a8a8a",
+    "hardware many": "#2f4858", "hardware single": "#b0a080", "hardware lanes": "#5f3b1f", "hardware uncut": "#c0c0d8", "hardware paper": "#7d8f69",
     "plain C scalar": "#6a994e", "plain C vectors": "#2d6a4f", "GSL rkf45": "#48cae4", "GSL rk8pd": "#0077b6", "GSL msadams": "#4361ee",
     "GSL msbdf": "#3a0ca3", "GSL rk4": "#90b8f8", "SUNDIALS cvode adams": "#b5179e", "SUNDIALS cvode bdf": "#7209b7",
     "SUNDIALS arkode erk3": "#f4acd4", "SUNDIALS arkode erk4": "#f72585", "SUNDIALS arkode erk5": "#c9184a",
     "SUNDIALS arkode erk8": "#800f2f", "diffrax float32": "#bc8034", "diffrax float64": "#7f5539",
 }
-INTEGRATORS = ["#d00000", "#ff7b00", "#e0b000", "#6a994e", "#2d6a4f", "#48cae4", "#0077b6", "#4361ee", "#3a0ca3", "#b5179e", "#f72585",
-               "#800f2f", "#7f5539", "#bc8034", "#777777", "#000000"]
+INTEGRATORS = {
+    "dopri5": "#d00000", "euler": "#ff7b00", "forest_ruth": "#e0b000", "heun": "#6a994e", "leapfrog": "#2d6a4f", "midpoint": "#48cae4",
+    "pefrl": "#0077b6", "ralston3": "#4361ee", "rk38": "#3a0ca3", "rk4": "#b5179e", "rk4_paper": "#f72585", "rk6": "#800f2f",
+    "semi_implicit_euler": "#7f5539", "stoermer_verlet": "#bc8034", "verlet": "#8a8a8a", "yoshida6": "#000000",
+}
+OTHER = "#b0a0c0"       # an integrator that is not in the list
 
 
 def fast_of(data):
@@ -72,24 +77,28 @@ def text(point, fast):
 
 
 def series(name, colour, points, fast):
-    return {"name": name, "colour": colour, "points": [(p["ns_per_object"], p["error_median"], text(p, fast)) for p in points]}
+    """Of the points those that no other beats."""
+    return {"name": name, "colour": colour, "is_dashed": name.startswith("hardware"),
+            "points": [(p["ns_per_object"], p["error_median"], text(p, fast)) for p in front(points)]}
+
+
+def by(points, key):
+    groups = {}
+    for point in points:
+        groups.setdefault(key(point), []).append(point)
+    return groups
 
 
 def fronts(points, fast):
     """Of one model: a line for each way to solve it."""
-    by_label = {}
-    for point in points:
-        by_label.setdefault(label(point, fast), []).append(point)
-    return [series(name, colour, front(by_label[name]), fast) for name, colour in COLOURS.items() if name in by_label and front(by_label[name])]
+    groups = by(points, lambda point: label(point, fast))
+    return [series(name, colour, groups[name], fast) for name, colour in COLOURS.items() if name in groups]
 
 
 def curves(points, fast):
     """Of one model: a line for each integrator, in the best of its arithmetics."""
-    by_name = {}
-    for point in points:
-        if point["engine"] == fast and point["threads"] == 1:
-            by_name.setdefault(point["integrator"], []).append(point)
-    return [series(name, INTEGRATORS[i % len(INTEGRATORS)], front(by_name[name]), fast) for i, name in enumerate(sorted(by_name))]
+    groups = by((point for point in points if point["engine"] == fast and point["threads"] == 1), lambda point: point["integrator"])
+    return [series(name, INTEGRATORS.get(name, OTHER), groups[name], fast) for name in sorted(groups)]
 
 
 # ---- speed --------------------------------------------------------------------------------------------

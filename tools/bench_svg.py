@@ -3,7 +3,7 @@
 import html
 import math
 
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 1120, 470, 80, 230, 14, 48
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 1120, 540, 80, 230, 14, 48
 ROW = 19        # of the legend
 
 
@@ -36,9 +36,13 @@ def axes(x, y, at):
     return parts
 
 
+def group(one):
+    return f"<g fill='{one['colour']}' stroke='{one['colour']}'" + (" stroke-dasharray='5 3'>" if one.get("is_dashed") else ">")
+
+
 def line(one, at):
     places = [at(x, y) for x, y, _ in one["points"]]
-    parts = [f"<g fill='{one['colour']}' stroke='{one['colour']}'><path class=l d='M" + "L".join(f"{x:.0f} {y:.0f}" for x, y in places) + "'/>"]
+    parts = [f"{group(one)}<path class=l d='M" + "L".join(f"{x:.0f} {y:.0f}" for x, y in places) + "'/>"]
     parts += [f"<circle cx={x:.0f} cy={y:.0f} r=3><title>{html.escape(text)}</title></circle>"
               for (x, y), (_, _, text) in zip(places, one["points"])]
     return "".join(parts) + "</g>"
@@ -47,7 +51,7 @@ def line(one, at):
 def legend(series):
     for number, one in enumerate(series):
         y = TOP + 12 + ROW * number
-        yield (f"<g fill='{one['colour']}' stroke='{one['colour']}'><path class=l d='M{WIDTH - RIGHT + 16} {y - 4}h22'/>"
+        yield (f"{group(one)}<path class=l d='M{WIDTH - RIGHT + 16} {y - 4}h22'/>"
                f"<circle cx={WIDTH - RIGHT + 27} cy={y - 4} r=3 /></g><text x={WIDTH - RIGHT + 46} y={y}>{html.escape(one['name'])}</text>")
 
 

@@ -83,6 +83,19 @@ def test_pictures_load_nothing_and_say_what_a_point_is(root, tmp_path):
     assert "time for one object over the whole span" in page and "error at the end, relative" in page
 
 
+def test_a_page_that_would_be_too_large_has_no_pictures_of_all_integrators(root, tmp_path):
+    for most, count in (("1.5", 2), ("0.001", 1)):
+        assert tool(root, "bench_report.py", "--input", HERE / "fixture.json", "--html", tmp_path / "x.html", "--most", most).returncode == 0
+        assert (tmp_path / "x.html").read_text().count("<svg") == count
+
+
+def test_an_integrator_has_its_colour_in_every_model(data):
+    of = {one["name"]: one["colour"] for one in bench_figures.curves(data["points"], "fast")}
+    less = [point for point in data["points"] if point["integrator"] != "euler"]
+    assert "euler" in of and {one["name"]: one["colour"] for one in bench_figures.curves(less, "fast")} == {k: v for k, v in of.items() if k != "euler"}
+    assert len(set(bench_figures.INTEGRATORS.values())) == len(bench_figures.INTEGRATORS)
+
+
 def test_points_lie_where_the_axes_say_and_the_legend_outside(data):
     import bench_svg
     svg = bench_svg.figure(bench_figures.fronts(data["points"], "fast"))
