@@ -102,6 +102,12 @@ def measure_speed(options):
     return measure(options.parts / "speed.json", [options.bench, "speed", "--engine", options.engine, *quick(options), "--json"], options.bench)
 
 
+def measure_output(options):
+    """How fast a recording is written; fp3 stands beside the program's folder."""
+    tool, fp3 = ROOT / "tools/bench_output.py", options.bench.parents[1] / "fp3"
+    return measure(options.parts / "output.json", [sys.executable, tool, "--fp3", fp3, *quick(options)], tool, fp3)
+
+
 def measure_diffrax(options, name):
     """The same with diffrax, if `make setup-bench` has put it into .venv-bench/; None: it has not, or there are events."""
     python, path = ROOT / ".venv-bench/bin/python", options.parts / f"{name}.diffrax.json"
@@ -114,14 +120,13 @@ def measure_diffrax(options, name):
 def try_all(options, names):
     """The files of all parts, and what failed: its name and why."""
     begin, parts, failed = time.monotonic(), [], []
-    work = [(name, measure_it, (options, name)) for name in names for measure_it in (measure_model, measure_diffrax)]
-    for number, (name, measure_it, arguments) in enumerate([*work, ("speed", measure_speed, (options,))]):
-        if measure_it is not measure_diffrax:
-            print(f"bench: {name}, {number // 2 + 1} of {len(names) + 1}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
-        elif name in (one["name"] for one in failed):
-            continue
+    work = [(name, (lambda name=name: measure_model(options, name), lambda name=name: measure_diffrax(options, name))) for name in names]
+    work += [("speed", (lambda: measure_speed(options),)), ("output", (lambda: measure_output(options),))]
+    for number, (name, actions) in enumerate(work, 1):
+        print(f"bench: {name}, {number} of {len(work)}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
         try:
-            parts.append(measure_it(*arguments))
+            for action in actions:
+                parts.append(action())
         except Failed as why:
             print(f"bench: {name}: failed: {why}", file=sys.stderr)
             failed.append({"name": name, "why": str(why)})
@@ -171,11 +176,11 @@ def put_times(points, mhz):
 # ---- all of it --------------------------------------------------------------------------------------
 
 def gather(options, paths, failed):
-    found = {"about": about(options), "problems": [], "points": [], "left_out": [], "speed": [], "failed": failed}
+    found = {"about": about(options), "problems": [], "points": [], "left_out": [], "speed": [], "output": [], "failed": failed}
     versions, mhz = {}, clocks((ROOT / CLOCKS).read_text(encoding="utf-8"))
     for path in paths:
         part = json.loads(path.read_text(encoding="utf-8"))
-        for name in ("problems", "points", "left_out", "speed"):
+        for name in ("problems", "points", "left_out", "speed", "output"):
             found[name] += part.get(name, [])
         versions.update(part.get("versions", {}))
         found["about"].setdefault("target", part.get("target"))

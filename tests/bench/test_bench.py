@@ -26,7 +26,7 @@ def run(root, build, folder, *more):
 
 def test_everything_is_in_one_file(measured):
     data = json.loads((measured / "bench.json").read_text())
-    assert {"about", "problems", "points", "left_out", "speed", "failed"} == set(data) and data["failed"] == []
+    assert {"about", "problems", "points", "left_out", "speed", "output", "failed"} == set(data) and data["failed"] == []
     assert {"date", "command", "processor", "processors", "system", "compiler", "revision", "versions", "mhz", "target", "form",
             "load"} == set(data["about"]) and {"GSL", "SUNDIALS"} <= set(data["about"]["versions"])
     assert [problem["model"] for problem in data["problems"]] == ["ship", "kepler"]
@@ -36,6 +36,9 @@ def test_everything_is_in_one_file(measured):
             assert point["ns_per_object"] == pytest.approx(point["cycles"] * 1000 / data["about"]["mhz"][point["config"]])
         assert point["ns_per_object"] > 0
     assert all(row["ns_per_object_step"] > 0 for row in data["speed"])
+    row, = data["output"]
+    assert row["bytes"] > row["objects"] * row["snapshots"] * row["states"] * 4 and 0 < row["memory_mb"] < 200
+    assert row["ratio_to_dd"] == pytest.approx(row["dd_seconds"] / row["seconds"])
 
 
 def test_the_data_are_there_as_tables(measured):
@@ -65,8 +68,8 @@ def test_an_unknown_model_is_told(root, build, tmp_path):
 FAKE = """#!/usr/bin/env python3
 import json, pathlib, sys
 name = pathlib.Path(sys.argv[2]).stem if sys.argv[1] == "points" else "speed"
-pathlib.Path(__file__).with_name("log").open("a").write(name + "\\n")
-if pathlib.Path(__file__).with_name("fails").read_text() == name:
+pathlib.Path(__file__).parents[2].joinpath("log").open("a").write(name + "\\n")
+if pathlib.Path(__file__).parents[2].joinpath("fails").read_text() == name:
     sys.exit("bench: no luck today")
 part = {"points": [], "left_out": [], "problems": [{"model": name}]} if name != "speed" else {"speed": [], "target": "none"}
 pathlib.Path(sys.argv[sys.argv.index("--json") + 1]).write_text(json.dumps(part))
@@ -77,7 +80,10 @@ def fake(root, folder, fails, *models):
     """What it was asked for, and how it ended."""
     (folder / "fails").write_text(fails)
     (folder / "log").write_text("")
-    program = folder / "bench"
+    program = folder / "build/bench/bench"
+    program.parent.mkdir(parents=True, exist_ok=True)
+    (folder / "build/fp3").write_text("#!/bin/sh\nwhile [ $# -gt 1 ]; do shift; done\necho twelve bytes >$1\n")
+    (folder / "build/fp3").chmod(0o755)
     if not program.exists():
         program.write_text(FAKE)
         program.chmod(0o755)
@@ -93,7 +99,7 @@ def test_a_model_that_fails_is_told_and_the_others_are_measured(root, tmp_path):
     data = json.loads((tmp_path / "out/bench.json").read_text())
     assert [problem["model"] for problem in data["problems"]] == ["kepler", "ship"]
     assert data["failed"] == [{"name": "lorenz", "why": "exit code 1: bench: no luck today"}]
-    assert "bench: lorenz, 2 of 4, " in done.stderr and "s so far" in done.stderr
+    assert "bench: lorenz, 2 of 5, " in done.stderr and "s so far" in done.stderr
 
 
 def test_a_run_goes_on_with_what_is_missing(root, tmp_path):
