@@ -36,7 +36,7 @@ setup-fpga: setup ## ... and nextpnr for `make synth`
 setup-fuzz: setup ## ... and clang for `make fuzz`
 	@PYTHON=$(PYTHON) tools/setup.sh --fuzz
 
-setup-bench: setup ## ... and diffrax, one more solver for `make bench`, in .venv-bench/
+setup-bench: setup ## ... and Box2D and ODE for `make bench`, and diffrax in .venv-bench/
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 
 ifneq ($(and $(SETUP),$(REST)),)
@@ -318,13 +318,25 @@ fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/fou
 # ---- error against run time ---------------------------------------------------------------------
 
 # Programs of their own: SUNDIALS and the compiler that they start are no part of the library.
-BENCH_C := $(wildcard bench/*.c)
-BENCH_LIBS := -lsundials_cvode -lsundials_arkode -lsundials_nvecserial
+# Physics engines are measured where they are installed: make setup-bench.
+HAS_BOX2D := $(wildcard /usr/include/box2d/box2d.h)
+HAS_ODE   := $(wildcard /usr/include/ode/ode.h)
+BENCH_C   := $(filter-out bench/ode.c,$(wildcard bench/*.c)) $(if $(HAS_ODE),bench/ode.c)
+BENCH_O   := $(call obj,$(BENCH_C) $(if $(HAS_BOX2D),bench/box2d.cpp) $(MEASURE_C))
+BENCH_LIBS := -lsundials_cvode -lsundials_arkode -lsundials_nvecserial $(if $(HAS_BOX2D),-lbox2d -lstdc++) $(if $(HAS_ODE),-lode)
 $(call obj,$(BENCH_C)): | need-bench
-$(BUILD)/bench/bench: $(call obj,$(BENCH_C) $(MEASURE_C)) $(LIB)
+$(eval $(call NOTE,$(BUILD)/bench/bodies,$(HAS_BOX2D) $(HAS_ODE)))
+$(call obj,bench/speed.c) $(BUILD)/bench/bench: $(BUILD)/bench/bodies
+$(call obj,bench/speed.c): MORE = $(if $(HAS_BOX2D),-DBENCH_BOX2D) $(if $(HAS_ODE),-DBENCH_ODE)
+$(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CXX  $<"
+	@$(CCACHE) g++ $(CXXFLAGS) -Ibench -MMD -MP -c -o $@ $<
+
+$(BUILD)/bench/bench: $(BENCH_O) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc $(LDFLAGS) -o $@ $^ $(BENCH_LIBS) $(LDLIBS)
+	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(LIB) $(BENCH_LIBS) $(LDLIBS)
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check

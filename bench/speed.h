@@ -2,6 +2,7 @@
 #ifndef BENCH_SPEED_H
 #define BENCH_SPEED_H
 
+#include "bodies.h"
 #include "measure/machines.h"
 #include "ship.h"
 
@@ -12,9 +13,11 @@ struct speed_runner {
     const char *engine, *method; /* method: or NULL */
     unsigned threads;
     int has_flags; /* exceptions and the first failing step are kept for each object */
-    int is_exact;  /* has the bits of the loop by hand */
+    int is_exact;  /* has the bits of the loop by hand ... */
+    double apart;  /* ... or differs by so much at most, relative: another method, or doubles */
     double ns;     /* of an object-step, roughly: what takes too long is left out */
     const bench_ship_loop *loop;
+    const bench_bodies *bodies;
     const char *config; /* of the engine; NULL: by the number of objects */
     int is_interpreter; /* "fast" without native code */
     fp3_status (*run)(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
@@ -30,6 +33,8 @@ const char *speed_config(const speed_runner *runner, size_t objects);
 fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                           double *seconds, fp3_error *error);
 fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
+                            double *seconds, fp3_error *error);
+fp3_status speed_run_bodies(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                             double *seconds, fp3_error *error);
 fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
                          double *seconds, fp3_error *error);

@@ -71,6 +71,18 @@ fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships
                : FP3_OK;
 }
 
+fp3_status speed_run_bodies(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
+                            double *seconds, fp3_error *error) {
+    void *world = runner->bodies->make(ships);
+    if (!world)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const double begin = fp3_measure_now();
+    runner->bodies->step(world, ships, steps);
+    *seconds = fp3_measure_now() - begin;
+    runner->bodies->end(world, ships);
+    return FP3_OK;
+}
+
 static int slopes(double t, const double y[], double f[], void *self) {
     (void)t;
     const double *p = self; /* T, C, rm */

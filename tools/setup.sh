@@ -4,7 +4,7 @@
 #   tools/setup.sh                installs what is missing
 #   tools/setup.sh --fpga         ... and place and route for `make synth`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
-#   tools/setup.sh --bench        ... and diffrax, one more solver for `make bench`
+#   tools/setup.sh --bench        ... and diffrax, Box2D and ODE for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -32,6 +32,8 @@ iverilog             | iverilog          | smoke | the second simulator: the RTL
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form
 libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are measured beside ours; the library does not use them
+libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
+libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | fuzz  | libFuzzer runs all inputs in one process and shows a leak at the input that leaks
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
@@ -57,6 +59,7 @@ needs() {
     lint) echo 'sim smoke test lint' ;;
     synth) echo 'sim' ;;
     bench) echo 'sim bench' ;;
+    bodies) echo 'bodies' ;;
     fuzz) echo 'sim fuzz' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
@@ -169,7 +172,7 @@ case ${1:-} in
 --list) echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p' ;;
 --check) check "${2:?--check needs a target}" ;;
 '' | --fpga | --fuzz | --bench)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --bench ] || echo bodies)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2

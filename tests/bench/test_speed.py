@@ -30,6 +30,12 @@ def test_every_field_and_everybody_is_there(rows):
     assert {row["objects"] for row in rows} == {1, 1024, 16384}
 
 
+def test_physics_engines_are_there_where_they_are_installed(rows):
+    engines = {row["engine"] for row in rows}
+    for engine, header in (("box2d", "/usr/include/box2d/box2d.h"), ("ode", "/usr/include/ode/ode.h")):
+        assert (engine in engines) == os.path.exists(header)
+
+
 def test_ratios_are_those_of_the_cell(rows):
     for objects, steps in {(row["objects"], row["steps"]) for row in rows}:
         cell = [row for row in rows if (row["objects"], row["steps"]) == (objects, steps)]
