@@ -2,6 +2,7 @@
 #include "arguments.h"
 #include "bench/variants.h"
 #include "cli.h"
+#include "compare_adaptive.h"
 #include "files.h"
 #include "progress.h"
 
@@ -38,6 +39,7 @@ typedef struct {
     uint64_t most_steps;
     int is_quick, has_errors, is_model, is_native;
     unsigned arithmetics; /* a set; 0: all */
+    fp3_compare_adaptive_def adaptive;
 } options;
 
 typedef struct {
@@ -318,8 +320,26 @@ static fp3_status judge(const comparison *k, fp3_error *error) {
     return FP3_OK;
 }
 
+static fp3_status compare_adaptive(const comparison *k, fp3_error *error) {
+    const options *o = k->o;
+    fp3_compare_adaptive_def def = o->adaptive;
+    def.span = o->span;
+    def.most_steps = o->most_steps;
+    def.is_quick = o->is_quick;
+    def.integrators = o->integrators;
+    def.integrator_count = o->integrator_count;
+    def.progress = k->progress;
+    fp3_error why;
+    const fp3_status status = fp3_compare_adaptive(&def, o->model, k->rows, &why);
+    const int has_rows = !status || status == FP3_E_MISMATCH || status == FP3_E_FAILED;
+    const fp3_status written = o->json && has_rows ? write_json(k, error) : FP3_OK;
+    return status ? fp3_fail(error, status, "%s", why.text) : written;
+}
+
 static fp3_status compare(comparison *k, fp3_error *error) {
     const options *o = k->o;
+    if (o->adaptive.tolerance_count)
+        return compare_adaptive(k, error);
     fp3_status status = open_ladder(k, error);
     if (!status && !o->is_quick)
         status = open_engines(k, error);
@@ -348,7 +368,8 @@ enum {
     KEY_ERRORS,
     KEY_MODEL,
     KEY_NATIVE,
-    KEY_ARITHMETIC
+    KEY_ARITHMETIC,
+    KEY_TOLERANCE
 };
 
 static const struct argp_option table[] = {
@@ -362,6 +383,10 @@ static const struct argp_option table[] = {
     {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
     {"most-steps", KEY_STEPS, "N", 0, "The finest time step is span/N (default 131072)", 0},
     {"quick", KEY_QUICK, NULL, 0, "No hardware: cycles are predicted, agreement is not checked", 0},
+    {"tolerance", KEY_TOLERANCE, "TOL1,TOL2,...", 0,
+     "Compare adaptive steps of these tolerances with the cheapest fixed steps of no larger error, "
+     "of the integrators that are named (default: rk4, rk6 and those with an error estimate)",
+     0},
     {"native", KEY_NATIVE, NULL, 0,
      "The engine fast makes native code, which takes longer than these runs", 0},
     {0},
@@ -400,6 +425,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_STEPS:
         o->most_steps =
             fp3_arguments_number(state, "--most-steps", text, FP3_LOOKS, FP3_STEPS_MOST);
+        break;
+    case KEY_TOLERANCE:
+        fp3_compare_adaptive_read(&o->adaptive, state, text);
         break;
     case KEY_NATIVE:
         o->is_native = 1;

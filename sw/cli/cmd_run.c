@@ -57,11 +57,10 @@ enum {
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
-    {"integrator", 'i', "NAME", 0, "Of a model: a built-in table, or a file (default: rk4)", 0},
+    {"integrator", 'i', "NAME", 0,
+     "Of a model: a built-in table, or a file (default: rk4, with --tolerance dopri5)", 0},
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
-     "Of a model: each object chooses its own steps, so that the error of each is about TOL, "
-     "relative and absolute; the integrator has an error estimate",
-     0},
+     "Of a model: each object chooses its own steps, each with an error of about TOL", 0},
     {"until", KEY_UNTIL, "TIME", 0,
      "With --tolerance: where objects end (default: the model's span)", 0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
@@ -69,8 +68,7 @@ static const struct argp_option table[] = {
      "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
     {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, or "
-     "fast, "
-     "native code for many objects, which counts no cycles",
+     "fast, native code for many objects, which counts no cycles",
      0},
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
     {"steps", 'n', "N", 0,
@@ -159,8 +157,6 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state,
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
                    "for each snapshot");
-    if (fp3_run_record_is_asked(&o->record) && o->how.is_adaptive)
-        argp_error(state, "--tolerance: --output and --plot are of fixed steps");
     fp3_run_record_check(&o->record, state);
 }
 
@@ -281,6 +277,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
         o->is_model = o->is_model || (o->program && fp3_program_is_model(o->program));
         check(o, state);
+        if (o->how.is_adaptive && fp3_run_record_is_asked(&o->record))
+            fp3_run_adaptive_record(&o->how, &o->record.def, state);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -315,7 +313,9 @@ static fp3_status record(options *o, const fp3_run_task *of, fp3_engine *engine,
     const fp3_params *params = of->scene ? of->scene->groups[0].params : o->params;
     fp3_recording_def *def = &o->record.def;
     fp3_status status = FP3_OK;
-    if (def->times && !o->has_steps)
+    if (o->how.is_adaptive)
+        o->steps = o->has_steps ? o->steps : FP3_ADAPTIVE_ATTEMPTS;
+    else if (def->times && !o->has_steps)
         status =
             fp3_recording_steps(program, params, def->times, def->time_count, &o->steps, error);
     def->steps = o->steps;

@@ -32,6 +32,15 @@ void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct arg
         argp_error(state, "--until: expected --tolerance, too; fixed steps are counted by --steps");
 }
 
+void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,
+                             struct argp_state *state) {
+    if (!record->times)
+        argp_error(state,
+                   "--tolerance: objects have no step in common; expected --times of snapshots");
+    if (def->adaptive.until == 0 && record->times[record->time_count - 1] > 0)
+        def->adaptive.until = record->times[record->time_count - 1];
+}
+
 static void print_counts(const char *name, const fp3_adaptive_counts *c, size_t objects) {
     printf("%-16s %" PRIu32, name, c->median);
     if (objects > 1)

@@ -5,12 +5,17 @@
 #include <argp.h>
 #include <fp3/adaptive.h>
 #include <fp3/program.h>
+#include <fp3/recording.h>
 
 /* What an option says; ends with 2 and a message where it cannot be. */
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);
 void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text);
 /* After the last option. */
 void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
+
+/* Of a run that is recorded: without --until the last time is where objects end. */
+void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,
+                             struct argp_state *state);
 
 /* Prints how many steps objects made, and who did not end. */
 fp3_status fp3_run_adaptive_print(fp3_engine *engine, fp3_error *error);

@@ -6,7 +6,7 @@
 
 #include "options.h"
 
-#define NO_STEP_YET 3.4028234e38 /* of `smallest`: the largest number there is */
+#define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
 
 typedef struct {
     const char *name, *doc;

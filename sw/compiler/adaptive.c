@@ -10,6 +10,7 @@
 #define SAFETY 0.9 /* of the step that would have just the error that is allowed */
 #define SHRINK 0.2 /* the next step is this much shorter at most, */
 #define GROW 5.0   /* this much longer at most, */
+#define SHARE 0.25 /* and of what it may grow by it takes this share, */
 /* and after a rejected one this much shorter at least: t and less than half a unit in its last place is t, so a
  * step of one unit is not tried twice. */
 #define RETRY 0.49
@@ -117,7 +118,8 @@ static uint32_t factor(const fp3_advance *a, uint32_t x, uint32_t is_good) {
     note(a, "what the next step is longer by");
     for (int i = 0; i < 3; i++)
         x = op1(g, FP3_OP_RSQRT, x);
-    const uint32_t most = sel(g, is_good, num(g, GROW), num(g, RETRY));
+    const uint32_t damped = add(g, num(g, 1 - SHARE), mul(g, num(g, SHARE), x));
+    const uint32_t most = sel(g, is_good, op2(g, FP3_OP_MIN, damped, num(g, GROW)), num(g, RETRY));
     return op2(g, FP3_OP_MIN, op2(g, FP3_OP_MAX, x, num(g, SHRINK)), most);
 }
 

@@ -4,206 +4,210 @@
 /* clang-format off */
 
 /* X(name, text of the table) */
-#define FP3_INTEGRATORS(X)                                                                                                \
-    X(dopri5,                                                                                                             \
-      "# The Dormand-Prince pair 5(4). The seventh stage serves the error estimate of adaptive steps alone, and is the\n" \
-      "# first one of the next step.\n"                                                                                   \
-      "name   = \"dopri5\";\n"                                                                                            \
-      "doc    = \"fifth order in six stages\";\n"                                                                         \
-      "source = \"Dormand and Prince 1980\";\n"                                                                           \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 5;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/5\"),\n"                                                                                                 \
-      "     (\"3/40\", \"9/40\"),\n"                                                                                      \
-      "     (\"44/45\", \"-56/15\", \"32/9\"),\n"                                                                         \
-      "     (\"19372/6561\", \"-25360/2187\", \"64448/6561\", \"-212/729\"),\n"                                           \
-      "     (\"9017/3168\", \"-355/33\", \"46732/5247\", \"49/176\", \"-5103/18656\"),\n"                                 \
-      "     (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\"));\n"                                    \
-      "b = (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\", 0);\n"                                   \
-      "embedded = (\"5179/57600\", 0, \"7571/16695\", \"393/640\", \"-92097/339200\", \"187/2100\", \"1/40\");\n"         \
-      "embedded_order = 4;\n")                                                                                            \
-    X(euler,                                                                                                              \
-      "# Euler's method.\n"                                                                                               \
-      "name   = \"euler\";\n"                                                                                             \
-      "doc    = \"forward Euler: the cheapest step there is\";\n"                                                         \
-      "source = \"Euler 1768\";\n"                                                                                        \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 1;\n"                                                                                                     \
-      "A = (());\n"                                                                                                       \
-      "b = (1);\n")                                                                                                       \
-    X(forest_ruth,                                                                                                        \
-      "# Three leapfrog steps of theta, 1 - 2 theta and theta, where theta = 1/(2 - 2^(1/3)).\n"                          \
-      "name   = \"forest_ruth\";\n"                                                                                       \
-      "doc    = \"fourth order in three accelerations\";\n"                                                               \
-      "source = \"Forest and Ruth 1990\";\n"                                                                              \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 4;\n"                                                                                                     \
-      "substeps = ({ drift = \"0.5/(2 - 2^(1/3))\"; },\n"                                                                 \
-      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                    \
-      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                           \
-      "            { kick = \"1 - 2/(2 - 2^(1/3))\"; },\n"                                                                \
-      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                           \
-      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                    \
-      "            { drift = \"0.5/(2 - 2^(1/3))\"; });\n")                                                               \
-    X(heun,                                                                                                               \
-      "# The explicit trapezoidal rule.\n"                                                                                \
-      "name   = \"heun\";\n"                                                                                              \
-      "doc    = \"explicit trapezoidal rule\";\n"                                                                         \
-      "source = \"Heun 1900\";\n"                                                                                         \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 2;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (1));\n"                                                                                                      \
-      "b = (\"1/2\", \"1/2\");\n"                                                                                         \
-      "embedded = (1, 0); # Euler\n"                                                                                      \
-      "embedded_order = 1;\n")                                                                                            \
-    X(leapfrog,                                                                                                           \
-      "# Position Verlet: half a drift, a kick, half a drift.\n"                                                          \
-      "name   = \"leapfrog\";\n"                                                                                          \
-      "doc    = \"position Verlet, drift-kick-drift\";\n"                                                                 \
-      "source = \"Tuckerman, Berne and Martyna 1992\";\n"                                                                 \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 2;\n"                                                                                                     \
-      "substeps = ({ drift = \"1/2\"; },\n"                                                                               \
-      "            { kick = 1; },\n"                                                                                      \
-      "            { drift = \"1/2\"; });\n")                                                                             \
-    X(midpoint,                                                                                                           \
-      "# The explicit midpoint rule.\n"                                                                                   \
-      "name   = \"midpoint\";\n"                                                                                          \
-      "doc    = \"explicit midpoint rule\";\n"                                                                            \
-      "source = \"Runge 1895\";\n"                                                                                        \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 2;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/2\"));\n"                                                                                                \
-      "b = (0, 1);\n")                                                                                                    \
-    X(pefrl,                                                                                                              \
-      "# Forest-Ruth with one acceleration more, chosen for a small error; 16 digits as published.\n"                     \
-      "name   = \"pefrl\";\n"                                                                                             \
-      "doc    = \"fourth order in four accelerations, small error\";\n"                                                   \
-      "source = \"Omelyan, Mryglod and Folk 2002\";\n"                                                                    \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 4;\n"                                                                                                     \
-      "substeps = ({ drift = \"0.1786178958448091\"; },\n"                                                                \
-      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                    \
-      "            { drift = \"-0.06626458266981849\"; },\n"                                                              \
-      "            { kick = \"-0.2123418310626054\"; },\n"                                                                \
-      "            { drift = \"1 - 2*(-0.06626458266981849 + 0.1786178958448091)\"; },\n"                                 \
-      "            { kick = \"-0.2123418310626054\"; },\n"                                                                \
-      "            { drift = \"-0.06626458266981849\"; },\n"                                                              \
-      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                    \
-      "            { drift = \"0.1786178958448091\"; });\n")                                                              \
-    X(ralston3,                                                                                                           \
-      "# Three stages, third order, with the smallest bound on the local error.\n"                                        \
-      "name   = \"ralston3\";\n"                                                                                          \
-      "doc    = \"third order in three stages\";\n"                                                                       \
-      "source = \"Ralston 1962\";\n"                                                                                      \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 3;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/2\"),\n"                                                                                                 \
-      "     (0, \"3/4\"));\n"                                                                                             \
-      "b = (\"2/9\", \"1/3\", \"4/9\");\n")                                                                               \
-    X(rk38,                                                                                                               \
-      "# The 3/8 rule: smaller error coefficients than rk4, fewer zeros.\n"                                               \
-      "name   = \"rk38\";\n"                                                                                              \
-      "doc    = \"fourth order, the 3/8 rule\";\n"                                                                        \
-      "source = \"Kutta 1901\";\n"                                                                                        \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 4;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/3\"),\n"                                                                                                 \
-      "     (\"-1/3\", 1),\n"                                                                                             \
-      "     (1, -1, 1));\n"                                                                                               \
-      "b = (\"1/8\", \"3/8\", \"3/8\", \"1/8\");\n")                                                                      \
-    X(rk4,                                                                                                                \
-      "# The classic fourth-order method.\n"                                                                              \
-      "name   = \"rk4\";\n"                                                                                               \
-      "doc    = \"the classic fourth-order method\";\n"                                                                   \
-      "source = \"Kutta 1901\";\n"                                                                                        \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 4;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/2\"),\n"                                                                                                 \
-      "     (0, \"1/2\"),\n"                                                                                              \
-      "     (0, 0, 1));\n"                                                                                                \
-      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                      \
-    X(rk4_paper,                                                                                                          \
-      "# Equations (1) of the paper: speed by rk4, then position by the new speed, s = s + h*v1.\n"                       \
-      "name   = \"rk4_paper\";\n"                                                                                         \
-      "doc    = \"rk4 with the paper's position rule, which is first order\";\n"                                          \
-      "source = \"Woulfe, Dingliana and Manzke, Equations (1)\";\n"                                                       \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 4;\n"                                                                                                     \
-      "late_position = true;\n"                                                                                           \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/2\"),\n"                                                                                                 \
-      "     (0, \"1/2\"),\n"                                                                                              \
-      "     (0, 0, 1));\n"                                                                                                \
-      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                      \
-    X(rk6,                                                                                                                \
-      "# Sixth order in seven stages, which is as few as there can be.\n"                                                 \
-      "name   = \"rk6\";\n"                                                                                               \
-      "doc    = \"sixth order in seven stages\";\n"                                                                       \
-      "source = \"Butcher 1964\";\n"                                                                                      \
-      "kind   = \"runge-kutta\";\n"                                                                                       \
-      "order  = 6;\n"                                                                                                     \
-      "A = ((),\n"                                                                                                        \
-      "     (\"1/3\"),\n"                                                                                                 \
-      "     (0, \"2/3\"),\n"                                                                                              \
-      "     (\"1/12\", \"1/3\", \"-1/12\"),\n"                                                                            \
-      "     (\"-1/16\", \"9/8\", \"-3/16\", \"-3/8\"),\n"                                                                 \
-      "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                 \
-      "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                               \
-      "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                   \
-    X(semi_implicit_euler,                                                                                                \
-      "# A kick, then a drift with the new velocity: v += h*a(x); x += h*v.\n"                                            \
-      "name   = \"semi_implicit_euler\";\n"                                                                               \
-      "doc    = \"symplectic Euler\";\n"                                                                                  \
-      "source = \"de Vogelaere 1956\";\n"                                                                                 \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 1;\n"                                                                                                     \
-      "substeps = ({ kick = 1; },\n"                                                                                      \
-      "            { drift = 1; });\n")                                                                                   \
-    X(stoermer_verlet,                                                                                                    \
-      "# x_n+1 = 2 x_n - x_n-1 + h^2 a(x_n): no velocity, one acceleration, nothing to choose.\n"                         \
-      "name   = \"stoermer_verlet\";\n"                                                                                   \
-      "doc    = \"position form of Verlet's method\";\n"                                                                  \
-      "source = \"Stoermer 1907, Verlet 1967\";\n"                                                                        \
-      "kind   = \"stoermer\";\n"                                                                                          \
-      "order  = 2;\n")                                                                                                    \
-    X(verlet,                                                                                                             \
-      "# Velocity Verlet. The last kick is the next step's first: one acceleration per step.\n"                           \
-      "name   = \"verlet\";\n"                                                                                            \
-      "doc    = \"velocity Verlet, kick-drift-kick\";\n"                                                                  \
-      "source = \"Swope, Andersen, Berens and Wilson 1982\";\n"                                                           \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 2;\n"                                                                                                     \
-      "substeps = ({ kick = \"1/2\"; },\n"                                                                                \
-      "            { drift = 1; },\n"                                                                                     \
-      "            { kick = \"1/2\"; });\n")                                                                              \
-    X(yoshida6,                                                                                                           \
-      "# Seven leapfrog steps; the weights are Yoshida's solution A, 15 digits as published.\n"                           \
-      "name   = \"yoshida6\";\n"                                                                                          \
-      "doc    = \"sixth order in seven accelerations\";\n"                                                                \
-      "source = \"Yoshida 1990\";\n"                                                                                      \
-      "kind   = \"splitting\";\n"                                                                                         \
-      "order  = 6;\n"                                                                                                     \
-      "substeps = ({ drift = \"0.784513610477560/2\"; },\n"                                                               \
-      "            { kick = \"0.784513610477560\"; },\n"                                                                  \
-      "            { drift = \"(0.784513610477560 + 0.235573213359357)/2\"; },\n"                                         \
-      "            { kick = \"0.235573213359357\"; },\n"                                                                  \
-      "            { drift = \"(0.235573213359357 - 1.17767998417887)/2\"; },\n"                                          \
-      "            { kick = \"-1.17767998417887\"; },\n"                                                                  \
-      "            { drift = \"(-1.17767998417887 + 1.31518632068391)/2\"; },\n"                                          \
-      "            { kick = \"1.31518632068391\"; },\n"                                                                   \
-      "            { drift = \"(1.31518632068391 - 1.17767998417887)/2\"; },\n"                                           \
-      "            { kick = \"-1.17767998417887\"; },\n"                                                                  \
-      "            { drift = \"(-1.17767998417887 + 0.235573213359357)/2\"; },\n"                                         \
-      "            { kick = \"0.235573213359357\"; },\n"                                                                  \
-      "            { drift = \"(0.235573213359357 + 0.784513610477560)/2\"; },\n"                                         \
-      "            { kick = \"0.784513610477560\"; },\n"                                                                  \
+#define FP3_INTEGRATORS(X)                                                                                                                      \
+    X(dopri5,                                                                                                                                   \
+      "# The Dormand-Prince pair 5(4). The seventh stage serves the error estimate of adaptive steps alone, and is the\n"                       \
+      "# first one of the next step.\n"                                                                                                         \
+      "name   = \"dopri5\";\n"                                                                                                                  \
+      "doc    = \"fifth order in six stages\";\n"                                                                                               \
+      "source = \"Dormand and Prince 1980\";\n"                                                                                                 \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 5;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/5\"),\n"                                                                                                                       \
+      "     (\"3/40\", \"9/40\"),\n"                                                                                                            \
+      "     (\"44/45\", \"-56/15\", \"32/9\"),\n"                                                                                               \
+      "     (\"19372/6561\", \"-25360/2187\", \"64448/6561\", \"-212/729\"),\n"                                                                 \
+      "     (\"9017/3168\", \"-355/33\", \"46732/5247\", \"49/176\", \"-5103/18656\"),\n"                                                       \
+      "     (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\"));\n"                                                          \
+      "b = (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\", 0);\n"                                                         \
+      "embedded = (\"5179/57600\", 0, \"7571/16695\", \"393/640\", \"-92097/339200\", \"187/2100\", \"1/40\");\n"                               \
+      "embedded_order = 4;\n")                                                                                                                  \
+    X(euler,                                                                                                                                    \
+      "# Euler's method.\n"                                                                                                                     \
+      "name   = \"euler\";\n"                                                                                                                   \
+      "doc    = \"forward Euler: the cheapest step there is\";\n"                                                                               \
+      "source = \"Euler 1768\";\n"                                                                                                              \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 1;\n"                                                                                                                           \
+      "A = (());\n"                                                                                                                             \
+      "b = (1);\n")                                                                                                                             \
+    X(forest_ruth,                                                                                                                              \
+      "# Three leapfrog steps of theta, 1 - 2 theta and theta, where theta = 1/(2 - 2^(1/3)).\n"                                                \
+      "name   = \"forest_ruth\";\n"                                                                                                             \
+      "doc    = \"fourth order in three accelerations\";\n"                                                                                     \
+      "source = \"Forest and Ruth 1990\";\n"                                                                                                    \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 4;\n"                                                                                                                           \
+      "substeps = ({ drift = \"0.5/(2 - 2^(1/3))\"; },\n"                                                                                       \
+      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                          \
+      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                 \
+      "            { kick = \"1 - 2/(2 - 2^(1/3))\"; },\n"                                                                                      \
+      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                 \
+      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                          \
+      "            { drift = \"0.5/(2 - 2^(1/3))\"; });\n")                                                                                     \
+    X(heun,                                                                                                                                     \
+      "# The explicit trapezoidal rule.\n"                                                                                                      \
+      "name   = \"heun\";\n"                                                                                                                    \
+      "doc    = \"explicit trapezoidal rule\";\n"                                                                                               \
+      "source = \"Heun 1900\";\n"                                                                                                               \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 2;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (1));\n"                                                                                                                            \
+      "b = (\"1/2\", \"1/2\");\n"                                                                                                               \
+      "embedded = (1, 0); # Euler\n"                                                                                                            \
+      "embedded_order = 1;\n")                                                                                                                  \
+    X(leapfrog,                                                                                                                                 \
+      "# Position Verlet: half a drift, a kick, half a drift.\n"                                                                                \
+      "name   = \"leapfrog\";\n"                                                                                                                \
+      "doc    = \"position Verlet, drift-kick-drift\";\n"                                                                                       \
+      "source = \"Tuckerman, Berne and Martyna 1992\";\n"                                                                                       \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 2;\n"                                                                                                                           \
+      "substeps = ({ drift = \"1/2\"; },\n"                                                                                                     \
+      "            { kick = 1; },\n"                                                                                                            \
+      "            { drift = \"1/2\"; });\n")                                                                                                   \
+    X(midpoint,                                                                                                                                 \
+      "# The explicit midpoint rule.\n"                                                                                                         \
+      "name   = \"midpoint\";\n"                                                                                                                \
+      "doc    = \"explicit midpoint rule\";\n"                                                                                                  \
+      "source = \"Runge 1895\";\n"                                                                                                              \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 2;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/2\"));\n"                                                                                                                      \
+      "b = (0, 1);\n")                                                                                                                          \
+    X(pefrl,                                                                                                                                    \
+      "# Forest-Ruth with one acceleration more, chosen for a small error; 16 digits as published.\n"                                           \
+      "name   = \"pefrl\";\n"                                                                                                                   \
+      "doc    = \"fourth order in four accelerations, small error\";\n"                                                                         \
+      "source = \"Omelyan, Mryglod and Folk 2002\";\n"                                                                                          \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 4;\n"                                                                                                                           \
+      "substeps = ({ drift = \"0.1786178958448091\"; },\n"                                                                                      \
+      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                          \
+      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                    \
+      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                      \
+      "            { drift = \"1 - 2*(-0.06626458266981849 + 0.1786178958448091)\"; },\n"                                                       \
+      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                      \
+      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                    \
+      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                          \
+      "            { drift = \"0.1786178958448091\"; });\n")                                                                                    \
+    X(ralston3,                                                                                                                                 \
+      "# Third order with the smallest bound on the local error. The fourth stage and `embedded` are those of Bogacki and Shampine, \"A 3(2)\n" \
+      "# pair of Runge-Kutta formulas\", Appl. Math. Lett. 2, 321 (1989), for adaptive steps alone.\n"                                          \
+      "name   = \"ralston3\";\n"                                                                                                                \
+      "doc    = \"third order in three stages\";\n"                                                                                             \
+      "source = \"Ralston 1962\";\n"                                                                                                            \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 3;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/2\"),\n"                                                                                                                       \
+      "     (0, \"3/4\"),\n"                                                                                                                    \
+      "     (\"2/9\", \"1/3\", \"4/9\"));\n"                                                                                                    \
+      "b = (\"2/9\", \"1/3\", \"4/9\", 0);\n"                                                                                                   \
+      "embedded = (\"7/24\", \"1/4\", \"1/3\", \"1/8\");\n"                                                                                     \
+      "embedded_order = 2;\n")                                                                                                                  \
+    X(rk38,                                                                                                                                     \
+      "# The 3/8 rule: smaller error coefficients than rk4, fewer zeros.\n"                                                                     \
+      "name   = \"rk38\";\n"                                                                                                                    \
+      "doc    = \"fourth order, the 3/8 rule\";\n"                                                                                              \
+      "source = \"Kutta 1901\";\n"                                                                                                              \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 4;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/3\"),\n"                                                                                                                       \
+      "     (\"-1/3\", 1),\n"                                                                                                                   \
+      "     (1, -1, 1));\n"                                                                                                                     \
+      "b = (\"1/8\", \"3/8\", \"3/8\", \"1/8\");\n")                                                                                            \
+    X(rk4,                                                                                                                                      \
+      "# The classic fourth-order method.\n"                                                                                                    \
+      "name   = \"rk4\";\n"                                                                                                                     \
+      "doc    = \"the classic fourth-order method\";\n"                                                                                         \
+      "source = \"Kutta 1901\";\n"                                                                                                              \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 4;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/2\"),\n"                                                                                                                       \
+      "     (0, \"1/2\"),\n"                                                                                                                    \
+      "     (0, 0, 1));\n"                                                                                                                      \
+      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                            \
+    X(rk4_paper,                                                                                                                                \
+      "# Equations (1) of the paper: speed by rk4, then position by the new speed, s = s + h*v1.\n"                                             \
+      "name   = \"rk4_paper\";\n"                                                                                                               \
+      "doc    = \"rk4 with the paper's position rule, which is first order\";\n"                                                                \
+      "source = \"Woulfe, Dingliana and Manzke, Equations (1)\";\n"                                                                             \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 4;\n"                                                                                                                           \
+      "late_position = true;\n"                                                                                                                 \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/2\"),\n"                                                                                                                       \
+      "     (0, \"1/2\"),\n"                                                                                                                    \
+      "     (0, 0, 1));\n"                                                                                                                      \
+      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                            \
+    X(rk6,                                                                                                                                      \
+      "# Sixth order in seven stages, which is as few as there can be.\n"                                                                       \
+      "name   = \"rk6\";\n"                                                                                                                     \
+      "doc    = \"sixth order in seven stages\";\n"                                                                                             \
+      "source = \"Butcher 1964\";\n"                                                                                                            \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 6;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/3\"),\n"                                                                                                                       \
+      "     (0, \"2/3\"),\n"                                                                                                                    \
+      "     (\"1/12\", \"1/3\", \"-1/12\"),\n"                                                                                                  \
+      "     (\"-1/16\", \"9/8\", \"-3/16\", \"-3/8\"),\n"                                                                                       \
+      "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                                       \
+      "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                                                     \
+      "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                                         \
+    X(semi_implicit_euler,                                                                                                                      \
+      "# A kick, then a drift with the new velocity: v += h*a(x); x += h*v.\n"                                                                  \
+      "name   = \"semi_implicit_euler\";\n"                                                                                                     \
+      "doc    = \"symplectic Euler\";\n"                                                                                                        \
+      "source = \"de Vogelaere 1956\";\n"                                                                                                       \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 1;\n"                                                                                                                           \
+      "substeps = ({ kick = 1; },\n"                                                                                                            \
+      "            { drift = 1; });\n")                                                                                                         \
+    X(stoermer_verlet,                                                                                                                          \
+      "# x_n+1 = 2 x_n - x_n-1 + h^2 a(x_n): no velocity, one acceleration, nothing to choose.\n"                                               \
+      "name   = \"stoermer_verlet\";\n"                                                                                                         \
+      "doc    = \"position form of Verlet's method\";\n"                                                                                        \
+      "source = \"Stoermer 1907, Verlet 1967\";\n"                                                                                              \
+      "kind   = \"stoermer\";\n"                                                                                                                \
+      "order  = 2;\n")                                                                                                                          \
+    X(verlet,                                                                                                                                   \
+      "# Velocity Verlet. The last kick is the next step's first: one acceleration per step.\n"                                                 \
+      "name   = \"verlet\";\n"                                                                                                                  \
+      "doc    = \"velocity Verlet, kick-drift-kick\";\n"                                                                                        \
+      "source = \"Swope, Andersen, Berens and Wilson 1982\";\n"                                                                                 \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 2;\n"                                                                                                                           \
+      "substeps = ({ kick = \"1/2\"; },\n"                                                                                                      \
+      "            { drift = 1; },\n"                                                                                                           \
+      "            { kick = \"1/2\"; });\n")                                                                                                    \
+    X(yoshida6,                                                                                                                                 \
+      "# Seven leapfrog steps; the weights are Yoshida's solution A, 15 digits as published.\n"                                                 \
+      "name   = \"yoshida6\";\n"                                                                                                                \
+      "doc    = \"sixth order in seven accelerations\";\n"                                                                                      \
+      "source = \"Yoshida 1990\";\n"                                                                                                            \
+      "kind   = \"splitting\";\n"                                                                                                               \
+      "order  = 6;\n"                                                                                                                           \
+      "substeps = ({ drift = \"0.784513610477560/2\"; },\n"                                                                                     \
+      "            { kick = \"0.784513610477560\"; },\n"                                                                                        \
+      "            { drift = \"(0.784513610477560 + 0.235573213359357)/2\"; },\n"                                                               \
+      "            { kick = \"0.235573213359357\"; },\n"                                                                                        \
+      "            { drift = \"(0.235573213359357 - 1.17767998417887)/2\"; },\n"                                                                \
+      "            { kick = \"-1.17767998417887\"; },\n"                                                                                        \
+      "            { drift = \"(-1.17767998417887 + 1.31518632068391)/2\"; },\n"                                                                \
+      "            { kick = \"1.31518632068391\"; },\n"                                                                                         \
+      "            { drift = \"(1.31518632068391 - 1.17767998417887)/2\"; },\n"                                                                 \
+      "            { kick = \"-1.17767998417887\"; },\n"                                                                                        \
+      "            { drift = \"(-1.17767998417887 + 0.235573213359357)/2\"; },\n"                                                               \
+      "            { kick = \"0.235573213359357\"; },\n"                                                                                        \
+      "            { drift = \"(0.235573213359357 + 0.784513610477560)/2\"; },\n"                                                               \
+      "            { kick = \"0.784513610477560\"; },\n"                                                                                        \
       "            { drift = \"0.784513610477560/2\"; });\n")
 
 /* clang-format on */

@@ -4,6 +4,7 @@
 #include "language/evaluate.h"
 #include "scene/apply.h"
 
+#include <fp3/adaptive.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +18,7 @@ struct fp3_evaluator {
     float *low[64];                 /* their second words; NULL: they have none */
     uint32_t reg[64];
     int low_reg[64];
-    int steps;      /* register of `steps`, or -1 */
+    int steps;      /* register of `steps`, or -1; of adaptive steps that of t, and h is 1 */
     float *made;    /* what it holds, of the block; NULL: not needed */
     double *values; /* of all expressions, for one object */
     double *params; /* a row of param_count for each object, or one for all */
@@ -77,6 +78,14 @@ static fp3_status need_state(fp3_evaluator *e, const fp3_program *program, uint3
     return status ? status : make_room(e, &e->states[state], error);
 }
 
+/* Where an object counts its time. */
+static int find_clock(const fp3_evaluator *e, const fp3_image *image) {
+    const uint32_t t = fp3_model_adapted(e->model);
+    const fp3_symbol *symbol =
+        t == FP3_NONE ? NULL : fp3_image_find(image, e->model->states[t].name, FP3_CLASSES_OBJECT);
+    return symbol ? (int)symbol->index : fp3_image_steps(image);
+}
+
 /* Operands stand in front of what they are for. */
 static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *error) {
     fp3_status status = FP3_OK;
@@ -91,7 +100,7 @@ static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *
         if (e->model->exprs[i].op == FP3_EXPR_STATE)
             status = need_state(e, program, e->model->exprs[i].index, error);
         if (e->model->exprs[i].op == FP3_EXPR_TIME &&
-            (e->steps = fp3_image_steps(program->image)) >= 0)
+            (e->steps = find_clock(e, program->image)) >= 0)
             status = make_room(e, &e->made, error);
     }
     return status;
@@ -124,7 +133,7 @@ fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_e
     float *inputs = calloc(source->program->compiled->input_count + 1u, sizeof *inputs);
     fp3_status status = FP3_OK;
     free(e->params);
-    e->h = source->h;
+    e->h = fp3_model_adapted(e->model) == FP3_NONE ? source->h : 1;
     e->params = calloc(source->objects * count + 1, sizeof *e->params);
     if (!inputs || !e->params)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");

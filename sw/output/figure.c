@@ -167,7 +167,7 @@ static void put_title(const fp3_figure *f, FILE *out) {
     if (program->model)
         used = (size_t)snprintf(text, sizeof text, "%s, %s, ", program->model->name,
                                 program->integrator->name);
-    if (f->subject->has_time)
+    if (f->subject->h > 0)
         used += (size_t)snprintf(text + used, sizeof text - used, "h = %.9g%s%s, ", f->subject->h,
                                  *f->subject->time_unit ? " " : "", f->subject->time_unit);
     snprintf(text + used, sizeof text - used, "%zu of %zu object%s", f->object_count,

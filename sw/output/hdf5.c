@@ -105,7 +105,7 @@ static fp3_status describe_file(const hdf5 *self, fp3_error *error) {
         result |= put_text(self, -1, "model", program->model->name) |
                   put_text(self, -1, "description", program->model->doc) |
                   put_text(self, -1, "integrator", program->integrator->name);
-    if (s->has_time)
+    if (s->h > 0)
         result |= self->calls->number(self->file, -1, "h", FP3_HDF5_DOUBLE, &s->h);
     return result ? failed(self, error) : FP3_OK;
 }

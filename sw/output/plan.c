@@ -57,6 +57,13 @@ fp3_status fp3_plan_make(const fp3_source *source, uint64_t steps, uint64_t ever
     return status;
 }
 
+fp3_status fp3_plan_parts(uint64_t parts, fp3_plan *plan, fp3_error *error) {
+    *plan = (fp3_plan){.steps = parts, .count = parts, .list = calloc(parts, sizeof *plan->list)};
+    for (uint64_t i = 0; plan->list && i < parts; i++)
+        plan->list[i] = i + 1;
+    return plan->list ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
 void fp3_plan_free(fp3_plan *plan) {
     free(plan->list);
     *plan = (fp3_plan){0};

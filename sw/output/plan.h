@@ -15,6 +15,8 @@ typedef struct {
  * FP3_E_ARGUMENT: a time is no multiple of h, beyond the run, or not above the one before. */
 fp3_status fp3_plan_make(const fp3_source *source, uint64_t steps, uint64_t every,
                          const double *times, size_t count, fp3_plan *plan, fp3_error *error);
+/* A snapshot after each of `parts` steps. FP3_E_SYSTEM. */
+fp3_status fp3_plan_parts(uint64_t parts, fp3_plan *plan, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_plan_free(fp3_plan *plan);
 

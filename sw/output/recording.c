@@ -5,6 +5,7 @@
 #include "hdf5.h"
 #include "plan.h"
 #include "plot.h"
+#include "targets.h"
 
 #include "engine/backend.h"
 #include "engine/count.h"
@@ -21,6 +22,8 @@ struct fp3_recording {
     fp3_source source;
     fp3_columns columns;
     fp3_plan plan;
+    fp3_targets targets;
+    uint64_t attempts;                /* adaptive steps: of a part, at most */
     fp3_subject subjects[SINKS_MOST]; /* the same but for the path */
     char *paths[SINKS_MOST];
     fp3_sink *sinks[SINKS_MOST];
@@ -75,7 +78,7 @@ static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def
                          .objects = r->source.objects,
                          .snapshots = fp3_plan_count(&r->plan),
                          .has_time = r->source.has_time,
-                         .h = r->source.h,
+                         .h = r->targets.times ? 0 : r->source.h,
                          .time_unit = program->model ? program->model->time_unit : "",
                          .engine = engine->backend->name,
                          .config = engine->config->name,
@@ -116,11 +119,16 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
     fp3_source *source = &r->source;
     fp3_status status = fp3_source_find_h(source, error);
     if (!status)
+        status = fp3_targets_make(source, def->times, def->time_count, &r->targets, error);
+    r->attempts = def->steps;
+    if (!status && r->targets.times)
+        status = fp3_plan_parts(r->targets.count, &r->plan, error);
+    else if (!status)
         status = fp3_plan_make(source, def->steps, every_of(def), def->times, def->time_count,
                                &r->plan, error);
     if (!status)
         status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
-    if (!status && fp3_plan_next(&r->plan, 0) < r->plan.steps)
+    if (!status && !r->targets.times && fp3_plan_next(&r->plan, 0) < r->plan.steps)
         status = fp3_split_check(source->program, source->params, source->engine->config->name,
                                  "snapshots", error);
     if (!status)
@@ -170,6 +178,7 @@ void fp3_recording_close(fp3_recording **recording) {
     }
     fp3_columns_free(&r->columns);
     fp3_plan_free(&r->plan);
+    fp3_targets_free(&r->targets);
     free(r->counter);
     free(r->has_failed);
     free(r);
@@ -180,6 +189,8 @@ void fp3_recording_close(fp3_recording **recording) {
 static fp3_status take_snapshot(fp3_recording *r, fp3_error *error) {
     const fp3_source *source = &r->source;
     fp3_block block = {.number = r->number++, .step = r->at, .time = (double)r->at * source->h};
+    if (r->targets.times)
+        block.time = r->targets.times[r->at - 1];
     fp3_status status = FP3_OK;
     for (; !status && block.first < source->objects; block.first += block.count) {
         const size_t left = source->objects - block.first;
@@ -198,7 +209,10 @@ static fp3_status add_counters(fp3_recording *r, const fp3_stats *part) {
     fp3_status status = FP3_OK;
     for (uint32_t s = 0; !status && s < part->schedulers; s++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        status = fp3_engine_scheduler_counters(r->source.engine, s, counter);
+        if (part->schedulers == 1) /* an adaptive part may be several runs */
+            memcpy(counter, part->counter, sizeof counter);
+        else
+            status = fp3_engine_scheduler_counters(r->source.engine, s, counter);
         for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)
             r->counter[s][i] += counter[i];
     }
@@ -237,7 +251,19 @@ static fp3_status look_for_failures(fp3_recording *r, fp3_error *error) {
     return !status && of_part.failed ? note_failures(r, &of_part, error) : status;
 }
 
+/* To the next time; who does not get there is told when all is over. */
+static fp3_status run_adaptive_part(fp3_recording *r) {
+    fp3_stats part = {0};
+    fp3_status status = fp3_targets_set(&r->targets, &r->source, (size_t)r->next - 1);
+    if (!status)
+        status = fp3_adaptive_run(r->source.engine, r->attempts, &part);
+    const fp3_status counted = add_counters(r, &part);
+    return status ? status : counted;
+}
+
 static fp3_status run_part(fp3_recording *r, fp3_error *error) {
+    if (r->targets.times)
+        return run_adaptive_part(r);
     fp3_stats part;
     fp3_status status = fp3_engine_run(r->source.engine, r->next - r->at, &part);
     const fp3_status counted = add_counters(r, &part);
@@ -270,6 +296,7 @@ fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error)
     fp3_status status = r->number || r->at
                             ? fp3_fail(error, FP3_E_ARGUMENT, "a recording is of one run")
                             : run(r, error);
+    r->cost.is_adaptive = r->targets.times != NULL;
     r->cost.counter = (const uint64_t(*)[FP3_COUNTER_COUNT])r->counter;
     if (cost)
         *cost = r->cost;

@@ -12,7 +12,7 @@ typedef struct {
     size_t objects;
     uint64_t snapshots;
     int has_time;
-    double h;
+    double h;                    /* 0: objects choose their steps */
     const char *time_unit;       /* "" where none is known */
     const char *engine, *config; /* names */
     int is_compressed;

@@ -41,6 +41,8 @@ typedef struct {
     /* A snapshot before the run, after each `every` steps (0, the default: none of these; of a picture
      * some 500) and at the end; unless there are times: then at these alone. */
     uint64_t every;
+    /* Adaptive steps (fp3/adaptive.h) have snapshots at times alone, any that ascend, where objects end and go on; `steps` then
+     * limits the attempts from one to the next. */
     const double *times; /* ascending, from the start of the run, in the unit of h; or NULL */
     size_t time_count;
     int is_compressed; /* HDF5 alone */
