@@ -94,7 +94,9 @@ static int is_state(const fp3_column *column) {
 
 static int has_phase_plane(const fp3_figure *f) {
     const fp3_column *list = f->subject->columns->list;
-    return f->subject->columns->count == 2 && is_state(&list[0]) && is_state(&list[1]);
+    const size_t count = f->subject->columns->count;
+    return (count == 2 || (count == 3 && list[2].kind == FP3_COLUMN_LIFE)) && is_state(&list[0]) &&
+           is_state(&list[1]);
 }
 
 static int height_of(const fp3_figure *f) {
@@ -150,12 +152,12 @@ static int is_velocity_first(const fp3_subject *s) {
 static void put_phase_plane(const fp3_figure *f, FILE *out) {
     const fp3_column *list = f->subject->columns->list;
     const size_t x = is_velocity_first(f->subject), y = 1 - x, count = f->object_count * f->points;
-    place(f, out, TITLE + 2 * PANEL + LABEL, PHASE);
+    place(f, out, TITLE + (int)f->subject->columns->count * PANEL + LABEL, PHASE);
     put_range(out, "x", range_of(curve(f, x, 0), count));
     put_range(out, "y", range_of(curve(f, y, 0), count));
     put_label(out, "x", list[x].name, list[x].unit);
     put_label(out, "y", list[y].name, list[y].unit);
-    put_curves(f, out, x + 1, y + 1, colours[2], "phase plane");
+    put_curves(f, out, x + 1, y + 1, colours[f->subject->columns->count], "phase plane");
 }
 
 /* ---- the whole ---- */

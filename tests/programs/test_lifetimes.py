@@ -4,6 +4,7 @@ import csv
 import io
 import os
 import re
+import shutil
 import subprocess
 
 import pytest
@@ -127,6 +128,15 @@ def test_hdf5_tells_who_lives(scene, tmp_path):
     with h5py.File(tmp_path / "x.h5") as of:
         assert of["life"][:].tolist() == [[1, 0], [1, 0], [1, 1], [2, 2], [2, 2]] and of["life"].dtype == "uint32"
         assert "alive" in of["life"].attrs["description"]
+
+
+def test_pictures_tell_who_lives(scene, tmp_path):
+    if not shutil.which("gnuplot"):
+        pytest.skip("gnuplot is not there")
+    (tmp_path / "decay.ode").write_text(DECAY)
+    scene(file("many_full", 4, group("decay.ode", 1, "born = 2;")), "--every", 1, "--plot", "x.svg")
+    text = re.sub("<[^>]*>", "", (tmp_path / "x.svg").read_text())
+    assert "life" in text and "phase plane" in text
 
 
 def test_failures_are_told_by_their_steps(scene, tmp_path):
