@@ -46,7 +46,8 @@ TEXT = {
 program with `--without dead`; the observed states are compared.""",
     "coefficients 0": """\
 A coefficient 0 of an integrator's table has no term (the pass `zero`). "Done" is `--without zero`: a product with 0 and an addition.
-Where only one object runs, a program is ordered anew, and the search may find a slightly worse order.""",
+A stage that nothing else reads is left out as a whole: the seventh of `dopri5`, which is there for the error estimate of adaptive steps.
+One object alone need not gain: what is left out may have stood in cycles in which it waits for itself.""",
     "coefficients 1": """\
 x 1, + -0 and - 0 cost nothing (the pass `identity`). "Done" is `--without identity`.""",
     "shared constants": """\
@@ -78,6 +79,8 @@ def cells(rows, row, config):
 
 
 def result(row):
+    if not row["percent"]:
+        return "no object to compare"
     return f"{row['other_words']} words differ" if row["other_words"] else "the same bits"
 
 
@@ -142,7 +145,8 @@ def page(data):
     yield f"- *fast, ns*: nanoseconds of the processor for a step of each object on the engine `fast`, one thread, {data['objects']:,} objects,"
     yield f"  {data['steps']} steps: the shortest of {data['repeats']} runs. All sides of a case take turns. Loading and the first step are not part of it."
     yield f"- *cycles*: clock cycles of the Verilated hardware for a step of each object, loads and stores included, in a run of {data['rtl_steps']} steps."
-    yield "- *share*: of the first row of the same program."
+    yield "- *share*: of the first row of the same program. Cycles and instructions are exact; where other processes were busy, as the load tells,"
+    yield "  nanoseconds are off by some percent."
     yield "- *result*: observed states of all objects that are not idle, on `fast` and on the hardware, against the first row."
     yield "- *instructions*: of the step part."
     yield ""
