@@ -358,6 +358,15 @@ skip: $(BUILD)/bench/bench ## What a scene does not need, done and left out: bui
 skip-report: ## Write docs/skipping.md from what `make skip` measured
 	@$(PYTHON) tools/skip.py --input $(RESULTS)/skip.json --markdown docs/skipping.md
 
+# ---- the stress suite ---------------------------------------------------------------------------
+
+.PHONY: stress stress-report
+stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: build/results/stress.json; QUICK=1
+	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick)
+
+stress-report: ## Write docs/stress.md and its pictures from the full form of `make stress`
+	@$(PYTHON) tools/stress.py --report --output $(RESULTS)/stress.json
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated

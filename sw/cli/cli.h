@@ -6,13 +6,14 @@
 #include <fp3/status.h>
 
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
- * code: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run. Ends usage errors itself through argp. */
+ * code: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run, or results do not hold. Ends usage errors itself through argp. */
 int fp3_cmd_asm(int argc, char **argv);
 int fp3_cmd_compile(int argc, char **argv);
 int fp3_cmd_compare(int argc, char **argv);
 int fp3_cmd_dis(int argc, char **argv);
 int fp3_cmd_run(int argc, char **argv);
 int fp3_cmd_bench(int argc, char **argv);
+int fp3_cmd_stress(int argc, char **argv);
 int fp3_cmd_info(int argc, char **argv);
 
 /* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */

@@ -16,6 +16,7 @@
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
     X(bench, "Measure the ship, or another program, on the hardware")                              \
+    X(stress, "Judge what FP32 does to integrators and models")                                    \
     X(info, "Say what an image needs, or what this build has")
 
 static const struct {
@@ -36,8 +37,8 @@ static const char text[] =
     "'fp3 COMMAND --help' lists a command's options.\n"
     "Exit codes: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run\n"
     "(an instruction raised invalid or overflow, or a state is NaN or infinite in\n"
-    "the end), or there is no truth to measure errors against; with 3 all outputs\n"
-    "are there.\n"
+    "the end), or there is no truth to measure errors against, or a result of stress\n"
+    "does not hold; with 3 all outputs are there.\n"
     "A file named - is standard input, or standard output.\n"
     "Environment: FP3_RTL_DIR is the directory of the simulated hardware, if "
     "it is not where it was installed.";

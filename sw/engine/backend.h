@@ -87,6 +87,11 @@ struct fp3_engine {
     void *self;           /* the backend's own */
 };
 
+/* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is copied.
+ * Of "isa" and "fast": "rtl" is hardware that has been built. */
+fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
+                              fp3_engine **engine);
+
 /* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 

@@ -98,18 +98,21 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
                         "bus log %s: engine '%s' has no host port; rtl has", def->bus_log,
                         def->engine);
     fp3_status status = fp3_config_choose(def->config, &config, def->error);
-    if (status)
-        return status;
+    return status ? status : fp3_engine_open_as(def, config, engine);
+}
 
-    fp3_engine *made = calloc(1, sizeof *made);
+fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
+                              fp3_engine **engine) {
+    *engine = NULL;
+    const fp3_backend *backend = fp3_backend_find(def->engine, def->error);
+    fp3_engine *made = backend ? calloc(1, sizeof *made) : NULL;
     if (!made)
-        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+        return backend ? fp3_fail(def->error, FP3_E_SYSTEM, "out of memory") : FP3_E_ARGUMENT;
     *made = (fp3_engine){.backend = backend, .config = config, .own = *config, .def = *def};
-    if (backend->is_in_host && config->interleave) {
+    if (backend->is_in_host && config->interleave)
         made->own.store_words = FP3_STORE_HOST;
-        made->config = &made->own;
-    }
-    status = make_room(made);
+    made->config = &made->own;
+    fp3_status status = make_room(made);
     if (!status)
         status = backend->open(made);
     if (status)

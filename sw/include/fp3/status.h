@@ -23,7 +23,7 @@ typedef enum {
     FP3_E_SYSTEM,   /* memory, file or device */
     FP3_E_MISMATCH, /* two results that must agree do not */
     FP3_E_FAILED    /* all outputs are there, but objects failed in a run (fp3_engine_failure), or a
-                     * command had no truth to measure errors against */
+                     * command had no truth to measure errors against, or a result that should hold does not */
 } fp3_status;
 
 typedef struct {

@@ -1,0 +1,220 @@
+/* cmd_stress.c - fp3 stress: what FP32 does to integrators and models, each figure beside what it should be. */
+#include "arguments.h"
+#include "cli.h"
+#include "files.h"
+#include "progress.h"
+#include "stress/suite.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+#define INTEGRATORS_MAX 64
+#define MODELS_MAX 48
+
+typedef struct {
+    const char *integrators[INTEGRATORS_MAX + 1];
+    unsigned integrator_count;
+    const char *models[MODELS_MAX];
+    unsigned model_count;
+    const char *json, *section;
+    int is_quick, is_model, shows_all;
+    fp3_progress *progress;
+} options;
+
+/* ---- what is printed and written ---- */
+
+static void print(const options *o, const fp3_verdicts *verdicts) {
+    for (size_t i = 0; i < verdicts->count; i++) {
+        const fp3_verdict *v = &verdicts->list[i];
+        if (v->holds && !o->shows_all)
+            continue;
+        printf("%s %s: %s%s%s%s%s: %s: measured %.7g, expected %s %.7g", v->holds ? "ok  " : "FAIL",
+               v->section, v->model, *v->integrator ? ", " : "", v->integrator,
+               *v->arithmetic ? ", " : "", v->arithmetic, v->name, v->measured,
+               fp3_relation_name(v->relation), v->expected);
+        if (v->tolerance > 0)
+            printf(", tolerance %.2g", v->tolerance);
+        printf(v->holds ? "\n" : "\n     why: %s\n", v->why);
+    }
+    printf("%zu results, %zu do not hold\n", verdicts->count, fp3_verdicts_failed(verdicts));
+}
+
+/* JSON has neither NaN nor infinities. */
+static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+
+static json_t *column(const double *values, size_t count) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(array, number(values[i]));
+    return array;
+}
+
+static json_t *row(const fp3_verdict *v) {
+    return json_pack("{ss ss ss ss ss ss so so so sb ss}", "section", v->section, "name", v->name,
+                     "model", v->model, "integrator", v->integrator, "arithmetic", v->arithmetic,
+                     "relation", fp3_relation_name(v->relation), "expected", number(v->expected),
+                     "measured", number(v->measured), "tolerance", number(v->tolerance), "holds",
+                     v->holds, "why", v->why);
+}
+
+static fp3_status write_json(const char *path, const fp3_verdicts *verdicts, fp3_error *error) {
+    json_t *results = json_array(), *curves = json_array();
+    for (size_t i = 0; i < verdicts->count; i++)
+        json_array_append_new(results, row(&verdicts->list[i]));
+    for (size_t i = 0; i < verdicts->curve_count; i++) {
+        const fp3_curve *c = &verdicts->curves[i];
+        json_array_append_new(curves,
+                              json_pack("{ss ss so so}", "figure", c->figure, "series", c->series,
+                                        "x", column(c->x, c->count), "y", column(c->y, c->count)));
+    }
+    json_t *all = json_pack("{so so}", "results", results, "curves", curves);
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
+    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
+                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    json_decref(all);
+    return status;
+}
+
+/* ---- the work ---- */
+
+static void say(void *user, const char *section, const char *what) {
+    fp3_progress_say(user, "%s, %s", section, what);
+}
+
+static fp3_status stress_file(const options *o, const fp3_stress_options *how, const char *path,
+                              fp3_verdicts *verdicts, char **report, fp3_error *error) {
+    static const char *const usual[] = {"rk4", NULL};
+    const char *const *names = o->integrator_count ? how->integrators : usual;
+    fp3_model *model = NULL;
+    fp3_status status = fp3_model_load(path, &model, report, error);
+    for (unsigned i = 0; !status && names[i]; i++)
+        status = fp3_stress_model(how, model, names[i], verdicts, error);
+    fp3_model_free(&model);
+    return status;
+}
+
+static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report,
+                         fp3_error *error) {
+    const fp3_stress_options how = {.is_quick = o->is_quick,
+                                    .integrators = o->integrator_count ? o->integrators : NULL,
+                                    .section = o->section,
+                                    .say = say,
+                                    .say_user = o->progress};
+    fp3_status status = FP3_OK;
+    if (!o->model_count)
+        return fp3_stress_suite(&how, verdicts, error);
+    for (unsigned i = 0; !status && i < o->model_count; i++)
+        status = stress_file(o, &how, o->models[i], verdicts, report, error);
+    return status;
+}
+
+/* ---- the command ---- */
+
+enum { KEY_JSON = 256, KEY_QUICK, KEY_MODEL, KEY_ALL, KEY_ONLY };
+
+static const struct argp_option table[] = {
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
+    {"integrator", 'i', "NAME", 0,
+     "A built-in table, or a file; may be repeated (default: of models rk4, else all that are "
+     "built in)",
+     0},
+    {"json", KEY_JSON, "FILE", 0, "Also write results and curves as JSON", 0},
+    {"quick", KEY_QUICK, NULL, 0, "Fewer steps and angles and, without a MODEL, three integrators",
+     0},
+    {"all", KEY_ALL, NULL, 0, "Also print what holds", 0},
+    {"only", KEY_ONLY, "SECTION", 0, "Without a MODEL: this section alone", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    switch (key) {
+    case 'i':
+        if (o->integrator_count == INTEGRATORS_MAX)
+            argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
+        else
+            o->integrators[o->integrator_count++] = text;
+        break;
+    case KEY_JSON:
+        o->json = text;
+        break;
+    case KEY_QUICK:
+        o->is_quick = 1;
+        break;
+    case KEY_ALL:
+        o->shows_all = 1;
+        break;
+    case KEY_ONLY:
+        o->section = text;
+        break;
+    case KEY_MODEL:
+        o->is_model = 1;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->model_count == MODELS_MAX)
+            argp_error(state, "found more than %d models", MODELS_MAX);
+        else
+            o->models[o->model_count++] = text;
+        break;
+    case ARGP_KEY_END:
+        for (unsigned i = 0; i < o->model_count; i++)
+            fp3_arguments_model(state, o->models[i], o->is_model);
+        if (o->section && o->model_count)
+            argp_error(state, "found --only with a model: sections are of the suite without one");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static fp3_status check_files(const options *o, fp3_error *error) {
+    fp3_files files = {0};
+    for (unsigned i = 0; i < o->model_count; i++)
+        fp3_files_read(&files, "MODEL", o->models[i]);
+    for (unsigned i = 0; i < o->integrator_count; i++)
+        fp3_files_read(&files, "--integrator", fp3_cli_integrator_file(o->integrators[i]));
+    fp3_files_write(&files, "--json", o->json);
+    return fp3_files_check(&files, error);
+}
+
+int fp3_cmd_stress(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "[MODEL...]",
+        .doc = "Measures what FP32 does to integrators and models, and judges each figure against "
+               "what it should be, by theory or by a published figure. Without a MODEL: the suite "
+               "of docs/stress.md on equations of its own. With models (*.ode): their "
+               "invariants, errors by step size, return after a reversal of time, and failures "
+               "when parameters are spread over decades. Prints what does not hold, and why. Exit "
+               "code 3 if anything does not; all results are there."};
+    options o = {0};
+    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_error error;
+    fp3_verdicts verdicts = {0};
+    char *report = NULL;
+    fp3_status status = check_files(&o, &error);
+    if (!status) {
+        o.progress = fp3_progress_begin("stress", NULL);
+        status = stress(&o, &verdicts, &report, &error);
+        fp3_progress_end(&o.progress);
+    }
+    if (!status)
+        print(&o, &verdicts);
+    if (!status && o.json)
+        status = write_json(o.json, &verdicts, &error);
+    if (!status && fp3_verdicts_failed(&verdicts))
+        status = fp3_fail(&error, FP3_E_FAILED, "%zu of %zu results do not hold",
+                          fp3_verdicts_failed(&verdicts), verdicts.count);
+    const int exit_code = fp3_cli_end("stress", status, &error, report);
+    free(report);
+    fp3_verdicts_free(&verdicts);
+    return exit_code;
+}

@@ -1,0 +1,321 @@
+/* drift.c - a planet over a million steps: what becomes of its energy, its momentum and its place.
+ *
+ * 64 objects are the same orbit, turned, so that their roundings are independent: their mean is the method's drift,
+ * and whatever is the same in all roundings; their spread is the random walk. Energies are means over an orbit.
+ */
+#include "kepler.h"
+#include "sections.h"
+
+#include <fp3/reference.h>
+#include <gsl/gsl_pow_int.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OBJECTS 64
+#define ECCENTRICITY 0.2
+#define STEPS 1000000
+#define STEPS_QUICK 65536
+#define WINDOWS 12        /* each at sqrt(2) times the step of the one before */
+#define LOOKS 16          /* of a window: an orbit */
+#define ALL (WINDOWS + 1) /* the first is the start */
+
+/* The relative error of one rounded update: a unit over sqrt(12), means over the logarithm of the fraction. */
+#define ROUNDED 2.5e-8
+/* Of a truncated one: half a unit, likewise. */
+#define CUT 4.3e-8
+#define CUT_MOST 0.05 /* of the energy: until then the orbit is what it was */
+#define SIGMAS 4
+#define NEAR 0.2 /* an error of place that is not yet the size of the orbit */
+#define LAST_WINDOWS 6
+
+typedef struct {
+    const fp3_trial *trial;
+    const fp3_lab_arithmetic *arithmetic;
+    double h;
+    uint64_t total, steps[ALL * LOOKS];
+    double t[ALL];
+    double *rows;                /* of a look */
+    double energy[ALL][OBJECTS]; /* mean of a window */
+    double momentum[ALL][OBJECTS];
+    double place[ALL][OBJECTS];                    /* how far ahead of its place an object is */
+    double exact_energy[ALL], exact_momentum[ALL]; /* of the first object in double */
+} drift;
+
+/* Short enough that the method alone does not ruin the orbit in a million steps. */
+static double step_of(const fp3_integrator *integrator) {
+    static const int exponents[] = {0, 13, 8, 7, 5, 5, 4, 4, 4};
+    return ldexp(
+        1, -exponents[integrator->position_order < integrator->order ? integrator->position_order
+                                                                     : integrator->order]);
+}
+
+static void plan(drift *d) {
+    const double orbit = 2 * M_PI / d->h;
+    for (int w = 0; w < ALL; w++) {
+        const double first = w ? ((double)d->total - orbit) * pow(2, (w - WINDOWS) / 2.0) : 0;
+        for (int l = 0; l < LOOKS; l++)
+            d->steps[w * LOOKS + l] = (uint64_t)(first + orbit * l / LOOKS);
+        d->t[w] = (double)d->steps[w * LOOKS] * d->h;
+    }
+}
+
+/* Along the way. */
+static double ahead(const double *start, double t, const double *row) {
+    double truth[FP3_KEPLER_STATES];
+    fp3_kepler_truth(start, t, truth);
+    return ((row[2] - truth[2]) * truth[0] + (row[3] - truth[3]) * truth[1]) /
+           hypot(truth[0], truth[1]);
+}
+
+static void take(drift *d, const fp3_lab *lab, int look) {
+    const int w = look / LOOKS;
+    for (size_t i = 0; i < OBJECTS; i++) {
+        const double *row = d->rows + FP3_KEPLER_STATES * i;
+        d->energy[w][i] += fp3_kepler_energy(row) / LOOKS;
+        d->momentum[w][i] += fp3_kepler_momentum(row) / LOOKS;
+        if (look % LOOKS == 0)
+            d->place[w][i] = ahead(fp3_lab_initial(lab, i), d->t[w], row);
+    }
+}
+
+/* Windows may overlap at the start, so their looks are taken in the order of steps. */
+static int by_step(const void *a, const void *b) {
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+static fp3_status measure(drift *d, fp3_lab *lab, fp3_error *error) {
+    uint64_t order[ALL * LOOKS][2], at = 0;
+    fp3_status status = fp3_lab_start(lab, error);
+    for (int look = 0; look < ALL * LOOKS; look++)
+        order[look][0] = d->steps[look], order[look][1] = (uint64_t)look;
+    qsort(order, ALL * LOOKS, sizeof *order, by_step);
+    for (int k = 0; !status && k < ALL * LOOKS; at = order[k][0], k++) {
+        status = fp3_lab_run(lab, order[k][0] - at, error);
+        if (!status)
+            status = fp3_lab_read_all(lab, d->rows, error);
+        if (!status)
+            take(d, lab, (int)order[k][1]);
+    }
+    return status;
+}
+
+/* The same steps in double: the method without roundings but those of its table. */
+static fp3_status measure_exact(drift *d, const fp3_rig *rig, fp3_error *error) {
+    const fp3_integrator table = fp3_trial_rounded(d->trial->integrator, d->h);
+    const fp3_compile_def def = fp3_compile_default();
+    fp3_compiled *compiled = NULL;
+    const fp3_lab *lab = rig->lab;
+    uint64_t order[ALL * LOOKS][2], steps[ALL * LOOKS];
+    double *rows = calloc(ALL * LOOKS * FP3_KEPLER_STATES, sizeof *rows);
+    for (int look = 0; look < ALL * LOOKS; look++)
+        order[look][0] = d->steps[look], order[look][1] = (uint64_t)look;
+    qsort(order, ALL * LOOKS, sizeof *order, by_step);
+    for (int k = 0; k < ALL * LOOKS; k++)
+        steps[k] = order[k][0];
+    fp3_status status = rows ? fp3_compile(rig->model, &table, &def, &compiled, error)
+                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_compiled_exact(compiled, fp3_lab_params(lab, 0), fp3_lab_initial(lab, 0), d->h,
+                                    steps, ALL * LOOKS, rows, error);
+    for (int k = 0; !status && k < ALL * LOOKS; k++) {
+        const double *row = rows + FP3_KEPLER_STATES * k;
+        const int look = (int)order[k][1], w = look / LOOKS;
+        d->exact_energy[w] += fp3_kepler_energy(row) / LOOKS;
+        d->exact_momentum[w] += fp3_kepler_momentum(row) / LOOKS;
+    }
+    free(rows);
+    fp3_compiled_free(&compiled);
+    return status;
+}
+
+/* ---- verdicts ---- */
+
+/* Mean and spread over the objects of what has become of a value since the start, relative to it. */
+static void change(double values[ALL][OBJECTS], int w, double *mean, double *spread) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < OBJECTS; i++) {
+        const double x = values[w][i] / values[0][i] - 1;
+        sum += x;
+        squares += x * x;
+    }
+    *mean = sum / OBJECTS;
+    *spread = sqrt(fmax(0, squares / OBJECTS - *mean * *mean));
+}
+
+/* The random walk of updates rounded to nearest: v dv + r dr/r^3 of two components of v and of r in each substep,
+ * relative to the energy 1/2. */
+static double walk(const drift *d) {
+    const unsigned updates = d->trial->run->kind == FP3_SPLITTING ? d->trial->run->stages : 2;
+    const double all = 2 * ROUNDED * sqrt(0.75 * updates * (double)d->total);
+    return d->arithmetic->update->is_compensated ? all * d->h + 0x1p-22 : all;
+}
+
+static fp3_status judge_value(const drift *d, const char *what, double values[ALL][OBJECTS],
+                              const double *exact, fp3_error *error) {
+    double mean, spread;
+    change(values, WINDOWS, &mean, &spread);
+    const int is_symplectic = fp3_trial_is_symplectic(d->trial->integrator);
+    fp3_verdict v = fp3_trial_verdict(d->trial, "drift", "kepler", d->arithmetic,
+                                      "%s: relative change in %" PRIu64 " steps of h = %g (%s)",
+                                      what, d->total, d->h,
+                                      d->arithmetic->is_truncated ? "linear: cut off"
+                                      : is_symplectic             ? "bounded, random walk"
+                                                                  : "that of the method in double");
+    v.expected = is_symplectic ? 0 : exact[WINDOWS] / exact[0] - 1;
+    v.measured = mean;
+    v.tolerance = SIGMAS * walk(d) + 0.01 * fabs(v.expected);
+    return fp3_verdicts_add(d->trial->verdicts, &v, error);
+}
+
+/* Each update is cut towards 0 by CUT of itself: of v this takes v^2 from the energy, of r 1/r, and the mean of each
+ * over an orbit is 1. Relative to the energy, -1/2, that is 2 CUT for each update of v, and of r. */
+static fp3_status judge_cut(drift *d, fp3_error *error) {
+    const unsigned updates = d->trial->run->kind == FP3_SPLITTING ? d->trial->run->stages : 2;
+    double mean[ALL], spread;
+    int last = 1;
+    for (int w = 1; w < ALL; w++) {
+        change(d->energy, w, &mean[w], &spread);
+        last = fabs(mean[w]) < CUT_MOST ? w : last;
+    }
+    const double steps = d->t[last] / d->h;
+    fp3_verdict v = fp3_trial_verdict(
+        d->trial, "drift", "kepler", d->arithmetic,
+        "energy: relative change in each step, up to t = %.3g (linear: cut off)", d->t[last]);
+    v.expected = 2 * CUT * updates + (d->exact_energy[last] / d->exact_energy[0] - 1) / steps;
+    v.measured = mean[last] / steps;
+    v.tolerance = 0.25 * v.expected;
+    return fp3_verdicts_add(d->trial->verdicts, &v, error);
+}
+
+static fp3_status judge_spread(drift *d, fp3_error *error) {
+    double mean, spread[ALL];
+    for (int w = 1; w < ALL; w++)
+        change(d->energy, w, &mean, &spread[w]);
+    fp3_verdict v = fp3_trial_verdict(d->trial, "drift", "kepler", d->arithmetic,
+                                      "energy: power of t with which objects part (random walk)");
+    v.expected = 0.5;
+    v.measured = fp3_trial_slope(d->t + 1, spread + 1, WINDOWS);
+    v.tolerance = 0.15;
+    return fp3_verdicts_add(d->trial->verdicts, &v, error);
+}
+
+/* How far ahead: mean and spread over the objects. */
+static void lead(const drift *d, int w, double *mean, double *spread) {
+    double sum = 0, squares = 0;
+    for (int i = 0; i < OBJECTS; i++) {
+        sum += d->place[w][i];
+        squares += gsl_pow_2(d->place[w][i]);
+    }
+    *mean = fabs(sum / OBJECTS);
+    *spread = sqrt(fmax(0, squares / OBJECTS - gsl_pow_2(sum / OBJECTS)));
+}
+
+static fp3_status judge_power(const drift *d, const char *what, const double *values, int from,
+                              int to, double expected, fp3_error *error) {
+    fp3_verdict v = fp3_trial_verdict(d->trial, "drift", "kepler", d->arithmetic,
+                                      "place: power of t with which %s", what);
+    v.expected = expected;
+    v.measured = fp3_trial_slope(d->t + from, values + from, (size_t)(to - from + 1));
+    v.tolerance = 0.2;
+    return fp3_verdicts_add(d->trial->verdicts, &v, error);
+}
+
+/* The mean of a symplectic method's objects errs with t, that of another with t^2; the random walk of the energy makes
+ * objects part with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical Integration, X.3; Brouwer, Astron. J. 46,
+ * 149 (1937)). */
+static fp3_status judge_place(drift *d, fp3_error *error) {
+    const int is_symplectic = fp3_trial_is_symplectic(d->trial->integrator);
+    double mean[ALL], spread[ALL];
+    int last = 0;
+    for (int w = 1; w < ALL; w++) {
+        lead(d, w, &mean[w], &spread[w]);
+        last = mean[w] < NEAR && spread[w] < NEAR ? w : last;
+    }
+    const int from = last - LAST_WINDOWS + 1;
+    fp3_status status = FP3_OK;
+    if (from < 1)
+        return FP3_OK;
+    if (mean[from] > SIGMAS * spread[from] / sqrt(OBJECTS) && mean[last] > spread[last])
+        status =
+            judge_power(d, "objects err together", mean, from, last, is_symplectic ? 1 : 2, error);
+    if (!status && !d->arithmetic->update->is_compensated)
+        status = judge_power(d, "objects part", spread, 1, last, 1.5, error);
+    return status;
+}
+
+static fp3_status draw(drift *d, fp3_error *error) {
+    double mean[ALL], place[ALL], spread;
+    char series[96];
+    for (int w = 1; w < ALL; w++) {
+        lead(d, w, &place[w], &spread);
+        place[w] = hypot(place[w], spread);
+        change(d->energy, w, &mean[w], &spread);
+        mean[w] = hypot(mean[w], spread);
+    }
+    snprintf(series, sizeof series, "%s, %s", d->trial->integrator->name, d->arithmetic->name);
+    fp3_status status =
+        fp3_verdicts_draw(d->trial->verdicts, "energy", series, d->t + 1, mean + 1, WINDOWS, error);
+    if (!status)
+        status = fp3_verdicts_draw(d->trial->verdicts, "place", series, d->t + 1, place + 1,
+                                   WINDOWS, error);
+    return status;
+}
+
+static fp3_status judge(drift *d, fp3_error *error) {
+    fp3_status status = draw(d, error);
+    if (!status && d->arithmetic->is_truncated)
+        return judge_cut(d, error);
+    if (!status)
+        status = judge_value(d, "energy", d->energy, d->exact_energy, error);
+    if (!status)
+        status = judge_value(d, "momentum", d->momentum, d->exact_momentum, error);
+    if (!status && !d->arithmetic->update->is_compensated)
+        status = judge_spread(d, error);
+    return status ? status : judge_place(d, error);
+}
+
+static void forget(drift *d) {
+    memset(d->energy, 0, sizeof d->energy);
+    memset(d->momentum, 0, sizeof d->momentum);
+    memset(d->place, 0, sizeof d->place);
+}
+
+static fp3_status run(drift *d, const fp3_lab_arithmetic *arithmetic, fp3_error *error) {
+    fp3_rig rig;
+    d->arithmetic = arithmetic;
+    forget(d);
+    fp3_status status =
+        fp3_rig_open(d->trial, fp3_kepler_text, arithmetic, d->h, OBJECTS, &rig, error);
+    if (!status)
+        status = fp3_kepler_fill(rig.lab, OBJECTS, ECCENTRICITY, error);
+    if (!status)
+        status = measure(d, rig.lab, error);
+    if (!status && !d->exact_energy[0]) /* the same in every arithmetic */
+        status = measure_exact(d, &rig, error);
+    if (!status)
+        status = judge(d, error);
+    fp3_rig_close(&rig);
+    return status;
+}
+
+fp3_status fp3_section_drift(const fp3_trial *trial, fp3_error *error) {
+    drift *d = calloc(1, sizeof *d);
+    if (!d)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *d = (drift){.trial = trial,
+                 .h = step_of(trial->integrator),
+                 .total = trial->options->is_quick ? STEPS_QUICK : STEPS,
+                 .rows = calloc(OBJECTS * FP3_KEPLER_STATES, sizeof *d->rows)};
+    plan(d);
+    fp3_status status = d->rows ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
+        if (i != FP3_LAB_FLUSHED) /* nothing here is subnormal */
+            status = run(d, &fp3_lab_arithmetics[i], error);
+    free(d->rows);
+    free(d);
+    return status;
+}

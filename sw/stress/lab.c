@@ -1,0 +1,233 @@
+/* lab.c - see lab.h. */
+#include "lab.h"
+
+#include "engine/backend.h"
+
+#include <fp3/start.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CONFIG "many_full"
+
+const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
+    {"plain", &fp3_bench_arithmetics[0], 0, 0},
+    {"compensated", &fp3_bench_arithmetics[1], 0, 0},
+    {"flushed", &fp3_bench_arithmetics[0], 1, 0},
+    {"truncated", &fp3_bench_arithmetics[0], 0, 1},
+};
+
+struct fp3_lab {
+    fp3_lab_def def;
+    fp3_compiled *compiled;
+    fp3_engine *engine;
+    double *params, *initial; /* a row for each object */
+    float *column;
+    fp3_error said;
+};
+
+/* ---- open and close ---- */
+
+static fp3_status open_engine(fp3_lab *lab) {
+    fp3_engine_def def = fp3_engine_default();
+    fp3_config config = *fp3_config_find(CONFIG);
+    config.subnormal = !lab->def.arithmetic->is_flushed;
+    config.nearest = !lab->def.arithmetic->is_truncated;
+    def.engine = "fast";
+    def.config = CONFIG;
+    def.objects = (uint32_t)lab->def.objects;
+    def.is_interpreted = !lab->def.is_long;
+    def.error = &lab->said;
+    return fp3_engine_open_as(&def, &config, &lab->engine);
+}
+
+static void default_all(fp3_lab *lab) {
+    const fp3_model *model = lab->def.model;
+    for (size_t i = 0; i < lab->def.objects; i++) {
+        for (uint32_t p = 0; p < model->param_count; p++)
+            lab->params[i * model->param_count + p] = (float)model->params[p].value;
+        for (uint32_t s = 0; s < model->state_count; s++)
+            lab->initial[i * model->state_count + s] = (float)model->states[s].value;
+    }
+}
+
+/* What the engine refuses is told in a place of its own. */
+static fp3_status told(const fp3_lab *lab, fp3_status status, fp3_error *error) {
+    return status ? fp3_fail(error, status, "%s", lab->said.text) : FP3_OK;
+}
+
+static fp3_status make(fp3_lab *lab, fp3_error *error) {
+    const fp3_lab_def *def = &lab->def;
+    fp3_compile_def how = fp3_compile_default();
+    how.config = CONFIG;
+    how.is_compensated = def->arithmetic->update->is_compensated;
+    how.passes |= def->arithmetic->update->passes;
+    lab->params = calloc(def->objects * def->model->param_count + 1, sizeof *lab->params);
+    lab->initial = calloc(def->objects * def->model->state_count + 1, sizeof *lab->initial);
+    lab->column = calloc(def->objects, sizeof *lab->column);
+    fp3_status status = lab->params && lab->initial && lab->column
+                            ? FP3_OK
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_compile(def->model, def->integrator, &how, &lab->compiled, error);
+    if (status)
+        return status;
+    default_all(lab);
+    return told(lab, open_engine(lab), error);
+}
+
+fp3_status fp3_lab_open(const fp3_lab_def *def, fp3_lab **lab, fp3_error *error) {
+    *lab = calloc(1, sizeof **lab);
+    if (!*lab)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    (*lab)->def = *def;
+    const fp3_status status = make(*lab, error);
+    if (status)
+        fp3_lab_close(lab);
+    return status;
+}
+
+void fp3_lab_close(fp3_lab **lab) {
+    fp3_lab *closing = *lab;
+    if (!closing)
+        return;
+    fp3_engine_close(&closing->engine);
+    fp3_compiled_free(&closing->compiled);
+    free(closing->params);
+    free(closing->initial);
+    free(closing->column);
+    free(closing);
+    *lab = NULL;
+}
+
+const fp3_compiled *fp3_lab_program(const fp3_lab *lab) { return lab->compiled; }
+
+void fp3_lab_step(fp3_lab *lab, double h) { lab->def.h = h; }
+
+/* ---- values ---- */
+
+fp3_status fp3_lab_fill(fp3_lab *lab, const char *name, const double *column, fp3_error *error) {
+    const fp3_model *model = lab->def.model;
+    const uint32_t param = fp3_model_param(model, name), state = fp3_model_state(model, name);
+    if (state == FP3_NONE && (param == FP3_NONE || model->params[param].is_shared))
+        return fp3_fail(error, FP3_E_ARGUMENT, "no state or param '%s' of each object", name);
+    for (size_t i = 0; i < lab->def.objects; i++)
+        if (state != FP3_NONE)
+            lab->initial[i * model->state_count + state] = (float)column[i];
+        else
+            lab->params[i * model->param_count + param] = (float)column[i];
+    return FP3_OK;
+}
+
+const double *fp3_lab_params(const fp3_lab *lab, size_t object) {
+    return lab->params + object * lab->def.model->param_count;
+}
+
+const double *fp3_lab_initial(const fp3_lab *lab, size_t object) {
+    return lab->initial + object * lab->def.model->state_count;
+}
+
+static fp3_status write_input(fp3_lab *lab, uint32_t input, const float *values) {
+    const fp3_symbol *s =
+        fp3_image_find(lab->compiled->image, lab->compiled->inputs[input].name, FP3_CLASSES_HOST);
+    if (s->symbol_class == FP3_SYMBOL_SHARED)
+        return fp3_engine_write_shared(lab->engine, s->index, 1, values);
+    return fp3_engine_write(lab->engine, 0, lab->def.objects, s->index, values);
+}
+
+fp3_status fp3_lab_start(fp3_lab *lab, fp3_error *error) {
+    const size_t objects = lab->def.objects, inputs = lab->compiled->input_count;
+    float *columns = calloc(objects * inputs + 1, sizeof *columns);
+    float *row = calloc(inputs + 1, sizeof *row);
+    fp3_status status = columns && row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < objects; i++) {
+        status = fp3_compiled_inputs(lab->compiled, fp3_lab_params(lab, i), fp3_lab_initial(lab, i),
+                                     lab->def.h, row, error);
+        for (size_t k = 0; !status && k < inputs; k++)
+            columns[k * objects + i] = row[k];
+    }
+    if (!status)
+        status = told(lab, fp3_engine_load(lab->engine, lab->compiled->image), error);
+    if (!status)
+        status = told(lab, fp3_engine_clear_status(lab->engine, 0, objects), error);
+    for (uint32_t k = 0; !status && k < inputs; k++)
+        status = told(lab, write_input(lab, k, columns + k * objects), error);
+    free(columns);
+    free(row);
+    return status;
+}
+
+fp3_status fp3_lab_run(fp3_lab *lab, uint64_t steps, fp3_error *error) {
+    return told(lab, fp3_engine_run(lab->engine, steps, NULL), error);
+}
+
+static uint32_t register_of(const fp3_lab *lab, const char *state) {
+    return fp3_image_find(lab->compiled->image, state, FP3_CLASS(FP3_SYMBOL_STATE))->index;
+}
+
+fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_error *error) {
+    const fp3_status status =
+        fp3_engine_read(lab->engine, 0, lab->def.objects, register_of(lab, state), lab->column);
+    for (size_t i = 0; !status && i < lab->def.objects; i++)
+        column[i] = (double)lab->column[i];
+    return told(lab, status, error);
+}
+
+fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error) {
+    const fp3_model *model = lab->def.model;
+    const size_t objects = lab->def.objects;
+    fp3_status status = FP3_OK;
+    for (uint32_t s = 0; !status && s < model->state_count; s++) {
+        status = fp3_engine_read(lab->engine, 0, objects, register_of(lab, model->states[s].name),
+                                 lab->column);
+        for (size_t i = 0; !status && i < objects; i++)
+            rows[i * model->state_count + s] = (double)lab->column[i];
+    }
+    return told(lab, status, error);
+}
+
+fp3_status fp3_lab_write(fp3_lab *lab, const char *state, const double *column, fp3_error *error) {
+    for (size_t i = 0; i < lab->def.objects; i++)
+        lab->column[i] = (float)column[i];
+    return told(
+        lab,
+        fp3_engine_write(lab->engine, 0, lab->def.objects, register_of(lab, state), lab->column),
+        error);
+}
+
+fp3_status fp3_lab_rest(fp3_lab *lab, const char *is_marked, fp3_error *error) {
+    const fp3_image *image = lab->compiled->image;
+    const size_t objects = lab->def.objects;
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < image->symbol_count; k++) {
+        const fp3_symbol *s = &image->symbols[k];
+        if (s->symbol_class != FP3_SYMBOL_STATE)
+            continue;
+        status = fp3_engine_read(lab->engine, 0, objects, s->index, lab->column);
+        for (size_t i = 0; i < objects; i++)
+            lab->column[i] = is_marked[i] ? 0 : lab->column[i];
+        if (!status)
+            status = fp3_engine_write(lab->engine, 0, objects, s->index, lab->column);
+    }
+    return told(lab, status, error);
+}
+
+fp3_status fp3_lab_failure(fp3_lab *lab, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE],
+                           fp3_error *error) {
+    const fp3_status status = fp3_engine_failure(lab->engine, 0, lab->def.objects, failure);
+    text[0] = '\0';
+    if (!status && failure->failed)
+        fp3_engine_failure_text(lab->engine, failure, text);
+    return told(lab, status, error);
+}
+
+fp3_status fp3_lab_status(fp3_lab *lab, fp3_object_status *status, fp3_error *error) {
+    return told(lab, fp3_engine_status(lab->engine, 0, lab->def.objects, status), error);
+}
+
+fp3_status fp3_lab_model(const char *text, fp3_model **model, fp3_error *error) {
+    char *report = NULL;
+    const fp3_status status = fp3_model_read(text, strlen(text), "stress", model, &report, error);
+    free(report);
+    return status;
+}

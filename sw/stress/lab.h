@@ -1,0 +1,84 @@
+/* lab.h - one program over many objects whose params and starts differ, on the engine fast.
+ *
+ *     fp3_lab *lab = NULL;
+ *     const fp3_lab_def def = {model, integrator, &fp3_lab_arithmetics[0], .h = 1, .objects = 512};
+ *     if (fp3_lab_open(&def, &lab, error) || fp3_lab_fill(lab, "k", stiffness, error) ||
+ *         fp3_lab_start(lab, error) || fp3_lab_run(lab, 1000, error) || fp3_lab_read(lab, "x", x, error)) ...
+ *     fp3_lab_close(&lab);
+ */
+#ifndef FP3_LAB_H
+#define FP3_LAB_H
+
+#include "bench/variants.h"
+
+#include <fp3/compile.h>
+#include <fp3/engine.h>
+
+/* How a state is updated, and how the machine rounds. */
+typedef struct {
+    const char *name;
+    const fp3_bench_arithmetic *update;
+    int is_flushed;   /* no gradual underflow */
+    int is_truncated; /* rounds to zero */
+} fp3_lab_arithmetic;
+
+/* Plain, compensated; plain, flushed; plain, truncated; compensated, truncated. */
+enum {
+    FP3_LAB_PLAIN,
+    FP3_LAB_COMPENSATED,
+    FP3_LAB_FLUSHED,
+    FP3_LAB_TRUNCATED,
+    FP3_LAB_ARITHMETICS
+};
+extern const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS];
+
+typedef struct {
+    const fp3_model *model; /* the caller's, as is the next; they outlive the lab */
+    const fp3_integrator *integrator;
+    const fp3_lab_arithmetic *arithmetic;
+    double h;
+    size_t objects;
+    int is_long; /* worth native code */
+} fp3_lab_def;
+
+typedef struct fp3_lab fp3_lab;
+
+/* All objects have the model's defaults. FP3_E_PROGRAM: the integrator does not fit the model, or the
+ * program not the configuration. The caller closes *lab, which is NULL on failure. */
+fp3_status fp3_lab_open(const fp3_lab_def *def, fp3_lab **lab, fp3_error *error);
+/* Sets *lab to NULL, which it may be already. */
+void fp3_lab_close(fp3_lab **lab);
+
+const fp3_compiled *fp3_lab_program(const fp3_lab *lab);
+
+/* Another time step for the next start. */
+void fp3_lab_step(fp3_lab *lab, double h);
+
+/* A param, or the start of a state, of every object, rounded to FP32. FP3_E_ARGUMENT: no such name, or a
+ * param that objects share. */
+fp3_status fp3_lab_fill(fp3_lab *lab, const char *name, const double *column, fp3_error *error);
+/* Rows of an object, as FP32 has them: model->param_count and state_count numbers. */
+const double *fp3_lab_params(const fp3_lab *lab, size_t object);
+const double *fp3_lab_initial(const fp3_lab *lab, size_t object);
+
+/* Loads the program and gives all objects their values, at time 0. */
+fp3_status fp3_lab_start(fp3_lab *lab, fp3_error *error);
+fp3_status fp3_lab_run(fp3_lab *lab, uint64_t steps, fp3_error *error);
+/* A state of every object. */
+fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_error *error);
+/* All states, a row of model->state_count for each object. */
+fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error);
+fp3_status fp3_lab_write(fp3_lab *lab, const char *state, const double *column, fp3_error *error);
+/* Sets all states of the objects marked, what is lost of them included, to 0: they rest, and cost no look at how
+ * they failed. */
+fp3_status fp3_lab_rest(fp3_lab *lab, const char *is_marked, fp3_error *error);
+/* As fp3_engine_failure, of all objects; text has its words, "" if there is none. */
+fp3_status fp3_lab_failure(fp3_lab *lab, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE],
+                           fp3_error *error);
+/* flags and the step of the first failure of each object. */
+fp3_status fp3_lab_status(fp3_lab *lab, fp3_object_status *status, fp3_error *error);
+
+/* A model from a text of the suite's own. */
+fp3_status fp3_lab_model(const char *text, fp3_model **model, fp3_error *error);
+
+#endif

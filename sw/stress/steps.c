@@ -1,0 +1,212 @@
+/* steps.c - the error of an oscillator, free or driven by t, from long time steps to short ones: the method's on
+ * the left, the roundings' on the right. */
+#include "sections.h"
+
+#include <fp3/reference.h>
+#include <gsl/gsl_pow_int.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define OBJECTS 64
+#define RUNGS 31 /* sqrt(2) apart */
+#define RUNGS_QUICK 21
+#define SPAN 8.0
+#define LARGE 0.05 /* errors above say nothing of the order, */
+#define ABOVE 40   /* nor do those below so many times the smallest */
+#define ORDER_OFF 0.15
+#define HALF_UNIT 0x1p-24
+#define FLOOR (4 * HALF_UNIT)
+#define EXACT 8 /* objects in double */
+#define RIGHT 7 /* rungs that say how rounding grows */
+
+static const char free_text[] = "model swing\nstate v = 0\nstate x = 1\nstep 1\nv' = -x\nx' = v\n";
+static const char driven_text[] =
+    "model driven\nstate v = 0\nstate x = 1\nstep 1\nv' = -x + cos(2*t)\nx' = v\n";
+
+typedef struct {
+    const fp3_trial *trial;
+    const fp3_lab_arithmetic *arithmetic;
+    int is_driven;
+    unsigned count, order;
+    double steps[RUNGS], h[RUNGS], error[RUNGS];
+    double few[RUNGS]; /* error of the first EXACT objects */
+} curve;
+
+/* The particular solution of the driven one is -cos(2 t)/3. */
+static double truth(const curve *c, double t, double x0, double v0) {
+    const double drive = c->is_driven ? 1.0 / 3 : 0;
+    return (x0 + drive) * cos(t) + v0 * sin(t) - drive * cos(2 * t);
+}
+
+static fp3_status measure(curve *c, fp3_rig *rig, unsigned rung, fp3_error *error) {
+    const double t = c->h[rung] * c->steps[rung];
+    double x[OBJECTS], sum = 0;
+    fp3_lab_step(rig->lab, c->h[rung]);
+    fp3_status status = fp3_lab_start(rig->lab, error);
+    if (!status)
+        status = fp3_lab_run(rig->lab, (uint64_t)c->steps[rung], error);
+    if (!status)
+        status = fp3_lab_read(rig->lab, "x", x, error);
+    for (size_t i = 0; !status && i < OBJECTS; i++) {
+        const double *start = fp3_lab_initial(rig->lab, i);
+        sum += gsl_pow_2((x[i] - truth(c, t, start[1], start[0])) / hypot(start[0], start[1]));
+        if (i + 1 == EXACT)
+            c->few[rung] = sqrt(sum / EXACT);
+    }
+    c->error[rung] = sqrt(sum / OBJECTS);
+    return status;
+}
+
+static fp3_status measure_all(curve *c, fp3_rig *rig, fp3_error *error) {
+    double x[OBJECTS], v[OBJECTS];
+    uint64_t seed = 1;
+    for (int i = 0; i < OBJECTS; i++) {
+        x[i] = 1 + fp3_trial_chance(&seed);
+        v[i] = 2 * fp3_trial_chance(&seed) - 1;
+    }
+    fp3_status status = fp3_rig_open(c->trial, c->is_driven ? driven_text : free_text,
+                                     c->arithmetic, 1, OBJECTS, rig, error);
+    if (!status)
+        c->order = fp3_lab_program(rig->lab)->order;
+    if (!status)
+        status = fp3_lab_fill(rig->lab, "x", x, error);
+    if (!status)
+        status = fp3_lab_fill(rig->lab, "v", v, error);
+    for (unsigned k = 0; !status && k < c->count; k++) {
+        c->steps[k] = round(SPAN * pow(2, k / 2.0));
+        c->h[k] = (float)(SPAN / c->steps[k]);
+        status = measure(c, rig, k, error);
+    }
+    return status;
+}
+
+static unsigned best_of(const curve *c) {
+    unsigned best = 0;
+    for (unsigned k = 1; k < c->count; k++)
+        best = c->error[k] < c->error[best] ? k : best;
+    return best;
+}
+
+/* The error of the same steps in double, by the table as FP32 has it, of the first EXACT objects. */
+static fp3_status exact_error(const curve *c, const fp3_rig *rig, unsigned rung, double *off,
+                              fp3_error *error) {
+    const fp3_integrator table = fp3_trial_rounded(c->trial->integrator, c->h[rung]);
+    const fp3_compile_def def = fp3_compile_default();
+    const uint64_t steps = (uint64_t)c->steps[rung];
+    const double t = c->h[rung] * c->steps[rung];
+    double sum = 0, row[2];
+    fp3_compiled *compiled = NULL;
+    fp3_status status = fp3_compile(rig->model, &table, &def, &compiled, error);
+    for (size_t i = 0; !status && i < EXACT; i++) {
+        const double *start = fp3_lab_initial(rig->lab, i);
+        status = fp3_compiled_exact(compiled, fp3_lab_params(rig->lab, i), start, c->h[rung],
+                                    &steps, 1, row, error);
+        if (!status)
+            sum +=
+                gsl_pow_2((row[1] - truth(c, t, start[1], start[0])) / hypot(start[0], start[1]));
+    }
+    *off = sqrt(sum / EXACT);
+    fp3_compiled_free(&compiled);
+    return status;
+}
+
+/* The slope of the method without roundings but those of its table, over rungs from .. to. */
+static fp3_status exact_slope(const curve *c, const fp3_rig *rig, unsigned from, unsigned to,
+                              double *slope, fp3_error *error) {
+    double off[RUNGS];
+    fp3_status status = FP3_OK;
+    for (unsigned k = from; !status && k < to; k++)
+        status = exact_error(c, rig, k, &off[k], error);
+    *slope = status ? NAN : fp3_trial_slope(c->h + from, off + from, to - from);
+    return status;
+}
+
+/* The slope where the method's error is far above the roundings', over the shortest such steps. A method of high order
+ * may not be near its order yet where FP32 ends: then its slope in double is what it should be. */
+static fp3_status judge_order(const curve *c, const fp3_rig *rig, fp3_error *error) {
+    const unsigned best = best_of(c);
+    /* Where errors still fall in the end, the roundings' are not seen yet. */
+    const double floor = best + 1 < c->count ? c->error[best] : FLOOR;
+    unsigned to = 0, from = 0;
+    while (to < c->count && !(c->error[to] < ABOVE * floor))
+        to++;
+    while (from < to && !(c->error[from] < LARGE))
+        from++;
+    from = to > 4 && from < to - 4 ? to - 4 : from;
+    double slope;
+    const fp3_status status = exact_slope(c, rig, from, to, &slope, error);
+    const int is_near = fabs(slope - c->order) < ORDER_OFF;
+    fp3_verdict v = fp3_trial_verdict(
+        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+        "slope of the error from h = %.3g to %.3g: order %u%s", c->h[from],
+        c->h[to > from ? to - 1 : from], c->order, is_near ? "" : " (another in double, too)");
+    v.expected = is_near ? c->order : slope;
+    v.measured = fp3_trial_slope(c->h + from, c->error + from, to - from);
+    v.tolerance = ORDER_OFF;
+    return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
+}
+
+/* Of updates that lose nothing, what is left at the smallest step is the method's, and the last sums'. */
+static fp3_status judge_end(const curve *c, const fp3_rig *rig, fp3_error *error) {
+    const unsigned last = c->count - 1;
+    double exact;
+    const fp3_status status = exact_error(c, rig, last, &exact, error);
+    fp3_verdict v = fp3_trial_verdict(
+        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+        "error at h = %.3g, in units of 2^-24: that in double, and 4", c->h[last]);
+    v.relation = FP3_AT_MOST;
+    v.expected = exact / HALF_UNIT;
+    v.measured = c->few[last] / HALF_UNIT;
+    v.tolerance = FLOOR / HALF_UNIT;
+    return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
+}
+
+/* Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N (Higham, Accuracy and
+ * Stability of Numerical Algorithms, 2nd ed. 2002, section 2.8; Henrici 1962). x is a multiple of its unit, so what is
+ * rounded is h f alone: independent from step to step only while it changes by a unit or more, h^2 |x''| > 2^-23. */
+static fp3_status judge_right(const curve *c, fp3_error *error) {
+    const unsigned best = best_of(c);
+    unsigned last = c->count - 1;
+    while (last && !c->arithmetic->is_truncated && c->h[last] * c->h[last] < 2 * HALF_UNIT)
+        last--;
+    if (best + RIGHT > last)
+        return FP3_OK;
+    const unsigned from = last - RIGHT + 1;
+    fp3_verdict v = fp3_trial_verdict(
+        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+        "slope of the roundings' error from h = %.3g to %.3g", c->h[from], c->h[last]);
+    v.measured = fp3_trial_slope(c->h + from, c->error + from, RIGHT);
+    v.expected = c->arithmetic->is_truncated ? -1 : -0.5;
+    v.tolerance = ORDER_OFF;
+    return fp3_verdicts_add(c->trial->verdicts, &v, error);
+}
+
+static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_driven,
+                      fp3_error *error) {
+    curve c = {.trial = trial,
+               .arithmetic = arithmetic,
+               .is_driven = is_driven,
+               .count = trial->options->is_quick || is_driven ? RUNGS_QUICK : RUNGS};
+    char series[96];
+    snprintf(series, sizeof series, "%s, %s", trial->integrator->name, arithmetic->name);
+    fp3_rig rig;
+    fp3_status status = measure_all(&c, &rig, error);
+    if (!status)
+        status = judge_order(&c, &rig, error);
+    if (!status && !is_driven)
+        status = arithmetic->update->is_compensated ? judge_end(&c, &rig, error)
+                                                    : judge_right(&c, error);
+    fp3_rig_close(&rig);
+    if (!status && !is_driven)
+        status = fp3_verdicts_draw(trial->verdicts, "steps", series, c.h, c.error, c.count, error);
+    return status;
+}
+
+fp3_status fp3_section_steps(const fp3_trial *trial, fp3_error *error) {
+    fp3_status status = run(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 1, error);
+    for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
+        if (i != FP3_LAB_FLUSHED || !trial->options->is_quick) /* nothing here is subnormal */
+            status = run(trial, &fp3_lab_arithmetics[i], 0, error);
+    return status;
+}

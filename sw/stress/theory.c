@@ -1,0 +1,115 @@
+/* theory.c - see theory.h. */
+#include "theory.h"
+
+#include <complex.h>
+#include <gsl/gsl_math.h>
+#include <math.h>
+#include <string.h>
+
+#define SCAN 1e-3 /* no interval of stability or of growth is shorter */
+#define FAR 64    /* nothing explicit is stable up to here with 16 stages */
+#define NEUTRAL                                                                                    \
+    1e-9 /* eigenvalues of matrices are on the unit circle to within the root of a rounding */
+
+unsigned fp3_theory_polynomial(const fp3_integrator *rk, double coefficients[FP3_STAGES_MAX + 1]) {
+    double power[FP3_STAGES_MAX]; /* A^(j-1) times the vector of ones */
+    unsigned degree = 0;
+    coefficients[0] = 1;
+    for (unsigned i = 0; i < rk->stages; i++)
+        power[i] = 1;
+    for (unsigned j = 1; j <= rk->stages; j++) {
+        double next[FP3_STAGES_MAX] = {0};
+        coefficients[j] = 0;
+        for (unsigned i = 0; i < rk->stages; i++) {
+            coefficients[j] += rk->b[i] * power[i];
+            for (unsigned m = 0; m < i; m++)
+                next[i] += rk->a[i][m] * power[m];
+        }
+        memcpy(power, next, sizeof next);
+        degree = coefficients[j] != 0 ? j : degree;
+    }
+    return degree;
+}
+
+static double complex evaluate(const double *coefficients, unsigned degree, double complex w) {
+    double complex sum = 0;
+    for (unsigned j = degree + 1; j-- > 0;)
+        sum = sum * w + coefficients[j];
+    return sum;
+}
+
+static double radius(double m[2][2]) {
+    const double half = (m[0][0] + m[1][1]) / 2;
+    const double complex root = csqrt(half * half - (m[0][0] * m[1][1] - m[0][1] * m[1][0]));
+    return fmax(cabs(half + root), cabs(half - root));
+}
+
+/* Rows x and v of a step; v is kicked by a(x, v) = -k x - c v. */
+static double growth_of_splitting(const fp3_integrator *integrator, double k, double c) {
+    double m[2][2] = {{1, 0}, {0, 1}};
+    for (unsigned i = 0; i < integrator->stages; i++)
+        for (int j = 0; j < 2; j++) {
+            const fp3_substep *s = &integrator->substeps[i];
+            if (s->is_kick)
+                m[1][j] += s->coefficient * (-k * m[0][j] - c * m[1][j]);
+            else
+                m[0][j] += s->coefficient * m[1][j];
+        }
+    return radius(m);
+}
+
+/* v by the method while x stays: v1 = R v - phi k x with phi = (R(-c) - 1)/(-c); then x1 = x + v1. */
+static double growth_of_late(const double *coefficients, unsigned degree, double k, double c) {
+    double phi = 0;
+    for (unsigned j = degree; j >= 1; j--)
+        phi = phi * -c + coefficients[j];
+    const double r = 1 - c * phi;
+    double m[2][2] = {{1 - phi * k, r}, {-phi * k, r}};
+    return radius(m);
+}
+
+double fp3_theory_growth(const fp3_integrator *integrator, double z, double angle) {
+    const double k = z * z, c = angle < M_PI_2 ? 2 * z * cos(angle) : 0;
+    double coefficients[FP3_STAGES_MAX + 1];
+    if (integrator->kind == FP3_SPLITTING)
+        return growth_of_splitting(integrator, k, c);
+    if (integrator->kind == FP3_STOERMER) {
+        double m[2][2] = {{2 - k, -1}, {1, 0}};
+        return radius(m);
+    }
+    const unsigned degree = fp3_theory_polynomial(integrator, coefficients);
+    if (integrator->is_position_late && angle > 0)
+        return growth_of_late(coefficients, degree, k, c);
+    const double complex w = angle < M_PI_2 ? -z * cexp(I * angle) : -I * z;
+    return cabs(evaluate(coefficients, degree, w));
+}
+
+static int is_matrix(const fp3_integrator *integrator) {
+    return integrator->kind != FP3_RUNGE_KUTTA || integrator->is_position_late;
+}
+
+/* Where growth first exceeds most. */
+static double first(const fp3_integrator *integrator, double angle, double most, double at) {
+    while (at < FAR && fp3_theory_growth(integrator, at, angle) <= most)
+        at += SCAN;
+    double low = at - SCAN, high = at;
+    for (int i = 0; i < 60; i++) {
+        const double middle = (low + high) / 2;
+        if (fp3_theory_growth(integrator, middle, angle) <= most)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+double fp3_theory_limit(const fp3_integrator *integrator, double angle) {
+    const double most = 1 + (is_matrix(integrator) ? NEUTRAL : 1e-12), least = 0.2;
+    return fp3_theory_growth(integrator, least, angle) > most
+               ? 0
+               : first(integrator, angle, most, least);
+}
+
+double fp3_theory_onset(const fp3_integrator *integrator, double angle, double steps, double gain) {
+    return first(integrator, angle, pow(gain, 1 / steps), SCAN);
+}

@@ -1,0 +1,106 @@
+"""fp3 stress: its quick form holds; a wrong coefficient turns it red; bad input; the page from what it wrote."""
+
+import json
+import math
+import re
+import subprocess
+import sys
+
+import pytest
+
+FIELDS = {"name", "model", "integrator", "arithmetic", "expected", "measured", "tolerance", "holds", "why", "section", "relation"}
+SECTIONS = ["stability", "steps", "events", "drift", "reversal", "chance", "stagnation", "subnormal", "failures", "chaos"]
+
+
+@pytest.fixture
+def stress(fp3, tmp_path):
+    """Runs `fp3 stress --quick`; gives its results."""
+
+    def run(*arguments, status=0):
+        path = tmp_path / "stress.json"
+        path.unlink(missing_ok=True)
+        done = subprocess.run([fp3, "stress", "--quick", "--json", path, *map(str, arguments)], capture_output=True, text=True, timeout=200)
+        run.said = done.stdout + done.stderr
+        assert done.returncode == status, run.said
+        return json.loads(path.read_text())["results"] if path.exists() else None
+
+    return run
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_a_section_holds(stress, section):
+    rows = stress("-i", "rk4", "--only", section)
+    assert rows and all(set(row) == FIELDS and row["holds"] and row["section"] == section and not row["why"] for row in rows)
+
+
+def test_stability_limits_are_those_of_the_books(stress):
+    """2 sqrt 2 and 2.785 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.2); 2 for Verlet's method."""
+    rows = {(row["integrator"], row["name"]): row for row in stress("-i", "rk4", "-i", "verlet", "--only", "stability")}
+    for integrator, degrees, limit in [("rk4", 0, 2.785293563), ("rk4", 90, math.sqrt(8)), ("verlet", 90, 2)]:
+        row = rows[integrator, f"limit of h|lambda| at {degrees} degrees from decay"]
+        assert row["expected"] == pytest.approx(limit, rel=1e-6)
+        assert row["measured"] == pytest.approx(limit, rel=1e-3) and row["tolerance"] == pytest.approx(limit / 1000)
+
+
+@pytest.mark.parametrize("integrator, section, factor, is_found", [
+    ("rk4", "stability", 1, False), ("rk4", "stability", 1.01, True), ("rk4", "steps", 1.1, True),
+    ("rk4", "reversal", 1.1, True), ("verlet", "stability", 1.01, True)])
+def test_a_wrong_coefficient_is_found(build, integrator, section, factor, is_found):
+    done = subprocess.run([build / "tests/spoiled", integrator, section, str(factor)], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    wrong = int(re.fullmatch(r"\d+ results, (\d+) do not hold\n", done.stdout)[1])
+    assert (wrong > 0) == is_found, done.stdout
+
+
+def test_a_model(stress, root):
+    rows = stress(root / "programs/pendulum.ode", "--all")
+    assert {row["section"] for row in rows} == {"invariants", "steps", "reversal", "chance"}
+    assert all(set(row) == FIELDS and row["holds"] for row in rows)
+    assert stress.said.count("\nok ") + stress.said.startswith("ok ") == len(rows) and f"{len(rows)} results, 0 do not hold" in stress.said
+
+
+def test_a_model_that_is_not_what_it_says_turns_red(stress, tmp_path):
+    """A closed form that is none; params whose product overflows in FP32 and not in double."""
+    model = tmp_path / "wrong.ode"
+    model.write_text("param a = 1\nstate x = 1\nx' = -a*x\nstep 0.125\nspan 2\nexact x = x(0)*exp(-2*a*t)\n")
+    rows = stress(model, status=3)
+    assert [row["name"] for row in rows if not row["holds"]] == ["solutions in double by two methods that agree"]
+    assert "FAIL steps: wrong, rk4, plain: " in stress.said and re.search(r"why: .*closed form", stress.said), stress.said
+    model.write_text("param a = 1\nstate x = 1e15\nx' = a*(x^3 - x^3)\nstep 0.125\nspan 2\n")
+    wrong = [row for row in stress(model, status=3) if not row["holds"]]
+    assert any(row["section"] == "chance" and "fail in FP32 alone" in row["why"] and "object 0 in step 1: " in row["why"] for row in wrong), wrong
+
+
+def test_bad_input(stress, tmp_path, root):
+    for arguments, message in [(["--only", "nope"], "no section 'nope': there are stability, steps"),
+                               (["--only", "steps", root / "programs/ship.ode"], "found --only with a model"),
+                               ([tmp_path / "none.ode"], "none.ode"), ([root / "programs/ship.s"], "expected"),
+                               (["-i", "rk5"], "no integrator 'rk5'"), ([root / "programs/ship.ode", "-i", "verlet", "--only", "x"], "--only")]:
+        assert stress(*arguments, status=2) is None
+        assert message in stress.said, stress.said
+    model = tmp_path / "bad.ode"
+    model.write_text("state x = 1\nx' = y\nstep 1\n")
+    assert stress(model, status=2) is None and f"{model}:2:6: error: " in stress.said
+
+
+def test_the_page(root, tmp_path, fp3):
+    """From a small result; of the quick form none is written."""
+    tool, path = root / "tools/stress.py", tmp_path / "stress.json"
+    part = tmp_path / "part.json"
+    subprocess.run([fp3, "stress", "--quick", "-i", "rk4", "--only", "stability", "--json", part], check=True, capture_output=True)
+    found = json.loads(part.read_text())
+    rows = found["results"]
+    rows[0] |= {"holds": False, "why": "it is not so"}
+    found["curves"] += [{"figure": figure, "series": "rk4, plain", "x": [0.1, 0.2], "y": [1e-5, 1e-3]} for figure in ("steps", "energy", "place")]
+    found["about"] = {"form": "quick", "date": "2026-01-01", "command": "make stress", "revision": "abc"}
+    path.write_text(json.dumps(found))
+    done = subprocess.run([sys.executable, tool, "--report", "--output", path, "--docs", tmp_path], capture_output=True, text=True)
+    assert done.returncode == 1 and "found the quick form" in done.stderr and not (tmp_path / "stress.md").exists()
+    found["about"]["form"] = "full"
+    path.write_text(json.dumps(found))
+    subprocess.run([sys.executable, tool, "--report", "--output", path, "--docs", tmp_path], check=True)
+    page = (tmp_path / "stress.md").read_text()
+    assert "it is not so" in page and f"{len(rows)} results, of which {len(rows) - 1} hold" in page
+    assert f"{rows[1]['expected']:.4f} / {rows[1]['measured']:.4f}" in page
+    for name in re.findall(r"\((stress_\w+\.svg)\)", page):
+        subprocess.run([sys.executable, "-c", "import sys, xml.dom.minidom as m; m.parse(sys.argv[1])", tmp_path / name], check=True)
