@@ -6,8 +6,7 @@
 
 typedef struct fp3_bench_native fp3_bench_native;
 
-/* By `cc`, or what the environment variable CC names, with these flags (ended by NULL) and those that
- * make a shared library. FP3_E_SYSTEM: there is no compiler, or it refuses the text; it has said why
+/* By fp3_cc with these flags (ended by NULL, 16 at most) and those that make a shared library. FP3_E_SYSTEM: there is no compiler, or it refuses the text; it has said why
  * on standard error. The caller closes *native, which is NULL on failure. */
 fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
                                  fp3_bench_native **native, fp3_error *error);

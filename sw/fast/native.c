@@ -1,29 +1,20 @@
 /* native.c - see native.h. */
 #include "native.h"
 
+#include "base/cc.h"
 #include "cache.h"
 #include "write.h"
 
 #include <dlfcn.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 /* The first line of the text names the compiler and its options, so that they count in the cache. */
 #define OPTIONS                                                                                    \
     "-O1", "-w", "-std=gnu11", "-ffp-contract=off", "-frounding-math", "-fPIC", "-shared",         \
         "-nostdlib"
-
-static const char *compiler(void) {
-    const char *given = getenv("FP3_CC");
-    return given && *given ? given : "cc";
-}
 
 static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
                              char **text, fp3_error *error) {
@@ -32,7 +23,7 @@ static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsign
     FILE *to = open_memstream(text, &size);
     if (!to)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    fprintf(to, "/* %s -march=%s", compiler(), kind);
+    fprintf(to, "/* %s -march=%s", fp3_cc(), kind);
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         fprintf(to, " %s", options[i]);
     fprintf(to, " */\n");
@@ -42,50 +33,10 @@ static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsign
     return status;
 }
 
-/* The text as a file without a name, for the compiler's standard input; -1: errno says why. */
-static int open_text(const char *text) {
-    FILE *file = tmpfile();
-    if (!file)
-        return -1;
-    const int is_written = fputs(text, file) >= 0 && fflush(file) == 0;
-    const int fd = is_written ? dup(fileno(file)) : -1;
-    fclose(file);
-    if (fd >= 0)
-        lseek(fd, 0, SEEK_SET);
-    return fd;
-}
-
-static int start(const char *kind, int from, const char *path, pid_t *child) {
+static fp3_status compile(const char *text, const char *kind, const char *path, fp3_error *error) {
     char march[64];
     snprintf(march, sizeof march, "-march=%s", kind);
-    char *const arguments[] = {
-        (char *)compiler(), march, OPTIONS, "-o", (char *)path, "-x", "c", "-", NULL};
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, from, 0);
-    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&files, 2, "/dev/null", O_WRONLY, 0);
-    const int failed = posix_spawnp(child, arguments[0], &files, NULL, arguments, environ);
-    posix_spawn_file_actions_destroy(&files);
-    return failed;
-}
-
-static fp3_status compile(const char *text, const char *kind, const char *path, fp3_error *error) {
-    pid_t child = 0;
-    int how = 0;
-    const int from = open_text(text);
-    if (from < 0)
-        return fp3_fail(error, FP3_E_SYSTEM, "no temporary file: %s", strerror(errno));
-    const int failed = start(kind, from, path, &child);
-    close(from);
-    if (failed)
-        return fp3_fail(error, FP3_E_SYSTEM, "no compiler '%s': %s", compiler(), strerror(failed));
-    while (waitpid(child, &how, 0) < 0)
-        if (errno != EINTR)
-            return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s': %s", compiler(), strerror(errno));
-    if (!WIFEXITED(how) || WEXITSTATUS(how))
-        return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s' failed", compiler());
-    return FP3_OK;
+    return fp3_cc_compile(text, (const char *const[]){march, OPTIONS, NULL}, path, 0, error);
 }
 
 static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *error) {

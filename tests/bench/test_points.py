@@ -34,7 +34,8 @@ def test_every_field_and_every_solver_is_there(oscillator):
     points = oscillator["points"]
     assert all(set(point) == FIELDS for point in points)
     assert SOLVERS <= {(point["engine"], point["method"]) for point in points}
-    assert {("rk4", "plain"), ("rk4", "compensated"), ("rk4", "folded"), ("leapfrog", "plain"), ("leapfrog", "compensated")} \
+    assert {("rk4", "plain"), ("rk4", "compensated"), ("rk4", "folded"), ("rk4", "double_single"), ("leapfrog", "plain"),
+            ("leapfrog", "compensated"), ("leapfrog", "double_single")} \
         == {(point["integrator"], point["arithmetic"]) for point in points if point["engine"] == ENGINE}
     for point in points:
         assert 0 < point["error_median"] <= point["error_worst"] and point["objects"] > 0
@@ -127,6 +128,6 @@ def test_a_bad_model_is_refused(build, tmp_path, text, why):
 
 def test_without_a_compiler_it_says_so(build, root, tmp_path):
     done = subprocess.run([build / "bench/bench", "points", root / "programs/ship.ode", "--quick", "--engine", ENGINE, "-i", "euler",
-                           "--json", tmp_path / "x.json"], env={"PATH": "/usr/bin:/bin", "CC": "no-such-cc"},
+                           "--json", tmp_path / "x.json"], env={"PATH": "/usr/bin:/bin", "FP3_CC": "no-such-cc"},
                           capture_output=True, text=True, timeout=120)
     assert done.returncode != 0 and "no-such-cc" in done.stderr and not (tmp_path / "x.json").exists()
