@@ -133,7 +133,7 @@ static void check(const options *o, struct argp_state *state) {
     if (o->program && o->scene)
         argp_error(state, "--scene: found '%s', but the scene names its programs itself",
                    o->program);
-    fp3_run_adaptive_check(&o->how, o->is_model, state);
+    fp3_run_adaptive_check(&o->how, o->is_model, o->cycle_limit, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
     if ((o->integrator || o->is_compensated || o->how.compile.is_double_single) && !o->is_model)

@@ -121,12 +121,13 @@ static fp3_status add_rival(comparison *k, const fp3_integrator *integrator, int
     return status == FP3_E_PROGRAM ? FP3_OK : status; /* it does not fit the model */
 }
 
-/* The cheapest that is no worse; NULL: there is none. */
-static const rival *find_rival(const comparison *k, int machine, double error, unsigned *rung) {
+/* The cheapest that is no worse, of this name or (NULL) of all; NULL: there is none. */
+static const rival *find_rival(const comparison *k, int machine, const char *name, double error,
+                               unsigned *rung) {
     const rival *best = NULL;
     for (unsigned j = 0; j < k->rival_count; j++)
         for (unsigned i = 0; i < k->rungs; i++)
-            if (k->rivals[j].error[i] <= error &&
+            if (k->rivals[j].error[i] <= error && (!name || !strcmp(name, k->rivals[j].name)) &&
                 (!best || k->rivals[j].cycles[machine][i] < best->cycles[machine][*rung])) {
                 best = &k->rivals[j];
                 *rung = i;
@@ -237,23 +238,32 @@ static fp3_status make_row(const comparison *k, const fp3_integrator *integrator
 
 static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
 
-static void put_fixed(const comparison *k, int machine, const row *r, json_t *o) {
+static json_t *fixed_of(const comparison *k, int machine, const char *name, const row *r) {
     unsigned rung = 0;
-    const rival *of = find_rival(k, machine, r->error, &rung);
+    const rival *of = find_rival(k, machine, name, r->error, &rung);
     json_t *fixed = json_null();
+    if (!name)
+        printf(" | %-9s", of ? of->name : "none");
     if (of) {
-        printf(" | %-12s %8" PRIu64 " %8.1f", of->name, k->steps[rung],
+        printf(" %7" PRIu64 " %6.1f", k->steps[rung],
                of->cycles[machine][rung] / r->cycles[machine]);
         fixed = json_pack("{s:s, s:I, s:o, s:o, s:o}", "integrator", of->name, "steps",
                           (json_int_t)k->steps[rung], "error", number(of->error[rung]), "cycles",
                           number(of->cycles[machine][rung]), "ratio",
                           number(of->cycles[machine][rung] / r->cycles[machine]));
     } else
-        printf(" | %-12s %8s %8s", "none", "-", "-");
+        printf(" %7s %6s", "-", "-");
+    return fixed;
+}
+
+/* The cheapest of all, then the integrator itself. */
+static void put_fixed(const comparison *k, int machine, const char *name, const row *r, json_t *o) {
     char key[FP3_NAME_SIZE + 16];
-    snprintf(key, sizeof key, "%s_fixed", machines[machine]);
     json_object_set_new(o, machines[machine], number(r->cycles[machine]));
-    json_object_set_new(o, key, fixed);
+    snprintf(key, sizeof key, "%s_fixed", machines[machine]);
+    json_object_set_new(o, key, fixed_of(k, machine, NULL, r));
+    snprintf(key, sizeof key, "%s_own", machines[machine]);
+    json_object_set_new(o, key, fixed_of(k, machine, name, r));
 }
 
 static void put_row(comparison *k, const fp3_integrator *integrator, int is_compensated,
@@ -269,7 +279,7 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int is_comp
            integrator->name, arithmetic, tolerance, r->error, r->accepted, r->rejected,
            r->cycles[SINGLE], r->cycles[MANY]);
     for (int machine = 0; machine < MACHINES; machine++)
-        put_fixed(k, machine, r, o);
+        put_fixed(k, machine, integrator->name, r, o);
     printf(" | %" PRIu64 " of %" PRIu64 "%s%s\n", r->mismatches, r->compared,
            r->failure[0] ? "; failed: " : "", r->failure);
     fflush(stdout);
@@ -330,9 +340,10 @@ static fp3_status compare(comparison *k, fp3_error *error) {
     for (double n = FIRST_STEPS; n <= (double)k->def->most_steps && k->rungs < RUNGS; n *= sqrt(2))
         k->steps[k->rungs++] = (uint64_t)round(n);
     if (!status)
-        printf("%-12s %-12s %-11s %8s %8s %7s %7s %9s %9s | %-30s | %-30s | %s\n", "model",
+        printf("%-12s %-12s %-11s %8s %8s %7s %7s %9s %9s | %-39s | %-39s | %s\n", "model",
                "integrator", "arithmetic", "toleran.", "error", "steps", "reject.", "single",
-               "many", "single: fixed, steps, ratio", "many: fixed, steps, ratio", "mismatches");
+               "many", "single: fixed steps, ratio; its own", "many: fixed steps, ratio; its own",
+               "mismatches");
     for (int is_compensated = 0; !status && is_compensated < 2; is_compensated++) {
         k->rival_count = 0;
         fp3_progress_say(k->def->progress, "fixed steps");

@@ -25,7 +25,11 @@ void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, cons
     def->adaptive.until = above_zero(state, "--until", text);
 }
 
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state) {
+void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, uint64_t cycle_limit,
+                            struct argp_state *state) {
+    if (def->is_adaptive && cycle_limit)
+        argp_error(state, "--cycle-limit: a limit is of one run, and adaptive steps may take "
+                          "several; --steps limits attempts");
     if (def->is_adaptive && !is_model)
         argp_error(state, "--tolerance: only a model (*.ode, or --model) is compiled");
     if (def->adaptive.until != 0 && !def->is_adaptive)

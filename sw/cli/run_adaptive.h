@@ -11,7 +11,8 @@
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);
 void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text);
 /* After the last option. */
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
+void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, uint64_t cycle_limit,
+                            struct argp_state *state);
 
 /* Of a run that is recorded: without --until the last time is where objects end. */
 void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,

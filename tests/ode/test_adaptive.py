@@ -219,6 +219,7 @@ def test_compare_holds_every_word_against_the_equations(model, tmp_path):
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1,1"], "time 1 does not come after 1 in FP32"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "-1"], "time -1 is before the start of object 0, 0"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1e39"], "until is 1e+39: expected a number below 3.4028236e38"),
+    (["--tolerance", "1e-5", "--cycle-limit", "99"], "--cycle-limit: a limit is of one run"),
     (["--until", "3"], "--until: expected --tolerance, too"),
     (["--tolerance", "1e-5", "-c", "lanes"], "adaptive steps need `sleep`, which configuration 'lanes' does not have"),
 ])
