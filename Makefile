@@ -367,6 +367,16 @@ stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: bui
 stress-report: ## Write docs/stress.md and its pictures from the full form of `make stress`
 	@$(PYTHON) tools/stress.py --report --output $(RESULTS)/stress.json
 
+# ---- the tuner ----------------------------------------------------------------------------------
+
+.PHONY: tune tune-report
+tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerances: build/results/tune.json; QUICK=1, MODELS=
+	@mkdir -p $(RESULTS)
+	@$(PYTHON) tools/tune.py --fp3 $< --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS))
+
+tune-report: ## Write docs/tuning.md from build/results/tune.json
+	@$(PYTHON) tools/tune.py --input $(RESULTS)/tune.json --markdown docs/tuning.md
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated

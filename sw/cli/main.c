@@ -15,6 +15,7 @@
     X(compare, "Compare integrators on a model")                                                   \
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
+    X(tune, "Find the cheapest way to integrate a model to a tolerance")                           \
     X(bench, "Measure the ship, or another program, on the hardware")                              \
     X(stress, "Judge what FP32 does to integrators and models")                                    \
     X(info, "Say what an image needs, or what this build has")

@@ -92,23 +92,33 @@ static fp3_status read_integrator(const reader *r, const config_setting_t *from,
     return *to && (!is_file || *file) ? FP3_OK : no_memory(r);
 }
 
+static fp3_status read_flag(const reader *r, const config_setting_t *from, const char *name,
+                            int *flag, int *is_given) {
+    const config_setting_t *setting = config_setting_get_member(from, name);
+    *is_given |= setting != NULL;
+    return setting ? fp3_setting_flag(&r->in, setting, name, flag) : FP3_OK;
+}
+
 /* What a model is compiled with; nothing else is. */
 static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_scene_group *to,
                            char **integrator, fp3_program_def *def) {
-    const config_setting_t *compensated = config_setting_get_member(from, "compensated");
-    const config_setting_t *pairs = config_setting_get_member(from, "double_single");
-    const int is_model = fp3_program_is_model(to->path);
+    int is_given = 0, is_folded = 0;
+    fp3_compile_def *how = &def->compile;
     fp3_status status = read_integrator(r, from, integrator, &to->integrator_file);
-    if (!status && compensated)
-        status = fp3_setting_flag(&r->in, compensated, "compensated", &def->compile.is_compensated);
-    if (!status && pairs)
-        status = fp3_setting_flag(&r->in, pairs, "double_single", &def->compile.is_double_single);
-    if (!status && !is_model && (*integrator || compensated || pairs))
+    if (!status)
+        status = read_flag(r, from, "compensated", &how->is_compensated, &is_given);
+    if (!status)
+        status = read_flag(r, from, "double_single", &how->is_double_single, &is_given);
+    if (!status)
+        status = read_flag(r, from, "folded", &is_folded, &is_given);
+    if (!status && !fp3_program_is_model(to->path) && (*integrator || is_given))
         status = fp3_setting_wrong(
             &r->in, from,
-            "integrator, compensated, double_single: only a model (*.ode) is compiled");
+            "integrator, compensated, double_single, folded: only a model (*.ode) is compiled");
+    if (is_folded)
+        how->passes |= FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT);
     def->integrator = *integrator ? *integrator : def->integrator;
-    def->compile.config = r->machine->name;
+    how->config = r->machine->name;
     return status;
 }
 
@@ -233,8 +243,8 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     static const char *const names[] = {"program", "integrator", "compensated", "double_single",
-                                        "objects", "params",     "set",         "spread",
-                                        "born",    "gone",       NULL};
+                                        "folded",  "objects",    "params",      "set",
+                                        "spread",  "born",       "gone",        NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");

@@ -299,6 +299,14 @@ int fp3_params_has(const fp3_params *params, const char *name) {
     return find(params, name) != NULL;
 }
 
+int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look) {
+    if (number >= params->count)
+        return 0;
+    const value *v = &params->list[number];
+    *look = (fp3_value_look){v->name, v->formula, v->value, v->last, v->is_spread};
+    return 1;
+}
+
 /* Of an object, 0 for the first and 1 for the last. */
 static double number_at(const value *v, double share) {
     return v->is_spread ? (1 - share) * v->value + share * v->last : v->value;

@@ -24,6 +24,16 @@ __attribute__((format(printf, 4, 5))) fp3_status fp3_value_wrong(const fp3_param
 fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *value,
                          int *is_spread, fp3_error *error);
 
+/* A value as it was given. formula: NULL, or what it is computed from; without one it is `first`, or, if it
+ * is spread, `first` of the first object to `last` of the last. */
+typedef struct {
+    const char *name, *formula;
+    double first, last;
+    int is_spread;
+} fp3_value_look;
+/* By number, in the order in which the names were first given; 0: there are no more. */
+int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look);
+
 /* A formula of what holds for one set of values alone: "h == 0.125 and m == 2.0 ? 0.99 : 0/0". */
 #define FP3_VALUES_IS " == "
 #define FP3_VALUES_AND " and "

@@ -21,11 +21,13 @@
 
 typedef struct {
     const fp3_model *model;
-    const double *params, *initial;
+    const double *params, *initial, *times;
+    size_t count;   /* times, the last is the end */
     double *values; /* of all expressions */
     double *guess;  /* of each state's size */
     double *peak;   /* largest size of each state so far */
-    double *other;  /* states, the second way */
+    double *other;  /* rows of states, one for each time, the second way */
+    double *y;      /* states, on the way */
     double reached; /* time */
 } orbit;
 
@@ -90,36 +92,44 @@ static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, do
     return result;
 }
 
-/* y goes from time 0 to t; peak becomes the largest size of each state on the way. */
-static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *y) {
-    double h = t * 1e-6, now = 0;
+static double end_of(const orbit *o) { return o->times[o->count - 1]; }
+
+/* y goes from time 0 to the end, and is kept at each time; peak becomes the largest size of each state
+ * on the way. */
+static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double *y, double *rows) {
+    const uint32_t states = o->model->state_count;
+    double h = end_of(o) * 1e-6, now = 0;
     unsigned steps = 0;
     int result = events ? fp3_crossing_fire(events, 0, y) : GSL_SUCCESS;
-    while (!result && now != t) {
-        result = advance(driver, events, t, &now, &h, y);
-        see_peaks(o, y);
-        o->reached = now;
-        if (!result && ++steps == STEPS_MAX)
-            result = GSL_EMAXITER;
+    for (size_t i = 0; !result && i < o->count; i++) {
+        while (!result && now != o->times[i]) {
+            result = advance(driver, events, o->times[i], &now, &h, y);
+            see_peaks(o, y);
+            o->reached = now;
+            if (!result && ++steps == STEPS_MAX)
+                result = GSL_EMAXITER;
+        }
+        memcpy(rows + i * states, y, states * sizeof *y);
     }
     return result;
 }
 
+/* rows: of states, one for each time. */
 static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance,
-                     const double *sizes, double t, double *y) {
+                     const double *sizes, double *rows) {
     const uint32_t count = o->model->state_count;
     gsl_odeiv2_system system = {derivative, NULL, count, o};
     gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_scaled_new(
-        &system, how, t * 1e-6, tolerance, tolerance, 1, 0, sizes);
+        &system, how, end_of(o) * 1e-6, tolerance, tolerance, 1, 0, sizes);
     fp3_crossing events = {0};
     int result = driver ? GSL_SUCCESS : GSL_ENOMEM;
     if (!result && o->model->event_count)
         result = fp3_crossing_open(&events, o->model, o->params, &system, how);
-    memcpy(y, o->initial, count * sizeof *y);
+    memcpy(o->y, o->initial, count * sizeof *o->y);
     for (uint32_t i = 0; i < count; i++)
-        o->peak[i] = fabs(y[i]);
+        o->peak[i] = fabs(o->y[i]);
     if (!result)
-        result = go(o, driver, o->model->event_count ? &events : NULL, t, y);
+        result = go(o, driver, o->model->event_count ? &events : NULL, o->y, rows);
     fp3_crossing_close(&events);
     if (driver)
         gsl_odeiv2_driver_free(driver);
@@ -158,7 +168,9 @@ static fp3_status disagree(const fp3_quantity *state, double t, const char *whic
                     state->name, t, ours, which, theirs);
 }
 
-static fp3_status check_exact(orbit *o, double t, const double *states, fp3_error *error) {
+/* At the time with this number. */
+static fp3_status check_exact(orbit *o, size_t look, const double *states, fp3_error *error) {
+    const double t = o->times[look];
     fp3_model_evaluate(
         o->model,
         &(fp3_point){.states = states, .params = o->params, .initial = o->initial, .t = t},
@@ -171,46 +183,55 @@ static fp3_status check_exact(orbit *o, double t, const double *states, fp3_erro
     return FP3_OK;
 }
 
-/* Where a state has no closed form. */
-static fp3_status check_again(orbit *o, double t, const double *states, fp3_error *error) {
-    uint32_t unknown = 0;
+static fp3_status check_look(const orbit *o, size_t look, const double *states, const double *other,
+                             fp3_error *error) {
     for (uint32_t i = 0; i < o->model->state_count; i++)
+        if (apart(o, states[i], other[i], i))
+            return disagree(&o->model->states[i], o->times[look], "rkck", other[i], states[i],
+                            error);
+    return FP3_OK;
+}
+
+/* Where a state has no closed form. */
+static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
+    const uint32_t count = o->model->state_count;
+    uint32_t unknown = 0;
+    for (uint32_t i = 0; i < count; i++)
         unknown += o->model->states[i].exact == FP3_NONE;
     if (!unknown)
         return FP3_OK;
-    const int result = integrate(o, gsl_odeiv2_step_rkck, TOLERANCE, o->guess, t, o->other);
-    if (result)
-        return stopped(o, "rkck", t, result, error);
-    for (uint32_t i = 0; i < o->model->state_count; i++)
-        if (apart(o, states[i], o->other[i], i))
-            return disagree(&o->model->states[i], t, "rkck", o->other[i], states[i], error);
-    return FP3_OK;
+    const int result = integrate(o, gsl_odeiv2_step_rkck, TOLERANCE, o->guess, o->other);
+    fp3_status status = result ? stopped(o, "rkck", end_of(o), result, error) : FP3_OK;
+    for (size_t i = 0; !status && i < o->count; i++)
+        status = check_look(o, i, rows + i * count, o->other + i * count, error);
+    return status;
 }
 
 /* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
  * model then explodes: with a tighter one it does not. */
-static int find_sizes(orbit *o, double t, double *y) {
-    const int first = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, t, y);
+static int find_sizes(orbit *o, double *rows) {
+    const int first = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, rows);
     int result = first;
     for (double rough = ROUGH / 1000; result && first != GSL_ENOMEM && rough > TOLERANCE;
          rough /= 1000)
-        result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, t, y);
+        result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, rows);
     return result ? first : GSL_SUCCESS;
 }
 
-static fp3_status follow(orbit *o, double t, double *states, fp3_error *error) {
-    int result = guess_sizes(o, t);
+static fp3_status follow(orbit *o, double *rows, fp3_error *error) {
+    const uint32_t count = o->model->state_count;
+    int result = guess_sizes(o, end_of(o));
     if (!result)
-        result = find_sizes(o, t, states);
-    for (uint32_t i = 0; i < o->model->state_count; i++)
+        result = find_sizes(o, rows);
+    for (uint32_t i = 0; i < count; i++)
         if (o->peak[i] > 0)
             o->guess[i] = o->peak[i];
     if (!result)
-        result = integrate(o, gsl_odeiv2_step_rk8pd, TOLERANCE, o->guess, t, states);
-    if (result)
-        return stopped(o, "rk8pd", t, result, error);
-    const fp3_status status = check_exact(o, t, states, error);
-    return status ? status : check_again(o, t, states, error);
+        result = integrate(o, gsl_odeiv2_step_rk8pd, TOLERANCE, o->guess, rows);
+    fp3_status status = result ? stopped(o, "rk8pd", end_of(o), result, error) : FP3_OK;
+    for (size_t i = 0; !status && i < o->count; i++)
+        status = check_exact(o, i, rows + i * count, error);
+    return status ? status : check_again(o, rows, error);
 }
 
 static fp3_status check_arguments(const fp3_model *model, const double *params,
@@ -230,30 +251,66 @@ static fp3_status check_arguments(const fp3_model *model, const double *params,
     return FP3_OK;
 }
 
-fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
-                           double t, double *states, fp3_error *error) {
-    const uint32_t count = model->state_count;
-    fp3_status status = check_arguments(model, params, initial, t, error);
+/* The sizes of what the room of an orbit is for, one after the other. */
+static double *make_room(orbit *o, size_t times) {
+    const size_t count = o->model->state_count;
+    double *room = calloc(o->model->expr_count + (3 + times) * count, sizeof *room);
+    if (!room)
+        return NULL;
+    o->values = room;
+    o->guess = room + o->model->expr_count;
+    o->peak = o->guess + count;
+    o->y = o->peak + count;
+    o->other = o->y + count;
+    return room;
+}
+
+static fp3_status check_times(const double *times, size_t count, fp3_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (!(times[i] > (i ? times[i - 1] : 0)))
+            return fp3_fail(error, FP3_E_ARGUMENT, "time %.9g: expected times above 0, upwards",
+                            times[i]);
+    return count ? FP3_OK : fp3_fail(error, FP3_E_ARGUMENT, "expected a time");
+}
+
+static fp3_status look(const fp3_model *model, const double *params, const double *initial,
+                       const double *times, size_t count, double *states, double *sizes,
+                       fp3_error *error) {
+    orbit o = {
+        .model = model, .params = params, .initial = initial, .times = times, .count = count};
+    const size_t cells = count * model->state_count;
+    fp3_status status = check_arguments(model, params, initial, times[count - 1], error);
     if (status)
         return status;
-    double *room = calloc(model->expr_count + 4 * (size_t)count, sizeof *room);
-    if (!room)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    double *of_states = room + model->expr_count, *reached = of_states + 3 * (size_t)count;
-    orbit o = {.model = model,
-               .params = params,
-               .initial = initial,
-               .values = room,
-               .guess = of_states,
-               .peak = of_states + count,
-               .other = of_states + 2 * (size_t)count};
-    memcpy(reached, initial, count * sizeof *reached);
+    double *room = make_room(&o, count), *rows = calloc(cells + 1, sizeof *rows);
+    if (!room || !rows)
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     gsl_error_handler_t *handler = gsl_set_error_handler_off(); /* GSL's own ends the program */
-    if (t != 0)
-        status = follow(&o, t, reached, error);
+    if (!status)
+        status = follow(&o, rows, error);
     gsl_set_error_handler(handler);
     if (!status)
-        memcpy(states, reached, count * sizeof *states);
+        memcpy(states, rows, cells * sizeof *states);
+    for (uint32_t i = 0; !status && sizes && i < model->state_count; i++)
+        sizes[i] = o.peak[i];
+    free(rows);
     free(room);
+    return status;
+}
+
+fp3_status fp3_model_truths(const fp3_model *model, const double *params, const double *initial,
+                            const double *times, size_t count, double *states, double *sizes,
+                            fp3_error *error) {
+    const fp3_status status = check_times(times, count, error);
+    return status ? status : look(model, params, initial, times, count, states, sizes, error);
+}
+
+fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
+                           double t, double *states, fp3_error *error) {
+    if (t != 0)
+        return look(model, params, initial, &t, 1, states, NULL, error);
+    const fp3_status status = check_arguments(model, params, initial, t, error);
+    if (!status)
+        memcpy(states, initial, model->state_count * sizeof *states);
     return status;
 }

@@ -41,6 +41,8 @@ LINES = {
     "run": "expected a program, or --scene FILE",
     "compile": "expected a model",
     "compare": "expected a model",
+    "tune": "expected a model",
+    "tune m.ode m.ode": "expected one model or scene",
     "asm": "expected a source",
     "dis": "expected an image or --word",
     "run m.ode m.ode": "found 'm.ode', expected one program",

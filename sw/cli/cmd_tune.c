@@ -1,0 +1,331 @@
+/* cmd_tune.c - fp3 tune: the cheapest integrator, step and arithmetic for a tolerance. */
+#include "arguments.h"
+#include "cli.h"
+#include "files.h"
+#include "progress.h"
+#include "tune_print.h"
+
+#include <fp3/model.h>
+#include <fp3/scene.h>
+#include <fp3/tune.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/file.h"
+#include "machine/config.h"
+#include "tune/trim.h"
+
+typedef struct {
+    const char *input, *config;
+    int is_model, is_scene, has_hardware;
+    double around;
+    uint32_t objects;
+    fp3_params *params;
+    fp3_files files;
+    fp3_tune_def def;
+    fp3_tune_print out;
+    fp3_progress *progress;
+} options;
+
+enum {
+    KEY_TOLERANCE = 256,
+    KEY_SPREAD,
+    KEY_SET,
+    KEY_PARAMS,
+    KEY_AROUND,
+    KEY_SPAN,
+    KEY_OUTPUT,
+    KEY_JSON,
+    KEY_HARDWARE,
+    KEY_MODEL,
+    KEY_OBJECTS,
+    KEY_SAMPLE
+};
+
+static const struct argp_option table[] = {
+    {"tolerance", KEY_TOLERANCE, "TOL", 0,
+     "The largest error of any state, relative to the largest magnitude that it reaches; from 1e-7 "
+     "to below 1",
+     0},
+    {"config", 'c', "NAME", 0,
+     "Configuration whose cycles are the cost (default: that of the scene, or many_full)", 0},
+    {"model", KEY_MODEL, NULL, 0, "The input is a model, whatever its name", 0},
+    {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
+     "A range: any value from FIRST to LAST, of a model; may be repeated", 0},
+    {"around", KEY_AROUND, "SHARE", 0,
+     "Of a model: a range of this share to both sides for each start and each param of an object "
+     "that "
+     "is not 0 and has no other value",
+     0},
+    {"set", KEY_SET, "NAME=VALUE", 0, "Of a model: a value; may be repeated", 0},
+    {"params", KEY_PARAMS, "FILE", 0, "Of a model: a file of values; may be repeated", 0},
+    {"span", KEY_SPAN, "TIME", 0,
+     "How long it is integrated (default: steps times h of the scene, or the model's span)", 0},
+    {"objects", KEY_OBJECTS, "N", 0,
+     "Of a model: how many objects the scene has (default: as many as the configuration has in "
+     "flight, without ranges 1)",
+     0},
+    {"held-out", KEY_SAMPLE, "N", 0,
+     "How many objects that the choice has not seen judge it (default: 64)", 0},
+    {"output", KEY_OUTPUT, "FILE", 0, "Write the choice as a scene, which fp3 run --scene runs", 0},
+    {"json", KEY_JSON, "FILE", 0, "Also write the choice and what was tried as JSON", 0},
+    {"hardware", KEY_HARDWARE, NULL, 0,
+     "Also print the configuration without what the program does not need, and its LUTs as far as "
+     "they are known",
+     0},
+    {0},
+};
+
+static double number(struct argp_state *state, const char *option, const char *text) {
+    double value = 0;
+    fp3_error error;
+    if (fp3_constant_read(text, &value, &error))
+        argp_error(state, "%s: '%s' is no number: %s", option, text, error.text);
+    return value;
+}
+
+static double above_zero(struct argp_state *state, const char *option, const char *text) {
+    const double value = number(state, option, text);
+    if (!(value > 0 && isfinite(value)))
+        argp_error(state, "%s: found '%s', expected a number above 0", option, text);
+    return value;
+}
+
+static int ends_in_scene(const char *path) {
+    const size_t size = strlen(path);
+    return size > 6 && strcasecmp(path + size - 6, ".scene") == 0;
+}
+
+static void check(options *o, struct argp_state *state) {
+    if (!o->input)
+        argp_error(state, "expected a model (*.ode) or a scene (*.scene)");
+    if (!(o->def.tolerance > 0))
+        argp_error(state, "expected --tolerance");
+    o->is_scene = !o->is_model && ends_in_scene(o->input);
+    if (!o->is_scene)
+        fp3_arguments_model(state, o->input, o->is_model);
+    if (o->is_scene && (fp3_params_count(o->params) || o->around > 0 || o->objects))
+        argp_error(state, "values, ranges and objects are in the scene, not in --params, --set, "
+                          "--spread, --around or --objects");
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    fp3_error error;
+    switch (key) {
+    case 'c':
+        o->config = text;
+        break;
+    case KEY_MODEL:
+        o->is_model = 1;
+        break;
+    case KEY_TOLERANCE:
+        o->def.tolerance = above_zero(state, "--tolerance", text);
+        break;
+    case KEY_AROUND:
+        o->around = above_zero(state, "--around", text);
+        break;
+    case KEY_SPAN:
+        o->def.span = above_zero(state, "--span", text);
+        break;
+    case KEY_OBJECTS:
+        o->objects = (uint32_t)fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);
+        break;
+    case KEY_SAMPLE:
+        o->def.held_out = (uint32_t)fp3_arguments_number(state, "--held-out", text, 1, 65536);
+        break;
+    case KEY_OUTPUT:
+        o->out.scene = text;
+        break;
+    case KEY_JSON:
+        o->out.json = text;
+        break;
+    case KEY_HARDWARE:
+        o->has_hardware = 1;
+        break;
+    case KEY_PARAMS:
+        fp3_files_read(&o->files, "--params", text);
+        if (fp3_params_load(o->params, text, &error))
+            argp_failure(state, 2, 0, "%s", error.text);
+        break;
+    case KEY_SPREAD:
+        if (fp3_params_spread(o->params, text, &error))
+            argp_failure(state, 2, 0, "%s", error.text);
+        break;
+    case KEY_SET:
+        if (fp3_params_set(o->params, text, &error))
+            argp_failure(state, 2, 0, "%s", error.text);
+        break;
+    case ARGP_KEY_ARG:
+        if (o->input)
+            argp_error(state, "found '%s', expected one model or scene", text);
+        o->input = text;
+        break;
+    case ARGP_KEY_END:
+        check(o, state);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+/* ---- what is tuned ---- */
+
+static fp3_status spread_around(fp3_params *params, const fp3_quantity *q, double share,
+                                fp3_error *error) {
+    char text[FP3_NAME_SIZE + 64];
+    if (q->is_shared || q->value == 0 || fp3_params_has(params, q->name))
+        return FP3_OK;
+    snprintf(text, sizeof text, "%s=%.17g:%.17g", q->name, q->value * (1 - share),
+             q->value * (1 + share));
+    return fp3_params_spread(params, text, error);
+}
+
+static fp3_status add_ranges(const options *o, const fp3_model *model, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; o->around > 0 && !status && i < model->param_count; i++)
+        status = spread_around(o->params, &model->params[i], o->around, error);
+    for (uint32_t i = 0; o->around > 0 && !status && i < model->state_count; i++)
+        status = spread_around(o->params, &model->states[i], o->around, error);
+    return status;
+}
+
+static void say(void *user, const char *what) { fp3_progress_say(user, "%s", what); }
+
+static fp3_status tune(options *o, fp3_error *error) {
+    fp3_tuning *tuning = NULL;
+    char *hardware = NULL;
+    o->def.say = say;
+    o->def.user = o->progress;
+    fp3_status status = fp3_tune(&o->def, &tuning, error);
+    fp3_progress_end(&o->progress);
+    if (status)
+        return status;
+    fp3_tune_print_all(&o->out, &o->def, tuning);
+    if (o->has_hardware && tuning->best < tuning->row_count)
+        status = fp3_tuning_hardware(&o->def, tuning, o->objects, &hardware, error);
+    if (hardware)
+        fputs(hardware, stdout);
+    free(hardware);
+    if (!status)
+        status = fp3_tune_print_files(&o->out, &o->def, tuning, o->objects, error);
+    if (!status)
+        status = fp3_tune_print_judge(&o->def, tuning, error);
+    fp3_tuning_free(&tuning);
+    return status;
+}
+
+static fp3_status tune_model(options *o, char **report, fp3_error *error) {
+    fp3_program_def how = fp3_program_default();
+    fp3_program *program = NULL;
+    const fp3_config *config;
+    how.is_model = 1;
+    how.compile.config = o->def.config = o->config ? o->config : "many_full";
+    fp3_status status = fp3_config_choose(o->def.config, &config, error);
+    if (!status)
+        status = fp3_program_open(o->input, &how, &program, report, error);
+    if (!status)
+        status = add_ranges(o, program->model, error);
+    if (!status) {
+        if (!o->objects)
+            o->objects = o->around > 0 || fp3_tune_print_has_ranges(o->params)
+                             ? config->contexts * config->lanes
+                             : 1;
+        o->out.program = o->input;
+        o->def.program = program;
+        o->def.params = o->params;
+        status = tune(o, error);
+    }
+    fp3_program_close(&program);
+    return status;
+}
+
+static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_error *error) {
+    const fp3_scene_group *group = &scene->groups[0];
+    fp3_files files = {0};
+    if (scene->group_count != 1)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s:%d: found %zu groups, expected one", scene->path,
+                        scene->line, scene->group_count);
+    if (!group->program->model)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s:%d: '%s' is no model (*.ode): no other program has integrators",
+                        scene->path, group->line, group->path);
+    if (group->born.last || group->gone.first != FP3_FOREVER)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s:%d: found lifetimes, which are steps: expected objects that live all "
+                        "the time",
+                        scene->path, group->line);
+    fp3_files_read(&files, "scene", o->input);
+    fp3_files_read(&files, "program", group->path);
+    fp3_files_read(&files, "params", group->params_file);
+    fp3_files_write(&files, "--output", o->out.scene);
+    fp3_files_write(&files, "--json", o->out.json);
+    return fp3_files_check(&files, error);
+}
+
+static fp3_status scene_span(const fp3_scene *scene, double *span, fp3_error *error) {
+    const fp3_scene_group *group = &scene->groups[0];
+    double h = group->program->model->step;
+    fp3_status status = FP3_OK;
+    if (fp3_params_has(group->params, FP3_NAME_STEP))
+        status = fp3_params_get(group->params, FP3_NAME_STEP, &h, error);
+    if (*span == 0)
+        *span = (double)(float)h * (double)scene->steps;
+    return status;
+}
+
+static fp3_status tune_scene(options *o, fp3_error *error) {
+    fp3_scene *scene = NULL;
+    fp3_status status = fp3_scene_open(o->input, o->config, &scene, error);
+    if (!status)
+        status = check_scene(o, scene, error);
+    if (!status)
+        status = scene_span(scene, &o->def.span, error);
+    if (!status) {
+        o->objects = (uint32_t)scene->objects;
+        o->out.program = scene->groups[0].path;
+        o->def.config = scene->config;
+        o->def.program = scene->groups[0].program;
+        o->def.params = scene->groups[0].params;
+        status = tune(o, error);
+    }
+    fp3_scene_close(&scene);
+    return status;
+}
+
+int fp3_cmd_tune(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "MODEL\nSCENE",
+        .doc =
+            "Finds the cheapest integrator, step and arithmetic that meet a tolerance over ranges "
+            "of "
+            "parameters, by measuring a sample of objects against truth, and judges the choice by "
+            "objects that it has not seen. Costs are predicted cycles of an object over the span. "
+            "Exit code 3 if nothing meets the tolerance, or there is no truth."};
+    options o = {.def = fp3_tune_default()};
+    fp3_error error = {""};
+    char *report = NULL;
+    fp3_status status = fp3_params_make(&o.params, &error);
+    if (status)
+        return fp3_cli_fail("tune", status, &error);
+    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_files_read(&o.files, "INPUT", o.input);
+    fp3_files_write(&o.files, "--output", o.out.scene);
+    fp3_files_write(&o.files, "--json", o.out.json);
+    status = fp3_files_check(&o.files, &error);
+    if (!status) {
+        o.progress = fp3_progress_begin("tune", o.input);
+        status = o.is_scene ? tune_scene(&o, &error) : tune_model(&o, &report, &error);
+        fp3_progress_end(&o.progress);
+    }
+    const int exit_code = fp3_cli_end("tune", status, &error, report);
+    free(report);
+    fp3_params_free(&o.params);
+    return exit_code;
+}

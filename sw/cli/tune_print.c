@@ -1,0 +1,189 @@
+/* tune_print.c - see tune_print.h. */
+#include "tune_print.h"
+
+#include "base/file.h"
+#include "base/path.h"
+#include "tune/sample.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int fp3_tune_print_has_ranges(const fp3_params *params) { return fp3_sample_ranges(params) > 0; }
+
+/* ---- what is said ---- */
+
+static const fp3_tune_row *best_of(const fp3_tuning *t) {
+    return t->best < t->row_count ? &t->rows[t->best] : NULL;
+}
+
+/* The one with the smallest error; NULL: nothing was measured. */
+static const fp3_tune_row *lowest_of(const fp3_tuning *t) {
+    const fp3_tune_row *lowest = NULL;
+    for (size_t i = 0; i < t->row_count; i++)
+        if (isfinite(t->rows[i].lowest) && (!lowest || t->rows[i].lowest < lowest->lowest))
+            lowest = &t->rows[i];
+    return lowest;
+}
+
+static void print_rows(const fp3_tuning *t) {
+    printf("%-20s %-13s %9s %13s %9s %12s  %s\n", "integrator", "arithmetic", "steps", "h", "error",
+           "cycles", "");
+    for (size_t i = 0; i < t->row_count; i++) {
+        const fp3_tune_row *r = &t->rows[i];
+        if (r->steps)
+            printf("%-20s %-13s %9" PRIu64 " %13.9g %9.2e %12.1f  %s%s\n", r->integrator,
+                   r->arithmetic, r->steps, (double)r->h, r->error, r->cycles,
+                   i == t->best ? "the cheapest: " : "", r->why);
+        else
+            printf("%-20s %-13s %9s %13s %9s %12s  %s\n", r->integrator, r->arithmetic, "-", "-",
+                   "-", "-", r->why);
+    }
+}
+
+/* If none of n independent objects is beyond, a share p of the range is with (1 - p)^n. */
+static void print_held_out(const fp3_tuning *t) {
+    if (!t->ranges) {
+        printf("%-16s none: there are no ranges, so only one set of parameters was looked at\n",
+               "held out");
+        return;
+    }
+    printf("%-16s error %.2e at most of %" PRIu32 " objects that the choice has not seen",
+           "held out", t->error_held_out, t->held_out);
+    if (t->rounds > 1)
+        printf(", the sample number %" PRIu32
+               ": those before failed, and were added to what it saw",
+               t->rounds);
+    putchar('\n');
+    if (t->is_met)
+        printf(
+            "%-16s with 95 %% confidence at most %.1f %% of the ranges has a larger error than the "
+            "tolerance\n",
+            "safety", 100 * (1 - pow(0.05, 1.0 / t->held_out)));
+}
+
+void fp3_tune_print_all(const fp3_tune_print *out, const fp3_tune_def *def, const fp3_tuning *t) {
+    const fp3_tune_row *best = best_of(t);
+    print_rows(t);
+    printf("%-16s %s over %.9g, error at most %g; the sample (%" PRIu32 " object%s, %" PRIu32
+           " range%s) has to meet %g\n",
+           "asked", out->program, t->span, def->tolerance, t->sample, t->sample == 1 ? "" : "s",
+           t->ranges, t->ranges == 1 ? "" : "s", def->tolerance / def->safety);
+    printf("%-16s rk4, plain, %" PRIu64 " steps of the model's: %.1f cycles, error %.2e\n",
+           "compared with", t->baseline_steps, t->baseline_cycles, t->baseline_error);
+    if (!best)
+        return;
+    printf("%-16s %s, %s, h = %.9g, %" PRIu64 " steps: %.1f cycles, %.3f of that, error %.2e\n",
+           "chosen", best->integrator, best->arithmetic, (double)best->h, best->steps, best->cycles,
+           best->cycles / t->baseline_cycles, best->error);
+    print_held_out(t);
+}
+
+fp3_status fp3_tune_print_judge(const fp3_tune_def *def, const fp3_tuning *t, fp3_error *error) {
+    const fp3_tune_row *lowest = lowest_of(t);
+    if (t->is_met)
+        return FP3_OK;
+    if (best_of(t))
+        return fp3_fail(error, FP3_E_FAILED,
+                        "the choice does not hold: in each of %" PRIu32
+                        " held-out samples an object has a larger error than %g",
+                        t->rounds, def->tolerance);
+    if (!lowest)
+        return fp3_fail(error, FP3_E_FAILED, "nothing meets the tolerance %g: every run went wrong",
+                        def->tolerance);
+    return fp3_fail(error, FP3_E_FAILED,
+                    "nothing meets the tolerance %g: the smallest error that was found is %.2e, by "
+                    "%s, %s",
+                    def->tolerance, lowest->lowest, lowest->integrator, lowest->arithmetic);
+}
+
+/* ---- files ---- */
+
+static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
+
+static json_t *tried(const fp3_tuning *t) {
+    json_t *rows = json_array();
+    for (size_t i = 0; i < t->row_count; i++) {
+        const fp3_tune_row *r = &t->rows[i];
+        json_array_append_new(
+            rows, json_pack("{s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:s}", "integrator", r->integrator,
+                            "arithmetic", r->arithmetic, "steps", (json_int_t)r->steps, "h",
+                            number((double)r->h), "error", number(r->error), "lowest",
+                            number(r->lowest), "cycles", number(r->cycles), "why", r->why));
+    }
+    return rows;
+}
+
+static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
+                             const fp3_tuning *t, fp3_error *error) {
+    const fp3_tune_row *best = best_of(t), *lowest = lowest_of(t), *row = best ? best : lowest;
+    json_t *all =
+        json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:I, "
+                  "s:I, s:I, s:I, "
+                  "s:I, s:o}",
+                  "model", def->program->model->name, "tolerance", def->tolerance, "config",
+                  def->config, "integrator", row ? json_string(row->integrator) : json_null(),
+                  "arithmetic", row ? json_string(row->arithmetic) : json_null(), "h",
+                  best ? number((double)best->h) : json_null(), "error",
+                  row ? number(best ? best->error : row->lowest) : json_null(), "error_held_out",
+                  number(t->error_held_out), "cost_ratio",
+                  best ? number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met,
+                  "cycles", best ? number(best->cycles) : json_null(), "baseline_cycles",
+                  number(t->baseline_cycles), "baseline_error", number(t->baseline_error), "span",
+                  number(t->span), "steps", (json_int_t)(best ? best->steps : 0), "ranges",
+                  (json_int_t)t->ranges, "sample", (json_int_t)t->sample, "held_out",
+                  (json_int_t)t->held_out, "rounds", (json_int_t)t->rounds, "tried", tried(t));
+    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    const fp3_status status = text ? fp3_file_write(out->json, text, strlen(text), error)
+                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(text);
+    json_decref(all);
+    return status;
+}
+
+/* The model as seen from the folder of the scene, both behind all links. */
+static char *name_from(const char *model, const char *scene) {
+    const char *at = fp3_path_stream(scene, 1) >= 0 ? "./-" : scene;
+    char *to = fp3_path_resolve(model), *from = fp3_path_resolve(at), *name = NULL;
+    if (to && from) {
+        size_t same = 0, up = 0;
+        for (size_t i = 0; to[i] && to[i] == from[i]; i++)
+            if (to[i] == '/')
+                same = i + 1;
+        for (const char *c = from + same; *c; c++)
+            up += *c == '/';
+        name = malloc(3 * up + strlen(to + same) + 1);
+        if (name) {
+            *name = '\0';
+            while (up--)
+                strcat(name, "../");
+            strcat(name, to + same);
+        }
+    }
+    free(to);
+    free(from);
+    return name;
+}
+
+static fp3_status write_scene(const fp3_tune_print *out, const fp3_tune_def *def,
+                              const fp3_tuning *t, uint32_t objects, fp3_error *error) {
+    char *text = NULL, *name = name_from(out->program, out->scene);
+    fp3_status status = name ? fp3_tuning_scene(def, t, name, objects, &text, error)
+                             : fp3_path_fail(error, out->scene, "cannot name the model from there");
+    if (!status)
+        status = fp3_file_write(out->scene, text, strlen(text), error);
+    free(text);
+    free(name);
+    return status;
+}
+
+fp3_status fp3_tune_print_files(const fp3_tune_print *out, const fp3_tune_def *def,
+                                const fp3_tuning *t, uint32_t objects, fp3_error *error) {
+    fp3_status status = out->json ? write_json(out, def, t, error) : FP3_OK;
+    if (!status && out->scene && t->is_met)
+        status = write_scene(out, def, t, objects, error);
+    return status;
+}

@@ -1,0 +1,41 @@
+/* candidate.c - see candidate.h. */
+#include "candidate.h"
+
+#include "machine/config.h"
+#include "meter.h"
+
+#include <string.h>
+
+void fp3_candidate_free(fp3_candidate *c) {
+    if (c->measured != c->timed)
+        fp3_compiled_free(&c->measured);
+    fp3_compiled_free(&c->timed);
+    fp3_integrator_free(&c->integrator);
+    c->measured = NULL;
+}
+
+static fp3_status compile(const fp3_candidate *c, const fp3_model *model, const char *config,
+                          fp3_compiled **compiled, fp3_error *error) {
+    fp3_compile_def def = fp3_compile_default();
+    def.config = config;
+    def.is_compensated = c->arithmetic->is_compensated;
+    def.is_double_single = c->arithmetic->is_double_single;
+    def.passes |= c->arithmetic->passes;
+    return fp3_compile(model, c->integrator, &def, compiled, error);
+}
+
+fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const char *config,
+                                 fp3_error *error) {
+    fp3_status status = compile(c, model, config, &c->timed, error);
+    if (status || strcmp(config, FP3_METER_CONFIG) == 0) {
+        c->measured = c->timed;
+        return status;
+    }
+    return compile(c, model, FP3_METER_CONFIG, &c->measured, error);
+}
+
+double fp3_candidate_cycles(const fp3_candidate *c, const char *config, uint64_t steps) {
+    const fp3_config *machine = fp3_config_find(config);
+    const double objects = machine->contexts * machine->lanes;
+    return (double)fp3_compiled_cycles(c->timed, steps) / objects;
+}

@@ -1,0 +1,24 @@
+/* candidate.h - an integrator with an arithmetic, as a program, and what it costs. */
+#ifndef FP3_TUNE_CANDIDATE_H
+#define FP3_TUNE_CANDIDATE_H
+
+#include "bench/variants.h"
+
+/* An integrator with an arithmetic. */
+typedef struct {
+    fp3_integrator *integrator;
+    const fp3_bench_arithmetic *arithmetic;
+    fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */
+    fp3_compiled *measured; /* for FP3_METER_CONFIG; the same pointer where that is it */
+} fp3_candidate;
+
+void fp3_candidate_free(fp3_candidate *candidate);
+
+/* FP3_E_PROGRAM and FP3_E_LIMIT: the model cannot be compiled so. */
+fp3_status fp3_candidate_compile(fp3_candidate *candidate, const fp3_model *model,
+                                 const char *config, fp3_error *error);
+
+/* For an object over so many steps, all contexts full; 0: not known beforehand. */
+double fp3_candidate_cycles(const fp3_candidate *candidate, const char *config, uint64_t steps);
+
+#endif

@@ -1,0 +1,195 @@
+/* search.c - see search.h.
+ *
+ * The error falls with the power of the order until rounding stops it. So a look tells about how many steps
+ * the target needs; what is left is bracketed and divided.
+ */
+#include "search.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+#define LOOKS_MOST 24      /* runs of the sample for one candidate */
+#define RESOLUTION 32      /* the fewest steps are found to 1/32 of them */
+#define FARTHER 8          /* the most by which a guess multiplies steps */
+#define NEARLY 30          /* an error so many targets large may be rounding: fewer steps may do */
+#define HALVINGS 4         /* ... down to an eighth */
+#define SMALL 0.1          /* from here on errors fall as the order says ... */
+#define HOPELESS 4         /* ... and steps that need so many times the most are not tried */
+#define MARGIN 1.03        /* of a guess, which else just misses */
+#define NOTHING_GAINED 0.8 /* steps that leave so much of the error are spent on rounding */
+
+typedef struct {
+    const fp3_search *search;
+    const fp3_candidate *candidate;
+    fp3_tune_row *row;
+    fp3_error *error;
+} seeker;
+
+static uint64_t whole(double steps) {
+    const double looks = FP3_TUNE_LOOKS;
+    return (uint64_t)(fmax(1, ceil(steps / looks)) * looks);
+}
+
+static double cycles(const seeker *s, uint64_t steps) {
+    return fp3_candidate_cycles(s->candidate, s->search->config, steps);
+}
+
+static fp3_status look(const seeker *s, uint64_t steps, double *found) {
+    const fp3_search *q = s->search;
+    const fp3_status status =
+        fp3_meter_read(q->meter, q->sample, s->candidate->measured, steps, found, s->error);
+    s->row->looks++;
+    s->row->lowest = fmin(s->row->lowest, *found);
+    if (!status && (*found <= q->target || !s->row->steps || *found < s->row->error)) {
+        s->row->steps = steps;
+        s->row->h = fp3_meter_h(q->sample, steps);
+        s->row->error = *found;
+        s->row->cycles = cycles(s, steps);
+        s->row->is_met = *found <= q->target;
+    }
+    return status;
+}
+
+/* The most steps that are of interest; 0: not even the fewest. */
+static uint64_t find_most(const seeker *s) {
+    const double limit = fmin(s->search->dearest, s->search->cheaper);
+    uint64_t low = 0, high = FP3_STEPS_LIMIT / FP3_TUNE_LOOKS;
+    while (low < high) {
+        const uint64_t middle = high - (high - low) / 2;
+        if (cycles(s, middle * FP3_TUNE_LOOKS) < limit)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low * FP3_TUNE_LOOKS;
+}
+
+/* By the order, even many more steps than are of interest are too few. */
+static int is_hopeless(const seeker *s, uint64_t steps, uint64_t most, double error) {
+    const unsigned order = s->candidate->measured->order;
+    return error < SMALL &&
+           (double)steps * pow(error / s->search->target, 1.0 / (order ? order : 1)) >
+               HOPELESS * (double)most;
+}
+
+/* So many steps would meet the target if the error fell as the order says. */
+static double guess(const seeker *s, uint64_t steps, double error) {
+    const unsigned order = s->candidate->measured->order;
+    if (!(error < 1))
+        return 2.0 * (double)steps;
+    const double factor = MARGIN * pow(error / s->search->target, 1.0 / (order ? order : 1));
+    return (double)steps * fmin(factor, FARTHER);
+}
+
+/* Upwards from where the search begins. *low failed, *high met the target; 0: nothing did. */
+static fp3_status climb(const seeker *s, uint64_t most, uint64_t *low, uint64_t *high) {
+    uint64_t steps = s->search->first < most ? s->search->first : most;
+    double last = INFINITY, error = INFINITY;
+    unsigned idle = 0;
+    fp3_status status = FP3_OK;
+    while (!status && s->row->looks < LOOKS_MOST) {
+        status = look(s, steps, &error);
+        if (status || error <= s->search->target)
+            break;
+        *low = steps;
+        idle = error < 1 && error > NOTHING_GAINED * last ? idle + 1 : 0;
+        if (steps == most || idle == 2 || is_hopeless(s, steps, most, error))
+            return FP3_OK;
+        last = error;
+        const double next = fmax(guess(s, steps, error), 1.25 * (double)steps);
+        steps = whole(fmin(next, (double)most));
+    }
+    *high = error <= s->search->target ? steps : 0;
+    return status;
+}
+
+/* From the most steps that are of interest downwards, as far as rounding may be what stands in the way. */
+static fp3_status descend(const seeker *s, uint64_t most, uint64_t *high) {
+    double error = INFINITY;
+    fp3_status status = FP3_OK;
+    *high = 0;
+    for (unsigned i = 0; !status && i < HALVINGS; i++) {
+        const uint64_t steps = whole((double)most / (1u << i));
+        status = look(s, steps, &error);
+        if (!status && error <= s->search->target)
+            *high = steps;
+        if (*high || !(error < NEARLY * s->search->target) || steps <= FP3_TUNE_LOOKS)
+            break;
+    }
+    return status;
+}
+
+/* Where nothing is known, more steps may be what it takes, or fewer. */
+static fp3_status roam(const seeker *s, uint64_t most, uint64_t *low, uint64_t *high) {
+    const uint64_t first = s->search->first < most ? s->search->first : most;
+    fp3_status status = climb(s, most, low, high);
+    if (status || *high || first <= FP3_TUNE_LOOKS)
+        return status;
+    *low = 0;
+    return descend(s, whole((double)first / 2), high);
+}
+
+/* Between the two, guessing by the order first. */
+static fp3_status divide(const seeker *s, uint64_t low, uint64_t high, double error) {
+    fp3_status status = FP3_OK;
+    while (!status && s->row->looks < LOOKS_MOST && high - low > FP3_TUNE_LOOKS &&
+           high - low > high / RESOLUTION) {
+        double steps = sqrt((double)(low ? low : FP3_TUNE_LOOKS) * (double)high);
+        if (error > 0 && error < s->search->target / 2)
+            steps = fmax(guess(s, high, error), steps / 2);
+        uint64_t next = whole(fmax(steps, (double)low + 1));
+        if (next >= high || next <= low)
+            next = whole((double)(low + high) / 2);
+        if (next >= high)
+            next = high - FP3_TUNE_LOOKS;
+        if (next <= low)
+            break;
+        double found = INFINITY;
+        status = look(s, next, &found);
+        if (found <= s->search->target) {
+            high = next;
+            error = found;
+        } else {
+            low = next;
+            error = 0; /* a guess failed: halve */
+        }
+    }
+    return status;
+}
+
+static void explain(const seeker *s, uint64_t most) {
+    fp3_tune_row *row = s->row;
+    if (row->is_met)
+        snprintf(row->why, sizeof row->why, "meets the target");
+    else if (isfinite(s->search->cheaper))
+        snprintf(row->why, sizeof row->why, "not with the %" PRIu64 " steps that cost less", most);
+    else
+        snprintf(row->why, sizeof row->why,
+                 "not with the %" PRIu64
+                 " steps that were looked at, nor, by its order, with %" PRIu64,
+                 row->steps, most);
+}
+
+fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candidate,
+                            fp3_tune_row *row, fp3_error *error) {
+    const seeker s = {search, candidate, row, error};
+    const uint64_t most = find_most(&s);
+    uint64_t low = 0, high = 0;
+    row->looks = 0;
+    row->is_met = 0;
+    row->steps = 0;
+    row->lowest = row->error = INFINITY;
+    if (!most) {
+        row->cycles = cycles(&s, FP3_TUNE_LOOKS);
+        snprintf(row->why, sizeof row->why, "no cheaper: %d steps cost more than the best",
+                 FP3_TUNE_LOOKS);
+        return FP3_OK;
+    }
+    fp3_status status =
+        isfinite(search->cheaper) ? descend(&s, most, &high) : roam(&s, most, &low, &high);
+    if (!status && high)
+        status = divide(&s, low, high, row->error);
+    explain(&s, most);
+    return status;
+}

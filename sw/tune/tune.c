@@ -1,0 +1,341 @@
+/* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
+#include "search.h"
+
+#include "machine/config.h"
+
+#include <gsl/gsl_qrng.h>
+#include <gsl/gsl_rng.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SOBOL_MOST 40 /* dimensions that GSL's sequence has */
+#define SEED 1
+#define DEAREST 1.6e7   /* cycles of an object in a run, at most; ... */
+#define DEAREST_TIMES 8 /* ... or so many times those of rk4 */
+
+typedef struct {
+    const fp3_tune_def *def;
+    const fp3_model *model;
+    fp3_sample seen, unseen;
+    fp3_meter meter, held;
+    fp3_candidate *candidates; /* of rows, by the same number */
+    gsl_rng *random;
+    fp3_tuning *t;
+    fp3_error *error;
+} tuner;
+
+fp3_tune_def fp3_tune_default(void) {
+    return (fp3_tune_def){.safety = 1.25, .sample = 32, .held_out = 64, .rounds = 4};
+}
+
+static void say(const tuner *k, const char *what) {
+    if (k->def->say)
+        k->def->say(k->def->user, what);
+}
+
+/* ---- what is refused ---- */
+
+static fp3_status check_machine(const fp3_tune_def *def, fp3_error *error) {
+    const fp3_config *config;
+    const fp3_status status = fp3_config_choose(def->config, &config, error);
+    if (status)
+        return status;
+    if (!config->nearest || !config->subnormal)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "configuration '%s' rounds otherwise than IEEE 754: expected one with "
+                        "`nearest` and `subnormal`",
+                        config->name);
+    if (fp3_config_schedulers(config) > 1)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "configuration '%s' has several schedulers: expected one with one, whose "
+                        "cycles for an object are known beforehand",
+                        config->name);
+    return FP3_OK;
+}
+
+static fp3_status check(const tuner *k) {
+    const fp3_tune_def *def = k->def;
+    if (!def->program->model)
+        return fp3_fail(k->error, FP3_E_ARGUMENT,
+                        "expected a model: no other program has integrators");
+    if (!(def->tolerance >= FP3_TUNE_LEAST && def->tolerance < 1))
+        return fp3_fail(k->error, FP3_E_ARGUMENT,
+                        "the tolerance is %g: expected one from %g (FP32 itself rounds by 6e-8) "
+                        "to below 1",
+                        def->tolerance, FP3_TUNE_LEAST);
+    if (!(def->safety >= 1 && isfinite(def->safety)) || !def->sample || !def->held_out ||
+        !def->rounds)
+        return fp3_fail(k->error, FP3_E_ARGUMENT, "expected a safety of at least 1, and objects");
+    if (!(k->t->span > 0 && isfinite(k->t->span)))
+        return fp3_fail(k->error, FP3_E_ARGUMENT, "the span is %g: expected a time above 0",
+                        k->t->span);
+    if (fp3_params_has(def->params, FP3_NAME_STEPS))
+        return fp3_fail(k->error, FP3_E_ARGUMENT,
+                        "'steps' has a value: a tuner's objects start at time 0");
+    const double steps = k->t->span / k->model->step;
+    if (!(steps >= FP3_TUNE_LOOKS && steps < FP3_STEPS_LIMIT / 2))
+        return fp3_fail(k->error, FP3_E_ARGUMENT,
+                        "the span %g is %g of the model's steps: expected %d to %d", k->t->span,
+                        steps, FP3_TUNE_LOOKS, FP3_STEPS_LIMIT / 2);
+    return check_machine(def, k->error);
+}
+
+/* What no object may have, in the words of a run: a shared param that is spread, a name that there is not. */
+static fp3_status check_values(const tuner *k) {
+    int is_spread;
+    float *values = calloc(k->def->program->compiled->input_count + 1u, sizeof *values);
+    if (!values)
+        return fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        fp3_program_inputs(k->def->program, k->def->params, 0, values, &is_spread, k->error);
+    free(values);
+    return status;
+}
+
+/* ---- samples ---- */
+
+static fp3_status add(tuner *k, fp3_sample *sample, const double *shares) {
+    return fp3_sample_add(sample, k->def->program, k->def->params, shares, k->error);
+}
+
+/* Both ends of all ranges, then a sequence that fills them evenly. */
+static fp3_status draw_seen(tuner *k) {
+    const uint32_t ranges = k->t->ranges, count = ranges ? k->def->sample : 1;
+    gsl_qrng *sobol =
+        ranges && ranges <= SOBOL_MOST ? gsl_qrng_alloc(gsl_qrng_sobol, ranges) : NULL;
+    double *shares = calloc(ranges + 1u, sizeof *shares);
+    fp3_status status = shares ? FP3_OK : fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < count; i++) {
+        for (uint32_t j = 0; j < ranges; j++)
+            shares[j] = i < 2 ? i : gsl_rng_uniform(k->random);
+        if (sobol && i >= 2)
+            gsl_qrng_get(sobol, shares);
+        status = add(k, &k->seen, shares);
+    }
+    free(shares);
+    if (sobol)
+        gsl_qrng_free(sobol);
+    return status;
+}
+
+/* Independent of each other and of all before. */
+static fp3_status draw_unseen(tuner *k) {
+    const uint32_t ranges = k->t->ranges;
+    double *shares = calloc(ranges + 1u, sizeof *shares);
+    fp3_status status = shares ? FP3_OK : fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    fp3_sample_close(&k->unseen);
+    fp3_sample_open(&k->unseen, k->model, k->t->span);
+    for (uint32_t i = 0; !status && i < k->def->held_out; i++) {
+        for (uint32_t j = 0; j < ranges; j++)
+            shares[j] = gsl_rng_uniform(k->random);
+        status = add(k, &k->unseen, shares);
+    }
+    free(shares);
+    return status;
+}
+
+/* ---- candidates ---- */
+
+static int apart_from_four(unsigned order) { return order > 4 ? (int)order - 4 : 4 - (int)order; }
+
+/* The likely ones first: whatever follows is only looked at as far as it is cheaper. */
+static int compare_candidates(const void *a, const void *b) {
+    const fp3_candidate *x = a, *y = b;
+    if (x->arithmetic != y->arithmetic)
+        return x->arithmetic < y->arithmetic ? -1 : 1;
+    const int far = apart_from_four(x->integrator->order) - apart_from_four(y->integrator->order);
+    if (far)
+        return far;
+    const int is_rk4 = strcmp(y->integrator->name, "rk4") == 0;
+    return is_rk4 - (strcmp(x->integrator->name, "rk4") == 0);
+}
+
+static fp3_status list_candidates(tuner *k) {
+    size_t names = 0, count = 0;
+    fp3_status status = FP3_OK;
+    while (fp3_integrator_name((unsigned)names))
+        names++;
+    k->candidates = calloc(names * FP3_BENCH_ARITHMETICS, sizeof *k->candidates);
+    k->t->rows = calloc(names * FP3_BENCH_ARITHMETICS, sizeof *k->t->rows);
+    if (!k->candidates || !k->t->rows)
+        return fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    for (int a = 0; !status && a < FP3_BENCH_ARITHMETICS; a++)
+        for (unsigned i = 0; !status && i < names; i++) {
+            fp3_candidate *c = &k->candidates[count];
+            status = fp3_integrator_find(fp3_integrator_name(i), &c->integrator, k->error);
+            c->arithmetic = &fp3_bench_arithmetics[a];
+            if (!status && !fp3_bench_applies(c->arithmetic, c->integrator))
+                fp3_candidate_free(c);
+            else
+                count++;
+        }
+    k->t->row_count = k->t->best = count;
+    qsort(k->candidates, count, sizeof *k->candidates, compare_candidates);
+    return status;
+}
+
+static void name_row(const fp3_candidate *c, fp3_tune_row *row) {
+    snprintf(row->integrator, sizeof row->integrator, "%s", c->integrator->name);
+    row->arithmetic = c->arithmetic->name;
+    row->lowest = row->error = INFINITY;
+}
+
+/* FP3_OK and no program: it cannot be compiled, and the row says why. */
+static fp3_status compile(tuner *k, size_t i) {
+    fp3_error why;
+    fp3_candidate *c = &k->candidates[i];
+    if (c->timed || k->t->rows[i].why[0])
+        return FP3_OK;
+    const fp3_status status = fp3_candidate_compile(c, k->model, k->def->config, &why);
+    if (status == FP3_E_PROGRAM || status == FP3_E_LIMIT) {
+        fp3_compiled_free(&c->timed);
+        c->measured = NULL;
+        snprintf(k->t->rows[i].why, sizeof k->t->rows[i].why, "%.159s", why.text);
+        return FP3_OK;
+    }
+    return status ? fp3_fail(k->error, status, "%s", why.text) : FP3_OK;
+}
+
+static fp3_status try_one(tuner *k, size_t i, double target) {
+    const fp3_tuning *t = k->t;
+    fp3_tune_row *row = &k->t->rows[i];
+    const fp3_search search = {
+        .sample = &k->seen,
+        .meter = &k->meter,
+        .config = k->def->config,
+        .target = target,
+        .first = (t->baseline_steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS * FP3_TUNE_LOOKS,
+        .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
+        .cheaper = t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
+    char text[80];
+    snprintf(text, sizeof text, "%s, %s", row->integrator, row->arithmetic);
+    say(k, text);
+    fp3_status status = compile(k, i);
+    if (status || !k->candidates[i].timed)
+        return status;
+    status = fp3_search_steps(&search, &k->candidates[i], row, k->error);
+    if (!status && row->is_met)
+        k->t->best = i;
+    return status;
+}
+
+static fp3_status choose(tuner *k) {
+    fp3_status status = FP3_OK;
+    k->t->best = k->t->row_count;
+    for (size_t i = 0; !status && i < k->t->row_count; i++)
+        status = try_one(k, i, k->def->tolerance / k->def->safety);
+    return status;
+}
+
+/* ---- the whole ---- */
+
+/* The first candidate is rk4, plain. */
+static fp3_status measure_baseline(tuner *k) {
+    const fp3_candidate *rk4 = &k->candidates[0];
+    fp3_tuning *t = k->t;
+    t->baseline_steps = (uint64_t)fmax(1, round(t->span / k->model->step));
+    fp3_status status = compile(k, 0);
+    if (!status && !rk4->timed)
+        return fp3_fail(k->error, FP3_E_PROGRAM, "rk4, which costs are compared with: %s",
+                        t->rows[0].why);
+    if (status)
+        return status;
+    t->baseline_cycles = fp3_candidate_cycles(rk4, k->def->config, t->baseline_steps);
+    return fp3_meter_read(&k->meter, &k->seen, rk4->measured,
+                          (t->baseline_steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS *
+                              FP3_TUNE_LOOKS,
+                          &t->baseline_error, k->error);
+}
+
+/* What failed is seen from then on. */
+static fp3_status hold_out(tuner *k) {
+    const fp3_tune_row *best = &k->t->rows[k->t->best];
+    say(k, "a held-out sample");
+    fp3_status status = draw_unseen(k);
+    if (!status)
+        status = fp3_meter_read(&k->held, &k->unseen, k->candidates[k->t->best].measured,
+                                best->steps, &k->t->error_held_out, k->error);
+    k->t->held_out = (uint32_t)k->unseen.count;
+    k->t->is_met = !status && k->t->error_held_out <= k->def->tolerance;
+    return status;
+}
+
+static fp3_status tune(tuner *k) {
+    fp3_tuning *t = k->t;
+    fp3_status status = FP3_OK;
+    while (!status && !t->is_met && t->rounds < k->def->rounds) {
+        t->rounds++;
+        t->sample = (uint32_t)k->seen.count;
+        status = choose(k);
+        if (status || t->best == t->row_count)
+            return status;
+        if (!t->ranges) {
+            t->is_met = 1;
+            return FP3_OK;
+        }
+        status = hold_out(k);
+        if (!status && !t->is_met && t->rounds < k->def->rounds)
+            status = fp3_sample_join(&k->seen, &k->unseen, k->error);
+    }
+    return status;
+}
+
+static fp3_status begin(tuner *k) {
+    fp3_status status = check(k);
+    if (!status)
+        status = check_values(k);
+    if (!status)
+        status = list_candidates(k);
+    for (size_t i = 0; !status && i < k->t->row_count; i++)
+        name_row(&k->candidates[i], &k->t->rows[i]);
+    say(k, "the truth");
+    if (!status)
+        status = draw_seen(k);
+    return status ? status : measure_baseline(k);
+}
+
+static void end(tuner *k) {
+    for (size_t i = 0; k->candidates && i < k->t->row_count; i++)
+        fp3_candidate_free(&k->candidates[i]);
+    free(k->candidates);
+    fp3_sample_close(&k->seen);
+    fp3_sample_close(&k->unseen);
+    fp3_meter_close(&k->meter);
+    fp3_meter_close(&k->held);
+    gsl_rng_free(k->random);
+}
+
+fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error) {
+    *tuning = calloc(1, sizeof **tuning);
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    if (!*tuning || !random) {
+        free(*tuning);
+        *tuning = NULL;
+        gsl_rng_free(random);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    gsl_rng_set(random, SEED);
+    tuner k = {
+        .def = def, .model = def->program->model, .t = *tuning, .random = random, .error = error};
+    k.t->error_held_out = NAN;
+    k.t->span = def->span == 0 && k.model ? k.model->span : def->span;
+    k.t->ranges = fp3_sample_ranges(def->params);
+    fp3_sample_open(&k.seen, k.model, k.t->span);
+    fp3_sample_open(&k.unseen, k.model, k.t->span);
+    fp3_status status = begin(&k);
+    if (!status)
+        status = tune(&k);
+    end(&k);
+    if (status)
+        fp3_tuning_free(tuning);
+    return status;
+}
+
+void fp3_tuning_free(fp3_tuning **tuning) {
+    if (*tuning)
+        free((*tuning)->rows);
+    free(*tuning);
+    *tuning = NULL;
+}

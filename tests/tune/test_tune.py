@@ -1,0 +1,178 @@
+"""fp3 tune: the choice holds, costs what it says, and runs as it is; what is refused, and what has no answer."""
+
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+# The right-hand side is steep between the 32 objects of the sample, which lie at multiples of 1/32.
+COMB = """state x = 1
+param a = 0
+x' = -(1 + 20*sin(32*pi*a)^2)*(x - 0.5)
+exact x = 0.5 + 0.5*exp(-(1 + 20*sin(32*pi*a)^2)*t)
+step 0.0078125
+span 1
+"""
+DECAY = "state x = 1\nparam k = 1\nx' = -k*x\nexact x = exp(-k*t)\nstep 0.03125\nspan 2\n"
+
+
+@pytest.fixture
+def tune(fp3, tmp_path):
+    (tmp_path / "m.ode").write_text(DECAY)
+
+    def tune(*arguments, cwd=tmp_path):
+        done = subprocess.run([fp3, "tune", *map(str, arguments), "--json", "out.json"], cwd=cwd, capture_output=True, text=True, timeout=120)
+        path = pathlib.Path(cwd) / "out.json"
+        return done, json.loads(path.read_text()) if path.exists() else None
+    return tune
+
+
+def cycles(fp3, folder, *arguments):
+    done = subprocess.run([fp3, "run", *map(str, arguments), "-e", "rtl"], cwd=folder, capture_output=True, text=True, timeout=120, check=True)
+    return int(re.search(r"^cycles +(\d+)$", done.stdout, re.M)[1])
+
+
+# ---- the choice ----
+
+def test_the_scene_runs_and_keeps_the_tolerance(tune, fp3, tmp_path):
+    (tmp_path / "out").mkdir()
+    done, row = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "--output", "out/m.scene", "--objects", "50")
+    assert done.returncode == 0 and row["met"] and row["error_held_out"] <= 1e-4 and row["held_out"] == 64
+    out = subprocess.run([fp3, "run", "--all", "--scene", "out/m.scene"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    found = [float(x) for x in re.findall(r"^x +(\S+) ", out, re.M)]
+    assert len(found) == 50
+    for i, x in enumerate(found):
+        assert abs(x - math.exp(-2 * (0.5 + 1.5 * i / 49))) <= 1e-4
+
+
+def test_the_cost_is_that_of_the_hardware(tune, fp3, tmp_path):
+    done, row = tune("m.ode", "--tolerance", "1e-3", "--spread", "k=0.5:2", "--output", "m.scene")
+    assert done.returncode == 0
+    assert cycles(fp3, tmp_path, "--scene", "m.scene") == pytest.approx(24 * row["cycles"], abs=0.5)
+    base = cycles(fp3, tmp_path, "m.ode", "-c", "many_full", "-o", "24", "-n", "64")
+    assert base == pytest.approx(24 * row["baseline_cycles"], abs=0.5)
+    assert row["cost_ratio"] == pytest.approx(row["cycles"] / row["baseline_cycles"], rel=1e-6)
+
+
+def test_nothing_that_was_tried_is_cheaper_and_good_enough(tune):
+    row = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2")[1]
+    good = [r for r in row["tried"] if r["error"] is not None and r["error"] <= 1e-4 / 1.25]
+    assert good and min(r["cycles"] for r in good) == row["cycles"] < row["baseline_cycles"]
+    assert {(r["integrator"], r["arithmetic"]) for r in row["tried"]} >= {("euler", "plain"), ("rk6", "folded"), ("rk4", "compensated")}
+
+
+def test_what_the_sample_misses_the_held_out_objects_find(tune, tmp_path):
+    (tmp_path / "comb.ode").write_text(COMB)
+    done, row = tune("comb.ode", "--tolerance", "1e-3", "--spread", "a=0:1")
+    assert done.returncode == 0 and row["met"] and row["error_held_out"] <= 1e-3
+    assert row["rounds"] > 1 and row["sample"] >= 32 + 64
+    assert "those before failed" in done.stdout
+
+
+def test_a_scene_is_tuned_as_its_model_is(tune, tmp_path):
+    (tmp_path / "s.scene").write_text('config = "many_full"; steps = 64; h = 0.03125;\n'
+                                      'groups = ({ program = "m.ode"; objects = 7; spread = { k = [0.5, 2.0]; }; });\n')
+    scene = tune("s.scene", "--tolerance", "1e-3", "--output", "t.scene")[1]
+    model = tune("m.ode", "--tolerance", "1e-3", "--spread", "k=0.5:2")[1]
+    assert scene == model
+    assert "objects = 7;" in (tmp_path / "t.scene").read_text()
+
+
+def test_one_set_of_parameters_is_said_to_be_one(tune):
+    done, row = tune("m.ode", "--tolerance", "1e-3")
+    assert done.returncode == 0 and "only one set of parameters was looked at" in done.stdout
+    assert row["met"] and row["error_held_out"] is None and row["held_out"] == 0
+
+
+def test_one_object_has_a_choice_of_its_own(tune):
+    row = tune("m.ode", "--tolerance", "1e-3", "-c", "single_full")[1]
+    assert row["met"] and row["cost_ratio"] < 1
+
+
+# ---- hardware ----
+
+def test_the_trimmed_configuration_is_one_and_has_what_it_needs(tune, root):
+    done = tune("m.ode", "--tolerance", "1e-3", "--spread", "k=0.5:2", "--hardware")[0]
+    text = done.stdout[done.stdout.index("[[config]]"):]
+    found = tomllib.loads(text)["config"][0]
+    assert (found["select"], found["estimate"], found["round"], found["sleep"]) == (0, 0, 0, 0)
+    assert found["registers"] < 64 and found["program_words"] < 2048 and found["store_words"] < 16384
+    sys.path.insert(0, str(root / "tools"))
+    from fp3gen import read
+    assert found.keys() - {"name", "doc"} <= read.__dict__.keys() | set(tomllib.loads((root / "isa/configs.toml").read_text())["key"])
+    page = (root / "docs/results.md").read_text()
+    known = int(re.search(r"^\| `many_full` \| ([\d,]+) \|", page, re.M)[1].replace(",", ""))
+    saved = [int(re.search(rf"^\| {name} \| [\d,]+ \| -(\d+) \|", page, re.M)[1]) for name in ("no sleep", "no selection", "no estimates")]
+    assert f"has {known} (docs" in text and f"about {known - sum(saved)}:" in text and "not known, and not in it" in text
+
+
+# ---- no answer ----
+
+def test_a_tolerance_that_nothing_meets(tune, tmp_path):
+    # An event makes every integrator one of first order.
+    (tmp_path / "e.ode").write_text("state x = 1\nx' = -x\nwhen x < 0.3: x = 1\nstep 0.125\nspan 4\n")
+    (tmp_path / "old.scene").write_text("as it was")
+    done, row = tune("e.ode", "--tolerance", "1e-6", "--output", "old.scene")
+    assert done.returncode == 3 and not row["met"] and row["cost_ratio"] is None
+    assert re.search(r"nothing meets the tolerance 1e-06: the smallest error that was found is \S+, by \w+, \w+", done.stderr)
+    assert (tmp_path / "old.scene").read_text() == "as it was"
+
+
+def test_without_a_truth_there_is_no_choice(tune, root):
+    done, row = tune(root / "programs/lorenz.ode", "--tolerance", "1e-3", "--span", "60")
+    assert done.returncode == 3 and "no truth to measure errors against: two truths of" in done.stderr and row is None
+
+
+@pytest.mark.parametrize("arguments, said", [
+    (["m.ode"], "expected --tolerance"),
+    (["m.ode", "--tolerance", "0"], "found '0', expected a number above 0"),
+    (["m.ode", "--tolerance", "-1e-3"], "expected a number above 0"),
+    (["m.ode", "--tolerance", "nan"], "no number"),
+    (["m.ode", "--tolerance", "1e-30"], "the tolerance is 1e-30: expected one from 1e-07"),
+    (["m.ode", "--tolerance", "1"], "below 1"),
+    (["m.ode", "--tolerance", "1e-3", "--span", "1e9"], "the span 1e+09 is"),
+    (["m.ode", "--tolerance", "1e-3", "--span", "0.01"], "expected 4 to"),
+    (["m.ode", "--tolerance", "1e-3", "--spread", "q=0:1"], "'q'"),
+    (["m.ode", "--tolerance", "1e-3", "--set", "steps=5"], "'steps'"),
+    (["m.ode", "--tolerance", "1e-3", "-c", "array"], "several schedulers"),
+    (["m.ode", "--tolerance", "1e-3", "-c", "nope"], "'nope'"),
+    (["m.ode", "--tolerance", "1e-3", "--output", "m.ode"], "m.ode"),
+    (["m.s", "--tolerance", "1e-3"], "expected a model"),
+    (["two.scene", "--tolerance", "1e-3"], "found 2 groups, expected one"),
+    (["life.scene", "--tolerance", "1e-3"], "found lifetimes"),
+    (["one.scene", "--tolerance", "1e-3", "--set", "k=1"], "are in the scene"),
+])
+def test_what_is_refused(tune, tmp_path, arguments, said):
+    group = '{ program = "m.ode"; objects = 2; }'
+    (tmp_path / "one.scene").write_text(f'config = "many_full"; steps = 64; groups = ({group});\n')
+    (tmp_path / "two.scene").write_text(f'config = "array"; steps = 64; groups = ({group}, {group});\n')
+    (tmp_path / "life.scene").write_text(f'config = "many_full"; steps = 64; groups = ({group.replace("}", "born = 3; }")});\n')
+    done, row = tune(*arguments)
+    assert done.returncode == 2 and said in done.stderr and row is None, done.stderr
+
+
+# ---- truth, table ----
+
+def test_truths_at_several_times(root, build):
+    models = [root / f"programs/{name}.ode" for name in ("pendulum", "oscillator", "bouncing_ball")]
+    out = subprocess.run([build / "tests/truths", *models], capture_output=True, text=True, check=True).stdout.split()
+    assert out[::3] == ["pendulum", "oscillator", "bouncing_ball"]
+    assert all(float(error) < 1e-9 for error in out[1::3]) and set(out[2::3]) == {"1"}  # FP3_E_ARGUMENT: times go upwards
+
+
+def test_the_table_of_all_models(fp3, root, tmp_path):
+    out = tmp_path / "tune.json"
+    subprocess.run([sys.executable, root / "tools/tune.py", "--fp3", fp3, "--output", out, "--quick", "--models", "ship"], cwd=root, check=True, capture_output=True)
+    rows = json.loads(out.read_text())["rows"]
+    assert [(row["model"], row["tolerance"]) for row in rows] == [("ship", 1e-3), ("ship", 1e-4)]
+    for row in rows:
+        assert row["met"] and row["error_held_out"] <= row["tolerance"] and 0 < row["cost_ratio"] < 1
+        assert row["integrator"] and row["arithmetic"] and row["h"] > 0
+    page = tmp_path / "tuning.md"
+    subprocess.run([sys.executable, root / "tools/tune.py", "--input", out, "--markdown", page], cwd=root, check=True)
+    assert f"| {rows[0]['cost_ratio']:.2f} `{rows[0]['integrator']}`" in page.read_text()
