@@ -53,12 +53,11 @@ static void print_counts(const char *name, const fp3_adaptive_counts *c, size_t 
     putchar('\n');
 }
 
-fp3_status fp3_run_adaptive_print(fp3_engine *engine, fp3_error *error) {
+fp3_status fp3_run_adaptive_print(fp3_engine *engine) {
     const size_t objects = fp3_engine_objects(engine);
     fp3_adaptive_report report;
     char text[FP3_ADAPTIVE_TEXT_SIZE];
     fp3_status status = fp3_adaptive_report_make(engine, 0, objects, &report);
-    (void)error;
     if (status)
         return status;
     print_counts("accepted", &report.accepted, objects);

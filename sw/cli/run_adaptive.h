@@ -19,7 +19,7 @@ void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *reco
                              struct argp_state *state);
 
 /* Prints how many steps objects made, and who did not end. */
-fp3_status fp3_run_adaptive_print(fp3_engine *engine, fp3_error *error);
+fp3_status fp3_run_adaptive_print(fp3_engine *engine);
 /* FP3_E_FAILED: somebody did not end. */
 fp3_status fp3_run_adaptive_judge(fp3_engine *engine, fp3_error *error);
 

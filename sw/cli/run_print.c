@@ -137,7 +137,7 @@ static void print_failed(fp3_engine *engine, const part *of, const fp3_cost *cos
 
 static void print_status(fp3_engine *engine, const part *of, const fp3_cost *cost) {
     if (cost->is_adaptive) {
-        fp3_run_adaptive_print(engine, NULL);
+        fp3_run_adaptive_print(engine);
         return;
     }
     print_asleep(engine, of);

@@ -8,6 +8,7 @@
 
 #include "backend.h"
 
+#define COUNT_MOST 0x1p32f /* what the host gives as a start may be anything */
 #define RUN_LEAST 4 /* attempts that one object makes before the host looks again: at least, */
 #define RUN_FIRST 8 /* and at most at first; one more for each RUN_GROWTH that it has made */
 #define RUN_GROWTH 8
@@ -34,7 +35,7 @@ static fp3_status count(fp3_engine *engine, size_t object, const char *name, uin
     float value;
     int has_it;
     const fp3_status status = value_of(engine, object, name, &value, &has_it);
-    *found = (uint32_t)value;
+    *found = value > 0 && value < COUNT_MOST ? (uint32_t)value : 0;
     return status;
 }
 
