@@ -90,6 +90,11 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           fp3_compiled *made, fp3_error *error) {
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
+    if (!status && integrator->kind == FP3_ROSENBROCK) {
+        status = fp3_differentiate(model, &k->differentiated, error);
+        model = &k->differentiated.model;
+        k->options.partial = k->differentiated.partial;
+    }
     if (!status)
         status = fp3_pipeline_run(&k->p, model, integrator, &k->options, error);
     if (!status)
@@ -144,6 +149,7 @@ void fp3_compiled_free(fp3_compiled **compiled) {
     fp3_compilation *k = made->self;
     fp3_pipeline_close(&k->p);
     fp3_step_close(&k->reference);
+    fp3_differentiated_close(&k->differentiated);
     fp3_names_close(&k->names);
     free(k);
     fp3_image_free(&made->image);

@@ -2,12 +2,15 @@
 #ifndef FP3_COMPILED_H
 #define FP3_COMPILED_H
 
+#include "derivative.h"
 #include "names.h"
 #include "pipeline.h"
 
 typedef struct {
     fp3_options options;
     fp3_pipeline p;
+    fp3_differentiated
+        differentiated; /* the model of both steps, where the integrator needs a Jacobian */
     fp3_step reference; /* the same step without any pass that keeps the bits */
     fp3_names names;
 } fp3_compilation;

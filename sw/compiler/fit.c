@@ -181,7 +181,7 @@ static fp3_status check(const fitting *f, fp3_error *error) {
     const fp3_status status = check_adaptive(f, error);
     if (status)
         return status;
-    if (f->integrator->kind == FP3_RUNGE_KUTTA)
+    if (f->integrator->kind == FP3_RUNGE_KUTTA || f->integrator->kind == FP3_ROSENBROCK)
         return FP3_OK;
     const fp3_status split = check_splitting(f, error);
     return split || f->integrator->kind == FP3_SPLITTING ? split : check_stoermer(f, error);
@@ -198,7 +198,7 @@ static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
     if (fp3_fit_has_events(f->fit, f->model)) /* each happens up to a step late */
         return 1;
-    if (integrator->kind == FP3_RUNGE_KUTTA)
+    if (integrator->kind == FP3_RUNGE_KUTTA || integrator->kind == FP3_ROSENBROCK)
         return integrator->is_position_late && f->fit->live & f->fit->positions
                    ? integrator->position_order
                    : integrator->order;

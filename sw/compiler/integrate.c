@@ -5,6 +5,7 @@
 #include "advance.h"
 #include "double_step.h"
 #include "events.h"
+#include "rosenbrock.h"
 #include "runge_kutta.h"
 #include "splitting.h"
 #include "stoermer.h"
@@ -68,6 +69,8 @@ static fp3_status advance(fp3_advance *a, fp3_error *error) {
         return fp3_runge_kutta(a, error);
     case FP3_SPLITTING:
         return fp3_splitting(a, error);
+    case FP3_ROSENBROCK:
+        return fp3_rosenbrock(a, a->options->partial, error);
     default:
         return fp3_stoermer(a, error);
     }

@@ -10,12 +10,13 @@
 
 typedef struct {
     const fp3_config *config;
-    unsigned passes;      /* a set of FP3_PASS(...) */
-    uint64_t observed;    /* the states that somebody reads */
-    int is_compensated;   /* what an update loses is added to the next one */
-    int is_double_single; /* all values are sums of two floats */
-    int has_notes;        /* the assembly gets comments */
-    int shares_params;    /* params of the object are constants, too */
+    unsigned passes;         /* a set of FP3_PASS(...) */
+    uint64_t observed;       /* the states that somebody reads */
+    int is_compensated;      /* what an update loses is added to the next one */
+    int is_double_single;    /* all values are sums of two floats */
+    const uint32_t *partial; /* of the model, as of fp3_differentiate; NULL: nobody needs them */
+    int has_notes;           /* the assembly gets comments */
+    int shares_params;       /* params of the object are constants, too */
 } fp3_options;
 
 static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {

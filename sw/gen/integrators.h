@@ -161,6 +161,55 @@
       "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                                       \
       "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                                                     \
       "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                                         \
+    X(rodas3,                                                                                                                                   \
+      "# Linearly implicit, four stages, L-stable and stiffly accurate.\n"                                                                      \
+      "name   = \"rodas3\";\n"                                                                                                                  \
+      "doc    = \"linearly implicit, L-stable, stiffly accurate\";\n"                                                                           \
+      "source = \"Sandu, Verwer, Blom, Spee, Carmichael and Potra 1997\";\n"                                                                    \
+      "kind   = \"rosenbrock\";\n"                                                                                                              \
+      "order  = 3;\n"                                                                                                                           \
+      "gamma  = \"1/2\";\n"                                                                                                                     \
+      "A = ((),\n"                                                                                                                              \
+      "     (0),\n"                                                                                                                             \
+      "     (1, 0),\n"                                                                                                                          \
+      "     (\"3/4\", \"-1/4\", \"1/2\"));\n"                                                                                                   \
+      "G = ((),\n"                                                                                                                              \
+      "     (1),\n"                                                                                                                             \
+      "     (\"-1/4\", \"-1/4\"),\n"                                                                                                            \
+      "     (\"1/12\", \"1/12\", \"-2/3\"));\n"                                                                                                 \
+      "b = (\"5/6\", \"-1/6\", \"-1/6\", \"1/2\");\n"                                                                                           \
+      "embedded = (\"3/4\", \"-1/4\", \"1/2\", 0);\n"                                                                                           \
+      "embedded_order = 2;\n")                                                                                                                  \
+    X(ros2,                                                                                                                                     \
+      "# Linearly implicit, two stages, L-stable: what decays fast is gone after a step, however long.\n"                                       \
+      "name   = \"ros2\";\n"                                                                                                                    \
+      "doc    = \"linearly implicit, L-stable, second order with any Jacobian\";\n"                                                             \
+      "source = \"Verwer, Spee, Blom and Hundsdorfer 1999\";\n"                                                                                 \
+      "kind   = \"rosenbrock\";\n"                                                                                                              \
+      "order  = 2;\n"                                                                                                                           \
+      "gamma  = \"1 + 1/sqrt(2)\";\n"                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (1));\n"                                                                                                                            \
+      "G = ((),\n"                                                                                                                              \
+      "     (\"-2 - sqrt(2)\"));\n"                                                                                                             \
+      "b = (\"1/2\", \"1/2\");\n")                                                                                                              \
+    X(ros3p,                                                                                                                                    \
+      "# Linearly implicit, three stages of which two share their right-hand side, A-stable.\n"                                                 \
+      "name   = \"ros3p\";\n"                                                                                                                   \
+      "doc    = \"linearly implicit, A-stable, third order also on parabolic problems\";\n"                                                     \
+      "source = \"Lang and Verwer 2001\";\n"                                                                                                    \
+      "kind   = \"rosenbrock\";\n"                                                                                                              \
+      "order  = 3;\n"                                                                                                                           \
+      "gamma  = \"1/2 + sqrt(3)/6\";\n"                                                                                                         \
+      "A = ((),\n"                                                                                                                              \
+      "     (1),\n"                                                                                                                             \
+      "     (1, 0));\n"                                                                                                                         \
+      "G = ((),\n"                                                                                                                              \
+      "     (-1),\n"                                                                                                                            \
+      "     (\"-(1/2 + sqrt(3)/6)\", \"1/2 - 2*(1/2 + sqrt(3)/6)\"));\n"                                                                        \
+      "b = (\"2/3\", 0, \"1/3\");\n"                                                                                                            \
+      "embedded = (\"1/3\", \"1/3\", \"1/3\");\n"                                                                                               \
+      "embedded_order = 2;\n")                                                                                                                  \
     X(semi_implicit_euler,                                                                                                                      \
       "# A kick, then a drift with the new velocity: v += h*a(x); x += h*v.\n"                                                                  \
       "name   = \"semi_implicit_euler\";\n"                                                                                                     \

@@ -5,6 +5,8 @@
  * A splitting of x' = v, v' = a(x) is a partitioned Runge-Kutta method: its trees have vertices of
  * two colours in turn, and one for a position has one child at most, since x' is linear: Hairer,
  * Lubich and Wanner, Geometric Numerical Integration, chapter III.2.
+ * Of a Rosenbrock method, a vertex with one child has the weights A + Gamma, any other A: Hairer and Wanner,
+ * Solving Ordinary Differential Equations II, theorem IV.7.3.
  */
 #include "conditions.h"
 
@@ -23,17 +25,21 @@ static void keep(const fp3_tree *trees, unsigned tree, double weight, int is_kic
 
 static void of_runge_kutta(const fp3_integrator *method, const fp3_tree *trees,
                            fp3_condition *worst) {
-    double inner[FP3_TREE_COUNT][FP3_STAGES_MAX]; /* weight of each tree as a child, by stage */
+    /* Weight of each tree as a child, by stage: of several children, and of an only one. */
+    double inner[FP3_TREE_COUNT][FP3_STAGES_MAX], only[FP3_TREE_COUNT][FP3_STAGES_MAX];
     for (unsigned tree = 0; tree < FP3_TREE_COUNT; tree++) {
         double weight = 0, at[FP3_STAGES_MAX];
         for (unsigned i = 0; i < method->stages; i++) {
             at[i] = 1;
             for (unsigned child = 0; child < trees[tree].child_count; child++)
-                at[i] *= inner[trees[tree].child[child]][i];
+                at[i] *= (trees[tree].child_count == 1 ? only : inner)[trees[tree].child[child]][i];
             weight += method->b[i] * at[i];
             inner[tree][i] = 0;
             for (unsigned j = 0; j < i; j++)
                 inner[tree][i] += method->a[i][j] * at[j];
+            only[tree][i] = inner[tree][i];
+            for (unsigned j = 0; j <= i; j++)
+                only[tree][i] += method->gamma[i][j] * at[j];
         }
         keep(trees, tree, weight, 0, &worst[trees[tree].order]);
     }

@@ -17,7 +17,7 @@ typedef struct {
     fp3_integrator *table;
 } reader;
 
-static const char *const kind_names[] = {"runge-kutta", "splitting", "stoermer"};
+static const char *const kind_names[] = {"runge-kutta", "splitting", "stoermer", "rosenbrock"};
 enum { KINDS = sizeof kind_names / sizeof *kind_names };
 
 #define KIND(kind) (1u << (kind))
@@ -32,10 +32,12 @@ static const struct {
     {"kind", EVERY_KIND},
     {"order", EVERY_KIND},
     {"late_position", KIND(FP3_RUNGE_KUTTA)},
-    {"A", KIND(FP3_RUNGE_KUTTA)},
-    {"b", KIND(FP3_RUNGE_KUTTA)},
-    {"embedded", KIND(FP3_RUNGE_KUTTA)},
-    {"embedded_order", KIND(FP3_RUNGE_KUTTA)},
+    {"A", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
+    {"b", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
+    {"gamma", KIND(FP3_ROSENBROCK)},
+    {"G", KIND(FP3_ROSENBROCK)},
+    {"embedded", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
+    {"embedded_order", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
     {"substeps", KIND(FP3_SPLITTING)},
 };
 enum { KEYS = sizeof keys / sizeof *keys };
@@ -77,8 +79,8 @@ static fp3_status read_kind(const reader *r) {
             return FP3_OK;
         }
     return fp3_setting_wrong(&r->in, fp3_setting_need(&r->in, "kind"),
-                             "kind: found '%s', expected %s, %s or %s", text, kind_names[0],
-                             kind_names[1], kind_names[2]);
+                             "kind: found '%s', expected %s, %s, %s or %s", text, kind_names[0],
+                             kind_names[1], kind_names[2], kind_names[3]);
 }
 
 static fp3_status read_order(const reader *r) {
@@ -130,29 +132,41 @@ static fp3_status read_coefficient(const reader *r, const config_setting_t *sett
 }
 
 /* A row has the numbers below the diagonal, or all of a square matrix. */
-static fp3_status read_row(const reader *r, const config_setting_t *row, unsigned i) {
-    fp3_integrator *table = r->table;
+static fp3_status read_row(const reader *r, const config_setting_t *row, const char *key,
+                           unsigned i, double *numbers) {
+    const unsigned stages = r->table->stages;
     char name[32];
-    snprintf(name, sizeof name, "A[%u]", i + 1);
+    snprintf(name, sizeof name, "%s[%u]", key, i + 1);
     if (!fp3_setting_is_list(row))
         return fp3_setting_expected(&r->in, row, name, "a list ( )");
     const unsigned length = (unsigned)config_setting_length(row);
-    if (length != i && length != table->stages)
+    if (length != i && length != stages)
         return fp3_setting_wrong(
-            &r->in, row, "A[%u]: found the length %u, expected %u (below the diagonal) or %u (all)",
-            i + 1, length, i, table->stages);
+            &r->in, row, "%s: found the length %u, expected %u (below the diagonal) or %u (all)",
+            name, length, i, stages);
     fp3_status status = FP3_OK;
     for (unsigned j = 0; j < length && !status; j++) {
         const config_setting_t *setting = config_setting_get_elem(row, j);
-        char what[32];
-        snprintf(what, sizeof what, "A[%u][%u]", i + 1, j + 1);
-        status = read_coefficient(r, setting, what, &table->a[i][j]);
-        if (!status && j >= i && table->a[i][j] != 0)
+        char what[48];
+        snprintf(what, sizeof what, "%s[%u]", name, j + 1);
+        status = read_coefficient(r, setting, what, &numbers[j]);
+        if (!status && j >= i && numbers[j] != 0)
             status = fp3_setting_wrong(
-                &r->in, setting,
-                "%s: found %g, expected 0 on and above the diagonal (explicit methods)", what,
-                table->a[i][j]);
-        table->c[i] += table->a[i][j];
+                &r->in, setting, "%s: found %g, expected 0 on and above the diagonal%s", what,
+                numbers[j], r->table->kind == FP3_ROSENBROCK ? "" : " (explicit methods)");
+    }
+    return status;
+}
+
+/* A, and with its row sums c. */
+static fp3_status read_matrix(const reader *r) {
+    fp3_integrator *table = r->table;
+    const config_setting_t *a = NULL;
+    fp3_status status = read_list(r, "A", "rows", &a);
+    for (unsigned i = 0; !status && i < table->stages; i++) {
+        status = read_row(r, config_setting_get_elem(a, i), "A", i, table->a[i]);
+        for (unsigned j = 0; j < table->stages; j++)
+            table->c[i] += table->a[i][j];
     }
     return status;
 }
@@ -208,14 +222,43 @@ static fp3_status read_embedded(const reader *r) {
 }
 
 static fp3_status read_runge_kutta(const reader *r) {
-    const config_setting_t *a = NULL;
-    fp3_status status = read_list(r, "A", "rows", &a);
-    for (unsigned i = 0; !status && i < r->table->stages; i++)
-        status = read_row(r, config_setting_get_elem(a, i), i);
+    fp3_status status = read_matrix(r);
     if (!status)
         status = read_weights(r, "b", r->table->b);
     if (!status)
         status = read_late(r);
+    return status ? status : read_embedded(r);
+}
+
+/* The diagonal is one number, so that all stages have one matrix. */
+static fp3_status read_gamma(const reader *r, double *gamma) {
+    const config_setting_t *setting = fp3_setting_need(&r->in, "gamma");
+    const fp3_status status =
+        setting ? read_coefficient(r, setting, "gamma", gamma) : FP3_E_PROGRAM;
+    return status || (*gamma > 0 && *gamma < 100)
+               ? status
+               : fp3_setting_wrong(&r->in, setting,
+                                   "gamma: found %g, expected above 0 and below 100", *gamma);
+}
+
+static fp3_status read_rosenbrock(const reader *r) {
+    fp3_integrator *table = r->table;
+    double gamma = 0;
+    fp3_status status = read_matrix(r);
+    const config_setting_t *g = status ? NULL : fp3_setting_need(&r->in, "G");
+    if (!status && !g)
+        return FP3_E_PROGRAM;
+    if (!status && (!fp3_setting_is_list(g) || config_setting_length(g) != (int)table->stages))
+        status =
+            fp3_setting_wrong(&r->in, g, "G: expected a list of %u rows, as A is", table->stages);
+    for (unsigned i = 0; !status && i < table->stages; i++)
+        status = read_row(r, config_setting_get_elem(g, i), "G", i, table->gamma[i]);
+    if (!status)
+        status = read_gamma(r, &gamma);
+    for (unsigned i = 0; i < table->stages; i++)
+        table->gamma[i][i] = gamma;
+    if (!status)
+        status = read_weights(r, "b", table->b);
     return status ? status : read_embedded(r);
 }
 
@@ -318,6 +361,8 @@ static fp3_status read_table(const reader *r) {
         status = read_runge_kutta(r);
     if (!status && table->kind == FP3_SPLITTING)
         status = read_splitting(r);
+    if (!status && table->kind == FP3_ROSENBROCK)
+        status = read_rosenbrock(r);
     if (!status)
         status = check_order(r);
     table->position_order = table->is_position_late ? 1 : table->order;

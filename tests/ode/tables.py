@@ -9,7 +9,7 @@ TOKEN = re.compile(r'"[^"]*"|[][{}();,=]|[^][\s{}();,="]+')
 
 def number(text):
     """A number, or a formula in a string."""
-    return float(eval(text.strip('"').replace("^", "**"), {}))
+    return float(eval(text.strip('"').replace("^", "**"), {"sqrt": math.sqrt}))
 
 
 def read(path):
@@ -40,6 +40,9 @@ def read(path):
     if "A" in table:
         table["A"] = [[number(a) for a in row] for row in table["A"]]
         table["b"] = [number(b) for b in table["b"]]
+    if "G" in table:
+        table["gamma"] = number(table["gamma"])
+        table["G"] = [[number(g) for g in row] for row in table["G"]]
     if "substeps" in table:
         table["substeps"] = [(name, number(x)) for name, x in table["substeps"]]
     table["order"] = int(table["order"])
@@ -51,6 +54,8 @@ def accelerations(table):
     """Per step, where a kick at the end and one at the beginning of the next step share one."""
     if table["kind"] == "runge-kutta":
         return len(table["b"]) - (table["b"][-1] == 0)  # the last stage serves an error estimate
+    if table["kind"] == "rosenbrock":  # stages at the same place share one
+        return len({tuple(row + [0] * (len(table["b"]) - len(row))) for row in map(list, table["A"])})
     if table["kind"] == "stoermer":
         return 1
     kicks = [name == "kick" for name, _ in table["substeps"]]
@@ -64,6 +69,42 @@ def plus(u, *terms):
     return u
 
 
+def solve(matrix, right):
+    """By Gauss' elimination with pivots."""
+    rows = [[*row, b] for row, b in zip(matrix, right)]
+    for i in range(len(rows)):
+        pivot = max(range(i, len(rows)), key=lambda k: abs(rows[k][i]))
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        for k in range(i + 1, len(rows)):
+            rows[k] = [a - rows[k][i] / rows[i][i] * b for a, b in zip(rows[k], rows[i])]
+    for i in reversed(range(len(rows))):
+        rows[i] = [a / rows[i][i] for a in rows[i]]
+        for k in range(i):
+            rows[k] = [a - rows[k][i] * b for a, b in zip(rows[k], rows[i])]
+    return [row[-1] for row in rows]
+
+
+def implicit_step(table, acceleration, x, v, h):
+    """By Rosenbrock's formula as it is written, with a Jacobian from central differences."""
+    n, y = len(x), [*x, *v]
+
+    def f(y):
+        return [*y[n:], *acceleration(y[:n], y[n:])]
+
+    apart = 1e-5
+    columns = [[(a - b) / (2 * apart) for a, b in zip(*(f([c + (i == j) * s for j, c in enumerate(y)]) for s in (apart, -apart)))]
+               for i in range(2 * n)]
+    jacobian = list(zip(*columns))
+    matrix = [[(i == j) - h * table["gamma"] * a for j, a in enumerate(row)] for i, row in enumerate(jacobian)]
+    k = []
+    for row, gammas in zip(table["A"], table["G"]):
+        slope = f(plus(y, *((a, one) for a, one in zip(row, k))))
+        mixed = plus([0.0] * len(y), *((g, one) for g, one in zip(gammas, k)))
+        k.append(solve(matrix, [h * a + h * sum(b * c for b, c in zip(line, mixed)) for a, line in zip(slope, jacobian)]))
+    y = plus(y, *((b, one) for b, one in zip(table["b"], k)))
+    return y[:n], y[n:]
+
+
 def step(table, acceleration, x, v, h):
     """One step of x' = v, v' = acceleration(x, v), by Runge-Kutta or a splitting."""
     if table["kind"] == "splitting":
@@ -73,6 +114,8 @@ def step(table, acceleration, x, v, h):
             else:
                 x = plus(x, (coefficient * h, v))
         return x, v
+    if table["kind"] == "rosenbrock":
+        return implicit_step(table, acceleration, x, v, h)
     kx, kv = [], []
     for row in table["A"]:
         at_x = x if table["late_position"] else plus(x, *((h * a, k) for a, k in zip(row, kx)))
@@ -121,8 +164,9 @@ def energy(x, v):
 def growth(table, z):
     """|y1/y0| of y' = lambda y with z = h lambda, by Runge-Kutta."""
     k = []
-    for row in table["A"]:
-        k.append(z * (1 + sum(a * y for a, y in zip(row, k))))
+    for row, gammas in zip(table["A"], table.get("G", [[]] * len(table["A"]))):
+        known = 1 + sum(a * y for a, y in zip(row, k)) + sum(g * y for g, y in zip(gammas, k))
+        k.append(z * known / (1 - z * table.get("gamma", 0)))
     return abs(1 + sum(b * y for b, y in zip(table["b"], k)))
 
 
@@ -136,6 +180,8 @@ def swing(table, z):
 def stable_up_to(grows, noise=1e-12):
     """The end of the first interval from 0 where nothing grows; 0 where something does at once."""
     fine, at = 1e-3, 0.2
+    if all(grows(10.0**n) <= 1 + noise for n in range(-3, 9)):  # everywhere, for all that a table can do
+        return math.inf
     if grows(at) > 1 + noise:
         return 0.0
     while grows(at) <= 1 + noise:

@@ -8,9 +8,9 @@ import pytest
 from tables import (accelerations, energy_error, gravity, kepler, read, run, run_stoermer, stability)
 
 pytestmark = pytest.mark.smoke
-KINDS = ["runge-kutta", "splitting", "stoermer"]
+KINDS = ["runge-kutta", "splitting", "stoermer", "rosenbrock"]
 NAMES = ["dopri5", "euler", "forest_ruth", "heun", "leapfrog", "midpoint", "pefrl", "ralston3", "rk38", "rk4",
-         "rk4_paper", "rk6", "semi_implicit_euler", "stoermer_verlet", "verlet", "yoshida6"]
+         "rk4_paper", "rk6", "rodas3", "ros2", "ros3p", "semi_implicit_euler", "stoermer_verlet", "verlet", "yoshida6"]
 
 
 @pytest.fixture
@@ -156,6 +156,13 @@ VERLET = HEAD.format("splitting", 2) + """substeps = ({ kick = "1/2"; },
             { kick = 0.5; });
 """
 STOERMER = HEAD.format("stoermer", 2)
+ROS2 = HEAD.format("rosenbrock", 2) + """gamma = "1 - 1/sqrt(2)";
+A = ((),
+     (1));
+G = ((),
+     ("-2 + sqrt(2)"));
+b = ("1/2", "1/2");
+"""
 
 WRONG = [
     # base, what is replaced, by what, line, message
@@ -164,11 +171,11 @@ WRONG = [
     (RK4, '"mine"', "4", 1, "name: found '4', expected a text in quotes"),
     (RK4, 'doc = "d";', "", 1, "found no 'doc', expected one"),
     (RK4, '"s"', "( )", 1, "source: found a list ( ), expected a text in quotes"),
-    (RK4, '"runge-kutta"', '"rk"', 1, "kind: found 'rk', expected runge-kutta, splitting or stoermer"),
+    (RK4, '"runge-kutta"', '"rk"', 1, "kind: found 'rk', expected runge-kutta, splitting, stoermer or rosenbrock"),
     (RK4, "order = 4", "order = 4.0", 1, "order: found '4.0', expected an integer from 1 to 8"),
     (RK4, "order = 4", "order = 0", 1, "order: found '0', expected an integer from 1 to 8"),
     (RK4, "order = 4", "order = 9", 1, "order: found '9', expected an integer from 1 to 8"),
-    (RK4, "b = (", "B = (", 6, "found 'B', expected a setting of an integrator: name, doc, source, kind, order, late_position, A, b, embedded, embedded_order, substeps (did you mean 'b'?)"),
+    (RK4, "b = (", "B = (", 6, "found 'B', expected a setting of an integrator: name, doc, source, kind, order, late_position, A, b, gamma, G, embedded, embedded_order, substeps (did you mean 'b'?)"),
     (RK4, "b = (", "substeps = (); b = (", 6, "found 'substeps', which kind runge-kutta does not have"),
     (RK4, "b = (", "late_position = 1; b = (", 6, "late_position: found '1', expected true or false"),
     (RK4, "A = (", "X = (", 2, "found 'X'"),
@@ -206,6 +213,14 @@ WRONG = [
     (VERLET, '"1/2"; },\n            { drift = 1; },\n            { kick = 0.5; }', '0.501; }, { drift = 1; }, { kick = 0.499; }', 1,
      "order 2 claimed: the condition of the tree [t], for positions, is off by 0.001"),
     (VERLET, "substeps = (", "substeps = ( ); x = (", 2, "found 'x'"),
+    (ROS2, "order = 2", "order = 3", 1, "order 3 claimed: the condition of the tree ["),
+    (ROS2, '"1 - 1/sqrt(2)"', "0.3", 1, "order 2 claimed: the condition of the tree [t] is off by 0.0071"),
+    (ROS2, '"1 - 1/sqrt(2)"', "0", 2, "gamma: found 0, expected above 0 and below 100"),
+    (ROS2, 'gamma = "1 - 1/sqrt(2)";', "", 1, "found no 'gamma', expected one"),
+    (ROS2, 'G = ((),\n     ("-2 + sqrt(2)"));', "", 1, "found no 'G', expected one"),
+    (ROS2, 'G = ((),', "G = ((), (0),", 5, "G: expected a list of 2 rows, as A is"),
+    (ROS2, '("-2 + sqrt(2)")', '("-2 + sqrt(2)", 1)', 6, "G[2][2]: found 1, expected 0 on and above the diagonal"),
+    (RK4, "b = (", "gamma = 1; b = (", 6, "found 'gamma', which kind runge-kutta does not have"),
     (STOERMER, "order = 2", "order = 4", 1, "order 4 claimed: this method has order 2"),
     (STOERMER, ";\n", ";\nA = ( );", 2, "found 'A', which kind stoermer does not have"),
 ]

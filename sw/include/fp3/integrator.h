@@ -20,7 +20,9 @@ FP3_API_BEGIN
 typedef enum {
     FP3_RUNGE_KUTTA, /* k_i = h f(y + sum_j a_ij k_j), y += sum_i b_i k_i; explicit */
     FP3_SPLITTING,   /* kicks v += coefficient * h * a(x, v), drifts x += coefficient * h * v */
-    FP3_STOERMER     /* x_n+1 = (2 x_n - x_n-1) + h^2 a(x_n), for accelerations without v */
+    FP3_STOERMER,    /* x_n+1 = (2 x_n - x_n-1) + h^2 a(x_n), for accelerations without v */
+    FP3_ROSENBROCK   /* k_i = h f(y + sum_j a_ij k_j) + h J sum_j gamma_ij k_j, y += sum_i b_i k_i;
+                        linearly implicit: J is the Jacobian of f at y */
 } fp3_integrator_kind;
 
 #define FP3_STAGES_MAX 16
@@ -38,6 +40,7 @@ typedef struct {
     unsigned order;  /* checked: its conditions hold */
     unsigned stages; /* of Runge-Kutta; of a splitting, its substeps */
     double a[FP3_STAGES_MAX][FP3_STAGES_MAX], b[FP3_STAGES_MAX], c[FP3_STAGES_MAX];
+    double gamma[FP3_STAGES_MAX][FP3_STAGES_MAX]; /* Rosenbrock: one number on the diagonal */
     /* Runge-Kutta: a state whose derivative is another state v is advanced by h times the new v,
      * as in the paper's Equations (1), and has no stages: first order in that state. */
     int is_position_late;

@@ -1,0 +1,277 @@
+/* derivative.c - rules of differentiation on expressions, as their arrays are: operands come first. */
+#include "derivative.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    fp3_model *model;
+    uint32_t room;
+    uint32_t begin; /* of the expressions that are added */
+    uint32_t *d;    /* of each expression of the text, by what is asked for now */
+    uint32_t by;    /* a state, or state_count: t */
+    uint32_t at;    /* the expression that is differentiated: where messages point */
+    int has_failed;
+} differentiation;
+
+/* ---- making expressions ---- */
+
+static uint32_t find(const differentiation *k, const fp3_expr *wanted) {
+    for (uint32_t i = k->begin; i < k->model->expr_count; i++) {
+        const fp3_expr *e = &k->model->exprs[i];
+        if (e->op == wanted->op && e->index == wanted->index &&
+            memcmp(e->operand, wanted->operand, sizeof e->operand) == 0 &&
+            memcmp(&e->number, &wanted->number, sizeof e->number) == 0)
+            return i;
+    }
+    return FP3_NONE;
+}
+
+static uint32_t put(differentiation *k, fp3_expr e) {
+    fp3_model *model = k->model;
+    const uint32_t there = find(k, &e);
+    if (there != FP3_NONE || k->has_failed)
+        return there == FP3_NONE ? 0 : there;
+    if (model->expr_count == k->room) {
+        fp3_expr *exprs = realloc(model->exprs, 2 * (size_t)k->room * sizeof *exprs);
+        if (!exprs) {
+            k->has_failed = 1;
+            return 0;
+        }
+        model->exprs = exprs;
+        k->room *= 2;
+    }
+    e.line = model->exprs[k->at].line;
+    e.column = model->exprs[k->at].column;
+    model->exprs[model->expr_count] = e;
+    return model->expr_count++;
+}
+
+static uint32_t number(differentiation *k, double x) {
+    return put(k, (fp3_expr){.op = FP3_EXPR_NUMBER,
+                             .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
+                             .number = x,
+                             .is_known = 1});
+}
+
+static uint32_t make(differentiation *k, fp3_expr_op op, uint32_t a, uint32_t b, uint32_t c) {
+    const uint32_t operands[] = {a, b, c};
+    fp3_expr e = {.op = op, .operand = {a, b, c}, .is_known = 1};
+    for (int i = 0; i < 3 && !k->has_failed; i++)
+        if (operands[i] != FP3_NONE && !k->model->exprs[operands[i]].is_known)
+            e.is_known = 0;
+    return put(k, e);
+}
+
+/* A derivative that is FP3_NONE is 0. */
+static uint32_t one_operand(differentiation *k, fp3_expr_op op, uint32_t a) {
+    return make(k, op, a, FP3_NONE, FP3_NONE);
+}
+
+static int is_number(const differentiation *k, uint32_t expr, double x) {
+    const fp3_expr *e = &k->model->exprs[expr];
+    return e->op == FP3_EXPR_NUMBER && e->number == x;
+}
+
+static uint32_t negated(differentiation *k, uint32_t a) {
+    return a == FP3_NONE ? a : one_operand(k, FP3_EXPR_NEGATE, a);
+}
+
+static uint32_t sum(differentiation *k, uint32_t a, uint32_t b) {
+    return a == FP3_NONE ? b : b == FP3_NONE ? a : make(k, FP3_EXPR_ADD, a, b, FP3_NONE);
+}
+
+static uint32_t difference(differentiation *k, uint32_t a, uint32_t b) {
+    return b == FP3_NONE   ? a
+           : a == FP3_NONE ? negated(k, b)
+                           : make(k, FP3_EXPR_SUB, a, b, FP3_NONE);
+}
+
+static uint32_t product(differentiation *k, uint32_t a, uint32_t b) {
+    if (a == FP3_NONE || b == FP3_NONE)
+        return FP3_NONE;
+    return is_number(k, a, 1) ? b : is_number(k, b, 1) ? a : make(k, FP3_EXPR_MUL, a, b, FP3_NONE);
+}
+
+static uint32_t quotient(differentiation *k, uint32_t a, uint32_t b) {
+    return a == FP3_NONE ? a : make(k, FP3_EXPR_DIV, a, b, FP3_NONE);
+}
+
+static uint32_t square(differentiation *k, uint32_t a) { return product(k, a, a); }
+
+static uint32_t choice(differentiation *k, uint32_t condition, uint32_t a, uint32_t b) {
+    if (a == FP3_NONE && b == FP3_NONE)
+        return FP3_NONE;
+    return make(k, FP3_EXPR_SELECT, condition, a == FP3_NONE ? number(k, 0) : a,
+                b == FP3_NONE ? number(k, 0) : b);
+}
+
+/* ---- rules ---- */
+
+/* Of a function of one operand a, whose derivative is da: f'(a). */
+static uint32_t slope(differentiation *k, const fp3_expr *e, uint32_t self) {
+    const uint32_t a = e->operand[0];
+    switch (e->op) {
+    case FP3_EXPR_SIN:
+        return one_operand(k, FP3_EXPR_COS, a);
+    case FP3_EXPR_COS:
+        return negated(k, one_operand(k, FP3_EXPR_SIN, a));
+    case FP3_EXPR_TAN:
+        return sum(k, number(k, 1), square(k, self));
+    case FP3_EXPR_EXP:
+        return self;
+    case FP3_EXPR_SINH:
+        return one_operand(k, FP3_EXPR_COSH, a);
+    case FP3_EXPR_COSH:
+        return one_operand(k, FP3_EXPR_SINH, a);
+    default: /* TANH */
+        return difference(k, number(k, 1), square(k, self));
+    }
+}
+
+/* sqrt(1 - a^2) */
+static uint32_t other_side(differentiation *k, uint32_t a) {
+    return one_operand(k, FP3_EXPR_SQRT, difference(k, number(k, 1), square(k, a)));
+}
+
+/* n a^(n-1) da */
+static uint32_t of_power(differentiation *k, uint32_t a, uint32_t n, uint32_t da) {
+    const fp3_expr *exponent = &k->model->exprs[n];
+    if (da == FP3_NONE)
+        return da;
+    if (exponent->op != FP3_EXPR_NUMBER) {
+        const uint32_t less = make(k, FP3_EXPR_SUB, n, number(k, 1), FP3_NONE);
+        return product(k, product(k, n, make(k, FP3_EXPR_POWER, a, less, FP3_NONE)), da);
+    }
+    const double p = exponent->number;
+    if (p == 0 || p == 1)
+        return p == 0 ? FP3_NONE : da;
+    const uint32_t lower = p == 2 ? a : make(k, FP3_EXPR_POWER, a, number(k, p - 1), FP3_NONE);
+    return product(k, product(k, n, lower), da);
+}
+
+static uint32_t of_two(differentiation *k, const fp3_expr *e, uint32_t self, uint32_t da,
+                       uint32_t db) {
+    const uint32_t a = e->operand[0], b = e->operand[1];
+    switch (e->op) {
+    case FP3_EXPR_ADD:
+        return sum(k, da, db);
+    case FP3_EXPR_SUB:
+        return difference(k, da, db);
+    case FP3_EXPR_MUL:
+        return sum(k, product(k, da, b), product(k, a, db));
+    case FP3_EXPR_DIV:
+        return quotient(k, difference(k, da, product(k, self, db)), b);
+    case FP3_EXPR_POWER:
+        return of_power(k, a, b, da);
+    case FP3_EXPR_MIN:
+        return choice(k, make(k, FP3_EXPR_LESS, a, b, FP3_NONE), da, db);
+    case FP3_EXPR_MAX:
+        return choice(k, make(k, FP3_EXPR_LESS, b, a, FP3_NONE), da, db);
+    default: /* ATAN2(y, x): (x dy - y dx)/(x^2 + y^2) */
+        return quotient(k, difference(k, product(k, b, da), product(k, a, db)),
+                        sum(k, square(k, a), square(k, b)));
+    }
+}
+
+static uint32_t of_one(differentiation *k, const fp3_expr *e, uint32_t self, uint32_t da) {
+    const uint32_t a = e->operand[0];
+    if (da == FP3_NONE)
+        return da;
+    switch (e->op) {
+    case FP3_EXPR_NEGATE:
+        return negated(k, da);
+    case FP3_EXPR_SQRT:
+        return product(k, number(k, 0.5), quotient(k, da, self));
+    case FP3_EXPR_LOG:
+        return quotient(k, da, a);
+    case FP3_EXPR_ABS:
+        return choice(k, make(k, FP3_EXPR_LESS, a, number(k, 0), FP3_NONE), negated(k, da), da);
+    case FP3_EXPR_ATAN:
+        return quotient(k, da, sum(k, number(k, 1), square(k, a)));
+    case FP3_EXPR_ASIN:
+        return quotient(k, da, other_side(k, a));
+    case FP3_EXPR_ACOS:
+        return negated(k, quotient(k, da, other_side(k, a)));
+    default:
+        return product(k, slope(k, e, self), da);
+    }
+}
+
+static uint32_t derivative_of(differentiation *k, uint32_t i) {
+    const fp3_expr e = k->model->exprs[i]; /* a copy: expressions move as others are added */
+    uint32_t d[3];
+    if (e.is_known)
+        return FP3_NONE;
+    for (int j = 0; j < 3; j++)
+        d[j] = e.operand[j] == FP3_NONE ? FP3_NONE : k->d[e.operand[j]];
+    switch (e.op) {
+    case FP3_EXPR_STATE:
+        return e.index == k->by ? number(k, 1) : FP3_NONE;
+    case FP3_EXPR_TIME:
+        return k->by == k->model->state_count ? number(k, 1) : FP3_NONE;
+    case FP3_EXPR_LESS:
+    case FP3_EXPR_LESS_EQUAL:
+    case FP3_EXPR_EQUAL:
+    case FP3_EXPR_AND:
+    case FP3_EXPR_OR:
+    case FP3_EXPR_NOT:
+    case FP3_EXPR_INITIAL:
+        return FP3_NONE;
+    case FP3_EXPR_SELECT:
+        return choice(k, e.operand[0], d[1], d[2]);
+    default:
+        return e.operand[1] == FP3_NONE ? of_one(k, &e, i, d[0]) : of_two(k, &e, i, d[0], d[1]);
+    }
+}
+
+/* ---- the model ---- */
+
+/* What the derivatives of states are made of. */
+static void mark_needed(const fp3_model *model, char *is_needed) {
+    for (uint32_t s = 0; s < model->state_count; s++)
+        is_needed[model->states[s].derivative] = 1;
+    for (uint32_t i = model->expr_count; i-- > 0;)
+        for (int j = 0; is_needed[i] && j < 3; j++)
+            if (model->exprs[i].operand[j] != FP3_NONE)
+                is_needed[model->exprs[i].operand[j]] = 1;
+}
+
+static void differentiate_all(differentiation *k, const char *is_needed, uint32_t *partial) {
+    const uint32_t states = k->model->state_count;
+    for (k->by = 0; k->by <= states; k->by++) {
+        for (uint32_t i = 0; i < k->begin; i++) {
+            k->at = i;
+            k->d[i] = is_needed[i] ? derivative_of(k, i) : FP3_NONE;
+        }
+        for (uint32_t s = 0; s < states; s++)
+            partial[s * (states + 1) + k->by] = k->d[k->model->states[s].derivative];
+    }
+}
+
+fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, fp3_error *error) {
+    const uint32_t count = model->expr_count, room = 2 * count + 64;
+    const size_t cells = (size_t)model->state_count * (model->state_count + 1u) + 1u;
+    *made = (fp3_differentiated){.model = *model};
+    made->model.exprs = malloc(room * sizeof *made->model.exprs);
+    made->partial = calloc(cells, sizeof *made->partial);
+    differentiation k = {
+        .model = &made->model, .room = room, .begin = count, .d = calloc(count + 1u, sizeof *k.d)};
+    char *is_needed = calloc(count + 1u, 1);
+    k.has_failed = !made->model.exprs || !made->partial || !k.d || !is_needed;
+    if (!k.has_failed) {
+        if (count)
+            memcpy(made->model.exprs, model->exprs, count * sizeof *model->exprs);
+        mark_needed(model, is_needed);
+        differentiate_all(&k, is_needed, made->partial);
+    }
+    free(k.d);
+    free(is_needed);
+    return k.has_failed ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
+}
+
+void fp3_differentiated_close(fp3_differentiated *made) {
+    free(made->model.exprs);
+    free(made->partial);
+    *made = (fp3_differentiated){0};
+}

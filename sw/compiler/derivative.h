@@ -1,0 +1,18 @@
+/* derivative.h - a model with the partial derivatives of its equations. */
+#ifndef FP3_DERIVATIVE_H
+#define FP3_DERIVATIVE_H
+
+#include <fp3/model.h>
+
+typedef struct {
+    fp3_model model;   /* another's, with more expressions; the other must outlive it */
+    uint32_t *partial; /* [state * (state_count + 1) + by]: an expression, FP3_NONE: 0 */
+} fp3_differentiated;
+
+/* By each state and, last, by t. What is chosen or compared is differentiated piece by piece: on the side
+ * that is chosen, and a comparison is constant. FP3_E_SYSTEM: out of memory. The caller closes, after a
+ * failure too. */
+fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, fp3_error *error);
+void fp3_differentiated_close(fp3_differentiated *made);
+
+#endif
