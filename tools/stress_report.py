@@ -137,8 +137,8 @@ def named(curves, figure):
 def regions(curves):
     theory, dots = named(curves, "region"), named(curves, "region measured")
     series = []
-    for number_of, (name, points) in enumerate(theory.items()):
-        colour = INTEGRATORS[number_of % len(INTEGRATORS)]
+    for name, points in theory.items():
+        colour = INTEGRATORS.get(name, "#555555")
         series.append({"name": name, "colour": colour, "points": points})
         series.append({"colour": colour, "points": dots.get(name, []), "is_dots": True})
     return picture(series, "real part of h lambda", "imaginary part", is_linear=True)

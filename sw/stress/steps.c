@@ -113,12 +113,13 @@ static fp3_status exact_error(const curve *c, const fp3_rig *rig, unsigned rung,
 
 /* The slope of the method without roundings but those of its table, over rungs from .. to. */
 static fp3_status exact_slope(const curve *c, const fp3_rig *rig, unsigned from, unsigned to,
-                              double *slope, fp3_error *error) {
-    double off[RUNGS];
+                              double *slope, double *least, fp3_error *error) {
+    double off[RUNGS] = {0};
     fp3_status status = FP3_OK;
     for (unsigned k = from; !status && k < to; k++)
         status = exact_error(c, rig, k, &off[k], error);
     *slope = status ? NAN : fp3_trial_slope(c->h + from, off + from, to - from);
+    *least = to > from ? off[to - 1] : 0;
     return status;
 }
 
@@ -134,8 +135,12 @@ static fp3_status judge_order(const curve *c, const fp3_rig *rig, fp3_error *err
     while (from < to && !(c->error[from] < LARGE))
         from++;
     from = to > 4 && from < to - 4 ? to - 4 : from;
-    double slope;
-    const fp3_status status = exact_slope(c, rig, from, to, &slope, error);
+    double slope, least;
+    char because[128];
+    const fp3_status status = exact_slope(c, rig, from, to, &slope, &least, error);
+    snprintf(because, sizeof because,
+             "at the shortest of these steps the error of %d objects is %.3g, in double %.3g",
+             EXACT, c->few[to > from ? to - 1 : from], least);
     const int is_near = fabs(slope - c->order) < ORDER_OFF;
     fp3_verdict v = fp3_trial_verdict(
         c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
@@ -144,6 +149,7 @@ static fp3_status judge_order(const curve *c, const fp3_rig *rig, fp3_error *err
     v.expected = is_near ? c->order : slope;
     v.measured = fp3_trial_slope(c->h + from, c->error + from, to - from);
     v.tolerance = ORDER_OFF;
+    v.because = because;
     return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 

@@ -51,14 +51,34 @@ double fp3_trial_slope(const double *x, const double *y, size_t count) {
     return count < 2 ? NAN : (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
+static unsigned factors(const double *row, unsigned count, double unit) {
+    unsigned found = 0;
+    for (unsigned i = 0; i < count; i++)
+        found += row[i] != 0 && fabs(row[i]) != unit;
+    return found;
+}
+
+/* As docs/compiler.md says: whole multiples of the smallest coefficient have it as a factor, where that saves products. */
+static void round_row(double *row, unsigned count) {
+    double unit = INFINITY;
+    int is_common = 1;
+    for (unsigned i = 0; i < count; i++)
+        unit = row[i] != 0 ? fmin(unit, fabs(row[i])) : unit;
+    for (unsigned i = 0; i < count; i++)
+        is_common &= fabs(row[i] / unit - round(row[i] / unit)) < 1e-9;
+    is_common &= factors(row, count, unit * (1 + 1e-9)) > 1 &&
+                 factors(row, count, unit) + (unit != 1) < factors(row, count, 1);
+    for (unsigned i = 0; i < count; i++)
+        row[i] = is_common ? round(row[i] / unit) * (float)unit : (float)row[i];
+}
+
 /* Of a splitting, c h is one number of the program; of Runge-Kutta h and the coefficients are. */
 fp3_integrator fp3_trial_rounded(const fp3_integrator *table, double h) {
     fp3_integrator r = *table;
+    round_row(r.b, r.stages);
     for (unsigned i = 0; i < r.stages; i++) {
-        r.b[i] = (float)r.b[i];
         r.substeps[i].coefficient = (float)(r.substeps[i].coefficient * h) / h;
-        for (unsigned j = 0; j < i; j++)
-            r.a[i][j] = (float)r.a[i][j];
+        round_row(r.a[i], i);
     }
     return r;
 }
