@@ -16,7 +16,7 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #define STEPS_MOST 1000000 /* of one object */
-#define SECONDS_MOST 2.0   /* of all objects, per run */
+#define SECONDS_MOST 1.0   /* of all objects, per run */
 
 static const struct {
     const char *name;

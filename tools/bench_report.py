@@ -31,16 +31,17 @@ the model's closed form, or GSL's rkck, must agree to 1e-9 for every variant; wi
 
 Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
 on the same machine, so a change of its speed meets all of them. A run of `fast` has up to 16,384 objects; compiling the program and
-writing the start are not part of it. Every time step is run once. A point that takes at most 1.5 times as long as the fastest of its
+writing the start are not part of it. A time step is not run if a trial with 64 objects took 30 times
+as long as another point that is as accurate; every other one is run once. A point that takes at most 1.5 times as long as the fastest of its
 engine that is as accurate is near the front: it is run up to 5 times, and with all threads too. The others are repeated only where that takes
-less than a thirtieth of a second. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
+less than 3 ms. A sweep of time steps ends at the floor, or 1,024 times below the first that solves the model. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
 hardware the cycles that the compiler predicts.
 
 The others run in double, one object after another, with the right-hand side as C that `cc -O3 -march=native` compiles, tolerances
 from 1e-2 to 1e-10, relative to the size of each state. Memory is allocated once, not for each object. Jacobians are differences.
 GSL's `rk4` has fixed steps, and makes two of h/2 for each h. `plain_c` is the loop that a game has: rk4 in FP32, one object at a
 time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. A sweep of one of them ends when two tolerances in a row
-are no better than the best, or when a run of the 64 objects took more than a second. Nobody but fp3 and `plain_c` looks for events, so models that
+are no better than the best, or when a run of the 64 objects took more than half a second. Nobody but fp3 and `plain_c` looks for events, so models that
 have some are measured without the others."""
 
 

@@ -19,11 +19,11 @@
 #define CONFIG "many_full" /* whose program the engines in software run */
 #define CHECKED_STEPS 8    /* of the runs in which engines are compared */
 #define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
-#define SOLVED 0.1         /* ... if the error was once below this */
+#define RUNGS_AFTER 10 /* beyond the first time step that solves it: 1,024 times as many steps */
+#define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
-#define SAMPLE_SECONDS 0.5         /* the run that finds the error takes no longer */
-#define OBJECTS_LEAST 512          /* of a timed run with many steps: one block */
-#define OBJECTS_LEAST_THREADS 4096 /* ... that is shared by threads */
+#define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
+#define OBJECTS_LEAST 512  /* of a timed run with many steps: one block for each thread */
 #define RUNGS_MOST 32
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
@@ -39,11 +39,12 @@ typedef struct {
     const char *name; /* of the integrator */
     const fp3_integrator *integrator;
     const fp3_bench_arithmetic *arithmetic;
-    fp3_compiled *compiled;   /* for CONFIG */
-    int is_solved;            /* by some time step ... */
-    unsigned first;           /* ... of which this is the largest: its rung */
-    double *ends[RUNGS_MOST]; /* of the variants; NULL: not worth a point */
-    double *brief;            /* after CHECKED_STEPS steps */
+    fp3_compiled *compiled;     /* for CONFIG */
+    int is_solved;              /* by some time step ... */
+    unsigned first;             /* ... of which this is the largest: its rung */
+    double *ends[RUNGS_MOST];   /* of the variants; NULL: not worth a point */
+    double seconds[RUNGS_MOST]; /* that they took, alone */
+    double *brief;              /* after CHECKED_STEPS steps */
 } family;
 
 #define ROOM(f) ((f)->problem->variants * (f)->problem->model->state_count + 1)
@@ -128,8 +129,9 @@ static fp3_status sample(family *f, fp3_error *error) {
     uint64_t cycles;
     fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
                                                     p->variants, &r.engine, error);
-    for (unsigned k = 0; !status && k < f->options->most_rungs && worse < RUNGS_WORSE &&
-                         2 * seconds < SAMPLE_SECONDS;
+    for (unsigned k = 0;
+         !status && k < f->options->most_rungs && worse < RUNGS_WORSE &&
+         2 * seconds < SAMPLE_SECONDS && (!f->is_solved || k <= f->first + RUNGS_AFTER);
          k++) {
         double median = INFINITY, worst, *ends = calloc(ROOM(f), sizeof *ends);
         if (!ends)
@@ -144,6 +146,7 @@ static fp3_status sample(family *f, fp3_error *error) {
             f->first = f->is_solved ? f->first : k;
             f->is_solved = 1;
             f->ends[k] = ends;
+            f->seconds[k] = seconds;
         } else {
             free(ends);
         }
@@ -174,10 +177,13 @@ static fp3_status add(const family *f, fp3_measure_point *point, unsigned rung, 
 }
 
 /* As many objects as can make all steps in the time; always whole rounds of the variants. */
-static uint64_t objects_for(const fp3_measure_options *options, unsigned rung, unsigned threads) {
-    const uint64_t least = threads > 1 ? OBJECTS_LEAST_THREADS : OBJECTS_LEAST;
-    uint64_t objects = options->objects;
-    while (objects > least && (objects << rung) > options->object_steps)
+static uint64_t objects_for(const family *f, unsigned rung, unsigned threads) {
+    const fp3_measure_options *o = f->options;
+    const double each = f->seconds[rung] / f->problem->variants / threads;
+    const uint64_t least = (uint64_t)OBJECTS_LEAST * threads;
+    uint64_t objects = o->objects;
+    while (objects > least &&
+           ((objects << rung) > o->object_steps * threads || each * (double)objects > o->patience))
         objects /= 2;
     return objects;
 }
@@ -192,7 +198,8 @@ static fp3_status add_software(const family *f, unsigned rung, unsigned threads,
     point.close = close_run;
     point.self = r;
     point.threads = threads;
-    point.objects = objects_for(f->options, rung, threads);
+    point.objects = objects_for(f, rung, threads);
+    point.expected = f->seconds[rung] / f->problem->variants;
     const fp3_status status = fp3_measure_machines_engine(
         f->machines, f->options->engine, CONFIG, threads, point.objects, &r->engine, error);
     if (status)

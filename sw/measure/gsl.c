@@ -13,7 +13,7 @@
 #include <string.h>
 
 #define STEPS_MOST 1000000 /* of one object */
-#define SECONDS_MOST 2.0   /* of all objects, per run */
+#define SECONDS_MOST 1.0   /* of all objects, per run */
 #define FIRST_STEP 1e-3    /* of the span */
 
 static const struct {

@@ -20,10 +20,10 @@ static const char export[] =
 fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
     fp3_measure_options o = {.variants = 64,
                              .repeats = 5,
-                             .patience = 0.3,
+                             .patience = 0.15,
                              .engine = engine,
                              .objects = 16384,
-                             .object_steps = 1 << 21,
+                             .object_steps = 1 << 20,
                              .most_rungs = 18,
                              .fewest_digits = 2,
                              .most_digits = 10,

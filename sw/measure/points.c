@@ -10,10 +10,11 @@
 
 #define SOLVED 0.1
 #define WORSE_MOST 2
-#define ERROR_MOST 0.5   /* of the scale: beyond it nothing is solved */
-#define SECONDS_MOST 1.0 /* of a run: the next tolerance would take longer */
-#define NEAR 1.5         /* times the shortest time to an error: still near the front */
-#define FAR_PATIENCE 0.1 /* for the others, of the patience */
+#define ERROR_MOST 0.5    /* of the scale: beyond it nothing is solved */
+#define SECONDS_MOST 0.5  /* of a run: the next tolerance would take longer */
+#define NEAR 1.5          /* times the shortest time to an error: still near the front */
+#define HOPELESS 30       /* times the time of another that is as accurate: not run at all */
+#define FAR_PATIENCE 0.02 /* for the others, of the patience */
 
 void fp3_measure_points_say(const fp3_measure_points *points, const char *format, ...) {
     char text[256];
@@ -194,6 +195,21 @@ static int is_near(const fp3_measure_points *points, const fp3_measure_point *p)
     return per_object(p) <= NEAR * best;
 }
 
+/* Another that was run before is as accurate in by far less time. The error is known beforehand. */
+static int is_hopeless(const fp3_measure_points *points, size_t count, const fp3_measure_point *p) {
+    double median, worst;
+    if (p->expected <= 0)
+        return 0;
+    fp3_measure_problem_errors(p->problem, p->ends, &median, &worst);
+    for (size_t i = 0; i < count; i++) {
+        const fp3_measure_point *q = &points->point[i];
+        if (q->repeats && is_alike(p, q) && q->error_median <= median &&
+            HOPELESS * per_object(q) < p->expected)
+            return 1;
+    }
+    return 0;
+}
+
 /* The same with one thread. */
 static const fp3_measure_point *alone(const fp3_measure_points *points,
                                       const fp3_measure_point *p) {
@@ -252,7 +268,8 @@ static fp3_status first_runs(fp3_measure_points *points, int has_threads, fp3_er
         double spent = 0;
         if ((p->threads > 1) == has_threads) {
             const fp3_measure_point *one = has_threads ? alone(points, p) : NULL;
-            stay = has_threads ? one && is_near(points, one) : is_worth_it(&of, p);
+            stay = has_threads ? one && is_near(points, one)
+                               : is_worth_it(&of, p) && !is_hopeless(points, i, p);
             if (stay) {
                 status = first_run(points, p, &stay, &spent, error);
                 note(&of, points, p, stay, spent);

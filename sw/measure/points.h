@@ -20,6 +20,7 @@ struct fp3_measure_point {
     double h, tolerance, cycles;
     unsigned threads;
     uint64_t objects, steps;
+    double expected; /* seconds for an object, roughly: what is hopeless is not run; 0: unknown */
     /* Solves the problem once: *seconds for all objects, and ends. */
     fp3_status (*run)(fp3_measure_point *point, double *seconds, fp3_error *error);
     void (*close)(fp3_measure_point *point); /* frees self; or NULL */
