@@ -75,7 +75,7 @@ def test_bad_input(stress, tmp_path, root):
     for arguments, message in [(["--only", "nope"], "no section 'nope': there are stability, steps"),
                                (["--only", "steps", root / "programs/ship.ode"], "found --only with a model"),
                                ([tmp_path / "none.ode"], "none.ode"), ([root / "programs/ship.s"], "expected"),
-                               (["-i", "rk5"], "no integrator 'rk5'"), ([root / "programs/ship.ode", "-i", "verlet", "--only", "x"], "--only")]:
+                               (["-i", "rk5"], "no integrator 'rk5'"), (["-i", "ros2"], "no theory of its kind"), ([root / "programs/ship.ode", "-i", "verlet", "--only", "x"], "--only")]:
         assert stress(*arguments, status=2) is None
         assert message in stress.said, stress.said
     model = tmp_path / "bad.ode"
