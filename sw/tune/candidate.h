@@ -10,6 +10,7 @@ typedef struct {
     const fp3_bench_arithmetic *arithmetic;
     fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */
     fp3_compiled *measured; /* for FP3_METER_CONFIG; the same pointer where that is it */
+    int is_refused;         /* by the compiler */
 } fp3_candidate;
 
 void fp3_candidate_free(fp3_candidate *candidate);
