@@ -12,6 +12,8 @@ INTEGRATORS = sorted(path.stem for path in PROGRAMS.glob("integrators/*.cfg"))
 OTHERS = [name for name in INTEGRATORS if name != "rk4"]
 FOR_ALL = {"euler", "midpoint", "heun", "ralston3", "rk4", "rk4_paper", "rk38", "rk6"}
 UNEVEN = {"bouncing_ball", "thermostat"}                 # their errors do not fall evenly
+STIFF = {"robertson", "van_der_pol_stiff"}
+LINEARLY_IMPLICIT = {"ros2", "ros3p", "rodas3"}
 FAIL = {("van_der_pol_stiff", "forest_ruth")}            # a splitting of first order: objects overflow at their ends
 MACHINES = ("many_full", "single_full", "sixteen")
 # Double-single takes ten times as long and more: test_double_single.py has rows of it.
@@ -53,6 +55,8 @@ def check(row):
     # In double, where steps can be as fine as an order asks for; in FP32 as in double, where it can be seen. The
     # pendulum's sine is a polynomial, so that its truth cannot be followed as far.
     least = row["order"] - (0.8 if row["model"] == "pendulum" else 0.5 if row["model"] in UNEVEN else 0.3)
+    if row["model"] in STIFF and row["integrator"] in LINEARLY_IMPLICIT:
+        least = 1.7  # where a step is long against the fastest decay, the order falls to 2 (Prothero and Robinson, 1974)
     assert row["finest_order"] is None or row["finest_order"] > least, row
     assert row["measured_order"] is None or abs(row["measured_order"] - row["method_order"]) < 0.35, row
 
