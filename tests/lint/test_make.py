@@ -22,9 +22,9 @@ def test_help_lists_every_target(root):
 
 
 def test_every_listed_target_exists(root):
+    rules = make(root, "--print-data-base", "--question", "help").stdout
     for target in re.findall(r"^  ([a-z-]+) ", make(root, "help").stdout, re.MULTILINE):
-        done = make(root, "--dry-run", target)
-        assert "No rule to make target" not in done.stderr, target
+        assert re.search(rf"^{target}:", rules, re.MULTILINE), target
 
 
 @pytest.mark.parametrize("target", ["sim", "waves", "synth"])

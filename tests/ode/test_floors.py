@@ -14,7 +14,7 @@ def test_every_model_has_a_row(root):
     assert [path.stem for path in sorted(root.glob("programs/*.ode"))] == NAMES
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in STIFF else ()) for name in NAMES])
 def test_the_floor_is_near_that_of_plain_c(name, build, root):
     got = subprocess.run([build / "tests" / "plain", root / f"programs/{name}.ode", str(STIFF.get(name, 8192))],
                          text=True, capture_output=True, timeout=300)
