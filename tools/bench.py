@@ -183,7 +183,8 @@ def gather(options, paths, failed):
         for name in ("problems", "points", "left_out", "speed", "output"):
             found[name] += part.get(name, [])
         versions.update(part.get("versions", {}))
-        found["about"].setdefault("target", part.get("target"))
+        if "target" in part:
+            found["about"]["target"] = part["target"]
     put_times(found["points"], mhz)
     found["about"] |= {"versions": versions, "mhz": mhz}
     return found

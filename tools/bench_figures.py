@@ -36,8 +36,13 @@ def best(points, error, **keys):
     return min(good, key=lambda point: point["ns_per_object"], default=None)
 
 
+def in_fp32(points, fast):
+    """Of the fast engine: without double-single, whose numbers have 48 bits."""
+    return [point for point in points if point["engine"] == fast and point["arithmetic"] != "double_single"]
+
+
 def summary(points, fast):
-    """A row for each error that fast reaches with one thread."""
+    """A row for each error that fast reaches with one thread; is_fp32: in FP32 at that."""
     threads = max((point["threads"] for point in points if point["engine"] == fast), default=1)
     rows = []
     for error in ERRORS:
@@ -47,6 +52,7 @@ def summary(points, fast):
         row = {"error": error, "fast": ours, "all": best(points, error, engine=fast, threads=threads) if threads > 1 else None,
                "hardware": best(points, error, engine="rtl")}
         row |= {who: best(points, error, engine=who) for who in ("plain_c", "gsl", "sundials", "diffrax")}
+        row["is_fp32"] = best(in_fp32(points, fast), error, threads=1) is not None
         row["ratio"] = row["gsl"] and row["gsl"]["ns_per_object"] / ours["ns_per_object"]
         rows.append(row)
     return rows

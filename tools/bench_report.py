@@ -15,10 +15,11 @@ import html
 import json
 import math
 import pathlib
+import re
 import sys
 
 from bench import write
-from bench_figures import ERRORS, best, curves, fast_of, fronts, speed_grids, summary
+from bench_figures import ERRORS, best, curves, fast_of, fronts, in_fp32, speed_grids, summary
 from bench_svg import figure
 
 LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
@@ -117,7 +118,7 @@ def shortfalls(data):
     for problem in data["problems"]:
         points = [point for point in data["points"] if point["model"] == problem["model"]]
         for row in summary(points, fast_of(data)):
-            if row["ratio"] is not None and row["ratio"] < LEAST_RATIO:
+            if row["is_fp32"] and row["ratio"] is not None and row["ratio"] < LEAST_RATIO:
                 yield (f"- `{problem['model']}` at {row['error']:.0e}: {row['ratio']:.1f} times ({name_of(row['fast'])}, "
                        f"{number(row['fast']['ns_per_object'])} ns; GSL's {row['gsl']['method']}, {number(row['gsl']['ns_per_object'])} ns)")
 
@@ -127,8 +128,8 @@ def overview(data):
     for problem in data["problems"]:
         points = [point for point in data["points"] if point["model"] == problem["model"]]
         found = summary(points, fast_of(data))
-        ratios = [row["ratio"] for row in found if row["ratio"] is not None]
-        smallest = min((point["error_median"] for point in points if point["engine"] == fast_of(data)), default=None)
+        ratios = [row["ratio"] for row in found if row["is_fp32"] and row["ratio"] is not None]
+        smallest = min((point["error_median"] for point in in_fp32(points, fast_of(data))), default=None)
         rows.append([f"[`{problem['model']}`](#{problem['model']})", problem["doc"], "–" if smallest is None else f"{smallest:.1e}",
                      f"{min(ratios):.0f} to {max(ratios):.0f}" if ratios else "–",
                      "–" if not ratios else "yes" if min(ratios) >= LEAST_RATIO else
@@ -158,13 +159,38 @@ def recording(data):
                f"reaches {100 * row['ratio_to_dd']:.0f} % of that. Medians of {row['repeats']} repeats in turns.")
 
 
+# What a message says of one program, and what remains of it for many.
+KINDS = [(r".*needs `(\w+)`, which configuration '(\w+)' does not have.*", r"configuration '\2' has no `\1`"),
+         (r"the program needs \d+ words of instruction memory, configuration '(\w+)' has (\d+).*", r"more than the \2 words of program that '\1' has"),
+         (r"the program needs \d+ (object registers|shared constants), configuration '(\w+)' has (\d+).*", r"more than the \3 \1 that '\2' has"),
+         (r"[\d:]+ error: (.*)", r"\1")]
+
+
+def kind_of(why):
+    why = why.split("\n")[0]
+    for pattern, kind in KINDS:
+        if re.fullmatch(pattern, why):
+            return re.sub(pattern, kind, why)
+    return why
+
+
+def listed(names, all_of_them):
+    return "all" if names == all_of_them and len(names) > 1 else ", ".join(sorted(names))
+
+
 def left_out(data):
-    rows = sorted({(row["engine"], row["method"] or row["integrator"] or "all", row["why"], row["model"]) for row in data["left_out"]})
-    by_why = {}
-    for engine, method, why, model in rows:
-        by_why.setdefault((engine, method, why), []).append(model)
-    return table(["engine", "method", "models", "why"],
-                 [[engine, method, ", ".join(models), why.replace("|", "/").split("\n")[0]] for (engine, method, why), models in by_why.items()])
+    """A row for each engine and reason: what was left out for it, methods and models."""
+    by_why, methods = {}, {}
+    for row in data["left_out"]:
+        method = row["method"] or row["integrator"] or "all"
+        methods.setdefault(row["engine"], set()).add(method)
+        of = by_why.setdefault((row["engine"], kind_of(row["why"])), (set(), set()))
+        of[0].add(method)
+        of[1].add(row["model"])
+    models = {problem["model"] for problem in data["problems"]}
+    return table(["engine", "why", "methods, some or all of whose points", "of models"],
+                 [[engine, why.replace("|", "/"), listed(of[0], methods[engine]), listed(of[1], models)]
+                  for (engine, why), of in sorted(by_why.items())])
 
 
 def markdown(data):
@@ -178,7 +204,7 @@ def markdown(data):
              "The same as pictures: [benchmarks.html](benchmarks.html), for a browser; it loads nothing. `make bench` writes `build/results/bench.html`, "
              "with a picture of all integrators for each model, and the data behind it, `bench.json`, `bench.csv` and `bench_speed.csv`.",
              "## The models side by side", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
-             "by the shortest time of the fast engine with one thread.", overview(data),
+             "by the shortest time of the fast engine with one thread. Below that is double-single, in the tables of the models alone.", overview(data),
              f"### Where fast is not {LEAST_RATIO} times as fast as GSL", "\n".join(short) if short else "Nowhere.",
              "## Model by model", "Shortest times to get below an error (median of the variants). Hardware: cycles of the best of `many_full` and "
              "`single_full` at its routed clock (speed grade 6, " +

@@ -50,6 +50,24 @@ def test_the_page_says_where_fast_falls_short(data):
     assert "\nNowhere.\n" in page and "| yes |" in page and "**" not in page.replace("**fast**", "")
 
 
+def test_what_double_single_reaches_is_not_said_of_fp32(data):
+    data["points"][1]["arithmetic"] = "double_single"
+    page = bench_report.markdown(data)
+    assert "- `kepler` at 1e-0" not in page and "| yes |" in page and "| **15.0** |" in page
+    assert [row["is_fp32"] for row in bench_figures.summary(data["points"], "fast")] == [True, False, False]
+
+
+def test_what_is_left_out_for_one_reason_is_one_row(data):
+    text = "the program needs {} words of instruction memory, configuration 'many' has 512; 'many_full' has 2048"
+    data["left_out"] = [{"engine": "rtl", "method": None, "integrator": name, "model": "kepler", "why": text.format(513 + i)}
+                        for i, name in enumerate(("rk4", "rk6"))]
+    data["left_out"].append({"engine": "rtl", "method": None, "integrator": "euler", "model": "kepler",
+                             "why": "16:17: error: sin(x): needs `round`, which configuration 'many' does not have; it is in 'many_full'"})
+    page = bench_report.markdown(data)
+    assert "| rtl | more than the 512 words of program that 'many' has | rk4, rk6 | kepler |" in page
+    assert "| rtl | configuration 'many' has no `round` | euler | kepler |" in page
+
+
 def test_the_page_has_machine_versions_command_and_date(data):
     page = bench_report.markdown(data)
     for word in ("2026-01-02", "`make bench`", "a processor", "a system", "a compiler 1", "GSL 1.2", "SUNDIALS 3.4", "`abc`", "100.0 MHz",
