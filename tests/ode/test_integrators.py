@@ -10,7 +10,8 @@ from tables import (accelerations, energy_error, gravity, kepler, read, run, run
 pytestmark = pytest.mark.smoke
 KINDS = ["runge-kutta", "splitting", "stoermer", "rosenbrock"]
 NAMES = ["dopri5", "euler", "forest_ruth", "heun", "leapfrog", "midpoint", "pefrl", "ralston3", "rk38", "rk4",
-         "rk4_paper", "rk6", "rodas3", "ros2", "ros3p", "semi_implicit_euler", "stoermer_verlet", "verlet", "yoshida6"]
+         "rk4_paper", "rk6", "rodas3", "ros2", "ros3p", "semi_implicit_euler", "stoermer_verlet", "tsit5",
+         "verlet", "yoshida6"]
 
 
 @pytest.fixture
