@@ -8,6 +8,7 @@
 #include "run_adaptive.h"
 #include "run_print.h"
 #include "run_record.h"
+#include "run_values.h"
 
 #include <fp3/scene.h>
 #include <fp3/trace.h>
@@ -19,8 +20,7 @@ typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
     uint64_t steps, cycle_limit, objects, visit, threads;
     int all, has_steps, is_compensated, is_model, allows_failures;
-    fp3_params *params;
-    char *sets, *spreads; /* names, each between commas: of --set, of --spread */
+    fp3_run_values values;
     fp3_run_record record;
     fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
@@ -133,7 +133,7 @@ static void check(const options *o, struct argp_state *state) {
     if (o->program && o->scene)
         argp_error(state, "--scene: found '%s', but the scene names its programs itself",
                    o->program);
-    fp3_run_adaptive_check(&o->how, o->is_model, o->cycle_limit, state);
+    fp3_run_adaptive_check(&o->how, o->is_model, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
     if ((o->integrator || o->is_compensated || o->how.compile.is_double_single) && !o->is_model)
@@ -143,7 +143,7 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "found both --compensated and --double-single, expected one arithmetic");
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
-    if (o->scene && fp3_params_count(o->params))
+    if (o->scene && fp3_params_count(o->values.params))
         argp_error(state, "--scene: values are in the scene, not in --params, --set or --spread");
     if (o->scene && o->kanata)
         argp_error(state, "--kanata: a log is of one program, not of a scene");
@@ -160,23 +160,8 @@ static void check(const options *o, struct argp_state *state) {
     fp3_run_record_check(&o->record, state);
 }
 
-/* Adds the name in front of the = of text to those of one option; the other must not have it. */
-static void note_name(struct argp_state *state, const char *text, char **mine, const char *others) {
-    char *name = NULL, *all = NULL;
-    if (asprintf(&name, ",%.*s,", (int)strcspn(text, "="), text) < 0 ||
-        asprintf(&all, "%s%s", *mine ? *mine : "", name) < 0)
-        argp_failure(state, 1, 0, "out of memory");
-    else if (others && strstr(others, name))
-        argp_error(state, "found both --set and --spread of '%.*s', expected one of them",
-                   (int)strcspn(text, "="), text);
-    free(name);
-    free(*mine);
-    *mine = all;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
-    fp3_error error;
     switch (key) {
     case 'c':
         o->config = text;
@@ -256,18 +241,13 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_PARAMS:
         fp3_files_read(&o->files, "--params", text);
-        if (fp3_params_load(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
+        fp3_run_values_load(&o->values, state, text);
         break;
     case KEY_SPREAD:
-        if (fp3_params_spread(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
-        note_name(state, text, &o->spreads, o->sets);
+        fp3_run_values_spread(&o->values, state, text);
         break;
     case KEY_SET:
-        if (fp3_params_set(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
-        note_name(state, text, &o->sets, o->spreads);
+        fp3_run_values_set(&o->values, state, text);
         break;
     case ARGP_KEY_ARG:
         if (o->program)
@@ -310,12 +290,10 @@ static void warn(const options *o, const fp3_run_task *of) {
 static fp3_status record(options *o, const fp3_run_task *of, fp3_engine *engine, fp3_cost *cost,
                          fp3_error *error) {
     const fp3_program *program = of->scene ? of->scene->groups[0].program : of->program;
-    const fp3_params *params = of->scene ? of->scene->groups[0].params : o->params;
+    const fp3_params *params = of->scene ? of->scene->groups[0].params : o->values.params;
     fp3_recording_def *def = &o->record.def;
     fp3_status status = FP3_OK;
-    if (o->how.is_adaptive)
-        o->steps = o->has_steps ? o->steps : FP3_ADAPTIVE_ATTEMPTS;
-    else if (def->times && !o->has_steps)
+    if (def->times && !o->has_steps && !fp3_run_is_adaptive(of))
         status =
             fp3_recording_steps(program, params, def->times, def->time_count, &o->steps, error);
     def->steps = o->steps;
@@ -328,21 +306,24 @@ static fp3_status record(options *o, const fp3_run_task *of, fp3_engine *engine,
 static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *def, int *has_run,
                       fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_cost cost = {.is_adaptive = o->how.is_adaptive};
+    fp3_cost cost = {.stats = {.flags = 0}};
+    if (o->cycle_limit && fp3_run_is_adaptive(of))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--cycle-limit: a limit is of one run, and adaptive steps may take "
+                        "several; --steps limits attempts");
     fp3_status status = fp3_engine_open(def, &engine);
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
-                           : fp3_program_load(of->program, o->params, engine, error);
+                           : fp3_program_load(of->program, o->values.params, engine, error);
     if (!status) { /* from here on there are no more groups than schedulers */
         fp3_progress_pause(o->progress);
         warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
         status = fp3_run_record_is_asked(&o->record) ? record(o, of, engine, &cost, error)
-                 : cost.is_adaptive
-                     ? fp3_adaptive_run(engine, o->has_steps ? o->steps : FP3_ADAPTIVE_ATTEMPTS,
-                                        &cost.stats)
-                     : fp3_engine_run(engine, o->steps, &cost.stats);
+                 : of->scene               ? fp3_scene_run(of->scene, engine, o->steps, &cost.stats)
+                 : fp3_run_is_adaptive(of) ? fp3_adaptive_run(engine, o->steps, &cost.stats)
+                                           : fp3_engine_run(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
@@ -351,7 +332,7 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         *error = why;
     }
     if (!status && !o->allows_failures)
-        status = fp3_run_check(engine, &cost, error);
+        status = fp3_run_check(engine, of, &cost, error);
     fp3_recording_close(&o->recording);
     fp3_engine_close(&engine);
     return status;
@@ -443,6 +424,8 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     def.objects = (uint32_t)o->objects;
     define(o, &def, error);
     fp3_status status = fp3_program_open(o->program, &how, &program, report, error);
+    if (!status && !o->has_steps && fp3_adaptive_is(program->image))
+        o->steps = FP3_ADAPTIVE_ATTEMPTS;
     if (!status)
         status = run_and_log(o, &(fp3_run_task){.program = program}, &def, error);
     fp3_program_close(&program);
@@ -478,7 +461,7 @@ int fp3_cmd_run(int argc, char **argv) {
             "final states and what the run cost. A scene has several programs, each for objects of "
             "its own."};
     fp3_error error = {""};
-    fp3_status status = fp3_params_make(&o.params, &error);
+    fp3_status status = fp3_params_make(&o.values.params, &error);
     if (status)
         return fp3_cli_fail("run", status, &error);
     char *report = NULL;
@@ -492,9 +475,7 @@ int fp3_cmd_run(int argc, char **argv) {
     }
     const int exit_code = fp3_cli_end("run", status, &error, report);
     free(report);
-    fp3_params_free(&o.params);
-    free(o.sets);
-    free(o.spreads);
+    fp3_run_values_free(&o.values);
     fp3_run_record_free(&o.record);
     return exit_code;
 }

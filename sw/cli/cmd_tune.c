@@ -254,6 +254,11 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s:%d: '%s' is no model (*.ode): no other program has integrators",
                         scene->path, group->line, group->path);
+    if (fp3_adaptive_is(group->program->image))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s:%d: found a tolerance of the group, expected fixed steps: --tolerance "
+                        "says what to look for",
+                        scene->path, group->line);
     if (group->born.last || group->gone.first != FP3_FOREVER)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s:%d: found lifetimes, which are steps: expected objects that live all "

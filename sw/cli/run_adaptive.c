@@ -25,11 +25,7 @@ void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, cons
     def->adaptive.until = above_zero(state, "--until", text);
 }
 
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, uint64_t cycle_limit,
-                            struct argp_state *state) {
-    if (def->is_adaptive && cycle_limit)
-        argp_error(state, "--cycle-limit: a limit is of one run, and adaptive steps may take "
-                          "several; --steps limits attempts");
+void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state) {
     if (def->is_adaptive && !is_model)
         argp_error(state, "--tolerance: only a model (*.ode, or --model) is compiled");
     if (def->adaptive.until != 0 && !def->is_adaptive)
@@ -53,11 +49,9 @@ static void print_counts(const char *name, const fp3_adaptive_counts *c, size_t 
     putchar('\n');
 }
 
-fp3_status fp3_run_adaptive_print(fp3_engine *engine) {
-    const size_t objects = fp3_engine_objects(engine);
+fp3_status fp3_run_adaptive_print(fp3_engine *engine, size_t first, size_t objects) {
     fp3_adaptive_report report;
-    char text[FP3_ADAPTIVE_TEXT_SIZE];
-    fp3_status status = fp3_adaptive_report_make(engine, 0, objects, &report);
+    fp3_status status = fp3_adaptive_report_make(engine, first, objects, &report);
     if (status)
         return status;
     print_counts("accepted", &report.accepted, objects);
@@ -67,22 +61,15 @@ fp3_status fp3_run_adaptive_print(fp3_engine *engine) {
             printf("%-16s %.9g\n", "smallest step", (double)report.smallest);
         printf("%-16s %.9g\n", "largest step", (double)report.largest);
     }
-    if (report.failed) {
-        fp3_adaptive_text(report.first, &report.why, text);
-        printf("%-16s %zu of %zu, first %s\n", "failed", report.failed, objects, text);
-    }
     return FP3_OK;
 }
 
-fp3_status fp3_run_adaptive_judge(fp3_engine *engine, fp3_error *error) {
-    const size_t objects = fp3_engine_objects(engine);
+fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, size_t *failed,
+                                   char text[FP3_ADAPTIVE_TEXT_SIZE]) {
     fp3_adaptive_report report;
-    char text[FP3_ADAPTIVE_TEXT_SIZE];
-    fp3_status status = fp3_adaptive_report_make(engine, 0, objects, &report);
-    if (status || !report.failed)
-        return status;
-    fp3_adaptive_text(report.first, &report.why, text);
-    return fp3_fail(error, FP3_E_FAILED,
-                    "%s; %zu of %zu objects failed (with --allow-failures the exit code is 0)",
-                    text, report.failed, objects);
+    fp3_status status = fp3_adaptive_report_make(engine, first, objects, &report);
+    *failed = status ? 0 : report.failed;
+    if (*failed)
+        fp3_adaptive_text(report.first, &report.why, text);
+    return status;
 }

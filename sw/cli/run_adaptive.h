@@ -11,16 +11,16 @@
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);
 void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text);
 /* After the last option. */
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, uint64_t cycle_limit,
-                            struct argp_state *state);
+void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
 
 /* Of a run that is recorded: without --until the last time is where objects end. */
 void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,
                              struct argp_state *state);
 
-/* Prints how many steps objects made, and who did not end. */
-fp3_status fp3_run_adaptive_print(fp3_engine *engine);
-/* FP3_E_FAILED: somebody did not end. */
-fp3_status fp3_run_adaptive_judge(fp3_engine *engine, fp3_error *error);
+/* Prints how many steps these objects made. */
+fp3_status fp3_run_adaptive_print(fp3_engine *engine, size_t first, size_t objects);
+/* How many of them did not end, and of the first what is known. */
+fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, size_t *failed,
+                                   char text[FP3_ADAPTIVE_TEXT_SIZE]);
 
 #endif

@@ -119,37 +119,53 @@ static void print_lives(const fp3_engine *engine, const fp3_scene_group *group) 
                group->objects, of[FP3_UNBORN], of[FP3_GONE]);
 }
 
-static fp3_status find_failure(fp3_engine *engine, const part *of, const fp3_cost *cost,
-                               fp3_failure *failure) {
-    *failure = cost->failure;
-    return cost->counter ? FP3_OK : fp3_engine_failure(engine, of->first, of->objects, failure);
+/* text has room for both kinds. */
+static fp3_status find_failed(fp3_engine *engine, const part *of, const fp3_cost *cost,
+                              size_t *failed, char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+    fp3_failure failure = cost->failure;
+    fp3_status status = FP3_OK;
+    if (of->image && fp3_adaptive_is(of->image))
+        return fp3_run_adaptive_failed(engine, of->first, of->objects, failed, text);
+    if (!cost->counter)
+        status = fp3_engine_failure(engine, of->first, of->objects, &failure);
+    *failed = status ? 0 : failure.failed;
+    if (*failed)
+        fp3_engine_failure_text(engine, &failure, text);
+    return status;
 }
 
 /* Nothing of a run that ended before its time. */
 static void print_failed(fp3_engine *engine, const part *of, const fp3_cost *cost) {
-    fp3_failure failure;
-    char text[FP3_FAILURE_TEXT_SIZE];
-    if (find_failure(engine, of, cost, &failure) || !failure.failed)
-        return;
-    fp3_engine_failure_text(engine, &failure, text);
-    printf("%-16s %zu of %zu, first %s\n", "failed", failure.failed, of->objects, text);
+    size_t failed;
+    char text[FP3_ADAPTIVE_TEXT_SIZE];
+    if (!find_failed(engine, of, cost, &failed, text) && failed)
+        printf("%-16s %zu of %zu, first %s\n", "failed", failed, of->objects, text);
 }
 
 static void print_status(fp3_engine *engine, const part *of, const fp3_cost *cost) {
-    if (cost->is_adaptive) {
-        fp3_run_adaptive_print(engine);
-        return;
-    }
-    print_asleep(engine, of);
+    if (fp3_adaptive_is(of->image))
+        fp3_run_adaptive_print(engine, of->first, of->objects);
+    else
+        print_asleep(engine, of);
     print_failed(engine, of, cost);
+}
+
+/* Of a scheduler in all runs that this took: of one scheduler the sum is what it did. */
+static fp3_status counters_of(fp3_engine *engine, const fp3_cost *cost, uint32_t scheduler,
+                              uint64_t counter[FP3_COUNTER_COUNT]) {
+    const uint64_t *known = cost->counter                 ? cost->counter[scheduler]
+                            : cost->stats.schedulers == 1 ? cost->stats.counter
+                                                          : NULL;
+    if (!known)
+        return fp3_engine_scheduler_counters(engine, scheduler, counter);
+    memcpy(counter, known, FP3_COUNTER_COUNT * sizeof *counter);
+    return FP3_OK;
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_cost *cost) {
     for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
-        if (cost->counter)
-            fp3_occupancy_print(stdout, scheduler, cost->counter[scheduler]);
-        else if (!fp3_engine_scheduler_counters(engine, scheduler, counter))
+        if (!counters_of(engine, cost, scheduler, counter))
             fp3_occupancy_print(stdout, scheduler, counter);
     }
 }
@@ -191,17 +207,25 @@ static void print_speed(const fp3_stats *stats, const char *how) {
     printf("; %s\n", how);
 }
 
+static part part_of(const fp3_scene_group *group) {
+    return (part){group->program, group->program->image, group->first, group->objects};
+}
+
+static part part_of_program(const fp3_engine *engine, const fp3_program *program) {
+    return (part){program, program->image, 0, fp3_engine_objects(engine)};
+}
+
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
                         const fp3_cost *cost, int all) {
     const fp3_scene_group *group = &scene->groups[number];
-    const part of = {group->program, group->program->image, group->first, group->objects};
+    const part of = part_of(group);
     printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
            group->first + group->objects - 1);
     print_states(engine, &of, all);
     print_lives(engine, group);
     print_status(engine, &of, cost);
     const uint64_t steps =
-        cost->counter ? cost->stats.object_steps : fp3_engine_group_steps(engine, number);
+        scene->group_count == 1 ? cost->stats.object_steps : fp3_engine_group_steps(engine, number);
     printf("%-16s %" PRIu64 "\n\n", "object_steps", steps);
 }
 
@@ -212,11 +236,10 @@ static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
     for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
         fp3_scheduler_share share;
-        if (fp3_engine_scheduler_counters(engine, scheduler, counter) ||
+        if (counters_of(engine, cost, scheduler, counter) ||
             fp3_engine_scheduler_share(engine, scheduler, &share))
             return;
-        const uint64_t cycles = cost->counter ? cost->counter[scheduler][FP3_COUNTER_CYCLES]
-                                              : counter[FP3_COUNTER_CYCLES];
+        const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
         printf("  scheduler %-8" PRIu32 " %12" PRIu64 "  group %zu, %zu objects\n", scheduler,
                cycles, share.group, share.objects);
         least = cycles < least ? cycles : least;
@@ -231,7 +254,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     if (of->program) {
-        const part objects = {of->program, of->program->image, 0, fp3_engine_objects(engine)};
+        const part objects = part_of_program(engine, of->program);
         print_states(engine, &objects, all);
         print_status(engine, &objects, cost);
     }
@@ -249,17 +272,38 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_balance(engine, cost);
 }
 
-fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error) {
-    const size_t objects = fp3_engine_objects(engine);
-    if (cost->is_adaptive)
-        return fp3_run_adaptive_judge(engine, error);
-    fp3_failure failure;
-    char text[FP3_FAILURE_TEXT_SIZE];
-    fp3_status status = find_failure(engine, &(part){.objects = objects}, cost, &failure);
-    if (status || !failure.failed)
+int fp3_run_is_adaptive(const fp3_run_task *of) {
+    int is_any = of->program && fp3_adaptive_is(of->program->image);
+    for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
+        is_any |= fp3_adaptive_is(of->scene->groups[i].program->image);
+    return is_any;
+}
+
+/* Of all objects, where steps have numbers that say who was the first; else group by group. */
+static part part_to_judge(const fp3_engine *engine, const fp3_run_task *of, size_t number) {
+    return of->program               ? part_of_program(engine, of->program)
+           : fp3_run_is_adaptive(of) ? part_of(&of->scene->groups[number])
+                                     : (part){.objects = fp3_engine_objects(engine)};
+}
+
+fp3_status fp3_run_check(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
+                         fp3_error *error) {
+    const size_t parts = of->scene && fp3_run_is_adaptive(of) ? of->scene->group_count : 1;
+    char first[FP3_ADAPTIVE_TEXT_SIZE] = "";
+    fp3_status status = FP3_OK;
+    size_t sum = 0;
+    for (size_t i = 0; !status && i < parts; i++) {
+        const part one = part_to_judge(engine, of, i);
+        size_t failed = 0;
+        char text[FP3_ADAPTIVE_TEXT_SIZE];
+        status = find_failed(engine, &one, cost, &failed, text);
+        if (failed && !sum)
+            strcpy(first, text);
+        sum += failed;
+    }
+    if (status || !sum)
         return status;
-    fp3_engine_failure_text(engine, &failure, text);
     return fp3_fail(error, FP3_E_FAILED,
                     "%s; %zu of %zu objects failed (with --allow-failures the exit code is 0)",
-                    text, failure.failed, objects);
+                    first, sum, fp3_engine_objects(engine));
 }

@@ -17,7 +17,11 @@ typedef struct {
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
                    const fp3_cost *cost, int all, double clock);
 
+/* Whether a group, or the program, has adaptive steps. */
+int fp3_run_is_adaptive(const fp3_run_task *of);
+
 /* FP3_E_FAILED: objects failed in the run; error names the first. */
-fp3_status fp3_run_check(fp3_engine *engine, const fp3_cost *cost, fp3_error *error);
+fp3_status fp3_run_check(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
+                         fp3_error *error);
 
 #endif

@@ -13,6 +13,12 @@
 #define RUN_FIRST 8 /* and at most at first; one more for each RUN_GROWTH that it has made */
 #define RUN_GROWTH 8
 
+int fp3_adaptive_is(const fp3_image *image) {
+    const unsigned state = FP3_CLASS(FP3_SYMBOL_STATE);
+    return fp3_image_find(image, "t", state) && fp3_image_find(image, "h_next", state) &&
+           fp3_image_find(image, "until", FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
+}
+
 /* What a state or a shared number of the object holds; *has_it: there is one. */
 static fp3_status value_of(fp3_engine *engine, size_t object, const char *name, float *value,
                            int *has_it) {

@@ -296,7 +296,6 @@ fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error)
     fp3_status status = r->number || r->at
                             ? fp3_fail(error, FP3_E_ARGUMENT, "a recording is of one run")
                             : run(r, error);
-    r->cost.is_adaptive = r->targets.times != NULL;
     r->cost.counter = (const uint64_t(*)[FP3_COUNTER_COUNT])r->counter;
     if (cost)
         *cost = r->cost;

@@ -25,7 +25,7 @@ static fp3_status read_ends(const fp3_source *source, double first, fp3_targets 
 fp3_status fp3_targets_make(const fp3_source *source, const double *times, size_t count,
                             fp3_targets *targets, fp3_error *error) {
     *targets = (fp3_targets){0};
-    if (!source->program->model || fp3_model_adapted(source->program->model) == FP3_NONE)
+    if (!fp3_adaptive_is(source->program->image))
         return FP3_OK;
     if (!times || !count)
         return fp3_fail(error, FP3_E_ARGUMENT,

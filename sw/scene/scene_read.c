@@ -1,6 +1,7 @@
 /* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line. */
 #include "scene_read.h"
 
+#include "adaptive.h"
 #include "engine/backend.h"
 #include "lifetime.h"
 #include "machine/config.h"
@@ -117,6 +118,11 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
             "integrator, compensated, double_single, folded: only a model (*.ode) is compiled");
     if (is_folded)
         how->passes |= FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT);
+    if (!status)
+        status = fp3_scene_adaptive_read(&r->in, from, def);
+    if (!status && def->is_adaptive && !fp3_program_is_model(to->path))
+        status = fp3_setting_wrong(&r->in, config_setting_get_member(from, "tolerance"),
+                                   "tolerance: only a model (*.ode) is compiled");
     def->integrator = *integrator ? *integrator : def->integrator;
     how->config = r->machine->name;
     return status;
@@ -186,7 +192,8 @@ static fp3_status read_values(const reader *r, const config_setting_t *from, con
 }
 
 static int has_h(const fp3_scene_group *group) {
-    return group->program->model || fp3_params_has(group->params, "h") ||
+    const fp3_model *model = group->program->model;
+    return (model && fp3_model_adapted(model) == FP3_NONE) || fp3_params_has(group->params, "h") ||
            fp3_image_find(group->program->image, "h", FP3_CLASSES_HOST);
 }
 
@@ -243,8 +250,9 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     static const char *const names[] = {"program", "integrator", "compensated", "double_single",
-                                        "folded",  "objects",    "params",      "set",
-                                        "spread",  "born",       "gone",        NULL};
+                                        "folded",  "tolerance",  "until",       "absolute",
+                                        "objects", "params",     "set",         "spread",
+                                        "born",    "gone",       NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");
@@ -292,7 +300,7 @@ static fp3_status read_groups(const reader *r) {
     scene->line = (int)fp3_setting_line(list);
     for (size_t i = 0; !status && i < count; i++)
         status = read_group(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
-    return status;
+    return status ? status : fp3_scene_adaptive_check(&r->in, list, scene);
 }
 
 static fp3_status read_h(reader *r) {
@@ -362,6 +370,9 @@ static fp3_status read_scene(reader *r) {
         status = read_groups(r);
     if (!status)
         status = check_h(r);
+    if (!status && !config_setting_get_member(root, "steps") &&
+        fp3_scene_adaptive_count(r->scene) == r->scene->group_count)
+        r->scene->steps = FP3_ADAPTIVE_ATTEMPTS;
     return status;
 }
 

@@ -49,6 +49,9 @@ typedef enum {
     FP3_ADAPTIVE_LOST     /* t is until, and a state is not finite */
 } fp3_adaptive_end;
 
+/* Whether a program has adaptive steps: it has states t and h_next, and an `until`. */
+int fp3_adaptive_is(const fp3_image *image);
+
 /* Of one object after a run. */
 typedef struct {
     fp3_adaptive_end end;

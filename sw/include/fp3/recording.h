@@ -58,9 +58,8 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
 
 /* What the whole run cost and who failed in it. */
 typedef struct {
-    int is_adaptive; /* fp3/adaptive.h says who failed, not `failure` */
     fp3_stats stats; /* sums over its parts; cycles: of each part the maximum */
-    /* Of all parts, as of fp3_engine_failure. A state that is not finite at a snapshot is a failure. */
+    /* Of all parts, as of fp3_engine_failure; of adaptive steps fp3_adaptive_report_make tells. A state that is not finite at a snapshot is a failure. */
     fp3_failure failure;
     /* Of each of stats.schedulers schedulers; belongs to the recording. */
     const uint64_t (*counter)[FP3_COUNTER_COUNT];

@@ -1,0 +1,95 @@
+/* adaptive.c - see adaptive.h. */
+#include "adaptive.h"
+
+#include "engine/backend.h"
+#include "lifetime.h"
+
+#include <fp3/adaptive.h>
+
+size_t fp3_scene_adaptive_count(const fp3_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->group_count; i++)
+        count += fp3_adaptive_is(scene->groups[i].program->image) != 0;
+    return count;
+}
+
+/* ---- the file ---- */
+
+/* *number stays 0 if it is not there. */
+static fp3_status read_above_zero(const fp3_settings *s, const config_setting_t *from,
+                                  const char *name, double *number) {
+    const config_setting_t *at = config_setting_get_member(from, name);
+    fp3_status status = at ? fp3_setting_number(s, at, name, number) : FP3_OK;
+    if (!status && at && !(*number > 0))
+        status = fp3_setting_expected(s, at, name, "a number above 0");
+    return status;
+}
+
+fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t *from,
+                                   fp3_program_def *def) {
+    const config_setting_t *tolerance = config_setting_get_member(from, "tolerance");
+    const config_setting_t *until = config_setting_get_member(from, "until");
+    const config_setting_t *absolute = config_setting_get_member(from, "absolute");
+    if (!tolerance && (until || absolute))
+        return fp3_setting_wrong(s, until ? until : absolute,
+                                 "%s: expected a tolerance, too: fixed steps are counted by "
+                                 "'steps' of the scene",
+                                 until ? "until" : "absolute");
+    if (!tolerance)
+        return FP3_OK;
+    if (!until)
+        return fp3_setting_wrong(s, tolerance,
+                                 "tolerance: expected 'until', too, the time at which the objects "
+                                 "of this group end");
+    fp3_status status = read_above_zero(s, from, "tolerance", &def->adaptive.tolerance);
+    if (!status)
+        status = read_above_zero(s, from, "until", &def->adaptive.until);
+    if (!status)
+        status = read_above_zero(s, from, "absolute", &def->adaptive.absolute);
+    def->is_adaptive = 1;
+    def->integrator = "dopri5";
+    return status;
+}
+
+fp3_status fp3_scene_adaptive_check(const fp3_settings *s, const config_setting_t *list,
+                                    const fp3_scene *scene) {
+    for (size_t i = 0; fp3_scene_adaptive_count(scene) && i < scene->group_count; i++) {
+        const config_setting_t *group = config_setting_get_elem(list, (unsigned)i);
+        const config_setting_t *born = config_setting_get_member(group, "born");
+        if (fp3_lifetime_is_any(&scene->groups[i]))
+            return fp3_setting_wrong(
+                s, born ? born : config_setting_get_member(group, "gone"),
+                "born, gone: are steps that a scene has in common, and objects "
+                "with a tolerance choose their own");
+    }
+    return FP3_OK;
+}
+
+/* ---- the run ---- */
+
+/* Objects with fixed steps are gone after the last of them, and the others go on. */
+static fp3_status end_fixed(const fp3_scene *scene, fp3_engine *engine, uint64_t steps) {
+    const uint64_t end = engine->made + steps;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < scene->group_count; i++) {
+        const fp3_scene_group *group = &scene->groups[i];
+        if (!fp3_adaptive_is(group->program->image))
+            status = fp3_engine_live(engine, group->first, group->objects,
+                                     end ? 0 : FP3_FOREVER - 1, end ? end : FP3_FOREVER);
+    }
+    return status;
+}
+
+fp3_status fp3_scene_run(const fp3_scene *scene, fp3_engine *engine, uint64_t steps,
+                         fp3_stats *stats) {
+    const size_t adaptive = fp3_scene_adaptive_count(scene);
+    if (!adaptive)
+        return fp3_engine_run(engine, steps, stats);
+    if (adaptive == scene->group_count)
+        return fp3_adaptive_run(engine, steps, stats);
+    const fp3_status status = end_fixed(scene, engine, steps);
+    return status ? status
+                  : fp3_adaptive_run(engine,
+                                     steps > FP3_ADAPTIVE_ATTEMPTS ? steps : FP3_ADAPTIVE_ATTEMPTS,
+                                     stats);
+}
