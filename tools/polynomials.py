@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The polynomials of sw/compiler/exponential.c and logarithm.c: minimax by Remez' exchange, coefficients rounded to FP32.
+"""The polynomials of sw/compiler/exponential.c and logarithm.c: minimax by Remez' exchange, coefficients rounded to FP32;
+and those of double-single (pair_*.c): by Chebyshev's nodes, in fractions, coefficients as doubles.
 
     tools/polynomials.py       prints the coefficients, highest power first, and two errors of each: before and
                                after the rounding, relative to the function
@@ -11,6 +12,7 @@ import pathlib
 import re
 import struct
 import sys
+from fractions import Fraction
 from typing import Callable, NamedTuple
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -47,6 +49,46 @@ POLYNOMIALS = [
     Polynomial("log_rest", log_rest, lambda r: max(r * r * abs(r / math.log1p(r)) if r else 0, 0.004), -0.2930, 0.4144, 7),
     Polynomial("atanh_rest", series([1 / (2 * i + 3) for i in range(40)]), lambda z: z + 1e-4, 0, 0.02945, 4),
 ]
+
+
+class Fine(NamedTuple):
+    name: str
+    terms: list[Fraction]  # of the function's series, from power 0; the error counts absolutely
+    last: float            # from 0 to here
+    count: int
+
+
+def bernoulli(count):
+    """B_0, B_2, B_4, ..."""
+    numbers = [Fraction(1)]
+    for n in range(1, 2 * count):
+        numbers.append(-sum(math.comb(n + 1, k) * b for k, b in enumerate(numbers)) / (n + 1))
+    return numbers[::2]
+
+
+def over_factorial(numbers, first):
+    return [Fraction(b) / math.factorial(first + 2 * k) for k, b in enumerate(numbers)]
+
+
+SIGNS = [(-1) ** (k + 1) for k in range(20)]
+HALF_COTH = over_factorial(bernoulli(30), 0)[1:]  # (r/2 coth(r/2) - 1)/z
+FINE = [
+    Fine("sine_48", over_factorial(SIGNS, 3), 2.4684, 7),
+    Fine("cosine_48", over_factorial(SIGNS, 2), 2.4684, 8),
+    Fine("cotangent_48", [b * (-4) ** (k + 1) for k, b in enumerate(HALF_COTH)], 0.6173, 8),
+    Fine("half_coth_48", HALF_COTH, 0.1205, 5),
+]
+
+
+def fine_coefficients(p):
+    """Lowest power first, of the polynomial that is right at Chebyshev's nodes."""
+    nodes = [Fraction(p.last / 2 * (1 - math.cos(math.pi * (i + 0.5) / p.count))) for i in range(p.count)]
+    return [float(c) for c in solve([[x ** k for k in range(p.count)] for x in nodes], [value(p.terms, x) for x in nodes])]
+
+
+def fine_error(p, coefficients):
+    points = [Fraction(p.last * i / 40) for i in range(41)]
+    return max(float(abs(x * (value(p.terms, x) - value(map(Fraction, coefficients), x)))) for x in points)
 
 
 def solve(rows, right):
@@ -111,11 +153,11 @@ def error(p, coefficients):
 
 def in_c(name):
     """The coefficients that the compiler has, highest power first."""
-    for path in ("exponential.c", "logarithm.c"):
+    for path in ("exponential.c", "logarithm.c", "pair_circular.c", "pair_exponential.c"):
         text = (ROOT / "sw/compiler" / path).read_text(encoding="utf-8")
         found = re.search(rf"static const double {name}\[\] = {{(.*?)}};", text, re.S)
         if found:
-            return [rounded(float(word)) for word in found[1].replace("\n", " ").split(",")]
+            return [float(word) for word in found[1].replace("\n", " ").split(",")]
     return []
 
 
@@ -126,6 +168,12 @@ def main():
         coefficients = [rounded(c) for c in exact]
         print(f"{p.name}: {error(p, exact):.2g} {error(p, coefficients):.2g}")
         print("   ", ", ".join(f"{c:.9g}" for c in reversed(coefficients)))
+        if [rounded(c) for c in in_c(p.name)] != coefficients[::-1]:
+            wrong.append(p.name)
+    for p in FINE:
+        coefficients = fine_coefficients(p)
+        print(f"{p.name}: as doubles {fine_error(p, coefficients):.2g}")
+        print("   ", ", ".join(f"{c!r}" for c in reversed(coefficients)))
         if in_c(p.name) != coefficients[::-1]:
             wrong.append(p.name)
     if "--check" in sys.argv[1:] and wrong:

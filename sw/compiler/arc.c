@@ -28,8 +28,8 @@ static uint32_t quotient(dag *g, uint32_t a, uint32_t b) {
     return fp3_corrected(g, fp3_term(a), fp3_reciprocal(g, b)).node;
 }
 
-/* Of |q| <= 1. The product comes last, so that -0 stays -0. */
-static uint32_t small_arc(dag *g, uint32_t q) {
+/* The product comes last, so that -0 stays -0. */
+uint32_t fp3_small_arc(dag *g, uint32_t q) {
     const uint32_t z = mul(g, q, q);
     return mul(g, q, add(g, num(g, 1), mul(g, z, polynomial(g, z, arctangent, 8))));
 }
@@ -38,7 +38,7 @@ static uint32_t small_arc(dag *g, uint32_t q) {
 uint32_t fp3_atan(dag *g, uint32_t x) {
     const uint32_t large = side(g, x, 1);
     const uint32_t over = quotient(g, num(g, 1), sel(g, large, negated(g, x), num(g, 1)));
-    const uint32_t arc = small_arc(g, sel(g, large, over, x));
+    const uint32_t arc = fp3_small_arc(g, sel(g, large, over, x));
     return sub(g, arc, mul(g, large, num(g, PI / 2)));
 }
 
@@ -52,7 +52,7 @@ uint32_t fp3_atan2(dag *g, uint32_t y, uint32_t x) {
         quotient(g, mul(g, above, num(g, 0.25)), sel(g, below, quarter, num(g, 1)));
     const uint32_t turn = sel(g, op2(g, FP3_OP_LT, y, num(g, 0)), num(g, -PI), num(g, PI));
     const uint32_t part = sel(g, steep, num(g, 0.5), op2(g, FP3_OP_LT, x, num(g, 0)));
-    return add(g, small_arc(g, tangent), mul(g, turn, part));
+    return add(g, fp3_small_arc(g, tangent), mul(g, turn, part));
 }
 
 /* asin(x) = arc - large pi/2, with arc = asin(x), or minus the sign of x times 2 asin(sqrt((1 - |x|)/2)). */

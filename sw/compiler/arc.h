@@ -10,4 +10,7 @@ uint32_t fp3_atan2(dag *g, uint32_t y, uint32_t x);
 uint32_t fp3_asin(dag *g, uint32_t x);
 uint32_t fp3_acos(dag *g, uint32_t x);
 
+/* atan(q) for |q| <= 1. */
+uint32_t fp3_small_arc(dag *g, uint32_t q);
+
 #endif

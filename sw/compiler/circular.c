@@ -32,12 +32,12 @@ typedef struct {
 static const double pi_part[] = {0x1.93p+1, -0x1.c1p-8, 0x1.aa22168c234c5p-18};
 static const double half_pi_part[] = {0x1.94p+0, -0x1.ep-8, -0x1.2cp-18, 0x1.110b4611a6263p-26};
 
-/* x 2^112 overflows from |x| = 2^16 on. Then n, the multiple of unit nearest to x, is infinite, the result is a NaN, and invalid is raised:
+/* x 2^112 overflows from |x| = 2^16 on. Then n, the multiple nearest to x, is infinite, the result is a NaN, and invalid is raised:
  * beyond the range there is a flag and no number. */
 #define LIMIT 0x1p112
 
-static uint32_t nearest(dag *g, uint32_t x, double unit) {
-    const uint32_t multiple = mul(g, mul(g, x, num(g, LIMIT)), num(g, 1 / (LIMIT * unit)));
+uint32_t fp3_nearest_multiple(dag *g, uint32_t x, double unit, double limit) {
+    const uint32_t multiple = mul(g, mul(g, x, num(g, limit)), num(g, 1 / (limit * unit)));
     return op1(g, FP3_OP_RINT, multiple);
 }
 
@@ -48,21 +48,25 @@ static uint32_t less(dag *g, uint32_t x, uint32_t n, const double *part, int cou
     return x;
 }
 
-/* Not 0 if n is odd: then n/2 is not integral. */
-static uint32_t is_odd(dag *g, uint32_t n) {
+/* n/2 is not integral then. */
+uint32_t fp3_is_odd(dag *g, uint32_t n) {
     const uint32_t half = mul(g, n, num(g, 0.5));
     return sub(g, half, op1(g, FP3_OP_RINT, half));
 }
 
 static angle reduced(dag *g, uint32_t x) {
-    const uint32_t n = nearest(g, x, PI), r = less(g, x, n, pi_part, 3);
-    return (angle){r, mul(g, r, r), sel(g, is_odd(g, n), num(g, -1), num(g, 1))};
+    const uint32_t n = fp3_nearest_multiple(g, x, PI, LIMIT), r = less(g, x, n, pi_part, 3);
+    return (angle){r, mul(g, r, r), sel(g, fp3_is_odd(g, n), num(g, -1), num(g, 1))};
 }
 
 /* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on: then it times 0 is a NaN. */
-static angle small(dag *g, uint32_t x) {
+uint32_t fp3_small_angle(dag *g, uint32_t x) {
     const uint32_t beyond = mul(g, x, num(g, 0x1.45f304p+127));
-    const uint32_t r = add(g, x, mul(g, beyond, num(g, 0)));
+    return add(g, x, mul(g, beyond, num(g, 0)));
+}
+
+static angle small(dag *g, uint32_t x) {
+    const uint32_t r = fp3_small_angle(g, x);
     return (angle){r, mul(g, r, r), FP3_NONE};
 }
 
@@ -90,7 +94,7 @@ term fp3_cosine(dag *g, term x) {
 
 /* r/d or, of an odd multiple of pi/2, d/-r, with d = r/tan(r). */
 term fp3_tangent(dag *g, term x) {
-    const uint32_t n = nearest(g, x.node, PI / 2), odd = is_odd(g, n);
+    const uint32_t n = fp3_nearest_multiple(g, x.node, PI / 2, LIMIT), odd = fp3_is_odd(g, n);
     const uint32_t r = less(g, x.node, n, half_pi_part, 4), z = mul(g, r, r);
     const uint32_t d = sub(g, num(g, 1), mul(g, z, polynomial(g, z, cotangent, 4)));
     const uint32_t minus_r = fp3_term_value(g, fp3_term_negated(fp3_term(r)));

@@ -89,8 +89,6 @@ uint32_t fp3_dag_is_known(const dag *g, uint32_t node) {
     return node < g->count && g->nodes[node].op == NODE_KNOWN ? g->nodes[node].a : FP3_NONE;
 }
 
-uint32_t fp3_dag_refused(dag *g, uint32_t expr) { return leaf(g, NODE_REFUSED, expr); }
-
 int fp3_dag_is_number(const dag *g, uint32_t node, double number) {
     const uint32_t known = fp3_dag_is_known(g, node);
     return known != FP3_NONE && fp3_known_is(g->known, known, number);

@@ -1,7 +1,7 @@
 /* dag.h - the values of a step: every value once, operands before what is made of them.
  *
  * A node is an instruction of the machine, or a leaf: a known value, or a variable as it was when the
- * step began. Where quotients and roots are made later (double_step.h), they are nodes, too.
+ * step began. Where quotients, roots and functions are made later (double_step.h), they are nodes, too.
  */
 #ifndef FP3_DAG_H
 #define FP3_DAG_H
@@ -17,7 +17,8 @@ enum {
     NODE_QUOTIENT,     /* a / b */
     NODE_ROOT,         /* of a */
     NODE_INVERSE_ROOT, /* 1 / its root */
-    NODE_REFUSED /* a leaf: expression a of the model, which cannot be made in this arithmetic */
+    NODE_FUNCTION =
+        512 /* + FP3_EXPR_...: that function of a, or of a and b; of a power b is known */
 };
 
 typedef struct {
@@ -35,7 +36,7 @@ typedef struct {
     uint32_t bucket[FP3_DAG_BUCKETS];
     unsigned passes; /* what fold.h may do */
     uint32_t note;   /* of the nodes made from now on */
-    int is_abstract; /* quotients and roots are nodes of their own */
+    int is_abstract; /* quotients, roots and functions are nodes of their own */
     int has_failed;  /* out of memory */
     int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
 } dag;
@@ -47,7 +48,6 @@ void fp3_dag_close(dag *g);
 uint32_t fp3_dag_known(dag *g, uint32_t known);
 uint32_t fp3_dag_number(dag *g, double number);
 uint32_t fp3_dag_variable(dag *g, uint32_t index);
-uint32_t fp3_dag_refused(dag *g, uint32_t expr);
 
 /* A node of its own; see fold.h for the usual way. */
 uint32_t fp3_dag_make(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
@@ -60,7 +60,7 @@ int fp3_dag_is_number(const dag *g, uint32_t node, double number);
 
 static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
     const uint32_t op = g->nodes[node].op;
-    return op == NODE_KNOWN || op == NODE_VARIABLE || op == NODE_REFUSED;
+    return op == NODE_KNOWN || op == NODE_VARIABLE;
 }
 
 /* Operand 0 .. 2 of a node. */

@@ -56,8 +56,7 @@ fp3_pair fp3_two_difference(dag *g, uint32_t a, uint32_t b) {
     return (fp3_pair){s, sub(g, sub(g, a, p), sub(g, b, q))};
 }
 
-/* Where |a| >= |b|, or a is 0. */
-static fp3_pair fast_two_sum(dag *g, uint32_t a, uint32_t b) {
+fp3_pair fp3_fast_two_sum(dag *g, uint32_t a, uint32_t b) {
     const uint32_t s = add(g, a, b);
     return (fp3_pair){s, sub(g, b, sub(g, s, a))};
 }
@@ -109,8 +108,8 @@ fp3_pair fp3_pair_negated(dag *g, fp3_pair x) {
 
 /* Algorithm 6 of Joldes, Muller and Popescu: s the sum of the high words, t of the low ones. */
 static fp3_pair joined(dag *g, fp3_pair s, fp3_pair t) {
-    const fp3_pair v = fast_two_sum(g, s.high, add(g, s.low, t.high));
-    return fast_two_sum(g, v.high, add(g, t.low, v.low));
+    const fp3_pair v = fp3_fast_two_sum(g, s.high, add(g, s.low, t.high));
+    return fp3_fast_two_sum(g, v.high, add(g, t.low, v.low));
 }
 
 fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y) {
@@ -118,7 +117,7 @@ fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y) {
     if (is_single(x) && is_single(y))
         return s;
     if (is_single(x) || is_single(y)) /* their Algorithm 4: 2 u^2 */
-        return fast_two_sum(g, s.high, add(g, is_single(x) ? y.low : x.low, s.low));
+        return fp3_fast_two_sum(g, s.high, add(g, is_single(x) ? y.low : x.low, s.low));
     return joined(g, s, fp3_two_sum(g, x.low, y.low));
 }
 
@@ -127,9 +126,9 @@ fp3_pair fp3_pair_sub(dag *g, fp3_pair x, fp3_pair y) {
     if (is_single(x) && is_single(y))
         return s;
     if (is_single(y))
-        return fast_two_sum(g, s.high, add(g, x.low, s.low));
+        return fp3_fast_two_sum(g, s.high, add(g, x.low, s.low));
     if (is_single(x))
-        return fast_two_sum(g, s.high, sub(g, s.low, y.low));
+        return fp3_fast_two_sum(g, s.high, sub(g, s.low, y.low));
     return joined(g, s, fp3_two_difference(g, x.low, y.low));
 }
 
@@ -153,7 +152,7 @@ static fp3_pair times_single(dag *g, fp3_pair x, uint32_t y) {
     if (is_single(x))
         return fp3_two_product(g, x.high, y);
     const fp3_pair p = two_product_less(g, x.high, y);
-    return fast_two_sum(g, p.high, sub(g, mul(g, x.low, y), p.low));
+    return fp3_fast_two_sum(g, p.high, sub(g, mul(g, x.low, y), p.low));
 }
 
 /* Algorithm 10. */
@@ -166,7 +165,62 @@ fp3_pair fp3_pair_mul(dag *g, fp3_pair x, fp3_pair y) {
         return is_single(y) ? times_single(g, x, y.high) : times_single(g, y, x.high);
     const fp3_pair p = two_product_less(g, x.high, y.high);
     const uint32_t crossed = add(g, mul(g, x.high, y.low), mul(g, x.low, y.high));
-    return fast_two_sum(g, p.high, sub(g, crossed, p.low));
+    return fp3_fast_two_sum(g, p.high, sub(g, crossed, p.low));
+}
+
+fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y) {
+    const fp3_pair s = fp3_fast_two_sum(g, x.high, y.high);
+    uint32_t left = is_single(y) ? s.low : add(g, s.low, y.low);
+    if (!is_single(x))
+        left = add(g, x.low, left);
+    return fp3_fast_two_sum(g, s.high, left);
+}
+
+/* The product stays as rounded and left: the sum makes a pair of it. */
+fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p) {
+    const fp3_pair most = two_product_less(g, z.high, p.high);
+    uint32_t left = FP3_NONE;
+    if (!is_single(p))
+        left = mul(g, z.high, p.low);
+    if (!is_single(z))
+        left = left == FP3_NONE ? mul(g, z.low, p.high) : add(g, left, mul(g, z.low, p.high));
+    left = left == FP3_NONE ? sub(g, fp3_dag_number(g, 0), most.low) : sub(g, left, most.low);
+    return fp3_pair_add_smaller(g, c, (fp3_pair){most.high, left});
+}
+
+fp3_pair fp3_pair_number(dag *g, double number) {
+    return fp3_pair_known(g, fp3_known_number(g->known, number));
+}
+
+fp3_pair fp3_pair_polynomial(dag *g, fp3_pair z, const double *coefficient, int count,
+                             int singles) {
+    uint32_t few = fp3_dag_number(g, (double)(float)coefficient[0]);
+    for (int i = 1; i <= singles; i++)
+        few = add(g, fp3_dag_number(g, (double)(float)coefficient[i]), mul(g, few, z.high));
+    fp3_pair p = {few, FP3_NONE};
+    for (int i = singles + 1; i < count; i++)
+        p = fp3_pair_step(g, fp3_pair_number(g, coefficient[i]), z, p);
+    return p;
+}
+
+/* The first parts leave a float, each of the others a float and an error. */
+fp3_pair fp3_pair_less_multiple(dag *g, fp3_pair x, uint32_t n, const double *part, int count,
+                                int exact) {
+    uint32_t most = x.high, left = x.low == FP3_NONE ? fp3_dag_number(g, 0) : FP3_NONE;
+    for (int i = 0; i < exact; i++)
+        most = sub(g, most, mul(g, n, fp3_dag_number(g, part[i])));
+    for (int i = exact; i < count - 1; i++) {
+        const fp3_pair s = fp3_two_difference(g, most, mul(g, n, fp3_dag_number(g, part[i])));
+        most = s.high;
+        left = left == FP3_NONE ? s.low : add(g, left, s.low);
+        if (i == exact && !is_single(x)) {
+            const fp3_pair with = fp3_two_sum(g, most, x.low);
+            most = with.high;
+            left = add(g, left, with.low);
+        }
+    }
+    left = sub(g, left, mul(g, n, fp3_dag_number(g, part[count - 1])));
+    return fp3_fast_two_sum(g, most, left);
 }
 
 /* ---- quotients and roots: those of floats, corrected once ---- */
@@ -182,7 +236,7 @@ fp3_pair fp3_pair_quotient(dag *g, fp3_pair x, fp3_pair y) {
     const fp3_pair p = times_single(g, y, q);
     const uint32_t most = sub(g, x.high, p.high);
     const uint32_t left = is_single(x) ? sub(g, most, p.low) : add(g, most, sub(g, x.low, p.low));
-    return fast_two_sum(g, q, mul(g, left, over));
+    return fp3_fast_two_sum(g, q, mul(g, left, over));
 }
 
 /* q + (x - q^2)/(2 sqrt(x)) */
@@ -194,7 +248,7 @@ fp3_pair fp3_pair_root(dag *g, fp3_pair x) {
     uint32_t left = add(g, sub(g, x.high, p.high), p.low);
     if (!is_single(x))
         left = add(g, left, x.low);
-    return fast_two_sum(g, q, mul(g, left, half));
+    return fp3_fast_two_sum(g, q, mul(g, left, half));
 }
 
 /* y + y/2 (1 - x y^2). The next term, 3/8 (1 - x y^2)^2 y, is 6 u^2 at most. */
@@ -202,7 +256,7 @@ fp3_pair fp3_pair_inverse_root(dag *g, fp3_pair x) {
     const uint32_t y = one_over(g, fp3_inverse_root(g, x.high));
     const fp3_pair p = times_single(g, times_single(g, x, y), y);
     const uint32_t left = sub(g, sub(g, fp3_dag_number(g, 1), p.high), p.low);
-    return fast_two_sum(g, y, mul(g, mul(g, fp3_dag_number(g, 0.5), y), left));
+    return fp3_fast_two_sum(g, y, mul(g, mul(g, fp3_dag_number(g, 0.5), y), left));
 }
 
 /* ---- choices ---- */
@@ -229,6 +283,20 @@ fp3_pair fp3_pair_select(dag *g, uint32_t condition, fp3_pair then, fp3_pair oth
         made.low = fp3_pair_op(g, FP3_OP_SEL, fp3_pair_low(g, then), fp3_pair_low(g, otherwise),
                                condition);
     return made;
+}
+
+static fp3_pair clamped(dag *g, uint32_t is_beyond, double limit, fp3_pair x) {
+    return fp3_pair_select(g, is_beyond, (fp3_pair){fp3_dag_number(g, limit), FP3_NONE}, x);
+}
+
+fp3_pair fp3_pair_at_most(dag *g, double limit, fp3_pair x) {
+    return clamped(g, fp3_pair_op(g, FP3_OP_LT, fp3_dag_number(g, limit), x.high, FP3_NONE), limit,
+                   x);
+}
+
+fp3_pair fp3_pair_at_least(dag *g, double limit, fp3_pair x) {
+    return clamped(g, fp3_pair_op(g, FP3_OP_LT, x.high, fp3_dag_number(g, limit), FP3_NONE), limit,
+                   x);
 }
 
 fp3_pair fp3_pair_abs(dag *g, fp3_pair x) {

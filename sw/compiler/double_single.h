@@ -32,6 +32,8 @@ fp3_pair fp3_pair_known(dag *g, uint32_t known);
 fp3_pair fp3_two_sum(dag *g, uint32_t a, uint32_t b);
 fp3_pair fp3_two_difference(dag *g, uint32_t a, uint32_t b);
 fp3_pair fp3_two_product(dag *g, uint32_t a, uint32_t b);
+/* The first where the exponent of a is not below that of b, or a is 0. */
+fp3_pair fp3_fast_two_sum(dag *g, uint32_t a, uint32_t b);
 
 fp3_pair fp3_pair_negated(dag *g, fp3_pair x);
 fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y); /* 3 u^2 */
@@ -40,6 +42,23 @@ fp3_pair fp3_pair_mul(dag *g, fp3_pair x, fp3_pair y); /* 5 u^2; by a float 3 u^
 fp3_pair fp3_pair_quotient(dag *g, fp3_pair x, fp3_pair y); /* 32 u^2 */
 fp3_pair fp3_pair_root(dag *g, fp3_pair x);                 /* 16 u^2 */
 fp3_pair fp3_pair_inverse_root(dag *g, fp3_pair x);         /* 16 u^2 */
+
+/* |y| not larger than |x|, or x 0: 4 u^2 of x. The words of y may overlap. */
+fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y);
+/* c + z p, where |z p| is not larger than |c|: 4 u^2 of c, as what the product leaves is not made a pair first. */
+fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p);
+/* By Horner's rule, highest power first, where each term is larger than all behind it. The first
+ * `singles` + 1 coefficients and what is made of them are floats. */
+fp3_pair fp3_pair_polynomial(dag *g, fp3_pair z, const double *coefficient, int count, int singles);
+fp3_pair fp3_pair_number(dag *g, double number);
+
+/* x - n (part[0] + part[1] + ...), where n times each part but the last is exact, and so is x less the first
+ * `exact` of these products. The error is that of n times the last part, and of a sum of small terms. */
+fp3_pair fp3_pair_less_multiple(dag *g, fp3_pair x, uint32_t n, const double *part, int count,
+                                int exact);
+/* limit, if the first word is beyond it; x, if it is a NaN. */
+fp3_pair fp3_pair_at_most(dag *g, double limit, fp3_pair x);
+fp3_pair fp3_pair_at_least(dag *g, double limit, fp3_pair x);
 
 /* 1 or 0, without a low word. */
 fp3_pair fp3_pair_less(dag *g, fp3_pair x, fp3_pair y);

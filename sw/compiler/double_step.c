@@ -2,7 +2,7 @@
 #include "double_step.h"
 
 #include "double_single.h"
-#include "formula.h"
+#include "pair_functions.h"
 
 #include <assert.h>
 #include <fp3/isa.h>
@@ -94,6 +94,40 @@ static fp3_pair extreme(const doubling *d, const dag_node *n) {
     return fp3_pair_select(d->to, is_first.high, a, b);
 }
 
+static fp3_pair of_function(const doubling *d, const dag_node *n) {
+    dag *g = d->to;
+    const fp3_pair a = d->made[n->a].pair;
+    switch (n->op - NODE_FUNCTION) {
+    case FP3_EXPR_POWER:
+        return fp3_pair_power(g, a, fp3_dag_is_known(d->from, n->b));
+    case FP3_EXPR_ATAN2:
+        return fp3_pair_atan2(g, a, d->made[n->b].pair);
+    case FP3_EXPR_SIN:
+        return fp3_pair_sine(g, a);
+    case FP3_EXPR_COS:
+        return fp3_pair_cosine(g, a);
+    case FP3_EXPR_TAN:
+        return fp3_pair_tangent(g, a);
+    case FP3_EXPR_ATAN:
+        return fp3_pair_atan(g, a);
+    case FP3_EXPR_ASIN:
+        return fp3_pair_asin(g, a);
+    case FP3_EXPR_ACOS:
+        return fp3_pair_acos(g, a);
+    case FP3_EXPR_EXP:
+        return fp3_pair_exp(g, a);
+    case FP3_EXPR_LOG:
+        return fp3_pair_log(g, a);
+    case FP3_EXPR_SINH:
+        return fp3_pair_sinh(g, a);
+    case FP3_EXPR_COSH:
+        return fp3_pair_cosh(g, a);
+    default:
+        assert(n->op == NODE_FUNCTION + FP3_EXPR_TANH);
+        return fp3_pair_tanh(g, a);
+    }
+}
+
 static made of_node(const doubling *d, const dag_node *n) {
     const fp3_pair a =
         n->op < NODE_KNOWN || n->op > NODE_VARIABLE ? d->made[n->a].pair : (fp3_pair){0};
@@ -122,26 +156,14 @@ static made of_node(const doubling *d, const dag_node *n) {
         return (made){fp3_pair_quotient(d->to, a, d->made[n->b].pair), 0, 0};
     case NODE_ROOT:
         return (made){fp3_pair_root(d->to, a), 0, 0};
-    default:
-        assert(n->op == NODE_INVERSE_ROOT);
+    case NODE_INVERSE_ROOT:
         return (made){fp3_pair_inverse_root(d->to, a), 0, 0};
+    default:
+        return (made){of_function(d, n), 0, 0};
     }
 }
 
 /* ---- the step ---- */
-
-static fp3_status refuse(const fp3_step *step, uint32_t expr, fp3_error *error) {
-    char at[FP3_AT_SIZE];
-    char *text = fp3_formula_expr(step->model, expr);
-    const fp3_status status =
-        text ? fp3_fail(error, FP3_E_PROGRAM,
-                        "%s%s has no double-single form: sums, products, quotients, roots, powers "
-                        "of whole and half numbers and choices have",
-                        fp3_expr_at(step->model, expr, at), text)
-             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(text);
-    return status;
-}
 
 /* The nodes that variables come from, by `root`. */
 static void find_reached(const doubling *d, uint32_t (*root)(const variable *v)) {
@@ -154,17 +176,14 @@ static void find_reached(const doubling *d, uint32_t (*root)(const variable *v))
                 d->is_reached[fp3_dag_operand(d->from, i, j)] = 1;
 }
 
-static fp3_status double_nodes(const doubling *d, fp3_error *error) {
+static void double_nodes(const doubling *d) {
     for (uint32_t i = 0; i < d->from->count; i++) {
         const dag_node *n = &d->from->nodes[i];
         if (!d->is_reached[i])
             continue;
-        if (n->op == NODE_REFUSED)
-            return refuse(d->step, n->a, error);
         d->to->note = n->note;
         d->made[i] = of_node(d, n);
     }
-    return FP3_OK;
 }
 
 static uint32_t next_root(const variable *v) { return v->next; }
@@ -177,7 +196,7 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
                              uint32_t (*root)(const variable *v), uint32_t *(*place)(variable *v),
                              fp3_error *error) {
     dag to;
-    fp3_dag_open(&to, &step->known, from->passes);
+    fp3_dag_open(&to, &step->known, from->passes & ~FP3_PASS(FP3_PASS_FOLD_PRODUCT));
     const doubling d = {.step = step,
                         .from = from,
                         .to = &to,
@@ -188,7 +207,7 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
         d.made && d.is_reached ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status) {
         find_reached(&d, root);
-        status = double_nodes(&d, error);
+        double_nodes(&d);
     }
     for (uint32_t i = 0; !status && i < variables; i++) {
         const uint32_t node = root(&step->variables[i]);

@@ -25,27 +25,36 @@ static uint32_t scale_of(dag *g, uint32_t x) {
 
 static uint32_t is_negative(dag *g, uint32_t x) { return op2(g, FP3_OP_LT, x, num(g, 0)); }
 
-typedef struct {
-    uint32_t m, e;
-} parts;
+uint32_t fp3_log_scale(dag *g, uint32_t x) {
+    return sel(g, is_negative(g, x), num(g, 0), scale_of(g, x));
+}
 
-/* Of x and scaled = x scale: x = m 2^-e with m from sqrt(1/2) to sqrt(2). 0 is 0 2^-inf, infinity is
- * inf 2^inf. */
-static parts parts_of(dag *g, uint32_t scaled, uint32_t scale) {
+fp3_log_parts fp3_log_parts_of(dag *g, uint32_t scaled, uint32_t scale) {
     const uint32_t lower = op1(g, FP3_OP_LOGB, mul(g, scaled, num(g, ROOT_HALF)));
     const uint32_t k = sub(g, num(g, -1), lower);
     const uint32_t finite = fp3_at_least(g, -126, fp3_at_most(g, 127, k));
-    return (parts){.m = mul(g, scaled, op1(g, FP3_OP_EXP2, finite)),
-                   .e = add(g, k, op1(g, FP3_OP_LOGB, scale))};
+    const uint32_t power = op1(g, FP3_OP_EXP2, finite);
+    return (fp3_log_parts){
+        .m = mul(g, scaled, power), .power = power, .e = add(g, k, op1(g, FP3_OP_LOGB, scale))};
 }
 
-/* -e ln 2 + log m. The leading coefficient is positive: so that of infinity is. */
-uint32_t fp3_log(dag *g, uint32_t x) {
-    const uint32_t scale = sel(g, is_negative(g, x), num(g, 0), scale_of(g, x));
-    const parts p = parts_of(g, mul(g, x, scale), scale);
-    const uint32_t r = add(g, p.m, num(g, -1));
+/* log(1 + r) - r. The leading coefficient is positive: so that of infinity is. */
+static uint32_t curve_of(dag *g, uint32_t r) {
     const uint32_t curve = add(g, num(g, -0.5), mul(g, r, polynomial(g, r, log_rest, 7)));
-    const uint32_t low = sub(g, mul(g, mul(g, r, r), curve), mul(g, p.e, num(g, FP3_LN2_LOW)));
+    return mul(g, mul(g, r, r), curve);
+}
+
+uint32_t fp3_log_near_1(dag *g, uint32_t m) {
+    const uint32_t r = add(g, m, num(g, -1));
+    return add(g, r, curve_of(g, r));
+}
+
+/* -e ln 2 + log m */
+uint32_t fp3_log(dag *g, uint32_t x) {
+    const uint32_t scale = fp3_log_scale(g, x);
+    const fp3_log_parts p = fp3_log_parts_of(g, mul(g, x, scale), scale);
+    const uint32_t r = add(g, p.m, num(g, -1));
+    const uint32_t low = sub(g, curve_of(g, r), mul(g, p.e, num(g, FP3_LN2_LOW)));
     return sub(g, add(g, r, low), mul(g, p.e, num(g, FP3_LN2_HIGH)));
 }
 
@@ -86,7 +95,7 @@ static halves half_log(dag *g, uint32_t m) {
 }
 
 /* 2^t where t = n log2(x) is a sum: exact products, one of them with a power of x's exponent, and the rest. */
-static uint32_t power_of_parts(dag *g, parts p, uint32_t n) {
+static uint32_t power_of_parts(dag *g, fp3_log_parts p, uint32_t n) {
     const uint32_t over_ln2 = known2(g, KNOWN_MUL, n, fp3_known_number(g->known, 2 / M_LN2));
     const halves y = known_halves(g, n), w = known_halves(g, over_ln2), l = half_log(g, p.m);
     const uint32_t from_e = mul(g, y.high, p.e), from_m = mul(g, w.high, l.high);
@@ -100,8 +109,8 @@ static uint32_t power_of_parts(dag *g, parts p, uint32_t n) {
 }
 
 /* 0 and infinity have a large exponent in place of an infinite one, so that its product with n = 0 is 0. */
-static parts finite_parts(dag *g, uint32_t scaled, uint32_t scale) {
-    parts p = parts_of(g, scaled, scale);
+static fp3_log_parts finite_parts(dag *g, uint32_t scaled, uint32_t scale) {
+    fp3_log_parts p = fp3_log_parts_of(g, scaled, scale);
     p.m = fp3_at_most(g, 2, p.m);
     p.e = fp3_at_least(g, -0x1p60, fp3_at_most(g, 0x1p60, p.e));
     return p;
@@ -111,7 +120,7 @@ uint32_t fp3_power(dag *g, uint32_t x, uint32_t n) {
     const uint32_t sign = fp3_known_make(g->known, KNOWN_SIGN, n, 0);
     const uint32_t exponent = fp3_known_make(g->known, KNOWN_EXPONENT, n, 0);
     if (fp3_known_is(g->known, sign, 0)) {
-        const uint32_t scale = sel(g, is_negative(g, x), num(g, 0), scale_of(g, x));
+        const uint32_t scale = fp3_log_scale(g, x);
         return power_of_parts(g, finite_parts(g, mul(g, x, scale), scale), exponent);
     }
     const uint32_t size = op1(g, FP3_OP_ABS, x);

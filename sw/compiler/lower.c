@@ -159,21 +159,18 @@ static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
     return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
 }
 
-static term refused(lowering *l, const fp3_expr *e) {
-    return fp3_term(fp3_dag_refused(l->g, (uint32_t)(e - l->model->exprs)));
-}
-
 static term by_logarithm(lowering *l, const fp3_expr *e, int is_denominator) {
     known_table *known = l->g->known;
     double number;
-    if (l->g->is_abstract)
-        return refused(l, e);
     uint32_t n = fp3_known_constant(known, e->operand[1], &number)
                      ? fp3_known_number(known, number)
                      : fp3_known_model(known, e->operand[1]);
     if (is_denominator)
         n = fp3_known_make(known, KNOWN_NEGATE, n, 0);
-    return fp3_term(fp3_power(l->g, value(l, e->operand[0]), n));
+    const uint32_t x = value(l, e->operand[0]);
+    return fp3_term(l->g->is_abstract
+                        ? op2(l->g, NODE_FUNCTION + FP3_EXPR_POWER, x, fp3_dag_known(l->g, n))
+                        : fp3_power(l->g, x, n));
 }
 
 /* x times the power, or x over it. */
@@ -248,13 +245,18 @@ static int has_constants(fp3_expr_op op) {
            op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
 }
 
+static term made_later(lowering *l, const fp3_expr *e) {
+    const uint32_t b = e->operand[1] == FP3_NONE ? FP3_NONE : value(l, e->operand[1]);
+    return fp3_term(op2(l->g, NODE_FUNCTION + (uint32_t)e->op, value(l, e->operand[0]), b));
+}
+
 static term lower(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
     dag *g = l->g;
     if (e->is_known)
         return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
     if (g->is_abstract && has_constants(e->op) && e->op != FP3_EXPR_POWER)
-        return refused(l, e);
+        return made_later(l, e);
     switch (e->op) {
     case FP3_EXPR_STATE:
         return l->state(l, e->index);
