@@ -153,17 +153,20 @@ static fp3_status compare_object(const fp3_model *model, const fp3_compiled *c, 
                                  size_t object, const fp3_adaptive_object *o, row *r,
                                  fp3_error *error) {
     double params[VALUES], initial[VALUES];
-    float wanted[VALUES] = {0};
+    float wanted[VALUES] = {0}, low[VALUES] = {0};
     const uint64_t attempts = (uint64_t)o->accepted + o->rejected;
+    const uint32_t t = fp3_model_adapted(model);
     fp3_bench_variant(model, object, params, initial);
-    fp3_status status =
-        fp3_compiled_reference(c, params, initial, model->step, &attempts, 1, wanted, error);
+    fp3_status status = fp3_compiled_reference_pairs(c, params, initial, model->step, &attempts, 1,
+                                                     wanted, low, error);
     for (uint32_t s = 0; !status && s < model->state_count; s++) {
         float got = 0;
         status = fp3_engine_get(engine, object, model->states[s].name, &got);
         r->mismatches += memcmp(&got, &wanted[s], sizeof got) != 0;
         r->compared++;
     }
+    r->mismatches += memcmp(&o->t_low, &low[t], sizeof low[t]) != 0;
+    r->compared++;
     return status;
 }
 

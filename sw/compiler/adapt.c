@@ -6,6 +6,7 @@
 
 #include "options.h"
 
+#define TAKEN "adaptive steps have a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
 
 typedef struct {
@@ -46,9 +47,7 @@ static fp3_status add(fp3_model *model, fp3_quantity **list, uint32_t *count, co
                       const char *dimension, fp3_error *error) {
     fp3_quantity *more;
     if (is_taken(model, what->name))
-        return fp3_fail(error, FP3_E_PROGRAM,
-                        "adaptive steps have a '%s' of their own: found one in the model",
-                        what->name);
+        return fp3_fail(error, FP3_E_PROGRAM, TAKEN, what->name);
     if (*count == FP3_STATES_MAX)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "adaptive steps add '%s': a model has at most %d states and as many params",
@@ -109,6 +108,8 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
     const char *unit = model->time_unit;
     const size_t param_count = model->event_count ? 4 : 3;
     fp3_status status = FP3_OK;
+    if (is_taken(model, "t_low"))
+        status = fp3_fail(error, FP3_E_PROGRAM, TAKEN, "t_low");
     for (size_t i = 0; !status && i < param_count; i++)
         status = add_param(model, &params[i], i == 0 || i == 3 ? unit : "", error);
     for (size_t i = 0; !status && i < sizeof states / sizeof *states; i++)

@@ -38,6 +38,10 @@ static void note(const fp3_advance *a, const char *text) {
     a->step->values.note = fp3_note(&a->step->notes, "%s", text);
 }
 
+static uint32_t low_of_time(const fp3_advance *a) {
+    return fp3_advance_held(a, &a->step->values, ROLE_LOW, state_of(a, T)).node;
+}
+
 static uint32_t until(const fp3_advance *a) {
     return fp3_dag_known(&a->step->values, fp3_known_param(&a->step->known, "until"));
 }
@@ -52,10 +56,27 @@ static uint32_t allowed(const fp3_advance *a, const char *name, double share) {
 
 /* ---- the step ---- */
 
-/* t + h, but never beyond the end; what is made of it is what is left of t after rounding. */
-static uint32_t end_of(const fp3_advance *a, uint32_t t, uint32_t h) {
+/* Until the end, from the time t + low. */
+static uint32_t left_of(const fp3_advance *a, uint32_t t, uint32_t low) {
     dag *g = &a->step->values;
-    return op2(g, FP3_OP_MIN, add(g, t, h), until(a));
+    return sub(g, sub(g, until(a), t), low);
+}
+
+/* What is added to t in place of low: h more, or what leads to the end itself. */
+static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h) {
+    dag *g = &a->step->values;
+    return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, until(a), t));
+}
+
+/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first, and what that
+ * loses is the second. The first is until where by is until - t, whatever that difference has lost. */
+static void find_end(fp3_advance *a, uint32_t by) {
+    dag *g = &a->step->values;
+    const uint32_t t = a->begin.node;
+    note(a, "t at the end of the step");
+    a->end = fp3_term(op2(g, FP3_OP_MIN, add(g, t, by), until(a)));
+    note(a, "second word of t at the end of the step");
+    a->end_low = sub(g, by, sub(g, a->end.node, t));
 }
 
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
@@ -69,11 +90,16 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    note(a, "t at the end of the step");
-    a->begin = fp3_term(old(a, T));
-    a->end = fp3_term(end_of(a, a->begin.node, old(a, H)));
+    const uint32_t t = old(a, T), low = low_of_time(a), h = old(a, H);
+    a->begin = fp3_term(t);
+    a->begin_low = fp3_term(low);
     note(a, "the step that is tried");
-    a->h = fp3_term(sub(g, a->end.node, a->begin.node));
+    a->h = fp3_term(op2(g, FP3_OP_MIN, left_of(a, t, low), h));
+    note(a, "how t moves");
+    const uint32_t by = moved_by(a, t, low, h);
+    find_end(a, by);
+    note(a, "what t gains");
+    a->gain = sub(g, by, low);
     return FP3_OK;
 }
 
@@ -142,7 +168,7 @@ fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
     }
     a->by = factor(a, x, is_good);
     note(a, "is there a step at all");
-    a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->h.node);
+    a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
     note(a, "is the step accepted");
     a->is_good = mul(g, is_good, a->is_attempt);
     return FP3_OK;
@@ -226,16 +252,18 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     select_states(a);
     note(a, "new t");
     const uint32_t t = sel(g, a->is_good, a->end.node, a->begin.node);
+    const uint32_t low = sel(g, a->is_good, a->end_low, a->begin_low.node);
     note(a, "the next step; one that the end cut off says nothing about it");
-    const uint32_t left = sub(g, until(a), t);
+    const uint32_t left = left_of(a, t, low);
     const uint32_t h = sel(g, left, mul(g, a->h.node, a->by), old(a, H));
     put(a, T, t);
     put(a, H, h);
+    a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a, left);
-    note(a, "the step that is tried next");
-    const uint32_t next = sub(g, end_of(a, t, h), t);
+    note(a, "what t gains by the step that is tried next");
+    const uint32_t next = sub(g, moved_by(a, t, low, h), low);
     a->step->tested = a->step->variable_count;
     a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
-    fp3_status status = keep(a->step, a->h.node, next, error);
+    fp3_status status = keep(a->step, a->gain, next, error);
     return status ? status : keep_slopes(a, error);
 }

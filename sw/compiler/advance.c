@@ -32,19 +32,21 @@ term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state) {
     return fp3_term(fp3_dag_variable(g, fp3_step_find(a->step, role, state)));
 }
 
-/* n h, or (n + 1) h: one rounding each, and the second is the first of the next step. Between them
- * n h + c h, where c h is a known value. n is exact, so no error adds up over steps. */
+/* Both words of t and c h, rounded to one. */
 static term own_time(const fp3_advance *a, dag *g, double c) {
     const int is_end = fabs(c - 1) < COEFFICIENT_ERROR, is_begin = fabs(c) < COEFFICIENT_ERROR;
     const uint32_t outside = g->note;
     if (is_begin || is_end)
         return is_end ? a->end : a->begin;
     g->note = fp3_note(&a->step->notes, "t + %.6g h", c);
-    const term t = fp3_term_add(g, a->begin, fp3_advance_scaled_step(a, c, 1));
+    const term since = fp3_term_add(g, a->begin_low, fp3_advance_scaled_step(a, c, 1));
+    const term t = fp3_term_add(g, a->begin, since);
     g->note = outside;
     return t;
 }
 
+/* n h, or (n + 1) h: one rounding each, and the second is the first of the next step. Between them
+ * n h + c h, where c h is a known value. n is exact, so no error adds up over steps. */
 term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
     if (a->is_adaptive)
         return own_time(a, g, c);

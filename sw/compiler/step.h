@@ -17,9 +17,9 @@ typedef enum {
     ROLE_LOST_BEFORE, /* what was lost one step ago */
     ROLE_STEPS,       /* how many steps were made: t is that times h */
     ROLE_SLEPT,       /* adaptive steps: written by `sleep`; 0: awake */
-    ROLE_LOW,         /* double-single: the second word of a state */
-    ROLE_LOW_BEFORE,  /* and of the state one step ago */
-    ROLE_CARRIED      /* a value that the next step needs again; the host does not see it */
+    ROLE_LOW, /* the second word of a state: of all in double-single, of t with adaptive steps */
+    ROLE_LOW_BEFORE, /* and of the state one step ago */
+    ROLE_CARRIED     /* a value that the next step needs again; the host does not see it */
 } role;
 
 typedef struct {

@@ -62,11 +62,14 @@ static fp3_status find_lost(fp3_engine *engine, size_t object, fp3_adaptive_obje
     return status;
 }
 
-/* As the program has it; a float of one operation, in the host's rounding, is the same but where the
- * configuration truncates: then an object that is stuck may seem limited. */
+/* 0 at the end. */
+static float left_of(const fp3_adaptive_object *o) { return o->until - o->t - o->t_low; }
+
+/* As the program has it; floats, in the host's rounding, are the same but where the configuration
+ * truncates: then an object that is stuck may seem limited. */
 static int has_step(const fp3_adaptive_object *o) {
-    const float end = fminf(o->t + o->step, o->until);
-    return end - o->t >= 0x1p-126f;
+    const float by = fminf(o->step + o->t_low, o->until - o->t);
+    return by - o->t_low >= 0x1p-126f;
 }
 
 fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
@@ -75,6 +78,8 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
     if (object >= fp3_engine_objects(engine))
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "there is no object %zu", object);
     fp3_status status = need(engine, object, "t", &found->t);
+    if (!status)
+        status = need(engine, object, "t_low", &found->t_low);
     if (!status)
         status = need(engine, object, "h_next", &found->step);
     if (!status)
@@ -89,7 +94,7 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
         status = value_of(engine, object, "largest", &found->largest, &has_it);
     if (!status)
         status = find_lost(engine, object, found);
-    if (found->t < found->until)
+    if (left_of(found) > 0)
         found->end = has_step(found) ? FP3_ADAPTIVE_LIMITED : FP3_ADAPTIVE_STUCK;
     else if (found->state[0])
         found->end = FP3_ADAPTIVE_LOST;
@@ -107,7 +112,8 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
         snprintf(why, sizeof why, "state %s is not finite", found->state);
     snprintf(text, FP3_ADAPTIVE_TEXT_SIZE,
              "object %zu at t = %.9g of %.9g, after %u steps and %u rejected attempts: %s", object,
-             (double)found->t, (double)found->until, found->accepted, found->rejected, why);
+             (double)found->t + (double)found->t_low, (double)found->until, found->accepted,
+             found->rejected, why);
 }
 
 /* ---- a run ---- */
@@ -124,7 +130,7 @@ static void add_stats(const fp3_stats *run, fp3_stats *sum) {
 /* About half of what is left, if the steps stay as long as the next one. */
 static uint64_t attempts_of(const fp3_adaptive_object *o, uint64_t made) {
     const uint64_t most = RUN_FIRST + made / RUN_GROWTH;
-    const float wanted = ceilf((o->until - o->t) / (2 * o->step));
+    const float wanted = ceilf(left_of(o) / (2 * o->step));
     return wanted < RUN_LEAST ? RUN_LEAST : wanted > (float)most ? most : (uint64_t)wanted;
 }
 
@@ -132,7 +138,7 @@ static uint64_t attempts_of(const fp3_adaptive_object *o, uint64_t made) {
 static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats *sum) {
     fp3_adaptive_object o;
     fp3_status status = fp3_adaptive_look(engine, 0, &o);
-    for (uint64_t made = 0; !status && made < attempts && o.t < o.until && has_step(&o);) {
+    for (uint64_t made = 0; !status && made < attempts && left_of(&o) > 0 && has_step(&o);) {
         const uint64_t wanted = attempts_of(&o, made), left = attempts - made;
         fp3_stats run = {0};
         status = fp3_engine_run(engine, wanted < left ? wanted : left, &run);

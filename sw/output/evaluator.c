@@ -18,7 +18,8 @@ struct fp3_evaluator {
     float *low[64];                 /* their second words; NULL: they have none */
     uint32_t reg[64];
     int low_reg[64];
-    int steps;      /* register of `steps`, or -1; of adaptive steps that of t, and h is 1 */
+    int steps;      /* register of `steps`, or -1 */
+    uint32_t own_t; /* adaptive steps: the state that is the object's t; else FP3_NONE */
     float *made;    /* what it holds, of the block; NULL: not needed */
     double *values; /* of all expressions, for one object */
     double *params; /* a row of param_count for each object, or one for all */
@@ -36,6 +37,7 @@ fp3_status fp3_evaluator_open(const fp3_program *program, size_t room, fp3_evalu
         e->model = model;
         e->room = room;
         e->steps = -1;
+        e->own_t = fp3_model_adapted(model);
         e->is_needed = calloc(model->expr_count + 1u, sizeof *e->is_needed);
         e->needed = calloc(model->expr_count + 1u, sizeof *e->needed);
         e->values = calloc(model->expr_count + 1u, sizeof *e->values);
@@ -78,12 +80,12 @@ static fp3_status need_state(fp3_evaluator *e, const fp3_program *program, uint3
     return status ? status : make_room(e, &e->states[state], error);
 }
 
-/* Where an object counts its time. */
-static int find_clock(const fp3_evaluator *e, const fp3_image *image) {
-    const uint32_t t = fp3_model_adapted(e->model);
-    const fp3_symbol *symbol =
-        t == FP3_NONE ? NULL : fp3_image_find(image, e->model->states[t].name, FP3_CLASSES_OBJECT);
-    return symbol ? (int)symbol->index : fp3_image_steps(image);
+/* Where an object counts its time, or holds it. */
+static fp3_status need_time(fp3_evaluator *e, const fp3_program *program, fp3_error *error) {
+    if (e->own_t != FP3_NONE)
+        return need_state(e, program, e->own_t, error);
+    e->steps = fp3_image_steps(program->image);
+    return e->steps < 0 ? FP3_OK : make_room(e, &e->made, error);
 }
 
 /* Operands stand in front of what they are for. */
@@ -99,9 +101,8 @@ static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *
         e->needed[e->needed_count++] = i;
         if (e->model->exprs[i].op == FP3_EXPR_STATE)
             status = need_state(e, program, e->model->exprs[i].index, error);
-        if (e->model->exprs[i].op == FP3_EXPR_TIME &&
-            (e->steps = find_clock(e, program->image)) >= 0)
-            status = make_room(e, &e->made, error);
+        if (!status && e->model->exprs[i].op == FP3_EXPR_TIME)
+            status = need_time(e, program, error);
     }
     return status;
 }
@@ -133,7 +134,7 @@ fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_e
     float *inputs = calloc(source->program->compiled->input_count + 1u, sizeof *inputs);
     fp3_status status = FP3_OK;
     free(e->params);
-    e->h = fp3_model_adapted(e->model) == FP3_NONE ? source->h : 1;
+    e->h = source->h;
     e->params = calloc(source->objects * count + 1, sizeof *e->params);
     if (!inputs || !e->params)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -166,12 +167,14 @@ fp3_status fp3_evaluator_read(fp3_evaluator *e, const fp3_source *source, uint64
 const double *fp3_evaluator_values(fp3_evaluator *e, size_t i) {
     double states[64];
     const size_t row = e->is_spread ? (e->first + i) * e->model->param_count : 0;
-    const fp3_point point = {.states = states,
-                             .params = &e->params[row],
-                             .t = e->made ? (double)e->made[i] * e->h : e->t};
     for (uint32_t s = 0; s < e->model->state_count; s++)
         states[s] =
             (e->states[s] ? (double)e->states[s][i] : NAN) + (e->low[s] ? (double)e->low[s][i] : 0);
+    const fp3_point point = {.states = states,
+                             .params = &e->params[row],
+                             .t = e->own_t != FP3_NONE ? states[e->own_t]
+                                  : e->made            ? (double)e->made[i] * e->h
+                                                       : e->t};
     for (uint32_t n = 0; n < e->needed_count; n++)
         e->values[e->needed[n]] =
             fp3_ode_compute(&e->model->exprs[e->needed[n]], &point, e->values);

@@ -14,10 +14,10 @@ static fp3_status read_ends(const fp3_source *source, double first, fp3_targets 
         fp3_adaptive_object o;
         status = fp3_adaptive_look(source->engine, i, &o);
         targets->until[i] = o.until;
-        if (!status && (double)o.t > first)
+        if (!status && (double)o.t + (double)o.t_low > first)
             status = fp3_fail(error, FP3_E_ARGUMENT,
                               "time %.17g is before the start of object %zu, %.9g", first, i,
-                              (double)o.t);
+                              (double)o.t + (double)o.t_low);
     }
     return status;
 }

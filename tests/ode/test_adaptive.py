@@ -38,8 +38,10 @@ def model(tmp_path):
 def ends(out):
     """Numbers that a run ends with, by object and name."""
     found = {}
-    for name, bits, n in re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8}) +object (\d+)$", out, re.M):
+    for name, bits, low, n in re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8})( 0x[0-9a-f]{8})? +object (\d+)$", out, re.M):
         found.setdefault(int(n), {})[name] = bits
+        if low:
+            found[int(n)][name + "_low"] = low.strip()
     return found
 
 
@@ -131,6 +133,62 @@ def test_overflow_in_a_stage_is_a_rejected_step(model):
     assert value(of, "y") == pytest.approx((1 + 8 * 4) ** (-1 / 8), rel=1e-3)
 
 
+def time_of(of, n=0):
+    return value(of, "t", n) + value(of, "t_low", n)
+
+
+def each_engine(path, *arguments, config="single_full", status=0):
+    """The ends of a run that are the same on both machines of one object, and on all three of many."""
+    engines = ("isa", "rtl") if config == "single_full" else ("isa", "rtl", "fast")
+    seen = [run(path, *arguments, config=config, engine=e, status=status)[0] for e in engines]
+    assert all(one == seen[0] for one in seen)
+    return seen[0]
+
+
+def test_time_holds_what_a_short_step_adds(model):
+    """Without an error each step is 5 times the one before. Of ten none but the last ones would change t = 1000 at all."""
+    path = model("state y = 1\ny' = 0*y\nstep 1\nspan 1\n")
+    h = 2**-22 * 1.25
+    of = each_engine(path, "--tolerance", "1e-5", "--set", "t=1000", "--set", f"h_next={h!r}", "--until", "3000", "--steps", "10",
+                     "--allow-failures")
+    assert value(of, "accepted") == 10
+    assert abs(time_of(of) - 1000 - sum(h * 5**n for n in range(10))) <= 10 * 1000 * 2**-49
+    assert value(of, "t_low") != 0
+
+
+@pytest.mark.parametrize("start, span", [(2**30, 256), (-2**24 - 2, 2), (0, 2**-110)])
+def test_steps_are_as_short_as_they_must_be_anywhere(model, start, span):
+    """y = 3 e^-((t - start) 8/span): all of that is next to one last place of t, or t is almost 0."""
+    path = model(f"param rate = {8 / span!r}\nstate y = 3\ny' = -rate*y\nstep {span / 64!r}\nspan 1\n")
+    times = ["--set", f"t={start}", "--set", f"until={start + span}", "--tolerance", "1e-5"]
+    alone = each_engine(path, *times)[0]
+    many = each_engine(path, *times, "--spread", f"rate={8 / span!r}:{4 / span!r}", "-o", "2", config="many_full")
+    assert {name: many[0][name] for name in alone} == alone
+    for n, factor in enumerate((8, 4)):
+        assert value(many, "t", n) == start + span and value(many, "t_low", n) == 0
+        assert value(many, "y", n) == pytest.approx(3 * math.exp(-factor), rel=2e-3)
+        assert value(many, "accepted", n) > 5
+
+
+def test_time_goes_through_zero(model):
+    of = each_engine(model(DECAY), "--tolerance", "1e-5", "--set", "t=-5", "--until", "3")
+    assert (time_of(of), value(of, "c")) == (3, pytest.approx(math.sin(3) + math.sin(5), abs=2e-5))
+
+
+def test_the_start_has_two_words(model):
+    of = each_engine(model(DECAY), "--tolerance", "1e-5", "--set", "t=0.1", "--until", "3", "--steps", "1", "--allow-failures", "--set", "h_next=2^-40")
+    assert time_of(of) == pytest.approx(0.1 + 2**-40, abs=1e-16)
+
+
+@pytest.mark.parametrize("first, moves", [("2^-126", True), ("2^-130", False)])
+def test_the_shortest_step_is_normal(model, first, moves):
+    """A subnormal one counts as none: the object has failed where it is."""
+    path = model("state y = 1\ny' = -y\nstep 1\nspan 1\n")
+    for config in ("single_full", "many_full"):
+        of, _ = run(path, "--tolerance", "1e-4", "--set", f"h_next={first}", "-o", "1", config=config, status=0 if moves else 3)
+        assert (value(of, "t"), value(of, "accepted") > 50) == ((1, True) if moves else (0, False))
+
+
 def test_blow_up_is_named(model):
     """y' = y^2 is infinite at t = 1: no step gets there."""
     path = model("param k = 1\nstate y = 1\ny' = k*y*y\nstep 0.01\nspan 2")
@@ -195,7 +253,7 @@ def test_compare_holds_every_word_against_the_equations(model, tmp_path):
     rows = json.loads(out.read_text())["rows"]
     assert {(row["arithmetic"], row["tolerance"]) for row in rows} == {(a, t) for a in ("plain", "compensated") for t in (1e-5,)}
     for row in rows:
-        assert row["mismatches"] == 0 and row["compared"] == 3 * (1 + 24) * 10
+        assert row["mismatches"] == 0 and row["compared"] == 3 * (1 + 24) * 11
         assert row["error"] < 0.5 and row["accepted"] > 3 * row["rejected"]
         for machine in ("single_full", "many_full"):
             assert row[machine + "_fixed"]["error"] <= row["error"]

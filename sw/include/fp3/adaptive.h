@@ -10,7 +10,7 @@
  *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report)) ...
  *     printf("%zu objects did not reach the end\n", report.failed);
  *
- * docs/adaptive.md says what a step computes, and why time is exact.
+ * docs/adaptive.md says what a step computes, and how the two words of t keep time.
  */
 #ifndef FP3_ADAPTIVE_H
 #define FP3_ADAPTIVE_H
@@ -43,8 +43,8 @@ uint32_t fp3_model_adapted(const fp3_model *model);
 #define FP3_ADAPTIVE_ATTEMPTS 1000000u /* a limit for who has none */
 
 typedef enum {
-    FP3_ADAPTIVE_ENDED, /* t is until, and all states are finite */
-    FP3_ADAPTIVE_STUCK, /* t + step is t: the tolerance asks for a step that FP32 has no room for */
+    FP3_ADAPTIVE_ENDED,   /* t is until, and all states are finite */
+    FP3_ADAPTIVE_STUCK,   /* the tolerance asks for a step that is too short even for two words */
     FP3_ADAPTIVE_LIMITED, /* on its way when no more attempts were left */
     FP3_ADAPTIVE_LOST     /* t is until, and a state is not finite */
 } fp3_adaptive_end;
@@ -59,6 +59,7 @@ typedef struct {
     uint32_t accepted, rejected;
     float smallest, largest;
     char state[FP3_NAME_SIZE]; /* LOST: the first that is not finite */
+    float t_low;               /* the time is t + t_low */
 } fp3_adaptive_object;
 
 /* FP3_E_ARGUMENT: no such object, or its program has no adaptive steps. Counts that the program does not keep are 0. */
