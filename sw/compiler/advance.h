@@ -1,4 +1,4 @@
-/* advance.h - what the three kinds of integrators share: states as a step goes on, and their updates. */
+/* advance.h - what all kinds of integrators share: states as a step goes on, and their updates. */
 #ifndef FP3_ADVANCE_H
 #define FP3_ADVANCE_H
 

@@ -20,6 +20,11 @@ typedef struct {
     char *needs_time; /* and whether it depends on t */
 } fitting;
 
+/* It advances every state alike. */
+static int has_stages(const fp3_integrator *integrator) {
+    return integrator->kind != FP3_SPLITTING && integrator->kind != FP3_STOERMER;
+}
+
 static uint64_t find_positions(const fp3_model *model) {
     uint64_t found = 0;
     for (uint32_t s = 0; s < model->state_count; s++) {
@@ -181,7 +186,7 @@ static fp3_status check(const fitting *f, fp3_error *error) {
     const fp3_status status = check_adaptive(f, error);
     if (status)
         return status;
-    if (f->integrator->kind == FP3_RUNGE_KUTTA || f->integrator->kind == FP3_ROSENBROCK)
+    if (has_stages(f->integrator))
         return FP3_OK;
     const fp3_status split = check_splitting(f, error);
     return split || f->integrator->kind == FP3_SPLITTING ? split : check_stoermer(f, error);
@@ -198,7 +203,7 @@ static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
     if (fp3_fit_has_events(f->fit, f->model)) /* each happens up to a step late */
         return 1;
-    if (integrator->kind == FP3_RUNGE_KUTTA || integrator->kind == FP3_ROSENBROCK)
+    if (has_stages(integrator))
         return integrator->is_position_late && f->fit->live & f->fit->positions
                    ? integrator->position_order
                    : integrator->order;

@@ -3,6 +3,7 @@
 
 #include "adaptive.h"
 #include "advance.h"
+#include "chebyshev.h"
 #include "double_step.h"
 #include "events.h"
 #include "rosenbrock.h"
@@ -73,6 +74,8 @@ static fp3_status advance(fp3_advance *a, fp3_error *error) {
         return fp3_splitting(a, error);
     case FP3_ROSENBROCK:
         return fp3_rosenbrock(a, a->options->partial, error);
+    case FP3_CHEBYSHEV:
+        return fp3_chebyshev(a, error);
     default:
         return fp3_stoermer(a, error);
     }

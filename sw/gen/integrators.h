@@ -161,6 +161,34 @@
       "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                                       \
       "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                                                     \
       "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                                         \
+    X(rkc12,                                                                                                                                    \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), twelve stages.\n"                                                                       \
+      "name    = \"rkc12\";\n"                                                                                                                  \
+      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                           \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                    \
+      "kind    = \"chebyshev\";\n"                                                                                                              \
+      "order   = 2;\n"                                                                                                                          \
+      "stages  = 12;\n"                                                                                                                         \
+      "damping = \"2/13\";\n")                                                                                                                  \
+    X(rkc6_damped,                                                                                                                              \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), six stages. What decays fast loses a quarter or more in each step of any\n"             \
+      "# length up to the limit, so jumps at the start do not last: 8 % of the limit is the price.\n"                                           \
+      "name    = \"rkc6_damped\";\n"                                                                                                            \
+      "doc     = \"stabilised explicit, for mildly stiff models that begin with a jump\";\n"                                                    \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                    \
+      "kind    = \"chebyshev\";\n"                                                                                                              \
+      "order   = 2;\n"                                                                                                                          \
+      "stages  = 6;\n"                                                                                                                          \
+      "damping = 1;\n")                                                                                                                         \
+    X(rkc8,                                                                                                                                     \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), eight stages.\n"                                                                        \
+      "name    = \"rkc8\";\n"                                                                                                                   \
+      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                           \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                    \
+      "kind    = \"chebyshev\";\n"                                                                                                              \
+      "order   = 2;\n"                                                                                                                          \
+      "stages  = 8;\n"                                                                                                                          \
+      "damping = \"2/13\";\n")                                                                                                                  \
     X(rodas3,                                                                                                                                   \
       "# Linearly implicit, four stages, L-stable and stiffly accurate.\n"                                                                      \
       "name   = \"rodas3\";\n"                                                                                                                  \

@@ -21,6 +21,6 @@ int fp3_embedded_find(fp3_integrator *table) {
     for (unsigned i = 0; i < table->stages; i++)
         distance = fmax(distance, fabs(table->b[i] - table->embedded[i]));
     table->embedded_order = fp3_integrator_order(&other, &worst, &next);
-    table->is_first_same_as_last = table->kind == FP3_RUNGE_KUTTA && is_last_row(table);
+    table->is_first_same_as_last = table->kind != FP3_ROSENBROCK && is_last_row(table);
     return distance >= FP3_CONDITION_TOLERANCE;
 }

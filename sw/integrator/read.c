@@ -8,16 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "chebyshev.h"
 #include "conditions.h"
 #include "embedded.h"
 #include "settings/settings.h"
+
+#define DAMPING_MOST 10.0 /* more takes most of the stability away */
 
 typedef struct {
     fp3_settings in;
     fp3_integrator *table;
 } reader;
 
-static const char *const kind_names[] = {"runge-kutta", "splitting", "stoermer", "rosenbrock"};
+static const char *const kind_names[] = {"runge-kutta", "splitting", "stoermer", "rosenbrock",
+                                         "chebyshev"};
 enum { KINDS = sizeof kind_names / sizeof *kind_names };
 
 #define KIND(kind) (1u << (kind))
@@ -39,6 +43,8 @@ static const struct {
     {"embedded", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
     {"embedded_order", KIND(FP3_RUNGE_KUTTA) | KIND(FP3_ROSENBROCK)},
     {"substeps", KIND(FP3_SPLITTING)},
+    {"stages", KIND(FP3_CHEBYSHEV)},
+    {"damping", KIND(FP3_CHEBYSHEV)},
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
@@ -79,8 +85,8 @@ static fp3_status read_kind(const reader *r) {
             return FP3_OK;
         }
     return fp3_setting_wrong(&r->in, fp3_setting_need(&r->in, "kind"),
-                             "kind: found '%s', expected %s, %s, %s or %s", text, kind_names[0],
-                             kind_names[1], kind_names[2], kind_names[3]);
+                             "kind: found '%s', expected %s, %s, %s, %s or %s", text, kind_names[0],
+                             kind_names[1], kind_names[2], kind_names[3], kind_names[4]);
 }
 
 static fp3_status read_order(const reader *r) {
@@ -262,6 +268,25 @@ static fp3_status read_rosenbrock(const reader *r) {
     return status ? status : read_embedded(r);
 }
 
+static fp3_status read_chebyshev(const reader *r) {
+    const config_setting_t *count = fp3_setting_need(&r->in, "stages");
+    uint64_t stages = 0;
+    double damping = 0;
+    fp3_status status = !count ? FP3_E_PROGRAM
+                               : fp3_setting_count(&r->in, count, "stages", FP3_CHEBYSHEV_LEAST,
+                                                   FP3_CHEBYSHEV_MOST, &stages);
+    const config_setting_t *setting = status ? NULL : fp3_setting_need(&r->in, "damping");
+    if (!setting)
+        return FP3_E_PROGRAM;
+    status = read_coefficient(r, setting, "damping", &damping);
+    if (!status && !(damping >= 0 && damping <= DAMPING_MOST))
+        status = fp3_setting_wrong(&r->in, setting, "damping: found %g, expected 0 to %g", damping,
+                                   DAMPING_MOST);
+    if (!status)
+        fp3_chebyshev_make(r->table, (unsigned)stages, damping);
+    return status;
+}
+
 static fp3_status read_substep(const reader *r, const config_setting_t *setting, unsigned i) {
     fp3_substep *substep = &r->table->substeps[i];
     const config_setting_t *member =
@@ -363,6 +388,8 @@ static fp3_status read_table(const reader *r) {
         status = read_splitting(r);
     if (!status && table->kind == FP3_ROSENBROCK)
         status = read_rosenbrock(r);
+    if (!status && table->kind == FP3_CHEBYSHEV)
+        status = read_chebyshev(r);
     if (!status)
         status = check_order(r);
     table->position_order = table->is_position_late ? 1 : table->order;

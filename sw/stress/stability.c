@@ -14,7 +14,8 @@
 
 #define OBJECTS 512
 #define COARSE_STEPS 4096
-#define FAR 8.0            /* the first look goes from FAR/OBJECTS to here */
+#define NEAR 8.0           /* the first look goes from NEAR/OBJECTS to here, */
+#define FAR 512.0          /* and, while nothing grows, eight times as far, up to here */
 #define STEPS_LEAST 8192   /* of the looks after the first ... */
 #define STEPS_MOST 1048576 /* ... as many as growth by GAIN takes, where z is off by FINE */
 #define FINE 1e-4
@@ -101,20 +102,26 @@ static uint64_t steps_for(const search *s, double limit) {
 }
 
 static fp3_status find(search *s, uint64_t steps, double *found, fp3_error *error) {
-    double low = 0, high = FAR, cell = FAR;
+    double low = 0, high = NEAR, cell = NEAR;
     fp3_status status = FP3_OK;
-    for (int round = 0; !status && (round < 2 || cell > FINE * *found); round++) {
+    for (int round = 0; !status && (round < 2 || cell > FINE * *found);) {
         int i = 0;
         status = fill(s, low, high, error);
         if (!status)
             status = first_grown(s, round ? steps : COARSE_STEPS, &i, error);
         *found = i == OBJECTS ? INFINITY : i ? (s->z[i - 1] + s->z[i]) / 2 : s->z[0] / 2;
+        if (i == OBJECTS && !round && high < FAR) {
+            low = high;
+            high *= 8;
+            continue;
+        }
         if (i == OBJECTS)
             break;
         cell = (high - low) / OBJECTS;
         high = *found + MARGIN * cell;
         /* The second look has more steps, so it may find growth earlier. */
         low = fmax(0, *found - (round ? 1 : 8) * MARGIN * cell);
+        round++;
     }
     return status;
 }
@@ -157,8 +164,7 @@ static fp3_status search_ray(const fp3_trial *trial, const fp3_lab_arithmetic *a
                   .angle = degrees * M_PI / 180,
                   .is_decay = degrees == 0,
                   .has_damping = degrees > 0 && degrees < 90,
-                  .gain =
-                      run->kind == FP3_RUNGE_KUTTA && !run->is_position_late ? GAIN : GAIN_NEUTRAL};
+                  .gain = fp3_trial_is_symplectic(run) ? GAIN_NEUTRAL : GAIN};
     fp3_status status = fp3_lab_model(s->is_decay      ? decay
                                       : s->has_damping ? damped
                                                        : swing,
@@ -177,7 +183,7 @@ static fp3_status search_ray(const fp3_trial *trial, const fp3_lab_arithmetic *a
 /* Splittings are not for decay, and Stoermer's method is for forces without damping. */
 static int applies(const fp3_integrator *integrator, double degrees) {
     return degrees == 90 || integrator->kind == FP3_RUNGE_KUTTA ||
-           (integrator->kind == FP3_SPLITTING && degrees > 0);
+           integrator->kind == FP3_CHEBYSHEV || (integrator->kind == FP3_SPLITTING && degrees > 0);
 }
 
 /* By theory. */
@@ -203,7 +209,7 @@ fp3_status fp3_section_stability(const fp3_trial *trial, fp3_error *error) {
             status = search_ray(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], degrees, error);
     for (int i = FP3_LAB_COMPENSATED; !status && i < FP3_LAB_ARITHMETICS; i++)
         if (!trial->options->is_quick)
-            status = search_ray(trial, &fp3_lab_arithmetics[i],
-                                trial->run->kind == FP3_RUNGE_KUTTA ? 0 : 90, error);
+            status =
+                search_ray(trial, &fp3_lab_arithmetics[i], applies(trial->run, 0) ? 0 : 90, error);
     return status;
 }

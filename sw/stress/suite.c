@@ -28,8 +28,7 @@ enum { SECTIONS = sizeof sections / sizeof *sections };
 static const char *const few[] = {"rk4", "dopri5", "verlet", NULL};
 
 static int has_theory(const fp3_integrator *integrator) {
-    return integrator->kind == FP3_RUNGE_KUTTA || integrator->kind == FP3_SPLITTING ||
-           integrator->kind == FP3_STOERMER;
+    return integrator->kind != FP3_ROSENBROCK;
 }
 
 /* By one integrator. */

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define SCAN 1e-3 /* no interval of stability or of growth is shorter */
-#define FAR 64    /* nothing explicit is stable up to here with 16 stages */
+#define FAR 512   /* nothing explicit is stable up to here with 23 stages */
 #define NEUTRAL                                                                                    \
     1e-9 /* eigenvalues of matrices are on the unit circle to within the root of a rounding */
 
@@ -31,10 +31,16 @@ unsigned fp3_theory_polynomial(const fp3_integrator *rk, double coefficients[FP3
     return degree;
 }
 
-static double complex evaluate(const double *coefficients, unsigned degree, double complex w) {
-    double complex sum = 0;
-    for (unsigned j = degree + 1; j-- > 0;)
-        sum = sum * w + coefficients[j];
+/* R(w), stage by stage: where w is large the terms of the polynomial cancel. */
+static double complex evaluate(const fp3_integrator *rk, double complex w) {
+    double complex slope[FP3_STAGES_MAX], sum = 1;
+    for (unsigned i = 0; i < rk->stages; i++) {
+        double complex stage = 1;
+        for (unsigned m = 0; m < i; m++)
+            stage += rk->a[i][m] * slope[m];
+        slope[i] = w * stage;
+        sum += rk->b[i] * slope[i];
+    }
     return sum;
 }
 
@@ -77,15 +83,17 @@ double fp3_theory_growth(const fp3_integrator *integrator, double z, double angl
         double m[2][2] = {{2 - k, -1}, {1, 0}};
         return radius(m);
     }
-    const unsigned degree = fp3_theory_polynomial(integrator, coefficients);
-    if (integrator->is_position_late && angle > 0)
+    if (integrator->is_position_late && angle > 0) {
+        const unsigned degree = fp3_theory_polynomial(integrator, coefficients);
         return growth_of_late(coefficients, degree, k, c);
+    }
     const double complex w = angle < M_PI_2 ? -z * cexp(I * angle) : -I * z;
-    return cabs(evaluate(coefficients, degree, w));
+    return cabs(evaluate(integrator, w));
 }
 
 static int is_matrix(const fp3_integrator *integrator) {
-    return integrator->kind != FP3_RUNGE_KUTTA || integrator->is_position_late;
+    return integrator->kind == FP3_SPLITTING || integrator->kind == FP3_STOERMER ||
+           integrator->is_position_late;
 }
 
 /* Where growth first exceeds most. */

@@ -72,6 +72,17 @@ static void round_row(double *row, unsigned count) {
         row[i] = is_common ? round(row[i] / unit) * (float)unit : (float)row[i];
 }
 
+/* c h is one number of the program. */
+static void round_recurrence(fp3_recurrence *r, double h) {
+    r->first = (float)(r->first * h) / h;
+    r->bend = (float)r->bend;
+    for (unsigned j = 1; j <= r->stages; j++) {
+        r->at[j] = (float)r->at[j];
+        r->share[j] = (float)r->share[j];
+        r->slope[j] = (float)(r->slope[j] * h) / h;
+    }
+}
+
 /* Of a splitting, c h is one number of the program; of Runge-Kutta h and the coefficients are. */
 fp3_integrator fp3_trial_rounded(const fp3_integrator *table, double h) {
     fp3_integrator r = *table;
@@ -80,9 +91,11 @@ fp3_integrator fp3_trial_rounded(const fp3_integrator *table, double h) {
         r.substeps[i].coefficient = (float)(r.substeps[i].coefficient * h) / h;
         round_row(r.a[i], i);
     }
+    round_recurrence(&r.recurrence, h);
     return r;
 }
 
 int fp3_trial_is_symplectic(const fp3_integrator *integrator) {
-    return integrator->kind != FP3_RUNGE_KUTTA || integrator->is_position_late;
+    return integrator->kind == FP3_SPLITTING || integrator->kind == FP3_STOERMER ||
+           integrator->is_position_late;
 }

@@ -1,6 +1,7 @@
 """A reader of programs/integrators/*.cfg and steppers that are not the library's, in double."""
 
 import cmath
+import functools
 import math
 import re
 
@@ -45,6 +46,8 @@ def read(path):
         table["G"] = [[number(g) for g in row] for row in table["G"]]
     if "substeps" in table:
         table["substeps"] = [(name, number(x)) for name, x in table["substeps"]]
+    if "stages" in table:
+        table["stages"], table["damping"] = int(table["stages"]), number(table["damping"])
     table["order"] = int(table["order"])
     table["late_position"] = table.get("late_position") == "true"
     return table
@@ -56,8 +59,8 @@ def accelerations(table):
         return len(table["b"]) - (table["b"][-1] == 0)  # the last stage serves an error estimate
     if table["kind"] == "rosenbrock":  # stages at the same place share one
         return len({tuple(row + [0] * (len(table["b"]) - len(row))) for row in map(list, table["A"])})
-    if table["kind"] == "stoermer":
-        return 1
+    if table["kind"] in ("stoermer", "chebyshev"):
+        return table.get("stages", 1)
     kicks = [name == "kick" for name, _ in table["substeps"]]
     return sum(kicks) - (kicks[0] and kicks[-1])
 
@@ -105,6 +108,32 @@ def implicit_step(table, acceleration, x, v, h):
     return y[:n], y[n:]
 
 
+@functools.cache
+def chebyshev_coefficients(s, damping):
+    """The first one, and mu, nu, mu~ and gamma~ of each stage: equations (2.4) of Sommeijer, Shampine and Verwer, with T_j(cosh u) = cosh(j u)."""
+    w = 1 + damping / s**2
+    u = math.acosh(w)
+    value = [math.cosh(j * u) for j in range(s + 1)]
+    slope = [j * math.sinh(j * u) / math.sinh(u) for j in range(s + 1)]
+    bend = [(j * j * t - w * d) / (w * w - 1) for j, (t, d) in enumerate(zip(value, slope))]
+    w1 = slope[s] / bend[s]
+    b = [bend[max(j, 2)] / slope[max(j, 2)] ** 2 for j in range(s + 1)]
+    stages = []
+    for j in range(2, s + 1):
+        share = 2 * b[j] * w1 / b[j - 1]
+        stages.append((2 * b[j] * w / b[j - 1], -b[j] / b[j - 2], share, -(1 - b[j - 1] * value[j - 1]) * share))
+    return b[1] * w1, stages
+
+
+def chebyshev_step(table, f, y, h):
+    first, stages = chebyshev_coefficients(table["stages"], table["damping"])
+    at_y = f(y)
+    before, now = y, plus(y, (first * h, at_y))
+    for mu, nu, share, rest in stages:
+        before, now = now, plus([(1 - mu - nu) * a for a in y], (mu, now), (nu, before), (share * h, f(now)), (rest * h, at_y))
+    return now
+
+
 def step(table, acceleration, x, v, h):
     """One step of x' = v, v' = acceleration(x, v), by Runge-Kutta or a splitting."""
     if table["kind"] == "splitting":
@@ -116,6 +145,10 @@ def step(table, acceleration, x, v, h):
         return x, v
     if table["kind"] == "rosenbrock":
         return implicit_step(table, acceleration, x, v, h)
+    if table["kind"] == "chebyshev":
+        n = len(x)
+        y = chebyshev_step(table, lambda y: [*y[n:], *acceleration(y[:n], y[n:])], [*x, *v], h)
+        return y[:n], y[n:]
     kx, kv = [], []
     for row in table["A"]:
         at_x = x if table["late_position"] else plus(x, *((h * a, k) for a, k in zip(row, kx)))
@@ -163,6 +196,8 @@ def energy(x, v):
 
 def growth(table, z):
     """|y1/y0| of y' = lambda y with z = h lambda, by Runge-Kutta."""
+    if table["kind"] == "chebyshev":
+        return abs(chebyshev_step(table, lambda y: [z * y[0]], [1.0], 1.0)[0])
     k = []
     for row, gammas in zip(table["A"], table.get("G", [[]] * len(table["A"]))):
         known = 1 + sum(a * y for a, y in zip(row, k)) + sum(g * y for g, y in zip(gammas, k))
@@ -177,9 +212,9 @@ def swing(table, z):
     return max(abs((a + d) / 2 + root), abs((a + d) / 2 - root))
 
 
-def stable_up_to(grows, noise=1e-12):
+def stable_up_to(grows, noise=1e-12, fine=1e-3):
     """The end of the first interval from 0 where nothing grows; 0 where something does at once."""
-    fine, at = 1e-3, 0.2
+    at = 0.2
     if all(grows(10.0**n) <= 1 + noise for n in range(-3, 9)):  # everywhere, for all that a table can do
         return math.inf
     if grows(at) > 1 + noise:
@@ -199,7 +234,8 @@ def stability(table):
         return None, 2.0
     if table["kind"] == "splitting":
         return None, stable_up_to(lambda z: swing(table, z), 1e-9)
-    decay = stable_up_to(lambda z: growth(table, -z))
+    # Extrema of Chebyshev's polynomial are more than 1 apart.
+    decay = stable_up_to(lambda z: growth(table, -z), fine=0.05 if table["kind"] == "chebyshev" else 1e-3)
     if table["late_position"]:
         return decay, stable_up_to(lambda z: swing(table, z), 1e-9)
     return decay, stable_up_to(lambda z: growth(table, 1j * z))

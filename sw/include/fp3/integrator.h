@@ -21,16 +21,29 @@ typedef enum {
     FP3_RUNGE_KUTTA, /* k_i = h f(y + sum_j a_ij k_j), y += sum_i b_i k_i; explicit */
     FP3_SPLITTING,   /* kicks v += coefficient * h * a(x, v), drifts x += coefficient * h * v */
     FP3_STOERMER,    /* x_n+1 = (2 x_n - x_n-1) + h^2 a(x_n), for accelerations without v */
-    FP3_ROSENBROCK   /* k_i = h f(y + sum_j a_ij k_j) + h J sum_j gamma_ij k_j, y += sum_i b_i k_i;
+    FP3_ROSENBROCK,  /* k_i = h f(y + sum_j a_ij k_j) + h J sum_j gamma_ij k_j, y += sum_i b_i k_i;
                         linearly implicit: J is the Jacobian of f at y */
+    FP3_CHEBYSHEV /* a Runge-Kutta method whose stages are a recurrence of three terms; explicit */
 } fp3_integrator_kind;
 
-#define FP3_STAGES_MAX 16
+#define FP3_STAGES_MAX 24
 
 typedef struct {
     int is_kick; /* else a drift */
     double coefficient;
 } fp3_substep;
+
+/* With f_0 = f(y), E_1 = V_1 = first h f_0 and f_j = f(y + at[j] E_j): V_j+1 = V_j + bend E_j +
+ * slope[j] h (f_j - share[j] f_0), E_j+1 = E_j + V_j+1, for j = 1 .. stages - 1. Then y += at[stages] E_stages. */
+typedef struct {
+    unsigned stages; /* 0: there is no recurrence */
+    double first, bend;
+    double at[FP3_STAGES_MAX], share[FP3_STAGES_MAX], slope[FP3_STAGES_MAX];
+} fp3_recurrence;
+
+/* The error of its step is taken to be WAY (h (f_0 + f_1)/2 - d), f_1 being the slope at the new state and d what was
+ * added: Sommeijer, Shampine and Verwer, 1997. */
+#define FP3_CHEBYSHEV_WAY 0.8
 
 typedef struct {
     char name[FP3_NAME_SIZE];
@@ -38,15 +51,18 @@ typedef struct {
     char *source; /* of the table: author, year */
     fp3_integrator_kind kind;
     unsigned order;  /* checked: its conditions hold */
-    unsigned stages; /* of Runge-Kutta; of a splitting, its substeps */
+    unsigned stages; /* of Runge-Kutta; of a splitting, its substeps; of Chebyshev one more than its
+                        recurrence has, the slope at the new state */
+    /* Chebyshev: a, b, c are what the recurrence comes to. */
     double a[FP3_STAGES_MAX][FP3_STAGES_MAX], b[FP3_STAGES_MAX], c[FP3_STAGES_MAX];
     double gamma[FP3_STAGES_MAX][FP3_STAGES_MAX]; /* Rosenbrock: one number on the diagonal */
+    fp3_recurrence recurrence;
     /* Runge-Kutta: a state whose derivative is another state v is advanced by h times the new v,
      * as in the paper's Equations (1), and has no stages: first order in that state. */
     int is_position_late;
     unsigned position_order; /* order of such a state: 1 if late, else order */
     fp3_substep substeps[FP3_STAGES_MAX];
-    /* Runge-Kutta: weights of a second method on the same stages, whose distance from the first is the
+    /* Runge-Kutta, Chebyshev, Rosenbrock: weights of a second method on the same stages, whose distance from the first is the
      * estimate of the error that adaptive steps need. */
     double embedded[FP3_STAGES_MAX];
     unsigned embedded_order; /* 0: there is none */
