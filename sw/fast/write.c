@@ -198,11 +198,12 @@ static void part(writer *w, unsigned beside) {
     fprintf(w->to, "    }\n    (void)number;\n}\n");
 }
 
-/* Short programs leave the units idle unless many vectors are on the way; long ones would spill. */
+/* Short programs leave the units idle unless many vectors are on the way. Long ones spill, but two chains of results wait for
+ * each other less than one: more than two take the compiler too long. */
 static unsigned beside_of(const fp3_fast_plan *plan, unsigned lanes) {
     const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
     const unsigned most = lanes == 16 ? 8 : 4;
-    return count <= 40 ? most : count <= 250 ? 4 : 1;
+    return count <= 40 ? most : count <= 250 ? 4 : 2;
 }
 
 fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error) {
