@@ -1,4 +1,4 @@
-/* cmd_tune.c - fp3 tune: the cheapest integrator, step and arithmetic for a tolerance. */
+/* cmd_tune.c - fp3 tune: the cheapest integrator, step or tolerance of steps, and arithmetic for an error. */
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
@@ -63,7 +63,9 @@ static const struct argp_option table[] = {
     {"set", KEY_SET, "NAME=VALUE", 0, "Of a model: a value; may be repeated", 0},
     {"params", KEY_PARAMS, "FILE", 0, "Of a model: a file of values; may be repeated", 0},
     {"span", KEY_SPAN, "TIME", 0,
-     "How long it is integrated (default: steps times h of the scene, or the model's span)", 0},
+     "How long it is integrated (default: steps times h of the scene, its `until`, or the model's "
+     "span)",
+     0},
     {"objects", KEY_OBJECTS, "N", 0,
      "Of a model: how many objects the scene has (default: as many as the configuration has in "
      "flight, without ranges 1)",
@@ -254,11 +256,6 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s:%d: '%s' is no model (*.ode): no other program has integrators",
                         scene->path, group->line, group->path);
-    if (fp3_adaptive_is(group->program->image))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s:%d: found a tolerance of the group, expected fixed steps: --tolerance "
-                        "says what to look for",
-                        scene->path, group->line);
     if (group->born.last || group->gone.first != FP3_FOREVER)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s:%d: found lifetimes, which are steps: expected objects that live all "
@@ -274,30 +271,50 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
 
 static fp3_status scene_span(const fp3_scene *scene, double *span, fp3_error *error) {
     const fp3_scene_group *group = &scene->groups[0];
-    double h = group->program->model->step;
+    const fp3_model *model = group->program->model;
+    double h = model->step;
     fp3_status status = FP3_OK;
-    if (fp3_params_has(group->params, FP3_NAME_STEP))
-        status = fp3_params_get(group->params, FP3_NAME_STEP, &h, error);
-    if (*span == 0)
+    if (*span != 0)
+        return FP3_OK;
+    if (fp3_model_adapted(model) != FP3_NONE)
+        *span = model->params[fp3_model_param(model, "until")].value;
+    else {
+        if (fp3_params_has(group->params, FP3_NAME_STEP))
+            status = fp3_params_get(group->params, FP3_NAME_STEP, &h, error);
         *span = (double)(float)h * (double)scene->steps;
+    }
     return status;
+}
+
+/* The tuner adapts the model itself: values of what adaptive steps add to it are refused as unknown names. */
+static fp3_status open_fixed(const fp3_scene *scene, fp3_program **program, fp3_error *error) {
+    fp3_program_def how = fp3_program_default();
+    how.is_model = 1;
+    how.compile.config = scene->config;
+    return fp3_model_adapted(scene->groups[0].program->model) == FP3_NONE
+               ? FP3_OK
+               : fp3_program_open(scene->groups[0].path, &how, program, NULL, error);
 }
 
 static fp3_status tune_scene(options *o, fp3_error *error) {
     fp3_scene *scene = NULL;
+    fp3_program *fixed = NULL;
     fp3_status status = fp3_scene_open(o->input, o->config, &scene, error);
     if (!status)
         status = check_scene(o, scene, error);
     if (!status)
         status = scene_span(scene, &o->def.span, error);
+    if (!status)
+        status = open_fixed(scene, &fixed, error);
     if (!status) {
         o->objects = (uint32_t)scene->objects;
         o->out.program = scene->groups[0].path;
         o->def.config = scene->config;
-        o->def.program = scene->groups[0].program;
+        o->def.program = fixed ? fixed : scene->groups[0].program;
         o->def.params = scene->groups[0].params;
         status = tune(o, error);
     }
+    fp3_program_close(&fixed);
     fp3_scene_close(&scene);
     return status;
 }
@@ -308,10 +325,12 @@ int fp3_cmd_tune(int argc, char **argv) {
         .parser = parse,
         .args_doc = "MODEL\nSCENE",
         .doc =
-            "Finds the cheapest integrator, step and arithmetic that meet a tolerance over ranges "
-            "of "
-            "parameters, by measuring a sample of objects against truth, and judges the choice by "
-            "objects that it has not seen. Costs are predicted cycles of an object over the span. "
+            "Finds the cheapest integrator, step (or tolerance of adaptive steps) and arithmetic "
+            "that meet a tolerance over ranges of parameters, by measuring a sample of objects "
+            "against truth, and judges the choice by "
+            "objects that it has not seen. Costs are predicted cycles of an object over the span; "
+            "for "
+            "adaptive steps by the mean number of attempts of the sample. "
             "Exit code 3 if nothing meets the tolerance, or there is no truth."};
     options o = {.def = fp3_tune_default()};
     fp3_error error = {""};

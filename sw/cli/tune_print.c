@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define TEXT_SIZE 32
+
 int fp3_tune_print_has_ranges(const fp3_params *params) { return fp3_sample_ranges(params) > 0; }
 
 /* ---- what is said ---- */
@@ -29,19 +31,43 @@ static const fp3_tune_row *lowest_of(const fp3_tuning *t) {
     return lowest;
 }
 
+/* "0.00123", or "tol 1.5e-05" of adaptive steps. */
+static const char *step_of(const fp3_tune_row *r, char text[TEXT_SIZE]) {
+    if (r->is_adaptive)
+        snprintf(text, TEXT_SIZE, "tol %.3g", r->tolerance);
+    else
+        snprintf(text, TEXT_SIZE, "%.9g", (double)r->h);
+    return text;
+}
+
+static int is_tried(const fp3_tune_row *r) { return r->steps || r->tolerance > 0; }
+
 static void print_rows(const fp3_tuning *t) {
+    char text[TEXT_SIZE];
     printf("%-20s %-13s %9s %13s %9s %12s  %s\n", "integrator", "arithmetic", "steps", "h", "error",
            "cycles", "");
     for (size_t i = 0; i < t->row_count; i++) {
         const fp3_tune_row *r = &t->rows[i];
-        if (r->steps)
-            printf("%-20s %-13s %9" PRIu64 " %13.9g %9.2e %12.1f  %s%s\n", r->integrator,
-                   r->arithmetic, r->steps, (double)r->h, r->error, r->cycles,
-                   i == t->best ? "the cheapest: " : "", r->why);
+        if (is_tried(r))
+            printf("%-20s %-13s %9.*f %13s %9.2e %12.1f  %s%s\n", r->integrator, r->arithmetic,
+                   r->is_adaptive, r->is_adaptive ? r->attempts : (double)r->steps,
+                   step_of(r, text), r->error, r->cycles, i == t->best ? "the cheapest: " : "",
+                   r->why);
         else
-            printf("%-20s %-13s %9s %13s %9s %12s  %s\n", r->integrator, r->arithmetic, "-", "-",
-                   "-", "-", r->why);
+            printf("%-20s %-13s %9s %13s %9s %12s  %s%s\n", r->integrator, r->arithmetic, "-",
+                   r->is_adaptive ? "tol -" : "-", "-", "-", "", r->why);
     }
+}
+
+static void print_choice(const fp3_tune_row *best, double baseline) {
+    printf("%-16s %s, %s, ", "chosen", best->integrator, best->arithmetic);
+    if (best->is_adaptive)
+        printf("adaptive steps, tolerance = %.9g, absolute = %.9g, %.1f attempts", best->tolerance,
+               best->absolute, best->attempts);
+    else
+        printf("h = %.9g, %" PRIu64 " steps", (double)best->h, best->steps);
+    printf(": %.1f cycles, %.3f of that, error %.2e\n", best->cycles, best->cycles / baseline,
+           best->error);
 }
 
 /* If none of n independent objects is beyond, a share p of the range is with (1 - p)^n. */
@@ -76,9 +102,7 @@ void fp3_tune_print_all(const fp3_tune_print *out, const fp3_tune_def *def, cons
            "compared with", t->baseline_steps, t->baseline_cycles, t->baseline_error);
     if (!best)
         return;
-    printf("%-16s %s, %s, h = %.9g, %" PRIu64 " steps: %.1f cycles, %.3f of that, error %.2e\n",
-           "chosen", best->integrator, best->arithmetic, (double)best->h, best->steps, best->cycles,
-           best->cycles / t->baseline_cycles, best->error);
+    print_choice(best, t->baseline_cycles);
     print_held_out(t);
 }
 
@@ -104,15 +128,27 @@ fp3_status fp3_tune_print_judge(const fp3_tune_def *def, const fp3_tuning *t, fp
 
 static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
 
+/* Null where there is none: h of adaptive steps, a tolerance of fixed ones. */
+static json_t *above_zero(double x) { return number(x > 0 ? x : NAN); }
+
+static int put_steps(json_t *o, const fp3_tune_row *r) {
+    return json_object_set_new(o, "steps", json_integer((json_int_t)(r ? r->steps : 0))) |
+           json_object_set_new(o, "h", above_zero(r ? (double)r->h : 0)) |
+           json_object_set_new(o, "adaptive_tolerance", above_zero(r ? r->tolerance : 0)) |
+           json_object_set_new(o, "absolute", above_zero(r ? r->absolute : 0)) |
+           json_object_set_new(o, "attempts", above_zero(r ? r->attempts : 0));
+}
+
 static json_t *tried(const fp3_tuning *t) {
     json_t *rows = json_array();
     for (size_t i = 0; i < t->row_count; i++) {
         const fp3_tune_row *r = &t->rows[i];
-        json_array_append_new(
-            rows, json_pack("{s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:s}", "integrator", r->integrator,
-                            "arithmetic", r->arithmetic, "steps", (json_int_t)r->steps, "h",
-                            number((double)r->h), "error", number(r->error), "lowest",
-                            number(r->lowest), "cycles", number(r->cycles), "why", r->why));
+        json_t *o = json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:s}", "integrator", r->integrator,
+                              "arithmetic", r->arithmetic, "adaptive", r->is_adaptive, "error",
+                              number(r->error), "lowest", number(r->lowest), "cycles",
+                              number(r->cycles), "why", r->why);
+        put_steps(o, r);
+        json_array_append_new(rows, o);
     }
     return rows;
 }
@@ -120,23 +156,22 @@ static json_t *tried(const fp3_tuning *t) {
 static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
                              const fp3_tuning *t, fp3_error *error) {
     const fp3_tune_row *best = best_of(t), *lowest = lowest_of(t), *row = best ? best : lowest;
-    json_t *all =
-        json_pack("{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:I, "
-                  "s:I, s:I, s:I, "
-                  "s:I, s:o}",
-                  "model", def->program->model->name, "tolerance", def->tolerance, "config",
-                  def->config, "integrator", row ? json_string(row->integrator) : json_null(),
-                  "arithmetic", row ? json_string(row->arithmetic) : json_null(), "h",
-                  best ? number((double)best->h) : json_null(), "error",
-                  row ? number(best ? best->error : row->lowest) : json_null(), "error_held_out",
-                  number(t->error_held_out), "cost_ratio",
-                  best ? number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met,
-                  "cycles", best ? number(best->cycles) : json_null(), "baseline_cycles",
-                  number(t->baseline_cycles), "baseline_error", number(t->baseline_error), "span",
-                  number(t->span), "steps", (json_int_t)(best ? best->steps : 0), "ranges",
-                  (json_int_t)t->ranges, "sample", (json_int_t)t->sample, "held_out",
-                  (json_int_t)t->held_out, "rounds", (json_int_t)t->rounds, "tried", tried(t));
-    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    json_t *all = json_pack(
+        "{s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:I, s:I, s:I, s:I, "
+        "s:o}",
+        "model", def->program->model->name, "tolerance", def->tolerance, "config", def->config,
+        "integrator", row ? json_string(row->integrator) : json_null(), "arithmetic",
+        row ? json_string(row->arithmetic) : json_null(), "error",
+        row ? number(best ? best->error : row->lowest) : json_null(), "error_held_out",
+        number(t->error_held_out), "cost_ratio",
+        best ? number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met, "cycles",
+        best ? number(best->cycles) : json_null(), "baseline_cycles", number(t->baseline_cycles),
+        "baseline_error", number(t->baseline_error), "span", number(t->span), "ranges",
+        (json_int_t)t->ranges, "sample", (json_int_t)t->sample, "held_out", (json_int_t)t->held_out,
+        "rounds", (json_int_t)t->rounds, "tried", tried(t));
+    char *text = all && !put_steps(all, best)
+                     ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9))
+                     : NULL;
     const fp3_status status = text ? fp3_file_write(out->json, text, strlen(text), error)
                                    : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     free(text);

@@ -4,6 +4,8 @@
 #include "machine/config.h"
 #include "meter.h"
 
+#include <fp3/adaptive.h>
+#include <math.h>
 #include <string.h>
 
 void fp3_candidate_free(fp3_candidate *c) {
@@ -11,6 +13,7 @@ void fp3_candidate_free(fp3_candidate *c) {
         fp3_compiled_free(&c->measured);
     fp3_compiled_free(&c->timed);
     fp3_integrator_free(&c->integrator);
+    fp3_model_free(&c->adapted);
     c->measured = NULL;
 }
 
@@ -24,9 +27,20 @@ static fp3_status compile(const fp3_candidate *c, const fp3_model *model, const 
     return fp3_compile(model, c->integrator, &def, compiled, error);
 }
 
+/* What the numbers of adaptive steps are is told before each run. */
+static fp3_status adapt(fp3_candidate *c, const fp3_model *model, fp3_error *error) {
+    const fp3_adaptive_def def = fp3_adaptive_default();
+    const fp3_status status = fp3_model_copy(model, &c->adapted, error);
+    return status ? status : fp3_model_adapt(c->adapted, &def, error);
+}
+
 fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const char *config,
                                  fp3_error *error) {
-    fp3_status status = compile(c, model, config, &c->timed, error);
+    fp3_status status = c->is_adaptive ? adapt(c, model, error) : FP3_OK;
+    if (c->is_adaptive)
+        model = c->adapted;
+    if (!status)
+        status = compile(c, model, config, &c->timed, error);
     if (status || strcmp(config, FP3_METER_CONFIG) == 0) {
         c->measured = c->timed;
         return status;
@@ -34,8 +48,12 @@ fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const
     return compile(c, model, FP3_METER_CONFIG, &c->measured, error);
 }
 
-double fp3_candidate_cycles(const fp3_candidate *c, const char *config, uint64_t steps) {
+double fp3_candidate_cycles(const fp3_candidate *c, const char *config, double steps) {
     const fp3_config *machine = fp3_config_find(config);
-    const double objects = machine->contexts * machine->lanes;
-    return (double)fp3_compiled_cycles(c->timed, steps) / objects;
+    const double objects = machine->contexts * machine->lanes, whole = floor(steps);
+    const double cycles = (double)fp3_compiled_cycles(c->timed, (uint64_t)whole);
+    if (steps == whole)
+        return cycles / objects;
+    const double more = (double)fp3_compiled_cycles(c->timed, (uint64_t)whole + 1);
+    return (cycles + (steps - whole) * (more - cycles)) / objects;
 }

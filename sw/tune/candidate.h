@@ -4,10 +4,12 @@
 
 #include "bench/variants.h"
 
-/* An integrator with an arithmetic. */
+/* An integrator with an arithmetic, and fixed or adaptive steps. */
 typedef struct {
     fp3_integrator *integrator;
     const fp3_bench_arithmetic *arithmetic;
+    int is_adaptive;
+    fp3_model *adapted;     /* what the programs are of, if it is */
     fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */
     fp3_compiled *measured; /* for FP3_METER_CONFIG; the same pointer where that is it */
     int is_refused;         /* by the compiler */
@@ -19,7 +21,8 @@ void fp3_candidate_free(fp3_candidate *candidate);
 fp3_status fp3_candidate_compile(fp3_candidate *candidate, const fp3_model *model,
                                  const char *config, fp3_error *error);
 
-/* For an object over so many steps, all contexts full; 0: not known beforehand. */
-double fp3_candidate_cycles(const fp3_candidate *candidate, const char *config, uint64_t steps);
+/* For an object over so many steps, or attempts: a mean need not be whole. All contexts full; 0: not known
+ * beforehand. */
+double fp3_candidate_cycles(const fp3_candidate *candidate, const char *config, double steps);
 
 #endif

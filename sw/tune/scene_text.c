@@ -40,6 +40,20 @@ static void put_string(FILE *to, const char *text) {
     fputc('"', to);
 }
 
+/* Of the whole scene; adaptive steps are of a group. */
+static void put_steps(FILE *to, const fp3_tune_row *best) {
+    if (!best->is_adaptive)
+        fprintf(to, "steps  = %" PRIu64 ";\nh      = %.9g;\n", best->steps, (double)best->h);
+}
+
+static void put_tolerance(FILE *to, const fp3_tune_row *best, double span) {
+    if (best->is_adaptive)
+        fprintf(to,
+                "            tolerance = %.9g;\n            absolute = %.9g;\n            until = "
+                "%.17g;\n",
+                best->tolerance, best->absolute, (double)(float)span);
+}
+
 static void put_scene(FILE *to, const fp3_tune_def *def, const fp3_tuning *t, const char *program,
                       uint32_t objects) {
     const fp3_tune_row *best = &t->rows[t->best];
@@ -50,12 +64,13 @@ static void put_scene(FILE *to, const fp3_tune_def *def, const fp3_tuning *t, co
                 t->error_held_out);
     else
         fprintf(to, "# Only these values were looked at.\n");
-    fprintf(to, "config = \"%s\";\nengine = \"fast\";\nsteps  = %" PRIu64 ";\nh      = %.9g;\n\n",
-            def->config, best->steps, (double)best->h);
-    fprintf(to, "groups = (\n        {\n            program = ");
+    fprintf(to, "config = \"%s\";\nengine = \"fast\";\n", def->config);
+    put_steps(to, best);
+    fprintf(to, "\ngroups = (\n        {\n            program = ");
     put_string(to, program);
     fprintf(to, ";\n            integrator = \"%s\";\n", best->integrator);
     put_arithmetic(to, best->arithmetic);
+    put_tolerance(to, best, t->span);
     fprintf(to, "            objects = %" PRIu32 ";\n", objects);
     put_values(to, def->params, 0);
     put_values(to, def->params, 1);

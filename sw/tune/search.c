@@ -32,7 +32,7 @@ static uint64_t whole(double steps) {
 }
 
 static double cycles(const seeker *s, uint64_t steps) {
-    return fp3_candidate_cycles(s->candidate, s->search->config, steps);
+    return fp3_candidate_cycles(s->candidate, s->search->config, (double)steps);
 }
 
 static fp3_status look(const seeker *s, uint64_t steps, double *found) {

@@ -1,4 +1,4 @@
-/* search.h - how many steps an integrator needs to meet a target. */
+/* search.h - how many steps, or which tolerance of adaptive ones, an integrator needs to meet a target. */
 #ifndef FP3_TUNE_SEARCH_H
 #define FP3_TUNE_SEARCH_H
 
@@ -18,5 +18,8 @@ typedef struct {
 /* Fills steps .. why of the row. A run that is more expensive than what is of interest is not made. */
 fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candidate,
                             fp3_tune_row *row, fp3_error *error);
+/* The same for an adaptive candidate: fills tolerance, absolute, attempts and error .. why. */
+fp3_status fp3_search_tolerance(const fp3_search *search, const fp3_candidate *candidate,
+                                fp3_tune_row *row, fp3_error *error);
 
 #endif

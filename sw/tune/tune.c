@@ -1,8 +1,10 @@
 /* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
+#include "meter_adaptive.h"
 #include "search.h"
 
 #include "machine/config.h"
 
+#include <fp3/adaptive.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_rng.h>
 #include <math.h>
@@ -61,6 +63,9 @@ static fp3_status check(const tuner *k) {
     if (!def->program->model)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "expected a model: no other program has integrators");
+    if (fp3_model_adapted(k->model) != FP3_NONE)
+        return fp3_fail(k->error, FP3_E_ARGUMENT,
+                        "expected a model with fixed steps: the tuner adapts it itself");
     if (!(def->tolerance >= FP3_TUNE_LEAST && def->tolerance < 1))
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "the tolerance is %g: expected one from %g (FP32 itself rounds by 6e-8) "
@@ -141,11 +146,20 @@ static fp3_status draw_unseen(tuner *k) {
 
 static int apart_from_four(unsigned order) { return order > 4 ? (int)order - 4 : 4 - (int)order; }
 
+/* Adaptive steps that stiffness does not shorten: they take few where others take very many. */
+static int is_implicit(const fp3_candidate *c) {
+    return c->is_adaptive && c->integrator->kind == FP3_ROSENBROCK;
+}
+
 /* The likely ones first: whatever follows is only looked at as far as it is cheaper. */
 static int compare_candidates(const void *a, const void *b) {
     const fp3_candidate *x = a, *y = b;
+    if (x->is_adaptive != y->is_adaptive)
+        return x->is_adaptive - y->is_adaptive;
     if (x->arithmetic != y->arithmetic)
         return x->arithmetic < y->arithmetic ? -1 : 1;
+    if (is_implicit(x) != is_implicit(y))
+        return is_implicit(y) - is_implicit(x);
     const int far = apart_from_four(x->integrator->order) - apart_from_four(y->integrator->order);
     if (far)
         return far;
@@ -153,25 +167,33 @@ static int compare_candidates(const void *a, const void *b) {
     return is_rk4 - (strcmp(x->integrator->name, "rk4") == 0);
 }
 
+/* Adaptive steps are made with an estimate of their error, and with h that is not known beforehand. */
+static int is_candidate(const fp3_candidate *c) {
+    return c->is_adaptive ? c->integrator->embedded_order && !c->arithmetic->passes
+                          : fp3_bench_applies(c->arithmetic, c->integrator);
+}
+
 static fp3_status list_candidates(tuner *k) {
     size_t names = 0, count = 0;
     fp3_status status = FP3_OK;
     while (fp3_integrator_name((unsigned)names))
         names++;
-    k->candidates = calloc(names * FP3_BENCH_ARITHMETICS, sizeof *k->candidates);
-    k->t->rows = calloc(names * FP3_BENCH_ARITHMETICS, sizeof *k->t->rows);
+    const size_t most = names * FP3_BENCH_ARITHMETICS * 2;
+    k->candidates = calloc(most, sizeof *k->candidates);
+    k->t->rows = calloc(most, sizeof *k->t->rows);
     if (!k->candidates || !k->t->rows)
         return fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
-    for (int a = 0; !status && a < FP3_BENCH_ARITHMETICS; a++)
-        for (unsigned i = 0; !status && i < names; i++) {
-            fp3_candidate *c = &k->candidates[count];
-            status = fp3_integrator_find(fp3_integrator_name(i), &c->integrator, k->error);
-            c->arithmetic = &fp3_bench_arithmetics[a];
-            if (!status && !fp3_bench_applies(c->arithmetic, c->integrator))
-                fp3_candidate_free(c);
-            else
-                count++;
-        }
+    for (size_t i = 0; !status && i < most; i++) {
+        fp3_candidate *c = &k->candidates[count];
+        status = fp3_integrator_find(fp3_integrator_name((unsigned)(i % names)), &c->integrator,
+                                     k->error);
+        c->arithmetic = &fp3_bench_arithmetics[i / names % FP3_BENCH_ARITHMETICS];
+        c->is_adaptive = i >= most / 2;
+        if (!status && !is_candidate(c))
+            fp3_candidate_free(c);
+        else
+            count++;
+    }
     k->t->row_count = k->t->best = count;
     qsort(k->candidates, count, sizeof *k->candidates, compare_candidates);
     return status;
@@ -180,6 +202,7 @@ static fp3_status list_candidates(tuner *k) {
 static void name_row(const fp3_candidate *c, fp3_tune_row *row) {
     snprintf(row->integrator, sizeof row->integrator, "%s", c->integrator->name);
     row->arithmetic = c->arithmetic->name;
+    row->is_adaptive = c->is_adaptive;
     row->lowest = row->error = INFINITY;
 }
 
@@ -200,7 +223,7 @@ static fp3_status compile(tuner *k, size_t i) {
     return status ? fp3_fail(k->error, status, "%s", why.text) : FP3_OK;
 }
 
-/* The same integrator, plain. */
+/* The same integrator, plain, fixed steps. */
 static const fp3_tune_row *plain_of(const tuner *k, size_t i) {
     const fp3_tune_row *rows = k->t->rows;
     size_t j = 0;
@@ -214,8 +237,9 @@ static const fp3_tune_row *plain_of(const tuner *k, size_t i) {
 static int is_the_method(tuner *k, size_t i, double target) {
     const fp3_bench_arithmetic *how = k->candidates[i].arithmetic;
     const fp3_tune_row *plain = plain_of(k, i);
-    if (!(how->is_compensated || how->is_double_single) || k->t->best == k->t->row_count ||
-        plain->is_met || plain->looks != 1 || !(plain->error > METHOD * target))
+    if (k->candidates[i].is_adaptive || !(how->is_compensated || how->is_double_single) ||
+        k->t->best == k->t->row_count || plain->is_met || plain->looks != 1 ||
+        !(plain->error > METHOD * target))
         return 0;
     fp3_tune_row *row = &k->t->rows[i];
     row->steps = row->looks = 0;
@@ -238,25 +262,34 @@ static fp3_status try_one(tuner *k, size_t i, double target) {
         .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
         .cheaper = t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
     char text[80];
-    snprintf(text, sizeof text, "%s, %s", row->integrator, row->arithmetic);
+    snprintf(text, sizeof text, "%s, %s%s", row->integrator, row->arithmetic,
+             row->is_adaptive ? ", adaptive" : "");
     say(k, text);
     if (is_the_method(k, i, target))
         return FP3_OK;
     fp3_status status = compile(k, i);
     if (status || !k->candidates[i].timed)
         return status;
-    status = fp3_search_steps(&search, &k->candidates[i], row, k->error);
+    status = (row->is_adaptive ? fp3_search_tolerance
+                               : fp3_search_steps)(&search, &k->candidates[i], row, k->error);
     if (!status && row->is_met)
         k->t->best = i;
     return status;
 }
 
-static fp3_status choose(tuner *k) {
+static fp3_status try_all(tuner *k, int is_adaptive) {
     fp3_status status = FP3_OK;
-    k->t->best = k->t->row_count;
     for (size_t i = 0; !status && i < k->t->row_count; i++)
-        status = try_one(k, i, k->def->tolerance / k->def->safety);
+        if (k->candidates[i].is_adaptive == is_adaptive)
+            status = try_one(k, i, k->def->tolerance / k->def->safety);
     return status;
+}
+
+/* Adaptive steps first: they find what a stiff model needs, and fixed ones that cost more are not run. */
+static fp3_status choose(tuner *k) {
+    k->t->best = k->t->row_count;
+    const fp3_status status = try_all(k, 1);
+    return status ? status : try_all(k, 0);
 }
 
 /* ---- the whole ---- */
@@ -272,11 +305,24 @@ static fp3_status measure_baseline(tuner *k) {
                         t->rows[0].why);
     if (status)
         return status;
-    t->baseline_cycles = fp3_candidate_cycles(rk4, k->def->config, t->baseline_steps);
+    t->baseline_cycles = fp3_candidate_cycles(rk4, k->def->config, (double)t->baseline_steps);
     return fp3_meter_read(&k->meter, &k->seen, rk4->measured,
                           (t->baseline_steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS *
                               FP3_TUNE_LOOKS,
                           &t->baseline_error, k->error);
+}
+
+static fp3_status measure_unseen(tuner *k, const fp3_tune_row *row, const fp3_compiled *compiled) {
+    const fp3_meter_control control = {
+        .tolerance = row->tolerance, .absolute = row->absolute, .most = INFINITY};
+    fp3_meter_found found;
+    if (!row->is_adaptive)
+        return fp3_meter_read(&k->held, &k->unseen, compiled, row->steps, &k->t->error_held_out,
+                              k->error);
+    const fp3_status status =
+        fp3_meter_adaptive(&k->held, &k->unseen, compiled, &control, &found, k->error);
+    k->t->error_held_out = found.worst;
+    return status;
 }
 
 /* What failed is seen from then on. */
@@ -285,8 +331,7 @@ static fp3_status hold_out(tuner *k) {
     say(k, "a held-out sample");
     fp3_status status = draw_unseen(k);
     if (!status)
-        status = fp3_meter_read(&k->held, &k->unseen, k->candidates[k->t->best].measured,
-                                best->steps, &k->t->error_held_out, k->error);
+        status = measure_unseen(k, best, k->candidates[k->t->best].measured);
     k->t->held_out = (uint32_t)k->unseen.count;
     k->t->is_met = !status && k->t->error_held_out <= k->def->tolerance;
     return status;

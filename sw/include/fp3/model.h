@@ -139,6 +139,8 @@ fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3
                           char **report, fp3_error *error);
 /* The same with a file. */
 fp3_status fp3_model_load(const char *path, fp3_model **model, char **report, fp3_error *error);
+/* One like it, which the caller frees: for fp3_model_adapt, which changes a model. */
+fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *error);
 /* Sets *model to NULL, which it may be already. */
 void fp3_model_free(fp3_model **model);
 

@@ -7,7 +7,7 @@
  *     fp3_tuning *found = NULL;
  *     if (fp3_tune(&def, &found, &error)) ...
  *     if (found->is_met)
- *         printf("%s, h = %.9g\n", found->rows[found->best].integrator, ...);
+ *         printf("%s\n", found->rows[found->best].integrator);
  *     fp3_tuning_free(&found);
  *
  * docs/tuner.md says how it searches, and how safe the choice is.
@@ -32,7 +32,7 @@ FP3_API_BEGIN
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
 typedef struct {
-    const fp3_program *program; /* a model for one of the known configurations, fixed steps */
+    const fp3_program *program; /* a model for one of the known configurations, not adapted */
     const char *config;         /* that configuration: costs are its cycles */
     const fp3_params *params;   /* each value that is spread has any value of its range */
     double tolerance;
@@ -47,14 +47,18 @@ typedef struct {
 /* No tolerance; safety 1.25, 32 objects, 64 held out, 4 rounds. */
 fp3_tune_def fp3_tune_default(void);
 
-/* What was tried, an integrator with an arithmetic. */
+/* What was tried, an integrator with an arithmetic, and fixed or adaptive steps. */
 typedef struct {
     char integrator[FP3_NAME_SIZE];
     const char *arithmetic;
-    uint64_t steps; /* the fewest that met the target, or those of the last look; 0: none */
+    int is_adaptive; /* fp3/adaptive.h: it has a tolerance and no number of steps */
+    uint64_t steps;  /* the fewest that met the target, or those of the last look; 0: none */
     float h;
+    /* Of adaptive steps, likewise: tolerance and absolute of a step, and how many attempts an object of the
+     * sample makes, the mean; 0: none. */
+    double tolerance, absolute, attempts;
     double error;   /* of the sample with these steps */
-    double lowest;  /* of all numbers of steps that were looked at */
+    double lowest;  /* of all numbers of steps, or tolerances, that were looked at */
     double cycles;  /* for an object over the span, all contexts full; 0: not compiled */
     uint32_t looks; /* runs of the sample */
     int is_met;     /* the sample met tolerance / safety */
@@ -76,7 +80,7 @@ typedef struct {
 
 /* FP3_E_ARGUMENT: a tolerance that is not from FP3_TUNE_LEAST to below 1, a span that is not above 0 or
  * shorter than FP3_TUNE_LOOKS steps, a configuration with other roundings than IEEE 754's or whose cycles
- * are not known beforehand, a program that is no model. FP3_E_FAILED: there is no truth for an object of the sample, and why.
+ * are not known beforehand, a program that is no model, or of adaptive steps. FP3_E_FAILED: there is no truth for an object of the sample, and why.
  * That no integrator meets the tolerance is no error: see is_met. The caller frees *tuning, which is NULL on failure. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Sets *tuning to NULL; that it was NULL before does no harm. */
