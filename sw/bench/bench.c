@@ -394,6 +394,10 @@ fp3_status fp3_bench_run(const fp3_bench_case *what, fp3_bench_result *result, i
     if (!config || !fp3_bench_state(image, 0))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         config ? "the program has no .state" : "no such configuration");
+    if (fp3_adaptive_is(image))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "the program has adaptive steps, expected fixed ones: fp3 bench MODEL "
+                        "measures both");
     b.is_ship = fp3_bench_is_ship(what->program);
     b.is_interleaved = config->interleave != 0;
     b.visit = b.is_interleaved && what->visit ? what->visit : what->steps;

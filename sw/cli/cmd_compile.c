@@ -3,6 +3,7 @@
 #include "cli.h"
 #include "files.h"
 #include "progress.h"
+#include "run_adaptive.h"
 
 #include <fp3/program.h>
 #include <inttypes.h>
@@ -31,12 +32,19 @@ enum {
     KEY_LIST,
     KEY_OBSERVE,
     KEY_MODEL,
-    KEY_DOUBLE
+    KEY_DOUBLE,
+    KEY_TOLERANCE,
+    KEY_UNTIL
 };
 
 static const struct argp_option table[] = {
     {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
-    {"integrator", 'i', "NAME", 0, "A built-in table, or a file (default rk4)", 0},
+    {"integrator", 'i', "NAME", 0,
+     "A built-in table, or a file (default rk4, with --tolerance dopri5)", 0},
+    {"tolerance", KEY_TOLERANCE, "TOL", 0,
+     "Each object chooses its own steps, each with an error of about TOL", 0},
+    {"until", KEY_UNTIL, "TIME", 0,
+     "With --tolerance: where objects end (default: the model's span)", 0},
     {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
     {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
     {"double-single", KEY_DOUBLE, NULL, 0,
@@ -106,6 +114,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_DOUBLE:
         o->def.compile.is_double_single = 1;
         break;
+    case KEY_TOLERANCE:
+        fp3_run_adaptive_tolerance(&o->def, state, text);
+        break;
+    case KEY_UNTIL:
+        fp3_run_adaptive_until(&o->def, state, text);
+        break;
     case KEY_OBSERVE:
         if (o->def.compile.observed_count == OBSERVED_MAX)
             argp_error(state, "found more than %d states", OBSERVED_MAX);
@@ -147,6 +161,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case ARGP_KEY_END:
         fp3_arguments_model(state, o->model, o->def.is_model);
+        fp3_run_adaptive_check(&o->def, 1, state);
         if (o->def.compile.is_compensated && o->def.compile.is_double_single)
             argp_error(state,
                        "found both --compensated and --double-single, expected one arithmetic");

@@ -420,7 +420,7 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     how.is_model = o->is_model;
     how.compile.config = def.config;
     how.compile.is_compensated = o->is_compensated;
-    how.integrator = o->integrator ? o->integrator : how.is_adaptive ? "dopri5" : how.integrator;
+    how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
     define(o, &def, error);
     fp3_status status = fp3_program_open(o->program, &how, &program, report, error);

@@ -41,7 +41,11 @@ void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *reco
         def->adaptive.until = record->times[record->time_count - 1];
 }
 
-static void print_counts(const char *name, const fp3_adaptive_counts *c, size_t objects) {
+/* Nothing where nobody observes the count: the program does not keep it. */
+static void print_counts(const fp3_image *image, const char *name, const fp3_adaptive_counts *c,
+                         size_t objects) {
+    if (!fp3_image_find(image, name, FP3_CLASS(FP3_SYMBOL_STATE)))
+        return;
     printf("%-16s %" PRIu32, name, c->median);
     if (objects > 1)
         printf(" is the median of the objects, %" PRIu32 " the least, %" PRIu32 " the most",
@@ -49,13 +53,14 @@ static void print_counts(const char *name, const fp3_adaptive_counts *c, size_t 
     putchar('\n');
 }
 
-fp3_status fp3_run_adaptive_print(fp3_engine *engine, size_t first, size_t objects) {
+fp3_status fp3_run_adaptive_print(fp3_engine *engine, const fp3_image *image, size_t first,
+                                  size_t objects) {
     fp3_adaptive_report report;
     fp3_status status = fp3_adaptive_report_make(engine, first, objects, &report);
     if (status)
         return status;
-    print_counts("accepted", &report.accepted, objects);
-    print_counts("rejected", &report.rejected, objects);
+    print_counts(image, "accepted", &report.accepted, objects);
+    print_counts(image, "rejected", &report.rejected, objects);
     if (report.largest > 0) {
         if (report.smallest > 0)
             printf("%-16s %.9g\n", "smallest step", (double)report.smallest);

@@ -1,4 +1,4 @@
-/* run_adaptive.h - fp3 run with steps that objects choose: its options, what is printed, who failed. */
+/* run_adaptive.h - steps that objects choose: options of fp3 run and fp3 compile, what a run prints, who failed. */
 #ifndef FP3_RUN_ADAPTIVE_H
 #define FP3_RUN_ADAPTIVE_H
 
@@ -17,8 +17,9 @@ void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct arg
 void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,
                              struct argp_state *state);
 
-/* Prints how many steps these objects made. */
-fp3_status fp3_run_adaptive_print(fp3_engine *engine, size_t first, size_t objects);
+/* Prints how many steps these objects made, all of the program image. */
+fp3_status fp3_run_adaptive_print(fp3_engine *engine, const fp3_image *image, size_t first,
+                                  size_t objects);
 /* How many of them did not end, and of the first what is known. */
 fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, size_t *failed,
                                    char text[FP3_ADAPTIVE_TEXT_SIZE]);

@@ -144,7 +144,7 @@ static void print_failed(fp3_engine *engine, const part *of, const fp3_cost *cos
 
 static void print_status(fp3_engine *engine, const part *of, const fp3_cost *cost) {
     if (fp3_adaptive_is(of->image))
-        fp3_run_adaptive_print(engine, of->first, of->objects);
+        fp3_run_adaptive_print(engine, of->image, of->first, of->objects);
     else
         print_asleep(engine, of);
     print_failed(engine, of, cost);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "backend.h"
+#include "checks.h"
 
 #define COUNT_MOST 0x1p32f /* what the host gives as a start may be anything */
 #define RUN_LEAST 4 /* attempts that one object makes before the host looks again: at least, */
@@ -103,17 +104,18 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
 
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]) {
-    char why[FP3_NAME_SIZE + 48] = "it has ended";
+    char why[FP3_NAME_SIZE + 48] = "it has ended", counts[64] = "";
     if (found->end == FP3_ADAPTIVE_STUCK)
         strcpy(why, "the step that the tolerance allows is too short to change t");
     if (found->end == FP3_ADAPTIVE_LIMITED)
         snprintf(why, sizeof why, "no attempt is left, the next step is %.6g", (double)found->step);
     if (found->end == FP3_ADAPTIVE_LOST)
         snprintf(why, sizeof why, "state %s is not finite", found->state);
-    snprintf(text, FP3_ADAPTIVE_TEXT_SIZE,
-             "object %zu at t = %.9g of %.9g, after %u steps and %u rejected attempts: %s", object,
-             (double)found->t + (double)found->t_low, (double)found->until, found->accepted,
-             found->rejected, why);
+    if (found->accepted || found->rejected) /* else it made none, or the program does not count */
+        snprintf(counts, sizeof counts, ", after %u steps and %u rejected attempts",
+                 found->accepted, found->rejected);
+    snprintf(text, FP3_ADAPTIVE_TEXT_SIZE, "object %zu at t = %.9g of %.9g%s: %s", object,
+             (double)found->t + (double)found->t_low, (double)found->until, counts, why);
 }
 
 /* ---- a run ---- */
@@ -150,10 +152,25 @@ static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats 
     return status;
 }
 
+/* Else it would go on making attempts that change nothing. */
+static fp3_status check_sleep(const fp3_engine *engine) {
+    for (uint32_t i = 0; engine->config->interleave && i < engine->layout.count; i++) {
+        const fp3_image *image = engine->layout.groups[i].image;
+        if (image && fp3_adaptive_is(image) && fp3_image_slept(image) < 0)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "%sadaptive steps of many objects need 'sleep': expected a program "
+                            "that is compiled for configuration '%s'",
+                            fp3_engine_prefix(i, engine->layout.count).text, engine->config->name);
+    }
+    return FP3_OK;
+}
+
 fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t attempts, fp3_stats *stats) {
     fp3_stats sum = {0};
-    const fp3_status status = engine->config->sleep ? fp3_engine_run(engine, attempts, &sum)
-                                                    : run_and_look(engine, attempts, &sum);
+    fp3_status status = check_sleep(engine);
+    if (!status)
+        status = engine->config->interleave ? fp3_engine_run(engine, attempts, &sum)
+                                            : run_and_look(engine, attempts, &sum);
     if (stats)
         *stats = sum;
     return status;

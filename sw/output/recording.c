@@ -121,6 +121,7 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
     if (!status)
         status = fp3_targets_make(source, def->times, def->time_count, &r->targets, error);
     r->attempts = def->steps;
+    source->has_time |= r->targets.times != NULL; /* an image of adaptive steps has no h */
     if (!status && r->targets.times)
         status = fp3_plan_parts(r->targets.count, &r->plan, error);
     else if (!status)

@@ -47,7 +47,6 @@ fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t
     if (!status)
         status = read_above_zero(s, from, "absolute", &def->adaptive.absolute);
     def->is_adaptive = 1;
-    def->integrator = "dopri5";
     return status;
 }
 

@@ -7,8 +7,7 @@
 
 #include "settings/settings.h"
 
-/* The settings `tolerance`, `until` and `absolute` of a group, and `dopri5` as its integrator where def has
- * none. Nothing of a group without them. */
+/* The settings `tolerance`, `until` and `absolute` of a group. Nothing of a group without them. */
 fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t *from,
                                    fp3_program_def *def);
 

@@ -2,6 +2,7 @@
  * compiled model computes from its own. */
 #include "apply.h"
 
+#include "adaptive_image.h"
 #include "values.h"
 
 #include "text/number.h"
@@ -100,6 +101,15 @@ static fp3_status apply_object(const fp3_params *params, const fp3_apply_to *to,
     return status;
 }
 
+static fp3_status check_adaptive(const fp3_image *image, const fp3_params *params,
+                                 const fp3_apply_to *to, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    int is_spread = 1;
+    for (size_t i = 0; !status && is_spread && i < to->objects; i++)
+        status = fp3_adaptive_image_check(image, params, share_of(to, i), &is_spread, error);
+    return status;
+}
+
 static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
                               const fp3_apply_to *to, fp3_error *error) {
     const int slept = fp3_image_slept(image);
@@ -111,6 +121,8 @@ static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
         else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST)
             status = apply_object(params, to, symbol, kind_of(symbol, slept), error);
     }
+    if (!status)
+        status = check_adaptive(image, params, to, error);
     return status ? status : fp3_values_check(params, image_has, image, error);
 }
 

@@ -11,8 +11,7 @@
 #include "text/report.h"
 
 fp3_program_def fp3_program_default(void) {
-    return (fp3_program_def){
-        .integrator = "rk4", .adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
+    return (fp3_program_def){.adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
 }
 
 static int ends(const char *path, const char *end) {
@@ -60,6 +59,9 @@ static fp3_status tell(const char *path, const char *text, size_t size, fp3_stat
 
 static fp3_status compile(const char *path, const fp3_program_def *def, fp3_program *program,
                           char **report, fp3_error *error) {
+    const char *integrator = def->integrator    ? def->integrator
+                             : def->is_adaptive ? "dopri5"
+                                                : "rk4";
     char *text = NULL;
     size_t size = 0;
     fp3_error why;
@@ -72,7 +74,7 @@ static fp3_status compile(const char *path, const fp3_program_def *def, fp3_prog
             fp3_fail(error, status, "%s: %s", path, why.text);
     }
     if (!status)
-        status = fp3_integrator_find(def->integrator, &program->integrator, error);
+        status = fp3_integrator_find(integrator, &program->integrator, error);
     if (!status) {
         status = fp3_compile(program->model, program->integrator, &def->compile, &program->compiled,
                              &why);

@@ -123,7 +123,7 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
     if (!status && def->is_adaptive && !fp3_program_is_model(to->path))
         status = fp3_setting_wrong(&r->in, config_setting_get_member(from, "tolerance"),
                                    "tolerance: only a model (*.ode) is compiled");
-    def->integrator = *integrator ? *integrator : def->integrator;
+    def->integrator = *integrator;
     how->config = r->machine->name;
     return status;
 }

@@ -68,10 +68,21 @@ static void put_condition(conditional *c, const char *name, double value) {
 /* How many steps were made before, where the equations have t. */
 static int is_steps(const fp3_input *input) { return strcmp(input->name, FP3_NAME_STEPS) == 0; }
 
+/* The second word of t of adaptive steps: a formula cannot be told of t. */
+static int is_time(const writer *w, const fp3_input *input) {
+    return input->low_of != FP3_NONE && input->low_of == fp3_model_adapted(w->program->model);
+}
+
+/* A number in the file, of which nothing is made. */
+static int is_number(const writer *w, const fp3_input *input) {
+    return is_steps(input) || is_time(w, input);
+}
+
 static void put_start(conditional *c) {
     const fp3_program *p = c->w->program;
     for (uint32_t i = 0; i < p->model->state_count; i++)
-        put_condition(c, p->model->states[i].name, c->w->of.initial[i]);
+        if (i != fp3_model_adapted(p->model))
+            put_condition(c, p->model->states[i].name, c->w->of.initial[i]);
     for (uint32_t i = 0; i < p->compiled->input_count; i++)
         if (is_steps(&p->compiled->inputs[i]))
             put_condition(c, FP3_NAME_STEPS, (double)c->w->values[i]);
@@ -113,7 +124,7 @@ static fp3_status gather_rules(writer *w, fp3_error *error) {
     const fp3_compiled *c = w->program->compiled;
     FILE *out = open_memstream(&w->rules, &w->size);
     for (uint32_t i = 0; out && i < c->input_count; i++)
-        if (c->inputs[i].state == FP3_NONE && !is_steps(&c->inputs[i])) {
+        if (c->inputs[i].state == FP3_NONE && !is_number(w, &c->inputs[i])) {
             put_rule(w, out, i);
             fputc('\n', out);
         }
@@ -152,6 +163,11 @@ static int has_start(const fp3_compiled *c, const char *name) {
 static fp3_status put_all(const writer *w, fp3_error *error) {
     const fp3_model *model = w->program->model;
     const fp3_compiled *c = w->program->compiled;
+    if (fp3_adaptive_is(c->image))
+        fputs("# Adaptive steps: fp3 run PROGRAM --params with this file runs until each object "
+              "has come to "
+              "`until`.\n",
+              w->out);
     for (uint32_t i = 0; i < c->input_count; i++)
         if (c->inputs[i].state != FP3_NONE) {
             fprintf(w->out, "%s = ", c->inputs[i].name);
@@ -167,7 +183,7 @@ static fp3_status put_all(const writer *w, fp3_error *error) {
     for (uint32_t i = 0; !status && i < c->input_count; i++) {
         if (is_source(w, &c->inputs[i]))
             continue;
-        if (is_steps(&c->inputs[i])) {
+        if (is_number(w, &c->inputs[i])) {
             fprintf(w->out, "%s = ", c->inputs[i].name);
             put_number(w->out, (double)w->values[i], 9);
             fprintf(w->out, ";\n");

@@ -76,7 +76,7 @@ def test_one_group_is_a_run_of_its_model(scene, tmp_path, config):
 
 def test_snapshots_are_those_of_the_model(scene, tmp_path):
     options = ["--times", "0,0.1,2.3,3", "--observe", "t,r_x,accepted", "--output"]
-    for engine in ("isa", "rtl", "fast"):
+    for engine in ("isa", "rtl"):
         fp3("run", tmp_path / "planet.ode", "-c", "many_full", "-e", engine, "--tolerance", "1e-4", "--until", "3", "-o", "3",
             "--spread", "until=0:3", *options, tmp_path / "model.csv")
         scene([CHOOSING], *options, tmp_path / "scene.csv", engine=engine)

@@ -72,7 +72,8 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
 
 /* Runs until all objects have ended, or have made this number of attempts since the call. *stats (it may
  * be NULL) is the sum of the runs that this takes: where objects sleep one, where one object cannot sleep as many as it takes
- * not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run. */
+ * not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
+ * FP3_E_PROGRAM: the configuration interleaves and the program has no sleep. */
 fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t attempts, fp3_stats *stats);
 
 typedef struct {

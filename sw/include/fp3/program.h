@@ -22,14 +22,15 @@ FP3_API_BEGIN
 
 /* How a model is compiled; of no effect on assembly and images. */
 typedef struct {
-    const char *integrator; /* a built-in table, or a file */
-    int is_model;           /* the program is a model, whatever its name */
-    int is_adaptive;        /* the model is adapted (fp3/adaptive.h), as `adaptive` says */
+    const char
+        *integrator; /* a built-in table, or a file; NULL: rk4, or dopri5 if it is adaptive */
+    int is_model;    /* the program is a model, whatever its name */
+    int is_adaptive; /* the model is adapted (fp3/adaptive.h), as `adaptive` says */
     fp3_adaptive_def adaptive;
     fp3_compile_def compile;
 } fp3_program_def;
 
-/* "rk4", fixed steps, fp3_adaptive_default() and fp3_compile_default(). */
+/* Fixed steps, fp3_adaptive_default() and fp3_compile_default(). */
 fp3_program_def fp3_program_default(void);
 
 /* Read it, never change it. All that it points to belongs to it. */
