@@ -37,22 +37,22 @@ static char *variable_formula(const fp3_step *step, const variable *v) {
         return strdup("0");
     const char *name = step->model->states[v->state].name;
     if (asprintf(&text,
-                 v->role == ROLE_STATE        ? "%s at the start"
-                 : v->role == ROLE_BEFORE     ? "%s at -h"
-                 : v->role == ROLE_LOW        ? "second word of %s at the start"
-                 : v->role == ROLE_LOW_BEFORE ? "second word of %s at -h"
-                                              : "0",
+                 v->role == ROLE_STATE         ? "%s at the start"
+                 : v->role == ROLE_BEFORE      ? "%s at -h"
+                 : v->role == ROLE_LOW         ? "second word of %s at the start"
+                 : v->role == ROLE_LOW_BEFORE  ? "second word of %s at -h"
+                 : v->role == ROLE_LOST_BEFORE ? "what rounding takes off the way of %s from -h"
+                                               : "0",
                  name) < 0)
         return NULL;
     return text;
 }
 
-static char *variable_rule(const variable *v) {
-    return v->role == ROLE_LOST || v->role == ROLE_LOST_BEFORE ? strdup("0") : NULL;
-}
+static char *variable_rule(const variable *v) { return v->role == ROLE_LOST ? strdup("0") : NULL; }
 
 static fp3_input variable_input(const fp3_step *step, const variable *v) {
-    const int is_before = v->role == ROLE_BEFORE || v->role == ROLE_LOW_BEFORE;
+    const int is_before =
+        v->role == ROLE_BEFORE || v->role == ROLE_LOW_BEFORE || v->role == ROLE_LOST_BEFORE;
     return (fp3_input){.state = v->role == ROLE_STATE ? v->state : FP3_NONE,
                        .low_of = v->role == ROLE_LOW ? v->state : FP3_NONE,
                        .formula = variable_formula(step, v),

@@ -6,24 +6,32 @@ static term state_at_begin(lowering *l, uint32_t state) {
     return fp3_advance_held(a, l->g, ROLE_STATE, state);
 }
 
-/* x + ((x - x_before) + h^2 a): compensated, the difference is known without what was lost. */
+/* x - x_before: compensated, without what was lost of them. */
+static term way_from_before(const fp3_advance *a, dag *g, uint32_t s) {
+    const term way = fp3_term_sub(g, fp3_advance_held(a, g, ROLE_STATE, s),
+                                  fp3_advance_held(a, g, ROLE_BEFORE, s));
+    return !a->options->is_compensated
+               ? way
+               : fp3_term_sub(g, way,
+                              fp3_term_sub(g, fp3_advance_held(a, g, ROLE_LOST, s),
+                                           fp3_advance_held(a, g, ROLE_LOST_BEFORE, s)));
+}
+
+/* (2 x - x_before) + h^2 a; compensated, x + ((x - x_before) + h^2 a). */
 static void advance_position(const fp3_advance *a, uint32_t s) {
     const fp3_model *model = a->step->model;
     dag *g = &a->step->values;
     const term x = fp3_advance_held(a, g, ROLE_STATE, s);
-    const term before = fp3_advance_held(a, g, ROLE_BEFORE, s);
     const term f = fp3_lower(&a->places[0], model->states[model->states[s].velocity].derivative);
     const term kick = fp3_term_mul(g, fp3_advance_scaled_step(a, 1, 2), f);
     g->note = fp3_note(&a->step->notes, "new %s", fp3_advance_name(a, s));
     if (!a->options->is_compensated) {
         const term twice = fp3_term_mul(g, fp3_term(fp3_dag_number(g, 2)), x);
+        const term before = fp3_advance_held(a, g, ROLE_BEFORE, s);
         a->now[s] = fp3_term_add(g, fp3_term_sub(g, twice, before), kick);
         return;
     }
-    const term lost = fp3_advance_held(a, g, ROLE_LOST, s);
-    const term way =
-        fp3_term_sub(g, fp3_term_sub(g, x, before),
-                     fp3_term_sub(g, lost, fp3_advance_held(a, g, ROLE_LOST_BEFORE, s)));
+    const term way = way_from_before(a, g, s);
     a->now[s] = fp3_advance_update(a, s, x, fp3_term_add(g, way, kick));
 }
 
@@ -51,10 +59,7 @@ static fp3_status find_velocity(fp3_advance *a, uint32_t s, fp3_error *error) {
     const uint32_t half_h =
         fp3_known_make(known, KNOWN_MUL, fp3_known_number(known, 0.5), fp3_known_step(known));
     g->note = fp3_note(&a->step->notes, "%s at the end", fp3_advance_name(a, v));
-    const term x = fp3_advance_held(a, g, ROLE_STATE, s);
-    const term before = fp3_advance_held(a, g, ROLE_BEFORE, s);
-    const term way =
-        fp3_term_mul(g, fp3_term_sub(g, x, before), fp3_term(fp3_dag_known(g, over_h)));
+    const term way = fp3_term_mul(g, way_from_before(a, g, s), fp3_term(fp3_dag_known(g, over_h)));
     const term end = fp3_term_add(g, way, fp3_term_mul(g, fp3_term(fp3_dag_known(g, half_h)), f));
     a->step->variables[fp3_step_find(a->step, ROLE_STATE, v)].last = fp3_term_value(g, end);
     return FP3_OK;

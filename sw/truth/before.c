@@ -11,6 +11,12 @@ static int needs_truth(const fp3_step *step) {
     return 0;
 }
 
+/* So that (x - x_before) + lost_before in FP32 is what it is in double: else h v would be off by half a unit of x
+ * for the whole run, and v by that over h. */
+static double lost_before(double x, double before) {
+    return (double)(float)((x - before) - ((double)(float)x - (double)(float)before));
+}
+
 fp3_status fp3_before_start(const fp3_step *step, const double *params, const double *initial,
                             double h, double *start, fp3_error *error) {
     double *before = calloc(step->model->state_count + 1u, sizeof *before);
@@ -25,6 +31,8 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
                                  : 0;
         const int is_low = v->role == ROLE_LOW || v->role == ROLE_LOW_BEFORE;
         start[i] = is_low ? fp3_known_low(value) : value;
+        if (v->role == ROLE_LOST_BEFORE)
+            start[i] = lost_before(initial[v->state], before[v->state]);
     }
     free(before);
     return status;

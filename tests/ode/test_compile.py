@@ -191,6 +191,15 @@ def test_stoermer_keeps_the_position_that_an_observed_velocity_is_found_by(tmp_p
     assert {("v", 0), ("x", 0)} <= part.keys() and part.items() <= whole.items()
 
 
+def test_compensated_stoermer_keeps_what_rounding_takes_off_the_position_before(tmp_path):
+    """Half a unit of x at -h is half a unit over h of v: 3e-4 of x and v here."""
+    path = written(tmp_path, "state x = 1", "state v = 0.5", "x' = v", "v' = -x")
+    for engine in ("isa", "fast"):
+        done = fp3("run", path, "-i", "stoermer_verlet", "-k", "-c", "many_full", "-e", engine, "--steps", 8192, "--set", "h=0.0001220703125")
+        found = {m[1]: float(m[2]) for m in re.finditer(r"^(x|v) +(\S+)", done.stdout, re.M)}
+        assert abs(found["x"] - math.cos(1) - 0.5*math.sin(1)) < 3e-7 and abs(found["v"] + math.sin(1) - 0.5*math.cos(1)) < 3e-7, found
+
+
 def test_what_nobody_observes_need_not_fit_the_integrator(tmp_path):
     path = written(tmp_path, "state x = 1", "state v = 1", "state e = 0", "x' = v", "v' = -x", "e' = v*v")
     assert "e" in fp3("compile", path, "-i", "stoermer_verlet", check=False).stderr
