@@ -14,9 +14,10 @@ Every figure here stands beside what it should be: by theory, computed from the 
 it is within its tolerance. `fp3 stress` is the suite on equations of its own, `fp3 stress MODEL` what applies to a model; `make stress` is both, for
 every integrator and every model of `programs/`, into `build/results/stress.json`, and `make stress-report` writes this page from it.
 
-Everything runs on the engine `fast`, as `many_full` runs it, in four arithmetics: *plain*; *compensated* updates (`-k`); *flushed*, plain without gradual
-underflow; *truncated*, plain and rounded to zero. The last two are configurations with the keys `subnormal` and `nearest` at 0, which no named one has.
-*In double* means the same steps by the same table without roundings (`fp3_compiled_exact`)."""
+Everything runs on the engine `fast`, as `many_full` runs it, in five arithmetics: *plain*; *compensated* updates (`-k`); *flushed*, plain without gradual
+underflow; *truncated*, plain and rounded to zero; *double_single* (`--double-single`), where the program fits `many_full`. Flushed and truncated are configurations
+with the keys `subnormal` and `nearest` at 0, which no named one has. *In double* means the same steps by the same table without roundings, by the
+coefficients that the program has (`fp3_compiled_exact_given`)."""
 
 # section: heading, of equations or of models, text
 SECTIONS = {
@@ -26,26 +27,30 @@ grows is found, and then, in 512 more between its neighbours, the limit. Theory:
 the largest eigenvalue of the matrix of a step; both from the table, in double. Where a method grows at every step (limit 0), it is the step from which
 growth in 2^14 steps is a quarter. Tolerance 0.1 %."""),
     "steps": ("Errors by step size", """\
-x'' = -x to t = 8, and x'' = -x + cos(2 t) (`driven`), 64 objects, root of the mean square. On the left the error falls with the order p; where FP32 ends before a
-method is near its order, its slope in double over the same steps is what is expected. On the right roundings grow: with N^(1/2) where they are independent, up to N
-(Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 2.8); all in one direction where they are cut off. Of compensated updates, nothing grows."""),
+x'' = -x to t = 8, and x'' = -x + cos(2 t) (`driven`), 64 objects, root of the mean square. On the left the error falls with the order p: its slope is that of the
+same 8 objects in double. On the right roundings grow: with N^(1/2) where they are independent, up to N (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+section 2.8); all in one direction where they are cut off. Of compensated updates and of double-single, nothing grows but a walk of roundings at the end of the second
+word. Stoermer's method takes a rounding r of x for one of the velocity, r/h, and below h = u^(1/3) = 0.005, u = 2^-23, its roundings are alike from step to step where
+the acceleration is stationary: they grow with h^-3, cut off with h^-2. Compensated, it carries h v as one float: a walk of its roundings."""),
     "events": ("Order under events", """\
 A bouncing ball, 4,096 objects. An event happens at the end of a step ([models.md](models.md#events)), so the order is 1 for every integrator."""),
     "drift": ("A million steps", """\
-Kepler's problem with eccentricity 0.2, 64 orbits that differ by a turn, so that their roundings are independent. Their mean is what the method does, and its table, whose
-coefficients are FP32 numbers; their spread is the random walk of roundings. A symplectic method keeps energy and momentum; another drifts as in double. A rounding is 2.5e-8
-of a number, root of the mean square, and the tolerance is four standard deviations of the walk. Truncation takes 4.3e-8 of each update in the mean: a linear drift. An error of place grows with t
-(symplectic) or t^2, the spread with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical Integration, X.3; Brouwer 1937)."""),
+Kepler's problem with eccentricity 0.2, 64 orbits that differ by a turn, so that their roundings are independent; 65,536 steps in double-single. Their mean is what the
+method does, and its coefficients, which are FP32 numbers; their spread is the random walk of roundings. A symplectic method keeps energy and momentum; another drifts as in
+double. A rounding is 2.5e-8 of a number, root of the mean square, and the tolerance is four standard deviations of the walk. The error of a coefficient c is less than half a
+unit of c k, and may be rounded away or doubled with it, alike in all orbits: the tolerance has once more what rounded coefficients do in double. Truncation takes 4.3e-8
+of each update in the mean: a linear drift. An error of place, over an orbit and since the first, grows with t (symplectic) or t^2, the spread with t^(3/2) (Hairer, Lubich and
+Wanner, Geometric Numerical Integration, X.3; Brouwer 1937)."""),
     "reversal": ("Forth and back", """\
 A planet goes to t = 12, its velocity is turned, and it goes as far again. A symmetric method comes back but for roundings; another is off by h^p for an odd order p, h^(p+1) for an even one."""),
     "chance": ("Parameters over many decades", """\
 4,096 oscillators with k from 1e-6 to 1e3 and any damping below the critical one, 512 steps of 1. Those fail whose growth reaches the end of FP32, by theory; each is told, with its step."""),
     "stagnation": ("Where nothing moves", """\
 `move`: 1 + h f is 1 up to half a unit (2^-24; the tie goes to the even 1), truncated below a unit. `calm`: x' = p - q x stops where h f is below half a unit of x, so
-the distance from p/q has a bound, which is 1 here."""),
+the distance from p/q has a bound, which is 1 here. In double-single all sums of `move` are exact."""),
     "subnormal": ("The lower end", """\
 A decay by a at each step ends, exactly, at floor(1/(2 a)) units of 2^-149, truncated at ceil(1/a) - 1; flushed it ends above 2^-126."""),
-    "failures": ("Overflow and NaN", "One object of 600 gets a number that overflows later, a NaN or an infinity; the engine names it and the step."),
+    "failures": ("Overflow and NaN", "One object of 600 gets a number that overflows later, a NaN or an infinity; the engine names it and the step. In double-single a number overflows from 2^116 on, when it is split."),
     "chaos": ("Chaos", """\
 The largest Lyapunov exponent of Lorenz's equations, of 512 objects, by the linearised equations. Published: 0.9056 (Sprott, Chaos and Time-Series Analysis, 2003; Viswanath 1998). Tolerance 5 %."""),
     "invariants": ("Invariants of the models", """\

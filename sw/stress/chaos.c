@@ -58,7 +58,9 @@ static fp3_status measure(const fp3_trial *trial, fp3_rig *rig, double *exponent
 
 fp3_status fp3_section_chaos(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (int i = 0; !status && i < (trial->options->is_quick ? 1 : FP3_LAB_ARITHMETICS); i++) {
+    const int count =
+        trial->options->is_quick ? 1 : FP3_LAB_DOUBLE_SINGLE; /* no matter of digits */
+    for (int i = 0; !status && i < count; i++) {
         fp3_rig rig;
         fp3_verdict v = fp3_trial_verdict(trial, "chaos", "lorenz", &fp3_lab_arithmetics[i],
                                           "largest Lyapunov exponent");

@@ -15,6 +15,7 @@ const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
     {"compensated", &fp3_bench_arithmetics[1], 0, 0},
     {"flushed", &fp3_bench_arithmetics[0], 1, 0},
     {"truncated", &fp3_bench_arithmetics[0], 0, 1},
+    {"double_single", &fp3_bench_arithmetics[3], 0, 0},
 };
 
 struct fp3_lab {
@@ -61,6 +62,7 @@ static fp3_status make(fp3_lab *lab, fp3_error *error) {
     fp3_compile_def how = fp3_compile_default();
     how.config = CONFIG;
     how.is_compensated = def->arithmetic->update->is_compensated;
+    how.is_double_single = def->arithmetic->update->is_double_single;
     how.passes |= def->arithmetic->update->passes;
     lab->params = calloc(def->objects * def->model->param_count + 1, sizeof *lab->params);
     lab->initial = calloc(def->objects * def->model->state_count + 1, sizeof *lab->initial);
@@ -165,34 +167,45 @@ static uint32_t register_of(const fp3_lab *lab, const char *state) {
     return fp3_image_find(lab->compiled->image, state, FP3_CLASS(FP3_SYMBOL_STATE))->index;
 }
 
+/* Both words of double-single; count numbers apart. */
+static fp3_status read_state(fp3_lab *lab, uint32_t state, double *values, size_t apart) {
+    const int low = fp3_compiled_low(lab->compiled, state);
+    const size_t objects = lab->def.objects;
+    fp3_status status = fp3_engine_read(
+        lab->engine, 0, objects, register_of(lab, lab->def.model->states[state].name), lab->column);
+    for (size_t i = 0; !status && i < objects; i++)
+        values[i * apart] = (double)lab->column[i];
+    if (!status && low >= 0)
+        status = fp3_engine_read(lab->engine, 0, objects, (uint32_t)low, lab->column);
+    for (size_t i = 0; !status && low >= 0 && i < objects; i++)
+        values[i * apart] += (double)lab->column[i];
+    return status;
+}
+
 fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_error *error) {
-    const fp3_status status =
-        fp3_engine_read(lab->engine, 0, lab->def.objects, register_of(lab, state), lab->column);
-    for (size_t i = 0; !status && i < lab->def.objects; i++)
-        column[i] = (double)lab->column[i];
-    return told(lab, status, error);
+    return told(lab, read_state(lab, fp3_model_state(lab->def.model, state), column, 1), error);
 }
 
 fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error) {
-    const fp3_model *model = lab->def.model;
-    const size_t objects = lab->def.objects;
+    const uint32_t count = lab->def.model->state_count;
     fp3_status status = FP3_OK;
-    for (uint32_t s = 0; !status && s < model->state_count; s++) {
-        status = fp3_engine_read(lab->engine, 0, objects, register_of(lab, model->states[s].name),
-                                 lab->column);
-        for (size_t i = 0; !status && i < objects; i++)
-            rows[i * model->state_count + s] = (double)lab->column[i];
-    }
+    for (uint32_t s = 0; !status && s < count; s++)
+        status = read_state(lab, s, rows + s, count);
     return told(lab, status, error);
 }
 
 fp3_status fp3_lab_write(fp3_lab *lab, const char *state, const double *column, fp3_error *error) {
-    for (size_t i = 0; i < lab->def.objects; i++)
+    const int low = fp3_compiled_low(lab->compiled, fp3_model_state(lab->def.model, state));
+    const size_t objects = lab->def.objects;
+    for (size_t i = 0; i < objects; i++)
         lab->column[i] = (float)column[i];
-    return told(
-        lab,
-        fp3_engine_write(lab->engine, 0, lab->def.objects, register_of(lab, state), lab->column),
-        error);
+    fp3_status status =
+        fp3_engine_write(lab->engine, 0, objects, register_of(lab, state), lab->column);
+    for (size_t i = 0; i < objects; i++)
+        lab->column[i] = isfinite(column[i]) ? (float)(column[i] - (double)(float)column[i]) : 0;
+    if (!status && low >= 0)
+        status = fp3_engine_write(lab->engine, 0, objects, (uint32_t)low, lab->column);
+    return told(lab, status, error);
 }
 
 fp3_status fp3_lab_rest(fp3_lab *lab, const char *is_marked, fp3_error *error) {

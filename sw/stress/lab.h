@@ -22,15 +22,20 @@ typedef struct {
     int is_truncated; /* rounds to zero */
 } fp3_lab_arithmetic;
 
-/* Plain, compensated; plain, flushed; plain, truncated; compensated, truncated. */
+/* Flushed and truncated are plain otherwise. */
 enum {
     FP3_LAB_PLAIN,
     FP3_LAB_COMPENSATED,
     FP3_LAB_FLUSHED,
     FP3_LAB_TRUNCATED,
+    FP3_LAB_DOUBLE_SINGLE,
     FP3_LAB_ARITHMETICS
 };
 extern const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS];
+
+/* The relative error of an update in double-single: its sum is off by 3.1 u^2 at most (docs/compiler.md), where a plain
+ * one is off by u/2, which in the mean is ROUNDED of drift.c. */
+#define FP3_LAB_PAIR_ROUNDED (6.2 * 2.5e-8 * 0x1p-24)
 
 typedef struct {
     const fp3_model *model; /* the caller's, as is the next; they outlive the lab */
@@ -64,7 +69,7 @@ const double *fp3_lab_initial(const fp3_lab *lab, size_t object);
 /* Loads the program and gives all objects their values, at time 0. */
 fp3_status fp3_lab_start(fp3_lab *lab, fp3_error *error);
 fp3_status fp3_lab_run(fp3_lab *lab, uint64_t steps, fp3_error *error);
-/* A state of every object. */
+/* A state of every object: of double-single the sum of its words. */
 fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_error *error);
 /* All states, a row of model->state_count for each object. */
 fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error);

@@ -44,21 +44,25 @@ static fp3_status move(const fp3_trial *trial, const fp3_lab_arithmetic *how, do
     return status;
 }
 
-/* 1 + a is 1 for a up to half a unit: the tie goes to the even 1 (IEEE 754, 4.3.1); of a truncated sum below a unit. */
+/* 1 + a is 1 for a up to half a unit: the tie goes to the even 1 (IEEE 754, 4.3.1); of a truncated sum below a unit.
+ * What is kept of updates is added exactly but for the last sum. In double-single a and all sums are multiples of
+ * 2^-48 below 2, which has room for them. */
 static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *how,
                              fp3_error *error) {
     const double half = 0x1p-24, unit = 0x1p-23;
+    const int is_pair = how->update->is_double_single;
     double largest, off;
     fp3_status status = move(trial, how, how->is_truncated ? unit : half, &largest, &off, error);
     fp3_verdict v =
-        fp3_trial_verdict(trial, "stagnation", "move", how, "%s",
-                          how->update->is_compensated
+        fp3_trial_verdict(trial, "stagnation", "move", how, "%s%s",
+                          is_pair || how->update->is_compensated
                               ? "x' = a below half a unit, off after 4096 steps, in units"
-                              : "largest h f that leaves x = 1 where it is, in units of 2^-24");
-    if (how->update->is_compensated) {
+                              : "largest h f that leaves x = 1 where it is, in units of 2^-24",
+                          is_pair ? " of 2^-48" : "");
+    if (is_pair || how->update->is_compensated) {
         v.relation = FP3_AT_MOST;
-        v.expected = 0.5; /* the sum, rounded once */
-        v.measured = off;
+        v.expected = is_pair ? 0 : 0.5; /* the sum, rounded once */
+        v.measured = is_pair ? off * 0x1p25 : off;
     } else {
         v.expected = (how->is_truncated ? (double)nextafterf((float)unit, 0) : half) / half;
         v.measured = largest / half;
@@ -75,7 +79,8 @@ static const char calm_text[] =
     "model calm\nparam p = 1\nparam q = 1\nstate x = 0\nstep 1\nx' = p - q*x\n";
 
 /* x stops where h f is half a unit of x, 2^-24 x to 2^-23 x; f = p - q x itself is off by 2^-24 p and a unit. So
- * |x - p/q| stays below (2^-24/(h q) + 2^-23) p/q times 2 at most; compensated, below what f is off by. */
+ * |x - p/q| stays below (2^-24/(h q) + 2^-23) p/q times 2 at most; compensated, below what f is off by. In
+ * double-single products are off by 5 2^-48 at most, sums by less, in place of 2^-24. */
 static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *how,
                              fp3_error *error) {
     double p[OBJECTS], q[OBJECTS], x[OBJECTS];
@@ -102,7 +107,9 @@ static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *h
     v.expected = 1;
     for (size_t i = 0; !status && i < OBJECTS; i++) {
         const double *at = fp3_lab_params(rig.lab, i);
-        const double rounding = how->is_truncated ? 0x1p-23 : 0x1p-24;
+        const double rounding = how->update->is_double_single ? 5 * 0x1p-48
+                                : how->is_truncated           ? 0x1p-23
+                                                              : 0x1p-24;
         const double stops = how->update->is_compensated ? 0 : rounding / (CALM_STEP * at[1]);
         const double bound = 2 * (stops + 2 * rounding) * at[0] / at[1];
         v.measured = fmax(v.measured, fabs(x[i] - at[0] / at[1]) / bound);

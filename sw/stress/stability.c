@@ -207,7 +207,7 @@ fp3_status fp3_section_stability(const fp3_trial *trial, fp3_error *error) {
     for (int degrees = 0; !status && degrees <= 90; degrees += apart)
         if (applies(trial->run, degrees))
             status = search_ray(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], degrees, error);
-    for (int i = FP3_LAB_COMPENSATED; !status && i < FP3_LAB_ARITHMETICS; i++)
+    for (int i = FP3_LAB_COMPENSATED; !status && i < FP3_LAB_DOUBLE_SINGLE; i++)
         if (!trial->options->is_quick)
             status =
                 search_ray(trial, &fp3_lab_arithmetics[i], applies(trial->run, 0) ? 0 : 90, error);

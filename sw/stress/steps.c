@@ -2,7 +2,6 @@
  * the left, the roundings' on the right. */
 #include "sections.h"
 
-#include <fp3/reference.h>
 #include <gsl/gsl_pow_int.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,12 +10,17 @@
 #define OBJECTS 64
 #define RUNGS 31 /* sqrt(2) apart */
 #define RUNGS_QUICK 21
+#define RUNGS_LEAST 13
 #define SPAN 8.0
 #define LARGE 0.05 /* errors above say nothing of the order, */
 #define ABOVE 40   /* nor do those below so many times the smallest */
-#define ORDER_OFF 0.15
+#define ORDER_OFF 0.05
+#define GROWTH_OFF 0.15
 #define HALF_UNIT 0x1p-24
 #define FLOOR (4 * HALF_UNIT)
+#define ROUNDED 2.5e-8 /* see drift.c */
+#define CUT 4.3e-8
+#define SIGMAS 4
 #define EXACT 8 /* objects in double */
 #define RIGHT 7 /* rungs that say how rounding grows */
 
@@ -88,31 +92,32 @@ static unsigned best_of(const curve *c) {
     return best;
 }
 
-/* The error of the same steps in double, by the table as FP32 has it, of the first EXACT objects. */
-static fp3_status exact_error(const curve *c, const fp3_rig *rig, unsigned rung, double *off,
+/* Two words have the numbers as they are. */
+static fp3_trial_numbers numbers_of(const curve *c) {
+    return c->arithmetic->update->is_double_single ? FP3_TRIAL_UNROUNDED : FP3_TRIAL_ROUNDED;
+}
+
+/* The error of the same steps in double, by the numbers that the program has, of the first EXACT objects. */
+static fp3_status exact_error(const curve *c, fp3_rig *rig, unsigned rung, double *off,
                               fp3_error *error) {
-    const fp3_integrator table = fp3_trial_rounded(c->trial->integrator, c->h[rung]);
-    const fp3_compile_def def = fp3_compile_default();
     const uint64_t steps = (uint64_t)c->steps[rung];
     const double t = c->h[rung] * c->steps[rung];
     double sum = 0, row[2];
-    fp3_compiled *compiled = NULL;
-    fp3_status status = fp3_compile(rig->model, &table, &def, &compiled, error);
+    fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < EXACT; i++) {
         const double *start = fp3_lab_initial(rig->lab, i);
-        status = fp3_compiled_exact(compiled, fp3_lab_params(rig->lab, i), start, c->h[rung],
-                                    &steps, 1, row, error);
+        status =
+            fp3_trial_exact(c->trial, rig, numbers_of(c), i, c->h[rung], &steps, 1, row, error);
         if (!status)
             sum +=
                 gsl_pow_2((row[1] - truth(c, t, start[1], start[0])) / hypot(start[0], start[1]));
     }
     *off = sqrt(sum / EXACT);
-    fp3_compiled_free(&compiled);
     return status;
 }
 
-/* The slope of the method without roundings but those of its table, over rungs from .. to. */
-static fp3_status exact_slope(const curve *c, const fp3_rig *rig, unsigned from, unsigned to,
+/* The slope of the method without roundings but those of its numbers, over rungs from .. to. */
+static fp3_status exact_slope(const curve *c, fp3_rig *rig, unsigned from, unsigned to,
                               double *slope, double *least, fp3_error *error) {
     double off[RUNGS] = {0};
     fp3_status status = FP3_OK;
@@ -123,69 +128,124 @@ static fp3_status exact_slope(const curve *c, const fp3_rig *rig, unsigned from,
     return status;
 }
 
-/* The slope where the method's error is far above the roundings', over the shortest such steps. A method of high order
- * may not be near its order yet where FP32 ends: then its slope in double is what it should be. */
-static fp3_status judge_order(const curve *c, const fp3_rig *rig, fp3_error *error) {
+static int loses_nothing(const curve *c) {
+    return c->arithmetic->update->is_double_single || c->arithmetic->update->is_compensated;
+}
+
+/* What roundings make of the error at least (drift.c): see below. */
+static double least_of_roundings(const curve *c, unsigned rung) {
+    const double n = c->steps[rung];
+    return loses_nothing(c) ? 0 : c->arithmetic->is_truncated ? CUT * n : ROUNDED * sqrt(n);
+}
+
+/* The slope where the method's error is far above the roundings', over the shortest such steps. What is expected is the
+ * slope in double of the same objects: a method of high order may not be near its order yet where FP32 ends, and there
+ * each object has a slope of its own. */
+static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
     const unsigned best = best_of(c);
     /* Where errors still fall in the end, the roundings' are not seen yet. */
     const double floor = best + 1 < c->count ? c->error[best] : FLOOR;
     unsigned to = 0, from = 0;
-    while (to < c->count && !(c->error[to] < ABOVE * floor))
+    while (to < c->count && !(c->error[to] < ABOVE * fmax(floor, least_of_roundings(c, to))))
         to++;
     while (from < to && !(c->error[from] < LARGE))
         from++;
     from = to > 4 && from < to - 4 ? to - 4 : from;
-    double slope, least;
+    double least;
     char because[128];
-    const fp3_status status = exact_slope(c, rig, from, to, &slope, &least, error);
+    fp3_verdict v =
+        fp3_trial_verdict(c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+                          "slope of the error from h = %.3g to %.3g: that in double, "
+                          "of order %u",
+                          c->h[from], c->h[to > from ? to - 1 : from], c->order);
+    const fp3_status status = exact_slope(c, rig, from, to, &v.expected, &least, error);
     snprintf(because, sizeof because,
              "at the shortest of these steps the error of %d objects is %.3g, in double %.3g",
              EXACT, c->few[to > from ? to - 1 : from], least);
-    const int is_near = fabs(slope - c->order) < ORDER_OFF;
-    fp3_verdict v = fp3_trial_verdict(
-        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
-        "slope of the error from h = %.3g to %.3g: order %u%s", c->h[from],
-        c->h[to > from ? to - 1 : from], c->order, is_near ? "" : " (another in double, too)");
-    v.expected = is_near ? c->order : slope;
-    v.measured = fp3_trial_slope(c->h + from, c->error + from, to - from);
+    v.measured = fp3_trial_slope(c->h + from, c->few + from, to - from);
     v.tolerance = ORDER_OFF;
     v.because = because;
     return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
-/* Of updates that lose nothing, what is left at the smallest step is the method's, and the last sums'. */
-static fp3_status judge_end(const curve *c, const fp3_rig *rig, fp3_error *error) {
-    const unsigned last = c->count - 1;
+/* Of updates that lose nothing, what is left at the smallest step is the method's, and the last sums'. Stoermer's
+ * keeps h v as one float, which is rounded three times a step: a walk of N roundings of v, each of which turns with
+ * the oscillation. Double-single rounds as plain updates do, at the end of its second word; Stoermer's method takes
+ * that for a rounding of h v. */
+static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
+    const int is_pair = c->arithmetic->update->is_double_single, last = (int)c->count - 1;
+    const int is_stoermer = c->trial->run->kind == FP3_STOERMER, is_walk = is_pair || is_stoermer;
+    const double unit = is_pair ? HALF_UNIT * HALF_UNIT : HALF_UNIT;
+    const double pairs =
+        FP3_LAB_PAIR_ROUNDED * sqrt(c->steps[last]) / (is_stoermer ? c->h[last] : 1);
+    const double walk = is_pair       ? SIGMAS * pairs
+                        : is_stoermer ? FLOOR + SIGMAS * ROUNDED * sqrt(3 * c->steps[last]) / 2
+                                      : FLOOR;
     double exact;
-    const fp3_status status = exact_error(c, rig, last, &exact, error);
-    fp3_verdict v = fp3_trial_verdict(
-        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
-        "error at h = %.3g, in units of 2^-24: that in double, and 4", c->h[last]);
+    const fp3_status status = exact_error(c, rig, (unsigned)last, &exact, error);
+    fp3_verdict v =
+        fp3_trial_verdict(c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+                          "error at h = %.3g, in units of 2^-%d: that in double, and %s",
+                          c->h[last], is_pair ? 48 : 24, is_walk ? "a walk of roundings" : "4");
     v.relation = FP3_AT_MOST;
-    v.expected = exact / HALF_UNIT;
-    v.measured = c->few[last] / HALF_UNIT;
-    v.tolerance = FLOOR / HALF_UNIT;
+    v.expected = exact / unit;
+    v.measured = c->few[last] / unit;
+    v.tolerance = walk / unit;
     return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
-/* Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N (Higham, Accuracy and
+/* How the roundings' error grows as a power of h, u = 2^-23 being the unit of x.
+ *
+ * Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N (Higham, Accuracy and
  * Stability of Numerical Algorithms, 2nd ed. 2002, section 2.8; Henrici 1962). x is a multiple of its unit, so what is
- * rounded is h f alone: independent from step to step only while it changes by a unit or more, h^2 |x''| > 2^-23. */
-static fp3_status judge_right(const curve *c, fp3_error *error) {
-    const unsigned best = best_of(c);
+ * rounded is h f alone: independent from step to step only while it changes by a unit or more, h^2 |x''| > u.
+ *
+ * Stoermer's recursion takes a rounding r of x for one of the velocity, r/h, and rounds h^2 x'', which changes by
+ * h^3 x''' a step. Below h = u^(1/3) it passes all fractions of a unit evenly, so roundings cancel, but where x''' = 0:
+ * there, over sqrt(2 u)/h^2 steps, all are alike. (u/h) sqrt(u)/h^2 goes with h^-3. Cut off, each is -u/2 in the mean,
+ * as an acceleration of u/(2 h^2). */
+static double power_of_roundings(const curve *c) {
+    if (c->trial->run->kind != FP3_STOERMER)
+        return c->arithmetic->is_truncated ? -1 : -0.5;
+    return c->arithmetic->is_truncated ? -2 : -3;
+}
+
+/* The last rung that is what is said above: of Stoermer's method cut off, while the error is small. */
+static unsigned last_of_roundings(const curve *c) {
+    const int is_stoermer = c->trial->run->kind == FP3_STOERMER;
     unsigned last = c->count - 1;
-    while (last && !c->arithmetic->is_truncated && c->h[last] * c->h[last] < 2 * HALF_UNIT)
-        last--;
+    if (c->arithmetic->is_truncated)
+        while (is_stoermer && last && c->error[last] > LARGE)
+            last--;
+    else
+        while (last && c->h[last] * c->h[last] < 2 * HALF_UNIT)
+            last--;
+    return last;
+}
+
+static fp3_status judge_right(const curve *c, fp3_error *error) {
+    const unsigned best = best_of(c), last = last_of_roundings(c);
     if (best + RIGHT > last)
         return FP3_OK;
     const unsigned from = last - RIGHT + 1;
+    if (power_of_roundings(c) == -3 && gsl_pow_3(c->h[from]) > 2 * HALF_UNIT) /* too long for it */
+        return FP3_OK;
     fp3_verdict v = fp3_trial_verdict(
         c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
         "slope of the roundings' error from h = %.3g to %.3g", c->h[from], c->h[last]);
     v.measured = fp3_trial_slope(c->h + from, c->error + from, RIGHT);
-    v.expected = c->arithmetic->is_truncated ? -1 : -0.5;
-    v.tolerance = ORDER_OFF;
+    v.expected = power_of_roundings(c);
+    v.tolerance = GROWTH_OFF;
     return fp3_verdicts_add(c->trial->verdicts, &v, error);
+}
+
+/* Nothing here is subnormal, so short time steps show nothing new flushed; those of double-single are long. */
+static unsigned rungs_of(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic,
+                         int is_driven) {
+    const int is_pair = arithmetic->update->is_double_single;
+    if (trial->options->is_quick)
+        return is_pair ? RUNGS_LEAST : RUNGS_QUICK;
+    return is_driven || is_pair || arithmetic->is_flushed ? RUNGS_QUICK : RUNGS;
 }
 
 static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_driven,
@@ -193,16 +253,19 @@ static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmet
     curve c = {.trial = trial,
                .arithmetic = arithmetic,
                .is_driven = is_driven,
-               .count = trial->options->is_quick || is_driven ? RUNGS_QUICK : RUNGS};
+               .count = rungs_of(trial, arithmetic, is_driven)};
     char series[96];
     snprintf(series, sizeof series, "%s, %s", trial->integrator->name, arithmetic->name);
     fp3_rig rig;
     fp3_status status = measure_all(&c, &rig, error);
+    if (fp3_trial_has_no_room(arithmetic, status)) {
+        fp3_rig_close(&rig);
+        return FP3_OK;
+    }
     if (!status)
         status = judge_order(&c, &rig, error);
     if (!status && !is_driven)
-        status = arithmetic->update->is_compensated ? judge_end(&c, &rig, error)
-                                                    : judge_right(&c, error);
+        status = loses_nothing(&c) ? judge_end(&c, &rig, error) : judge_right(&c, error);
     fp3_rig_close(&rig);
     if (!status && !is_driven)
         status = fp3_verdicts_draw(trial->verdicts, "steps", series, c.h, c.error, c.count, error);
@@ -212,7 +275,7 @@ static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmet
 fp3_status fp3_section_steps(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = run(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 1, error);
     for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
-        if (i != FP3_LAB_FLUSHED || !trial->options->is_quick) /* nothing here is subnormal */
+        if (i != FP3_LAB_FLUSHED || !trial->options->is_quick)
             status = run(trial, &fp3_lab_arithmetics[i], 0, error);
     return status;
 }

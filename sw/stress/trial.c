@@ -1,6 +1,7 @@
 /* trial.c - see trial.h. */
 #include "trial.h"
 
+#include <fp3/reference.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -31,6 +32,7 @@ fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
 
 void fp3_rig_close(fp3_rig *rig) {
     fp3_lab_close(&rig->lab);
+    fp3_compiled_free(&rig->exact);
     fp3_model_free(&rig->model);
 }
 
@@ -51,48 +53,21 @@ double fp3_trial_slope(const double *x, const double *y, size_t count) {
     return count < 2 ? NAN : (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-static unsigned factors(const double *row, unsigned count, double unit) {
-    unsigned found = 0;
-    for (unsigned i = 0; i < count; i++)
-        found += row[i] != 0 && fabs(row[i]) != unit;
-    return found;
+int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status) {
+    return status == FP3_E_PROGRAM && arithmetic->update->is_double_single;
 }
 
-/* As docs/compiler.md says: whole multiples of the smallest coefficient have it as a factor, where that saves products. */
-static void round_row(double *row, unsigned count) {
-    double unit = INFINITY;
-    int is_common = 1;
-    for (unsigned i = 0; i < count; i++)
-        unit = row[i] != 0 ? fmin(unit, fabs(row[i])) : unit;
-    for (unsigned i = 0; i < count; i++)
-        is_common &= fabs(row[i] / unit - round(row[i] / unit)) < 1e-9;
-    is_common &= factors(row, count, unit * (1 + 1e-9)) > 1 &&
-                 factors(row, count, unit) + (unit != 1) < factors(row, count, 1);
-    for (unsigned i = 0; i < count; i++)
-        row[i] = is_common ? round(row[i] / unit) * (float)unit : (float)row[i];
-}
-
-/* c h is one number of the program. */
-static void round_recurrence(fp3_recurrence *r, double h) {
-    r->first = (float)(r->first * h) / h;
-    r->bend = (float)r->bend;
-    for (unsigned j = 1; j <= r->stages; j++) {
-        r->at[j] = (float)r->at[j];
-        r->share[j] = (float)r->share[j];
-        r->slope[j] = (float)(r->slope[j] * h) / h;
-    }
-}
-
-/* Of a splitting, c h is one number of the program; of Runge-Kutta h and the coefficients are. */
-fp3_integrator fp3_trial_rounded(const fp3_integrator *table, double h) {
-    fp3_integrator r = *table;
-    round_row(r.b, r.stages);
-    for (unsigned i = 0; i < r.stages; i++) {
-        r.substeps[i].coefficient = (float)(r.substeps[i].coefficient * h) / h;
-        round_row(r.a[i], i);
-    }
-    round_recurrence(&r.recurrence, h);
-    return r;
+fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbers numbers,
+                           size_t object, double h, const uint64_t *steps, size_t count,
+                           double *rows, fp3_error *error) {
+    const fp3_compile_def def = fp3_compile_default();
+    const fp3_status status =
+        rig->exact ? FP3_OK : fp3_compile(rig->model, trial->integrator, &def, &rig->exact, error);
+    if (status)
+        return status;
+    return (numbers == FP3_TRIAL_ROUNDED ? fp3_compiled_exact_given : fp3_compiled_exact)(
+        rig->exact, fp3_lab_params(rig->lab, object), fp3_lab_initial(rig->lab, object), h, steps,
+        count, rows, error);
 }
 
 int fp3_trial_is_symplectic(const fp3_integrator *integrator) {

@@ -27,18 +27,26 @@ typedef struct {
 typedef struct {
     fp3_model *model;
     fp3_lab *lab;
+    fp3_compiled *exact; /* of fp3_trial_exact */
 } fp3_rig;
 fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
                         const fp3_lab_arithmetic *arithmetic, double h, size_t objects,
                         fp3_rig *rig, fp3_error *error);
 void fp3_rig_close(fp3_rig *rig);
+/* Whether a rig was refused because a program in double-single, which is long, does not fit the configuration. */
+int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status);
+
+/* The steps of an object of a rig in double, by the table as it is: rows of all states. Coefficients, h and params are
+ * those of a plain program, rounded to FP32, or as they are. */
+typedef enum { FP3_TRIAL_ROUNDED, FP3_TRIAL_UNROUNDED } fp3_trial_numbers;
+fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbers numbers,
+                           size_t object, double h, const uint64_t *steps, size_t count,
+                           double *rows, fp3_error *error);
 
 /* Numbers from 0 to 1, the same in every run. */
 double fp3_trial_chance(uint64_t *seed);
 /* Slope of log y over log x; NaN of fewer than two points. */
 double fp3_trial_slope(const double *x, const double *y, size_t count);
-/* The table as a program for this h has it, in FP32. */
-fp3_integrator fp3_trial_rounded(const fp3_integrator *table, double h);
 /* Keeps the volume of states where accelerations depend on positions alone. */
 int fp3_trial_is_symplectic(const fp3_integrator *integrator);
 

@@ -11,13 +11,18 @@
 #include "compiler/compiled.h"
 #include "machine/execute.h"
 
+/* What is rounded to FP32: all; only what the host gives the program; nothing. */
+typedef enum { ROUNDED, INPUTS_ROUNDED, EXACT } rounding;
+
 typedef struct {
     const fp3_step *b;
-    int is_exact;
+    rounding rounding;
     double *known, *variables, *next, *values;
 } runner;
 
-static double rounded(const runner *r, double x) { return r->is_exact ? x : (double)(float)x; }
+static double given(const runner *r, double x) {
+    return r->rounding == EXACT ? x : (double)(float)x;
+}
 
 static uint32_t bits_of(double x) {
     const float f = (float)x;
@@ -28,7 +33,7 @@ static uint32_t bits_of(double x) {
 
 static double apply(const runner *r, uint32_t op, double a, double b, double c) {
     static const fp3_config ieee = {.nearest = 1, .subnormal = 1};
-    if (r->is_exact)
+    if (r->rounding != ROUNDED)
         return fp3_execute_exact(op, a, b, c);
     const uint32_t operands[3] = {bits_of(a), bits_of(b), bits_of(c)};
     const uint32_t bits = fp3_execute(&ieee, op, operands, NULL);
@@ -42,7 +47,7 @@ static void evaluate(const runner *r, const dag *g) {
     for (uint32_t i = 0; i < g->count; i++) {
         const dag_node *n = &g->nodes[i];
         if (n->op == NODE_KNOWN)
-            values[i] = rounded(r, r->known[n->a]);
+            values[i] = given(r, r->known[n->a]);
         else if (n->op == NODE_VARIABLE)
             values[i] = r->variables[n->a];
         else
@@ -71,7 +76,7 @@ static void look(const runner *r, int is_run, double *states, double *low) {
     }
 }
 
-/* Of double-single in double, the first word and the first half of it have all. */
+/* In double, the first word and the first half of it have all, and a start loses nothing. */
 static void join_words(const fp3_step *b, double *known, double *start) {
     for (uint32_t i = 0; i < b->known.count; i++) {
         const known_op op = b->known.list[i].op;
@@ -81,19 +86,20 @@ static void join_words(const fp3_step *b, double *known, double *start) {
             known[i] = 0;
     }
     for (uint32_t i = 0; i < b->variable_count; i++)
-        if (b->variables[i].role == ROLE_LOW || b->variables[i].role == ROLE_LOW_BEFORE)
+        if (b->variables[i].role == ROLE_LOW || b->variables[i].role == ROLE_LOW_BEFORE ||
+            b->variables[i].role == ROLE_LOST_BEFORE)
             start[i] = 0;
 }
 
 /* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
- * variable, its value after steps[i] steps. is_exact: nothing is rounded to FP32, and estimates are
- * what they estimate. */
-static fp3_status run_from(const fp3_step *b, const double *params, double h, int is_exact,
+ * variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
+ * estimate. */
+static fp3_status run_from(const fp3_step *b, const double *params, double h, rounding rounding,
                            double *start, const uint64_t *steps, size_t count, double *states,
                            double *low, fp3_error *error) {
     const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
-                .is_exact = is_exact,
+                .rounding = rounding,
                 .known = calloc(b->known.count + 1u, sizeof *r.known),
                 .variables = start,
                 .next = calloc(b->variable_count + 1u, sizeof *r.next),
@@ -102,7 +108,7 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, in
                             ? fp3_known_evaluate(&b->known, params, h, r.known, error)
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     uint64_t made = 0;
-    if (!status && is_exact)
+    if (!status && rounding != ROUNDED)
         join_words(b, r.known, start);
     for (size_t i = 0; !status && i < count; i++) {
         for (; made < steps[i]; made++)
@@ -117,7 +123,7 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, in
 }
 
 static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
-                      int is_exact, const uint64_t *steps, size_t count, double *states,
+                      rounding rounding, const uint64_t *steps, size_t count, double *states,
                       double *low, fp3_error *error) {
     const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;
     if (is_counted && count && steps[count - 1] > FP3_STEPS_LIMIT)
@@ -128,10 +134,10 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
     fp3_status status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_before_start(b, params, initial, h, start, error);
-    for (uint32_t i = 0; !status && !is_exact && i < b->variable_count; i++)
+    for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)
         start[i] = (float)start[i];
     if (!status)
-        status = run_from(b, params, h, is_exact, start, steps, count, states, low, error);
+        status = run_from(b, params, h, rounding, start, steps, count, states, low, error);
     free(start);
     return status;
 }
@@ -155,7 +161,7 @@ fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const doub
     for (size_t i = 0; i < cells; i++)
         wide[i] = states[i];
     const fp3_status status =
-        run(&k->reference, params, initial, h, 0, steps, count, wide, wide + cells, error);
+        run(&k->reference, params, initial, h, ROUNDED, steps, count, wide, wide + cells, error);
     for (size_t i = 0; !status && i < cells; i++) {
         states[i] = canonical(wide[i]);
         if (low)
@@ -176,5 +182,13 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error) {
     const fp3_compilation *k = compiled->self;
-    return run(&k->reference, params, initial, h, 1, steps, count, states, NULL, error);
+    return run(&k->reference, params, initial, h, EXACT, steps, count, states, NULL, error);
+}
+
+fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
+                                    const double *initial, double h, const uint64_t *steps,
+                                    size_t count, double *states, fp3_error *error) {
+    const fp3_compilation *k = compiled->self;
+    const rounding rounding = k->options.is_double_single ? EXACT : INPUTS_ROUNDED;
+    return run(&k->reference, params, initial, h, rounding, steps, count, states, NULL, error);
 }

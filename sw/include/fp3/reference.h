@@ -27,6 +27,13 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error);
 
+/* The same steps in double again, by the numbers that the host gives the program, rounded as the program has them
+ * (h, params, coefficients and what is made of them): what FP32 does to the method before a step is made. Of
+ * double-single nothing is rounded. The start is not, either. */
+fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
+                                    const double *initial, double h, const uint64_t *steps,
+                                    size_t count, double *states, fp3_error *error);
+
 FP3_API_END
 
 #endif
