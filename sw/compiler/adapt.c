@@ -95,7 +95,7 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         {"h_next", "the step that is tried next", model->step, 0},
         {"accepted", "steps", 0, 0},
         {"rejected", "attempts", 0, 0},
-        {"smallest", "accepted step but the last", NO_STEP_YET, 0},
+        {"smallest", "accepted step, as it was meant", NO_STEP_YET, 0},
         {"largest", "accepted step", 0, 0},
     };
     const addition params[] = {

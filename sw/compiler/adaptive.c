@@ -7,13 +7,11 @@
 #include <fp3/adaptive.h>
 #include <math.h>
 
-#define SAFETY 0.9 /* of the step that would have just the error that is allowed */
-#define SHRINK 0.2 /* the next step is this much shorter at most, */
-#define GROW 5.0   /* this much longer at most, */
-#define SHARE 0.25 /* and of what it may grow by it takes this share, */
-/* and after a rejected one this much shorter at least: t and less than half a unit in its last place is t, so a
- * step of one unit is not tried twice. */
-#define RETRY 0.49
+#define SAFETY 0.75 /* of the step that would have just the error that is allowed */
+#define SHRINK 0.2  /* the next step is this much shorter at most, */
+#define GROW 5.0    /* this much longer at most, */
+#define SHARE 0.25  /* and of what it may grow by it takes this share */
+#define HALVE 0.5   /* of a step within which an event happens */
 
 /* Of a model's own states, by the order of fp3_model_adapt. */
 enum { T, H, ACCEPTED, REJECTED, SMALLEST, LARGEST };
@@ -120,7 +118,10 @@ static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
     const uint32_t size = mul(g, allowed(a, "tolerance", share), op1(g, FP3_OP_ABS, y));
     const uint32_t scale = add(g, size, allowed(a, "absolute", share));
     g->note = fp3_note(&a->step->notes, "error of %s, relative", fp3_advance_name(a, s));
-    return mul(g, a->error[s].node, op1(g, FP3_OP_RCP, scale));
+    uint32_t weight = op1(g, FP3_OP_RCP, scale);
+    if (a->error_scale.node != FP3_NONE)
+        weight = mul(g, weight, a->error_scale.node);
+    return mul(g, a->error[s].node, weight);
 }
 
 /* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it. */
@@ -138,14 +139,15 @@ static uint32_t squares(const fp3_advance *a) {
     return sum;
 }
 
-/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. A NaN asks for SHRINK. */
-static uint32_t factor(const fp3_advance *a, uint32_t x, uint32_t is_good) {
+/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their second
+ * operand where one is a NaN: so a NaN asks for SHRINK. */
+static uint32_t factor(const fp3_advance *a, uint32_t x) {
     dag *g = &a->step->values;
     note(a, "what the next step is longer by");
     for (int i = 0; i < 3; i++)
         x = op1(g, FP3_OP_RSQRT, x);
     const uint32_t damped = add(g, num(g, 1 - SHARE), mul(g, num(g, SHARE), x));
-    const uint32_t most = sel(g, is_good, op2(g, FP3_OP_MIN, damped, num(g, GROW)), num(g, RETRY));
+    const uint32_t most = op2(g, FP3_OP_MIN, damped, num(g, GROW));
     return op2(g, FP3_OP_MIN, op2(g, FP3_OP_MAX, x, num(g, SHRINK)), most);
 }
 
@@ -166,7 +168,9 @@ fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
         note(a, "an event happens too early in the step");
         is_good = sel(g, is_late, num(g, 0), is_good);
     }
-    a->by = factor(a, x, is_good);
+    a->by = factor(a, x);
+    if (is_late != FP3_NONE)
+        a->by = sel(g, is_late, op2(g, FP3_OP_MIN, a->by, num(g, HALVE)), a->by);
     note(a, "is there a step at all");
     a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
     note(a, "is the step accepted");
@@ -229,7 +233,7 @@ static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
     return status;
 }
 
-static void count(const fp3_advance *a, uint32_t left) {
+static void count(const fp3_advance *a) {
     dag *g = &a->step->values;
     note(a, "steps and attempts so far");
     if (is_live(a, ACCEPTED))
@@ -238,8 +242,8 @@ static void count(const fp3_advance *a, uint32_t left) {
         put(a, REJECTED, add(g, old(a, REJECTED), sub(g, a->is_attempt, a->is_good)));
     if (is_live(a, SMALLEST)) {
         const uint32_t so_far = old(a, SMALLEST);
-        const uint32_t h = sel(g, a->is_good, sel(g, left, a->h.node, so_far), so_far);
-        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, h));
+        const uint32_t meant = sel(g, a->is_good, old(a, H), so_far);
+        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, meant));
     }
     if (is_live(a, LARGEST))
         put(a, LARGEST, op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, a->h.node)));
@@ -259,7 +263,7 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     put(a, T, t);
     put(a, H, h);
     a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
-    count(a, left);
+    count(a);
     note(a, "what t gains by the step that is tried next");
     const uint32_t next = sub(g, moved_by(a, t, low, h), low);
     a->step->tested = a->step->variable_count;

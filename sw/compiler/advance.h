@@ -22,8 +22,9 @@ typedef struct {
     term h, end;           /* the step that is made, the first word of t + h */
     uint32_t end_low;      /* node: the second */
     uint32_t gain;         /* node: h, as far as the second word has a place for it */
-    term *error; /* of each live state: how wrong the step is, as the method estimates it */
-    term *slope; /* likewise, where has_slope: its derivative at the new states */
+    term *error;      /* of each live state: how wrong the step is, as the method estimates it */
+    term error_scale; /* what they all have to be multiplied with */
+    term *slope;      /* likewise, where has_slope: its derivative at the new states */
     int has_slope;
     uint32_t is_attempt, is_good,
         by; /* nodes: there is a step; it is accepted; the next is longer by */

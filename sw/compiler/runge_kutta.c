@@ -35,8 +35,9 @@ static term held(const runge_kutta *r, uint32_t state) {
     return fp3_advance_held(r->a, values(r), ROLE_STATE, state);
 }
 
+/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps). */
 static int is_folded(const runge_kutta *r) {
-    return fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP);
+    return r->a->is_adaptive || fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP);
 }
 
 /* A number of the table; where h is folded in, times h. */
@@ -87,8 +88,24 @@ static double common_factor(const runge_kutta *r, summand *list, unsigned count)
     return unit;
 }
 
+/* The first coefficient, which is taken out of all others: (c1 h) (k1 + c2/c1 k2 + ...). The product in front is
+ * the same for all states, where h is a value of the object. */
+static double take_first(summand *list, unsigned count) {
+    unsigned first = 0;
+    while (first + 1 < count && list[first].c == 0)
+        first++;
+    const double c = list[first].c;
+    for (unsigned i = 0; i < count; i++)
+        list[i].c /= c;
+    return c;
+}
+
 /* What a row of the table adds to the state. */
 static term increment(const runge_kutta *r, summand *list, unsigned count) {
+    if (r->a->is_adaptive) {
+        const term scale = fp3_advance_scaled_step(r->a, take_first(list, count), 1);
+        return fp3_term_mul(values(r), scale, sum_of(r, list, count, 1));
+    }
     const double unit = common_factor(r, list, count);
     if (unit == 0)
         return sum_of(r, list, count, 0);
@@ -105,7 +122,7 @@ static term stage_sum(const runge_kutta *r, uint32_t state, uint32_t place, summ
     term sum = held(r, state);
     summand copy[FP3_STAGES_MAX];
     memcpy(copy, list, count * sizeof *list);
-    const int has_factor = common_factor(r, copy, count) != 0;
+    const int has_factor = r->a->is_adaptive || common_factor(r, copy, count) != 0;
     const uint32_t whole = fp3_note(notes(r), "%s at stage %" PRIu32, name, place + 1);
     g->note = has_factor || count > 1
                   ? fp3_note(notes(r), "%s at stage %" PRIu32 ", in part", name, place + 1)
@@ -214,7 +231,8 @@ static void estimate(runge_kutta *r, uint32_t s) {
                    : integrator->b[i] - integrator->embedded[i];
     const unsigned n = row(r, c, integrator->stages, s, list);
     values(r)->note = fp3_note(notes(r), "error of %s", name_of(r, s));
-    r->a->error[s] = increment(r, list, n);
+    r->a->error_scale = fp3_advance_scaled_step(r->a, take_first(list, n), 1);
+    r->a->error[s] = sum_of(r, list, n, 1);
     r->a->has_slope = integrator->is_first_same_as_last;
     if (r->a->has_slope)
         r->a->slope[s] = fp3_lower(&r->a->places[integrator->stages - 1],

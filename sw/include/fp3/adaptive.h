@@ -84,7 +84,7 @@ typedef struct {
 typedef struct {
     fp3_adaptive_counts accepted, rejected;
     float smallest,
-        largest; /* accepted steps; of the smallest not those that the end cut off. 0: there was none */
+        largest; /* accepted steps; the smallest as long as it was before the end cut it off. 0: there was none */
     size_t failed, first;    /* how many did not end, and the first of them */
     fp3_adaptive_object why; /* what is known of that */
 } fp3_adaptive_report;
