@@ -14,7 +14,7 @@ INTEGRATORS = {
     "dopri5": "#d00000", "euler": "#ff7b00", "forest_ruth": "#e0b000", "heun": "#6a994e", "leapfrog": "#2d6a4f", "midpoint": "#48cae4",
     "pefrl": "#0077b6", "ralston3": "#4361ee", "rk38": "#3a0ca3", "rk4": "#b5179e", "rk4_paper": "#f72585", "rk6": "#800f2f",
     "semi_implicit_euler": "#7f5539", "stoermer_verlet": "#bc8034", "verlet": "#8a8a8a", "yoshida6": "#000000",
-    "ros2": "#5f3b1f", "ros3p": "#2f4858", "rodas3": "#f4acd4", "rkc6_damped": "#7d8f69", "rkc8": "#90b8f8", "rkc12": "#c9184a", "tsit5": "#577590",
+    "ros2": "#5f3b1f", "ros3p": "#2f4858", "rodas3": "#f4acd4", "rkc6_damped": "#7d8f69", "rkc8": "#90b8f8", "rkc12": "#c9184a", "tsit5": "#577590", "cash_karp": "#9b5de5",
 }
 OTHER = "#b0a0c0"       # an integrator that is not in the list
 

@@ -58,7 +58,9 @@ static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
-     "Of a model: a built-in table, or a file (default: rk4, with --tolerance dopri5)", 0},
+     "Of a model: a built-in table, or a file (default: rk4, with "
+     "--tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
+     0},
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
      "Of a model: each object chooses its own steps, each with an error of about TOL", 0},
     {"until", KEY_UNTIL, "TIME", 0,

@@ -5,6 +5,23 @@
 
 /* X(name, text of the table) */
 #define FP3_INTEGRATORS(X)                                                                                                                      \
+    X(cash_karp,                                                                                                                                \
+      "# The pair 5(4) of Cash and Karp's method of variable order. The error estimate needs no stage at the new state: with\n"                 \
+      "# adaptive steps the first stage of the next one is made while the controller works.\n"                                                  \
+      "name   = \"cash_karp\";\n"                                                                                                               \
+      "doc    = \"fifth order in six stages, its error estimate early\";\n"                                                                     \
+      "source = \"Cash and Karp 1990\";\n"                                                                                                      \
+      "kind   = \"runge-kutta\";\n"                                                                                                             \
+      "order  = 5;\n"                                                                                                                           \
+      "A = ((),\n"                                                                                                                              \
+      "     (\"1/5\"),\n"                                                                                                                       \
+      "     (\"3/40\", \"9/40\"),\n"                                                                                                            \
+      "     (\"3/10\", \"-9/10\", \"6/5\"),\n"                                                                                                  \
+      "     (\"-11/54\", \"5/2\", \"-70/27\", \"35/27\"),\n"                                                                                    \
+      "     (\"1631/55296\", \"175/512\", \"575/13824\", \"44275/110592\", \"253/4096\"));\n"                                                   \
+      "b = (\"37/378\", 0, \"250/621\", \"125/594\", 0, \"512/1771\");\n"                                                                       \
+      "embedded = (\"2825/27648\", 0, \"18575/48384\", \"13525/55296\", \"277/14336\", \"1/4\");\n"                                             \
+      "embedded_order = 4;\n")                                                                                                                  \
     X(dopri5,                                                                                                                                   \
       "# The Dormand-Prince pair 5(4). The seventh stage serves the error estimate of adaptive steps alone, and is the\n"                       \
       "# first one of the next step.\n"                                                                                                         \

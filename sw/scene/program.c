@@ -60,7 +60,7 @@ static fp3_status tell(const char *path, const char *text, size_t size, fp3_stat
 static fp3_status compile(const char *path, const fp3_program_def *def, fp3_program *program,
                           char **report, fp3_error *error) {
     const char *integrator = def->integrator    ? def->integrator
-                             : def->is_adaptive ? "dopri5"
+                             : def->is_adaptive ? FP3_ADAPTIVE_INTEGRATOR
                                                 : "rk4";
     char *text = NULL;
     size_t size = 0;

@@ -9,7 +9,7 @@ from tables import (accelerations, chebyshev_step, energy_error, gravity, kepler
 
 pytestmark = pytest.mark.smoke
 KINDS = ["runge-kutta", "splitting", "stoermer", "rosenbrock", "chebyshev"]
-NAMES = ["dopri5", "euler", "forest_ruth", "heun", "leapfrog", "midpoint", "pefrl", "ralston3", "rk38", "rk4",
+NAMES = ["cash_karp", "dopri5", "euler", "forest_ruth", "heun", "leapfrog", "midpoint", "pefrl", "ralston3", "rk38", "rk4",
          "rk4_paper", "rk6", "rkc12", "rkc6_damped", "rkc8", "rodas3", "ros2", "ros3p", "semi_implicit_euler", "stoermer_verlet", "tsit5",
          "verlet", "yoshida6"]
 
