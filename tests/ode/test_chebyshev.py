@@ -91,7 +91,7 @@ def test_adaptive_steps_go_beyond_the_limit_of_others():
     got = states(out)
     assert off(got, ladder(0.125)) < 3e-3 and got["largest"] > 2 * 2.785 / 3966
     other = cycles(fp3("run", LADDER, "-i", "dopri5", *ONE, "--tolerance", "1e-3").stdout)
-    assert cycles(out) < 0.5 * other
+    assert cycles(out) < 0.6 * other
 
 
 DRIVEN = "state x = 1\nstate y = 0.5\nx' = -20*(x - t*t) + y\ny' = x - y^3 + t\nstep 0.0625\nspan 1\n"
