@@ -162,9 +162,26 @@ def test_what_is_fast_is_off_by_few_units_of_the_state(model, table, stages):  #
     assert worst < 128 * 2**-24
 
 
+def test_the_estimate_is_that_of_the_paper(model, table):  # noqa: F811
+    """One attempt from 1 with h = 0.5, whose error may be twice the tolerance: accepted just above, rejected just below."""
+    path = model("state y = 1\ny' = -y\nstep 0.5\nspan 1\n")
+    end, = chebyshev_step({"stages": 5, "damping": 2 / 13}, lambda u: [-u[0]], [1.0], 0.5)
+    estimate = abs(0.8 * (1 - end) + 0.4 * 0.5 * (-1 - end))
+    for factor, accepted in ((1.01, 1), (0.99, 0)):
+        out = fp3("run", path, "-i", table(5), *ONE, "--tolerance", repr(estimate / 2 * factor), "--steps", 1, "--allow-failures").stdout
+        assert (states(out)["accepted"], states(out)["rejected"]) == (accepted, 1 - accepted)
+
+
+def test_adaptive_words_are_those_of_the_equations(model, table, tmp_path):  # noqa: F811
+    for row in rows(tmp_path, model(DRIVEN), "-i", table(4), "--tolerance", "1e-3", "--quick"):
+        assert row["mismatches"] == 0 and row["compared"] > 0
+
+
 def test_a_slope_that_the_host_knows(model, table):  # noqa: F811
     """Its formula would double with each stage."""
     path = model("param p = 0.3\nstate x = 1\nx' = p\nstep 0.5\n")
     for more in ([], ["--tolerance", "1e-3", "--until", "2"]):
         out = fp3("run", path, "-i", table(20), *ONE, *(more or ["--steps", "4"])).stdout
         assert states(out)["x"] == pytest.approx(1.6, rel=2e-7)
+    fp3("compile", path, "-i", table(20), "-o", path.parent / "x.s", "--params", path.parent / "x.cfg")
+    assert (path.parent / "x.cfg").stat().st_size < 1000

@@ -2,7 +2,7 @@
  *
  *     spoiled INTEGRATOR SECTION FACTOR
  *
- * Runs one section in its quick form by an integrator of which one coefficient (the last of A, the first substep) is
+ * Runs one section in its quick form by an integrator of which one coefficient (the last of A, the first substep, a slope of a recurrence) is
  * multiplied by a factor, beside the theory of its table. Prints how many results there are, and how many do not
  * hold. Exit code 1: something went wrong.
  */
@@ -17,6 +17,8 @@ static double factor;
 static void spoil(fp3_integrator *integrator) {
     if (integrator->kind == FP3_RUNGE_KUTTA)
         integrator->a[integrator->stages - 1][integrator->stages - 2] *= factor;
+    else if (integrator->kind == FP3_CHEBYSHEV)
+        integrator->recurrence.slope[1] *= factor;
     else
         integrator->substeps[0].coefficient *= factor;
 }

@@ -34,9 +34,14 @@ def test_a_section_holds(stress, section):
 
 
 def test_stability_limits_are_those_of_the_books(stress):
-    """2 sqrt 2 and 2.785 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.2); 2 for Verlet's method."""
-    rows = {(row["integrator"], row["name"]): row for row in stress("-i", "rk4", "-i", "verlet", "--only", "stability")}
-    for integrator, degrees, limit in [("rk4", 0, 2.785293563), ("rk4", 90, math.sqrt(8)), ("verlet", 90, 2)]:
+    """2 sqrt 2 and 2.785 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.2); 2 for Verlet's method. Of rkc8
+    2 w0/w1, w1 = T_8'(w0)/T_8''(w0), as a + b T_8 is 1 at w0 and -w0: Sommeijer, Shampine and Verwer 1997."""
+    w = 1 + 2 / 13 / 64
+    u = math.acosh(w)
+    slope = 8 * math.sinh(8 * u) / math.sinh(u)
+    beta = 2 * w * (64 * math.cosh(8 * u) - w * slope) / (w * w - 1) / slope
+    rows = {(row["integrator"], row["name"]): row for row in stress("-i", "rk4", "-i", "verlet", "-i", "rkc8", "--only", "stability")}
+    for integrator, degrees, limit in [("rk4", 0, 2.785293563), ("rk4", 90, math.sqrt(8)), ("verlet", 90, 2), ("rkc8", 0, beta)]:
         row = rows[integrator, f"limit of h|lambda| at {degrees} degrees from decay"]
         assert row["expected"] == pytest.approx(limit, rel=1e-6)
         assert row["measured"] == pytest.approx(limit, rel=1e-3) and row["tolerance"] == pytest.approx(limit / 1000)
@@ -44,7 +49,7 @@ def test_stability_limits_are_those_of_the_books(stress):
 
 @pytest.mark.parametrize("integrator, section, factor, is_found", [
     ("rk4", "stability", 1, False), ("rk4", "stability", 1.01, True), ("rk4", "steps", 1.1, True),
-    ("rk4", "reversal", 1.1, True), ("verlet", "stability", 1.01, True)])
+    ("rk4", "reversal", 1.1, True), ("verlet", "stability", 1.01, True), ("rkc8", "stability", 1.01, True)])
 def test_a_wrong_coefficient_is_found(build, integrator, section, factor, is_found):
     done = subprocess.run([build / "tests/spoiled", integrator, section, str(factor)], capture_output=True, text=True, timeout=100)
     assert done.returncode == 0, done.stderr
