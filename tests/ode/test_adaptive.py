@@ -1,6 +1,7 @@
 """Adaptive steps: each object has its own time, on every engine the same bits; right to the tolerance, or refused by name."""
 import json
 import math
+import os
 import re
 
 import pytest
@@ -187,6 +188,15 @@ def test_the_shortest_step_is_normal(model, first, moves):
     for config in ("single_full", "many_full"):
         of, _ = run(path, "--tolerance", "1e-4", "--set", f"h_next={first}", "-o", "1", config=config, status=0 if moves else 3)
         assert (value(of, "t"), value(of, "accepted") > 50) == ((1, True) if moves else (0, False))
+
+
+@pytest.mark.parametrize("integrator, most", [("cash_karp", 1.66), ("dopri5", 1.66)])
+def test_an_attempt_costs_little_more_than_a_fixed_step(integrator, most):
+    """What surrounds the method, beside the shortest right-hand side there is."""
+    path = os.path.join(os.path.dirname(__file__), "adaptive", "van_der_pol_10.ode")
+    count = [int(re.search(r"^instructions +(\d+)", fp3("compile", path, "-i", integrator, "-c", "many_full", "--report", *options).stdout, re.M)[1])
+             for options in (["--tolerance", "1e-5"], [])]
+    assert count[0] < most * count[1]
 
 
 def test_blow_up_is_named(model):
