@@ -97,7 +97,7 @@ void fp3_tune_print_all(const fp3_tune_print *out, const fp3_tune_def *def, cons
     printf("%-16s %s over %.9g, error at most %g; the sample (%" PRIu32 " object%s, %" PRIu32
            " range%s) has to meet %g\n",
            "asked", out->program, t->span, def->tolerance, t->sample, t->sample == 1 ? "" : "s",
-           t->ranges, t->ranges == 1 ? "" : "s", def->tolerance / def->safety);
+           t->ranges, t->ranges == 1 ? "" : "s", t->target);
     printf("%-16s rk4, plain, %" PRIu64 " steps of the model's: %.1f cycles, error %.2e\n",
            "compared with", t->baseline_steps, t->baseline_cycles, t->baseline_error);
     if (!best)

@@ -89,11 +89,11 @@ static fp3_status go(fp3_meter *meter, const fp3_sample *s, const fp3_compiled *
     const uint64_t part = (uint64_t)fmin(fmax(most, PART_LEAST), FP3_ADAPTIVE_ATTEMPTS);
     fp3_stats stats = {.object_steps = 1};
     fp3_status status = FP3_OK;
-    while (!status && !found->is_over && stats.object_steps) {
+    while (!status && !found->is_out && stats.object_steps) {
         status = fp3_adaptive_run(meter->engine, part, &stats);
         if (!status)
             status = count_attempts(meter, s, c, &found->attempts);
-        found->is_over = found->attempts > most;
+        found->is_out = found->attempts > most;
     }
     return status;
 }
@@ -114,11 +114,12 @@ static fp3_status run(fp3_meter *meter, const fp3_sample *s, const fp3_compiled 
                       fp3_meter_found *found) {
     int have_ended = 0;
     const size_t objects = s->count * FP3_TUNE_LOOKS;
+    found->is_out = 0;
     /* A load leaves asleep who fell asleep before it. */
     fp3_status status = fp3_engine_wake(meter->engine, 0, objects);
     if (!status)
         status = go(meter, s, c, most, found);
-    if (!status && !found->is_over)
+    if (!status && !found->is_out)
         status = look_at_ends(meter, objects, &have_ended);
     if (status || !have_ended)
         return status;
@@ -134,7 +135,7 @@ fp3_status fp3_meter_adaptive(fp3_meter *meter, const fp3_sample *sample,
                               fp3_meter_found *found, fp3_error *error) {
     fp3_model *model = NULL;
     int has_room = 0;
-    *found = (fp3_meter_found){.worst = INFINITY};
+    *found = (fp3_meter_found){.worst = INFINITY, .is_out = 1};
     fp3_status status = adapt(sample, control, &model, error);
     if (!status)
         status = start(meter, sample, compiled, model, &has_room, error);

@@ -14,7 +14,7 @@ typedef struct {
         worst; /* error as of fp3_meter_read; infinite: also if an object does not reach its end */
     double
         attempts; /* of an object from the start to the end of the span, accepted or not: the mean */
-    int is_over;  /* more than the most: it was stopped, `worst` is infinite */
+    int is_out; /* not run to the end: it takes more than the most attempts, or no program takes the tolerance */
 } fp3_meter_found;
 
 /* compiled: of an adapted model like that of the sample, for FP3_METER_CONFIG. */

@@ -14,6 +14,7 @@
 #define FARTHER 8          /* the most by which a guess multiplies steps */
 #define NEARLY 30          /* an error so many targets large may be rounding: fewer steps may do */
 #define HALVINGS 4         /* ... down to an eighth */
+#define FAR 4              /* so many times where a search begins is no place to begin */
 #define SMALL 0.1          /* from here on errors fall as the order says ... */
 #define HOPELESS 4         /* ... and steps that need so many times the most are not tried */
 #define MARGIN 1.03        /* of a guess, which else just misses */
@@ -186,8 +187,8 @@ fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candi
                  FP3_TUNE_LOOKS);
         return FP3_OK;
     }
-    fp3_status status =
-        isfinite(search->cheaper) ? descend(&s, most, &high) : roam(&s, most, &low, &high);
+    const int is_bounded = isfinite(search->cheaper) && most <= FAR * search->first;
+    fp3_status status = is_bounded ? descend(&s, most, &high) : roam(&s, most, &low, &high);
     if (!status && high)
         status = divide(&s, low, high, row->error);
     explain(&s, most);

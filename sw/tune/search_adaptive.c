@@ -14,7 +14,7 @@
 
 #define LOOKS_MOST 24 /* runs of the sample for one size */
 #define MOST 0.5      /* the loosest tolerance */
-#define LEAST 0x1p-27 /* no program takes a tighter one */
+#define LEAST 0x1p-44 /* no program takes a tighter one; most refuse much looser ones */
 #define FARTHER 64    /* the most by which a guess changes it */
 #define NEARER 1.25   /* the least */
 #define UNKNOWN 0.125 /* what it is changed by where the error tells nothing */
@@ -41,7 +41,7 @@ typedef struct {
 /* A tolerance, and what it leads to. */
 typedef struct {
     double tolerance;
-    fp3_meter_found found; /* is_over: it costs too much */
+    fp3_meter_found found; /* is_out: it costs too much, or is too tight for a program */
 } point;
 
 static int is_good(const seeker *s, const point *p) { return p->found.worst <= s->search->target; }
@@ -108,7 +108,7 @@ static int is_hopeless(const seeker *s, const point *p) {
                HOPELESS * s->most;
 }
 
-/* Tighter, from one that fails. *tight then is good, or costs too much; or there is none: nothing helps. */
+/* Tighter, from one that fails. *tight then is good, or out of reach; or there is none: nothing helps. */
 static fp3_status tighten(seeker *s, point *loose, point *tight, int *is_found) {
     fp3_status status = FP3_OK;
     unsigned idle = 0;
@@ -118,7 +118,7 @@ static fp3_status tighten(seeker *s, point *loose, point *tight, int *is_found) 
         const double least = idle ? UNKNOWN : 1 / NEARER; /* a little less gains little anyway */
         const double by = fmin(fmax(factor(s, loose), 1.0 / FARTHER), least);
         status = look(s, loose->tolerance * by, tight);
-        *is_found = is_good(s, tight) || tight->found.is_over;
+        *is_found = is_good(s, tight) || tight->found.is_out;
         if (status || *is_found)
             return status;
         idle = tight->found.worst < 1 && tight->found.worst > NOTHING_GAINED * loose->found.worst
@@ -129,14 +129,14 @@ static fp3_status tighten(seeker *s, point *loose, point *tight, int *is_found) 
     return status;
 }
 
-/* Looser, from one that is good or costs too much. *loose then fails; or there is none. */
+/* Looser, from one that is good or out of reach. *loose then fails; or there is none. */
 static fp3_status loosen(seeker *s, point *tight, point *loose, int *is_found) {
     fp3_status status = FP3_OK;
     *is_found = 0;
     while (!status && s->looks < LOOKS_MOST && tight->tolerance < MOST) {
-        const double by = tight->found.is_over ? 1 / UNKNOWN : factor(s, tight);
+        const double by = tight->found.is_out ? 1 / UNKNOWN : factor(s, tight);
         status = look(s, tight->tolerance * fmin(fmax(by, NEARER), FARTHER), loose);
-        *is_found = !is_good(s, loose) && !loose->found.is_over;
+        *is_found = !is_good(s, loose) && !loose->found.is_out;
         if (status || *is_found)
             return status;
         *tight = *loose;
@@ -161,7 +161,7 @@ static fp3_status divide(seeker *s, point tight, point loose) {
         point middle;
         status = look(s, next, &middle);
         may_guess = is_good(s, &middle);
-        if (is_good(s, &middle) || middle.found.is_over)
+        if (is_good(s, &middle) || middle.found.is_out)
             tight = middle;
         else
             loose = middle;
@@ -176,7 +176,7 @@ static fp3_status seek(seeker *s) {
     fp3_status status = look(s, s->search->target, &tight);
     if (status)
         return status;
-    if (is_good(s, &tight) || tight.found.is_over)
+    if (is_good(s, &tight) || tight.found.is_out)
         status = loosen(s, &tight, &loose, &is_found);
     else {
         loose = tight;

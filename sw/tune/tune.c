@@ -281,7 +281,7 @@ static fp3_status try_all(tuner *k, int is_adaptive) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < k->t->row_count; i++)
         if (k->candidates[i].is_adaptive == is_adaptive)
-            status = try_one(k, i, k->def->tolerance / k->def->safety);
+            status = try_one(k, i, k->t->target);
     return status;
 }
 
@@ -343,6 +343,7 @@ static fp3_status tune(tuner *k) {
     while (!status && !t->is_met && t->rounds < k->def->rounds) {
         t->rounds++;
         t->sample = (uint32_t)k->seen.count;
+        t->target = k->def->tolerance / pow(k->def->safety, t->rounds);
         status = choose(k);
         if (status || t->best == t->row_count)
             return status;

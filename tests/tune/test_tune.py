@@ -74,6 +74,7 @@ def test_what_the_sample_misses_the_held_out_objects_find(tune, tmp_path):
     assert done.returncode == 0 and row["met"] and row["error_held_out"] <= 1e-3
     assert row["rounds"] > 1 and row["sample"] >= 32 + 64
     assert "those before failed" in done.stdout
+    assert f"has to meet {1e-3 / 1.25 ** row['rounds']:g}" in done.stdout and row["error"] <= 1e-3 / 1.25 ** row["rounds"]
 
 
 def test_a_scene_is_tuned_as_its_model_is(tune, tmp_path):

@@ -36,8 +36,9 @@ typedef struct {
     const char *config;         /* that configuration: costs are its cycles */
     const fp3_params *params;   /* each value that is spread has any value of its range */
     double tolerance;
-    double span;               /* how long it is integrated; 0: the model's span */
-    double safety;             /* the sample has to meet tolerance / safety; at least 1 */
+    double span; /* how long it is integrated; 0: the model's span */
+    double
+        safety; /* the sample has to meet tolerance / safety, in round n / safety^n; at least 1 */
     uint32_t sample, held_out; /* objects; of a model without ranges one, and none */
     uint32_t rounds;           /* held-out samples, at most */
     fp3_tune_say_fn *say;      /* called before each part of the work, or NULL */
@@ -61,7 +62,7 @@ typedef struct {
     double lowest;  /* of all numbers of steps, or tolerances, that were looked at */
     double cycles;  /* for an object over the span, all contexts full; 0: not compiled */
     uint32_t looks; /* runs of the sample */
-    int is_met;     /* the sample met tolerance / safety */
+    int is_met;     /* the sample met the target */
     char why[160];  /* what became of it */
 } fp3_tune_row;
 
@@ -73,6 +74,7 @@ typedef struct {
     double span;
     uint32_t ranges, sample, held_out; /* how many objects the choice has seen, and not seen */
     uint32_t rounds;
+    double target;         /* that the sample has to meet in the last round */
     double error_held_out; /* of the best; NaN: there is no best, or there are no ranges */
     double baseline_cycles, baseline_error; /* rk4, plain, at the model's default step */
     uint64_t baseline_steps;
