@@ -17,6 +17,7 @@ INTEGRATORS = {
     "ros2": "#5f3b1f", "ros3p": "#2f4858", "rodas3": "#f4acd4", "rkc6_damped": "#7d8f69", "rkc8": "#90b8f8", "rkc12": "#c9184a", "tsit5": "#577590", "cash_karp": "#9b5de5",
 }
 OTHER = "#b0a0c0"       # an integrator that is not in the list
+ADAPTIVE = " adaptive"  # behind the name of an integrator: a dashed line of its colour
 
 
 def fast_of(data):
@@ -85,7 +86,7 @@ def text(point, fast):
 
 def series(name, colour, points, fast):
     """Of the points those that no other beats."""
-    return {"name": name, "colour": colour, "is_dashed": name.startswith("hardware"),
+    return {"name": name, "colour": colour, "is_dashed": name.startswith("hardware") or name.endswith(ADAPTIVE),
             "points": [(p["ns_per_object"], p["error_median"], text(p, fast)) for p in front(points)]}
 
 
@@ -105,7 +106,7 @@ def fronts(points, fast):
 def curves(points, fast):
     """Of one model: a line for each integrator, in the best of its arithmetics."""
     groups = by((point for point in points if point["engine"] == fast and point["threads"] == 1), lambda point: point["integrator"])
-    return [series(name, INTEGRATORS.get(name, OTHER), groups[name], fast) for name in sorted(groups)]
+    return [series(name, INTEGRATORS.get(name.removesuffix(ADAPTIVE), OTHER), groups[name], fast) for name in sorted(groups)]
 
 
 # ---- speed --------------------------------------------------------------------------------------------

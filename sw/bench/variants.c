@@ -1,6 +1,7 @@
 /* variants.c - see variants.h. */
 #include "variants.h"
 
+#include <fp3/adaptive.h>
 #include <fp3/start.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,11 +28,15 @@ int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrat
 }
 
 void fp3_bench_variant(const fp3_model *model, size_t object, double *params, double *initial) {
+    const uint32_t adapted = fp3_model_adapted(model);
+    const uint32_t until = adapted == FP3_NONE ? FP3_NONE : fp3_model_param(model, "until");
     for (uint32_t i = 0; i < model->param_count; i++)
-        params[i] = (float)(model->params[i].value *
-                            (model->params[i].is_shared ? 1 : 1 + PARAM_APART * (double)object));
+        params[i] = (float)(model->params[i].value * (model->params[i].is_shared || i >= until
+                                                          ? 1
+                                                          : 1 + PARAM_APART * (double)object));
     for (uint32_t i = 0; i < model->state_count; i++)
-        initial[i] = (float)(model->states[i].value * (1 + STATE_APART * (double)object));
+        initial[i] =
+            (float)(model->states[i].value * (i >= adapted ? 1 : 1 + STATE_APART * (double)object));
 }
 
 /* A column for each input, a row for each object. */

@@ -22,7 +22,7 @@ int fp3_bench_arithmetic_find(const char *name);
 int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrator *integrator);
 
 /* Parameters and start of an object: each parameter that objects do not share is 0.1 % larger than that
- * of the object before, each start 0.2 %, rounded to FP32. params and initial have room for
+ * of the object before, each start 0.2 %, rounded to FP32; what adaptive steps add is the same of all. params and initial have room for
  * model->param_count and state_count numbers. */
 void fp3_bench_variant(const fp3_model *model, size_t object, double *params, double *initial);
 

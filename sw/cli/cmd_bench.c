@@ -469,7 +469,8 @@ int fp3_cmd_bench(int argc, char **argv) {
         .args_doc = "[MODEL...]",
         .doc =
             "With MODEL (programs/MODEL.ode, or a path: with a / or an ending): error against run "
-            "time. For every integrator, arithmetic and time step, the nanoseconds of the engine "
+            "time. For every integrator, arithmetic and time step, or tolerance of adaptive steps, "
+            "the nanoseconds of the engine "
             "fast with one thread and with all, and the cycles of hardware; beside it a plain C "
             "loop and GSL's solvers. The table has the best, the JSON all. A minute a model, of "
             "an idle machine. It needs a C compiler.\v"

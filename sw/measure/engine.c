@@ -23,7 +23,6 @@
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
 #define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
-#define OBJECTS_LEAST 512  /* of a timed run with many steps: one block for each thread */
 #define RUNGS_MOST 32
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
@@ -176,18 +175,6 @@ static fp3_status add(const family *f, fp3_measure_point *point, unsigned rung, 
     return FP3_OK;
 }
 
-/* As many objects as can make all steps in the time; always whole rounds of the variants. */
-static uint64_t objects_for(const family *f, unsigned rung, unsigned threads) {
-    const fp3_measure_options *o = f->options;
-    const double each = f->seconds[rung] / f->problem->variants / threads;
-    const uint64_t least = (uint64_t)OBJECTS_LEAST * threads;
-    uint64_t objects = o->objects;
-    while (objects > least &&
-           ((objects << rung) > o->object_steps * threads || each * (double)objects > o->patience))
-        objects /= 2;
-    return objects;
-}
-
 static fp3_status add_software(const family *f, unsigned rung, unsigned threads, fp3_error *error) {
     fp3_measure_point point = blank(f, f->options->engine, NULL);
     fp3_measure_run *r = calloc(1, sizeof *r);
@@ -198,8 +185,9 @@ static fp3_status add_software(const family *f, unsigned rung, unsigned threads,
     point.close = close_run;
     point.self = r;
     point.threads = threads;
-    point.objects = objects_for(f, rung, threads);
     point.expected = f->seconds[rung] / f->problem->variants;
+    point.objects =
+        fp3_measure_run_objects(f->options, ldexp(1, (int)rung), point.expected, threads);
     const fp3_status status = fp3_measure_machines_engine(
         f->machines, f->options->engine, CONFIG, threads, point.objects, &r->engine, error);
     if (status)

@@ -98,6 +98,9 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
     if (!status)
         status = fp3_measure_add_engine(&m->points, &m->problem, options, m->machines, error);
     if (!status)
+        status = fp3_measure_add_adaptive(&m->points, &m->problem, options, m->machines,
+                                          &m->adaptive, error);
+    if (!status)
         status = fp3_measure_add_loop(&m->points, &m->problem, options, error);
     if (!status)
         status = add_peers(m, options, error);
@@ -106,6 +109,7 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
 
 void fp3_measure_close(fp3_measure *m) {
     fp3_measure_points_close(&m->points);
+    fp3_measure_adaptive_close(&m->adaptive);
     fp3_bench_native_close(&m->native);
     fp3_measure_machines_close(&m->machines);
     fp3_measure_problem_close(&m->problem);

@@ -5,6 +5,7 @@
 #ifndef FP3_MEASURE_H
 #define FP3_MEASURE_H
 
+#include "adaptive.h"
 #include "machines.h"
 #include "options.h"
 
@@ -17,6 +18,7 @@ typedef struct {
     fp3_measure_problem problem;
     fp3_measure_points points;
     fp3_measure_machines *machines;
+    fp3_measure_adaptive *adaptive;
     fp3_bench_native *native;
 } fp3_measure;
 

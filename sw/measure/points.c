@@ -216,7 +216,7 @@ static const fp3_measure_point *alone(const fp3_measure_points *points,
     for (size_t i = 0; i < points->count; i++) {
         const fp3_measure_point *q = &points->point[i];
         if (q->engine == p->engine && q->threads == 1 && q->integrator == p->integrator &&
-            q->arithmetic == p->arithmetic && q->steps == p->steps)
+            q->arithmetic == p->arithmetic && q->steps == p->steps && q->tolerance == p->tolerance)
             return q;
     }
     return NULL;

@@ -3,8 +3,11 @@
 
 #include "bench/variants.h"
 
+#include <fp3/adaptive.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define OBJECTS_LEAST 512 /* of a timed run with many steps: one block for each thread */
 
 static fp3_status said(const fp3_measure_run *e, fp3_status status, fp3_error *error) {
     return fp3_fail(error, status, "%s", fp3_measure_machines_error(e->machines)->text);
@@ -16,7 +19,10 @@ static fp3_status prepare(const fp3_measure_run *e, const fp3_measure_problem *p
     fp3_status status = FP3_OK;
     for (int i = 0; !status && i < 2; i++) {
         error->text[0] = 0;
-        status = fp3_bench_start(e->engine, e->compiled, p->model, h, p->variants, error);
+        status = fp3_bench_start(e->engine, e->compiled, e->adapted ? e->adapted : p->model, h,
+                                 p->variants, error);
+        if (!status && fp3_image_slept(e->compiled->image) >= 0)
+            status = fp3_engine_wake(e->engine, 0, fp3_engine_objects(e->engine));
         if (!status && i == 0)
             status = fp3_engine_run(e->engine, 1, NULL);
     }
@@ -97,4 +103,45 @@ fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_pro
     *seconds = fp3_measure_now() - begin;
     *cycles = stats.counter[FP3_COUNTER_CYCLES];
     return status ? said(e, status, error) : read_ends(e, p, ends, error);
+}
+
+/* Of the variants: the others are the same. */
+static fp3_status check_ends(const fp3_measure_run *e, const fp3_measure_problem *p,
+                             fp3_error *error) {
+    const size_t objects = fp3_engine_objects(e->engine);
+    fp3_adaptive_report report;
+    char text[FP3_ADAPTIVE_TEXT_SIZE];
+    const fp3_status status = fp3_adaptive_report_make(
+        e->engine, 0, objects < p->variants ? objects : p->variants, &report);
+    if (status)
+        return said(e, status, error);
+    if (!report.failed)
+        return FP3_OK;
+    fp3_adaptive_text(report.first, &report.why, text);
+    return fp3_fail(error, FP3_E_LIMIT, "%s", text);
+}
+
+fp3_status fp3_measure_run_adaptive(const fp3_measure_run *e, const fp3_measure_problem *p,
+                                    uint64_t attempts, double *ends, double *seconds,
+                                    fp3_stats *stats, fp3_error *error) {
+    fp3_status status = prepare(e, p, p->model->step, error);
+    if (status)
+        return status;
+    const double begin = fp3_measure_now();
+    status = fp3_adaptive_run(e->engine, attempts, stats);
+    *seconds = fp3_measure_now() - begin;
+    if (status)
+        return said(e, status, error);
+    status = check_ends(e, p, error);
+    return status ? status : read_ends(e, p, ends, error);
+}
+
+uint64_t fp3_measure_run_objects(const fp3_measure_options *options, double steps, double each,
+                                 unsigned threads) {
+    const uint64_t least = (uint64_t)OBJECTS_LEAST * threads;
+    uint64_t objects = options->objects;
+    while (objects > least && ((double)objects * steps > (double)options->object_steps * threads ||
+                               each / threads * (double)objects > options->patience))
+        objects /= 2;
+    return objects;
 }

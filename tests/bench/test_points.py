@@ -118,6 +118,24 @@ def test_the_command_measures_the_same(fp3, root, tmp_path):
         assert all(any(cost == pytest.approx(value, rel=1e-3) for value in known) for cost in costs)
 
 
+def test_adaptive_steps_are_rows_of_their_own(build, tmp_path):
+    """By tolerances; the hardware has the bits of the engine and cycles; what takes too many attempts is left out."""
+    (tmp_path / "a.ode").write_text("state y = 1\ny' = cos(t) - y\nstep 0.01\nspan 4\n")
+    done = subprocess.run([build / "bench/bench", "points", tmp_path / "a.ode", "-i", "heun", "--engine", "isa", "--quick", "--json",
+                           tmp_path / "x.json"], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    data = json.loads((tmp_path / "x.json").read_text())
+    points = [point for point in data["points"] if point["integrator"] == "heun adaptive"]
+    assert {point["tolerance"] for point in points} == {1e-2} and all(point["h"] is point["steps"] is None for point in points)
+    for arithmetic in ("plain", "compensated"):
+        of = {point["config"] or point["engine"]: point for point in points if point["arithmetic"] == arithmetic}
+        assert set(of) == {"isa", "many_full", "single_full"} and len({point["error_worst"] for point in of.values()}) == 1
+        assert 1e-4 < of["isa"]["error_median"] <= of["isa"]["error_worst"] < 6e-3 and of["isa"]["ns_per_object"] > 0 and of["isa"]["objects"] == 64
+        assert 300 < of["many_full"]["cycles"] < of["single_full"]["cycles"] < 5000
+    left = [(row["tolerance"], row["why"]) for row in data["left_out"] if row["integrator"] == "heun adaptive"]
+    assert left == 2 * [(1e-6, "an object does not come to its end")]
+
+
 @pytest.mark.parametrize("text, why", [("model a\nstate x = 1\nstep 0.1\nx' = -x +\n", "a.ode:5:"), (None, "No such file")])
 def test_a_bad_model_is_refused(build, tmp_path, text, why):
     if text:
