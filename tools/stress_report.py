@@ -25,7 +25,8 @@ SECTIONS = {
 x' = v, v' = -k x - c v with eigenvalues at an angle from the decay (0 degrees: x' = -a x), and a step of 1. 512 objects differ in h |lambda|; the first one that
 grows is found, and then, in 512 more between its neighbours, the limit. Theory: |R| = 1 of the stability polynomial R(z) = 1 + sum of z^j b A^(j-1) 1, or
 the largest eigenvalue of the matrix of a step; both from the table, in double. Where a method grows at every step (limit 0), it is the step from which
-growth in 2^14 steps is a quarter. Tolerance 0.1 %."""),
+growth in 2^14 steps is a quarter. Tolerance 0.1 %. Of
+linearly implicit methods R is rational; ∞: nothing grows up to h |lambda| = 1e6 in theory, up to 512 as measured."""),
     "steps": ("Errors by step size", """\
 x'' = -x to t = 8, and x'' = -x + cos(2 t) (`driven`), 64 objects, root of the mean square. On the left the error falls with the order p: its slope is that of the
 same 8 objects in double. On the right roundings grow: with N^(1/2) where they are independent, up to N (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
@@ -89,6 +90,10 @@ def failures(results):
                  [[row["section"], row["model"], row["integrator"], row["arithmetic"], row["name"], row["why"]] for row in wrong])
 
 
+def limit(x):
+    return "∞" if x is None else f"{x:.4f}"
+
+
 def limits(results):
     """Stability as a matrix: theory and what was measured, by angle."""
     rows = [row for row in results if row["section"] == "stability" and row["arithmetic"] == "plain"]
@@ -100,7 +105,7 @@ def limits(results):
         for angle in angles:
             row = cells.get((name, angle))
             mark = "" if row is None or "limit" in row["name"] else " *"
-            line.append("–" if row is None else f"{row['expected']:.4f} / {row['measured']:.4f}{mark}")
+            line.append("–" if row is None else f"{limit(row['expected'])} / {limit(row['measured'])}{mark}")
         body.append(line)
     return (table(["theory / measured", *(f"{angle}°" for angle in angles)], body) +
             "\n\n\\* grows at every step: where growth in 2^14 steps is a quarter.")

@@ -93,12 +93,24 @@ static fp3_status first_grown(search *s, uint64_t steps, int *found, fp3_error *
     return status;
 }
 
-/* How many steps it takes until growth is seen FINE above the limit. */
-static uint64_t steps_for(const search *s, double limit) {
-    const double z = limit * (1 + FINE);
-    const double growth = log(fp3_theory_growth(s->trial->integrator, z, s->angle));
-    const double steps = limit > 0 && growth > 0 ? log(s->gain) / 2 / growth : STEPS_MOST / 64.0;
-    return (uint64_t)fmin(fmax(steps, STEPS_LEAST), STEPS_MOST);
+/* How many steps it takes until growth is seen that far above the limit; infinite: it does not grow. */
+static double steps_for(const search *s, double limit, double above) {
+    const double growth =
+        log(fp3_theory_growth(s->trial->integrator, limit * (1 + above), s->angle));
+    return growth > 0 ? log(s->gain) / 2 / growth : INFINITY;
+}
+
+/* Growth that is not seen within the tolerance is below the roundings of the table: it is told from where it is. */
+static int is_seen(const search *s, double limit) {
+    return !isfinite(limit) || (limit > 0 && steps_for(s, limit, TOLERANCE / 2) <= STEPS_MOST);
+}
+
+static uint64_t steps_of(const search *s, double limit) {
+    if (!is_seen(s, limit))
+        return STEPS_MOST / 64;
+    return isfinite(limit)
+               ? (uint64_t)fmin(fmax(steps_for(s, limit, FINE), STEPS_LEAST), STEPS_MOST)
+               : STEPS_LEAST;
 }
 
 static fp3_status find(search *s, uint64_t steps, double *found, fp3_error *error) {
@@ -129,22 +141,24 @@ static fp3_status find(search *s, uint64_t steps, double *found, fp3_error *erro
 static fp3_status judge(search *s, fp3_error *error) {
     const fp3_integrator *table = s->trial->integrator;
     const double limit = fp3_theory_limit(table, s->angle);
-    const uint64_t steps = steps_for(s, limit);
+    const uint64_t steps = steps_of(s, limit);
     const double degrees = s->angle * 180 / M_PI;
-    fp3_verdict v = fp3_trial_verdict(s->trial, "stability",
-                                      s->is_decay      ? "decay"
-                                      : s->has_damping ? "damped"
-                                                       : "swing",
-                                      s->arithmetic,
-                                      limit > 0 ? "limit of h|lambda| at %.0f degrees from decay"
-                                                : "h|lambda| at %.0f degrees from decay from which "
-                                                  "the energy grows by a quarter in 2^14 steps",
-                                      degrees);
+    fp3_verdict v =
+        fp3_trial_verdict(s->trial, "stability",
+                          s->is_decay      ? "decay"
+                          : s->has_damping ? "damped"
+                                           : "swing",
+                          s->arithmetic,
+                          is_seen(s, limit) ? "limit of h|lambda| at %.0f degrees from decay"
+                                            : "h|lambda| at %.0f degrees from decay from which "
+                                              "the energy grows by a quarter in 2^14 steps",
+                          degrees);
     v.expected =
-        limit > 0 ? limit : fp3_theory_onset(table, s->angle, (double)steps, sqrt(s->gain));
-    v.tolerance = TOLERANCE * v.expected;
+        is_seen(s, limit) ? limit : fp3_theory_onset(table, s->angle, (double)steps, sqrt(s->gain));
+    v.tolerance = isfinite(v.expected) ? TOLERANCE * v.expected : 0;
     fp3_status status = find(s, steps, &v.measured, error);
-    if (!status && limit > 0 && s->arithmetic == &fp3_lab_arithmetics[FP3_LAB_PLAIN]) {
+    if (!status && limit > 0 && isfinite(v.measured) &&
+        s->arithmetic == &fp3_lab_arithmetics[FP3_LAB_PLAIN]) {
         const double x = -v.measured * cos(s->angle), y = v.measured * sin(s->angle);
         status =
             fp3_verdicts_draw(s->trial->verdicts, "region measured", table->name, &x, &y, 1, error);
@@ -183,7 +197,8 @@ static fp3_status search_ray(const fp3_trial *trial, const fp3_lab_arithmetic *a
 /* Splittings are not for decay, and Stoermer's method is for forces without damping. */
 static int applies(const fp3_integrator *integrator, double degrees) {
     return degrees == 90 || integrator->kind == FP3_RUNGE_KUTTA ||
-           integrator->kind == FP3_CHEBYSHEV || (integrator->kind == FP3_SPLITTING && degrees > 0);
+           integrator->kind == FP3_CHEBYSHEV || integrator->kind == FP3_ROSENBROCK ||
+           (integrator->kind == FP3_SPLITTING && degrees > 0);
 }
 
 /* By theory. */
@@ -194,8 +209,10 @@ static fp3_status draw_region(const fp3_trial *trial, fp3_error *error) {
         if (applies(trial->integrator, degrees)) {
             const double angle = degrees * M_PI / 180,
                          limit = fp3_theory_limit(trial->integrator, angle);
-            x[count] = -limit * cos(angle);
-            y[count++] = limit * sin(angle);
+            if (isfinite(limit)) {
+                x[count] = -limit * cos(angle);
+                y[count++] = limit * sin(angle);
+            }
         }
     return fp3_verdicts_draw(trial->verdicts, "region", trial->integrator->name, x, y, count,
                              error);

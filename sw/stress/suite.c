@@ -27,10 +27,6 @@ enum { SECTIONS = sizeof sections / sizeof *sections };
 
 static const char *const few[] = {"rk4", "dopri5", "verlet", NULL};
 
-static int has_theory(const fp3_integrator *integrator) {
-    return integrator->kind != FP3_ROSENBROCK;
-}
-
 /* By one integrator. */
 static fp3_status try(const fp3_stress_options *options, unsigned section, const char *name,
                       fp3_verdicts *verdicts, fp3_error *error) {
@@ -40,15 +36,6 @@ static fp3_status try(const fp3_stress_options *options, unsigned section, const
         options->say(options->say_user, sections[section].name, name);
     fp3_status status = fp3_integrator_find(name, &integrator, error);
     trial.integrator = trial.run = integrator;
-    if (!status && !has_theory(integrator)) {
-        fp3_integrator_free(&integrator);
-        return options->integrators
-                   ? fp3_fail(error, FP3_E_ARGUMENT,
-                              "integrator '%s': the suite has no theory of its kind; models can be "
-                              "stressed with it",
-                              name)
-                   : FP3_OK;
-    }
     if (!status && options->spoil)
         status = fp3_integrator_find(name, &spoiled, error);
     if (!status && options->spoil) {

@@ -8,6 +8,7 @@
 
 #define SCAN 1e-3 /* no interval of stability or of growth is shorter */
 #define FAR 512   /* nothing explicit is stable up to here with 23 stages */
+#define FAR_RATIONAL 1e6
 #define NEUTRAL                                                                                    \
     1e-9 /* eigenvalues of matrices are on the unit circle to within the root of a rounding */
 
@@ -74,6 +75,19 @@ static double growth_of_late(const double *coefficients, unsigned degree, double
     return radius(m);
 }
 
+/* k_i = (1 + sum of (a_ij + gamma_ij) k_j) w/(1 - gamma w): J is w itself. */
+static double complex evaluate_rosenbrock(const fp3_integrator *table, double complex w) {
+    double complex k[FP3_STAGES_MAX], sum = 1;
+    for (unsigned i = 0; i < table->stages; i++) {
+        k[i] = 1;
+        for (unsigned j = 0; j < i; j++)
+            k[i] += (table->a[i][j] + table->gamma[i][j]) * k[j];
+        k[i] *= w / (1 - table->gamma[i][i] * w);
+        sum += table->b[i] * k[i];
+    }
+    return sum;
+}
+
 double fp3_theory_growth(const fp3_integrator *integrator, double z, double angle) {
     const double k = z * z, c = angle < M_PI_2 ? 2 * z * cos(angle) : 0;
     double coefficients[FP3_STAGES_MAX + 1];
@@ -88,7 +102,8 @@ double fp3_theory_growth(const fp3_integrator *integrator, double z, double angl
         return growth_of_late(coefficients, degree, k, c);
     }
     const double complex w = angle < M_PI_2 ? -z * cexp(I * angle) : -I * z;
-    return cabs(evaluate(integrator, w));
+    return cabs(integrator->kind == FP3_ROSENBROCK ? evaluate_rosenbrock(integrator, w)
+                                                   : evaluate(integrator, w));
 }
 
 static int is_matrix(const fp3_integrator *integrator) {
@@ -96,11 +111,16 @@ static int is_matrix(const fp3_integrator *integrator) {
            integrator->is_position_late;
 }
 
-/* Where growth first exceeds most. */
+/* Where growth first exceeds most. A rational R tends to a limit, which FAR_RATIONAL is as good as. */
 static double first(const fp3_integrator *integrator, double angle, double most, double at) {
-    while (at < FAR && fp3_theory_growth(integrator, at, angle) <= most)
-        at += SCAN;
-    double low = at - SCAN, high = at;
+    const int is_rational = integrator->kind == FP3_ROSENBROCK;
+    double apart = SCAN;
+    while (at < (is_rational ? FAR_RATIONAL : FAR) &&
+           fp3_theory_growth(integrator, at, angle) <= most)
+        at += apart = is_rational ? at * SCAN : SCAN;
+    if (is_rational && at >= FAR_RATIONAL)
+        return INFINITY;
+    double low = at - apart, high = at;
     for (int i = 0; i < 60; i++) {
         const double middle = (low + high) / 2;
         if (fp3_theory_growth(integrator, middle, angle) <= most)

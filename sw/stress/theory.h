@@ -15,7 +15,7 @@ unsigned fp3_theory_polynomial(const fp3_integrator *rk, double coefficients[FP3
 /* The magnitude of the largest eigenvalue of a step: |R| of a Runge-Kutta or Chebyshev method, for others that of the
  * matrix of its substeps. */
 double fp3_theory_growth(const fp3_integrator *integrator, double z, double angle);
-/* The smallest z above which something grows; 0: at once. */
+/* The smallest z above which something grows; 0: at once; infinite: none (linearly implicit methods). */
 double fp3_theory_limit(const fp3_integrator *integrator, double angle);
 /* The smallest z at which the largest eigenvalue to the power of steps is gain. */
 double fp3_theory_onset(const fp3_integrator *integrator, double angle, double steps, double gain);

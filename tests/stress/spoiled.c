@@ -15,7 +15,7 @@ static double factor;
 
 /* The library would refuse a table like that, so it is changed behind its back. */
 static void spoil(fp3_integrator *integrator) {
-    if (integrator->kind == FP3_RUNGE_KUTTA)
+    if (integrator->kind != FP3_SPLITTING)
         integrator->a[integrator->stages - 1][integrator->stages - 2] *= factor;
     else if (integrator->kind == FP3_CHEBYSHEV)
         integrator->recurrence.slope[1] *= factor;
