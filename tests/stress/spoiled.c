@@ -15,12 +15,12 @@ static double factor;
 
 /* The library would refuse a table like that, so it is changed behind its back. */
 static void spoil(fp3_integrator *integrator) {
-    if (integrator->kind != FP3_SPLITTING)
-        integrator->a[integrator->stages - 1][integrator->stages - 2] *= factor;
+    if (integrator->kind == FP3_SPLITTING)
+        integrator->substeps[0].coefficient *= factor;
     else if (integrator->kind == FP3_CHEBYSHEV)
         integrator->recurrence.slope[1] *= factor;
     else
-        integrator->substeps[0].coefficient *= factor;
+        integrator->a[integrator->stages - 1][integrator->stages - 2] *= factor;
 }
 
 int main(int argc, char **argv) {
