@@ -8,15 +8,19 @@
  * loses a like part of what a step adds to a state, some sixteenth of it. */
 #define TOLERANCE_LEAST 0x1p-23
 #define TOLERANCE_LEAST_COMPENSATED 0x1p-27
+#define TOLERANCE_LEAST_DOUBLE 0x1p-40 /* below that the estimate, in floats, is all rounding */
 #define ABSOLUTE_LEAST 0x1p-100 /* its reciprocal, squared with an error of its size, is in range */
 
-static fp3_status check_tolerance(double tolerance, int is_compensated, fp3_error *error) {
-    const double least = is_compensated ? TOLERANCE_LEAST_COMPENSATED : TOLERANCE_LEAST;
+static fp3_status check_tolerance(double tolerance, const fp3_options *options, fp3_error *error) {
+    const double least = options->is_double_single ? TOLERANCE_LEAST_DOUBLE
+                         : options->is_compensated ? TOLERANCE_LEAST_COMPENSATED
+                                                   : TOLERANCE_LEAST;
     if (tolerance >= least && tolerance <= 1)
         return FP3_OK;
     return fp3_fail(error, FP3_E_ARGUMENT,
                     "'tolerance' is %.9g: expected a number from %.3g, %s, to 1", tolerance, least,
-                    is_compensated
+                    options->is_double_single ? "which the estimate of double-single can tell"
+                    : options->is_compensated
                         ? "which a compensated update can keep"
                         : "to which FP32 rounds a state in each step (compensated: 7.45e-09)");
 }
@@ -29,8 +33,8 @@ fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
     const double absolute = params[fp3_model_param(model, "absolute")];
     const double until = params[fp3_model_param(model, "until")];
     const uint32_t locate = fp3_model_param(model, "locate");
-    const fp3_status status = check_tolerance(params[fp3_model_param(model, "tolerance")],
-                                              options->is_compensated, error);
+    const fp3_status status =
+        check_tolerance(params[fp3_model_param(model, "tolerance")], options, error);
     if (status)
         return status;
     if (!(absolute >= ABSOLUTE_LEAST && isfinite(absolute)))

@@ -41,7 +41,8 @@ static uint32_t low_of_time(const fp3_advance *a) {
 }
 
 static uint32_t until(const fp3_advance *a) {
-    return fp3_dag_known(&a->step->values, fp3_known_param(&a->step->known, "until"));
+    dag *g = &a->step->values;
+    return fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(&a->step->known, "until")));
 }
 
 /* A tolerance times a number that the host multiplies it with. */
@@ -77,6 +78,29 @@ static void find_end(fp3_advance *a, uint32_t by) {
     a->end_low = sub(g, by, sub(g, a->end.node, t));
 }
 
+/* In double-single t is a pair as states are, and so is the step. The end is `until` itself where that comes
+ * first. */
+typedef struct {
+    uint32_t h, end, gain;
+} move;
+
+static move move_in_pairs(const fp3_advance *a, uint32_t t, uint32_t h) {
+    dag *g = &a->step->values;
+    const uint32_t left = sub(g, until(a), t), is_within = op2(g, FP3_OP_LT, h, left);
+    const uint32_t step = sel(g, is_within, h, left);
+    const uint32_t end = sel(g, is_within, add(g, t, step), until(a));
+    return (move){step, end, fp3_dag_first(g, sub(g, end, t))};
+}
+
+static void begin_in_pairs(fp3_advance *a) {
+    note(a, "t at the end of the step, and the step that is tried");
+    const move m = move_in_pairs(a, old(a, T), old(a, H));
+    a->begin = fp3_term(old(a, T));
+    a->h = fp3_term(m.h);
+    a->end = fp3_term(m.end);
+    a->gain = m.gain;
+}
+
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
     const fp3_config *config = a->options->config;
     dag *g = &a->step->values;
@@ -88,6 +112,10 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (g->is_abstract) {
+        begin_in_pairs(a);
+        return FP3_OK;
+    }
     const uint32_t t = old(a, T), low = low_of_time(a), h = old(a, H);
     a->begin = fp3_term(t);
     a->begin_low = fp3_term(low);
@@ -113,15 +141,15 @@ static uint32_t count_moved(const fp3_advance *a) {
 /* A state's error over what is allowed, times the root of SAFETY^-8/n. */
 static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
     dag *g = &a->step->values;
-    const uint32_t y = fp3_advance_held(a, g, ROLE_STATE, s).node;
+    const uint32_t y = fp3_dag_first(g, fp3_advance_held(a, g, ROLE_STATE, s).node);
     g->note = fp3_note(&a->step->notes, "allowed error of %s", fp3_advance_name(a, s));
     const uint32_t size = mul(g, allowed(a, "tolerance", share), op1(g, FP3_OP_ABS, y));
     const uint32_t scale = add(g, size, allowed(a, "absolute", share));
     g->note = fp3_note(&a->step->notes, "error of %s, relative", fp3_advance_name(a, s));
     uint32_t weight = op1(g, FP3_OP_RCP, scale);
     if (a->error_scale.node != FP3_NONE)
-        weight = mul(g, weight, a->error_scale.node);
-    return mul(g, a->error[s].node, weight);
+        weight = mul(g, weight, fp3_dag_first(g, a->error_scale.node));
+    return mul(g, fp3_dag_first(g, a->error[s].node), weight);
 }
 
 /* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it. */
@@ -212,11 +240,11 @@ static fp3_status keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error 
 }
 
 /* The slopes at the new states are the first ones of the next step; after a rejected step the old ones
- * are. Where an event may change the new states, they are computed again. */
+ * are. In double-single they would be two variables each. Where an event may change the new states, they are computed again. */
 static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
-    if (!a->has_slope || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
+    if (!a->has_slope || g->is_abstract || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
         fp3_fit_has_events(a->fit, a->step->model))
         return FP3_OK;
     for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
@@ -246,7 +274,8 @@ static void count(const fp3_advance *a) {
         put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, meant));
     }
     if (is_live(a, LARGEST))
-        put(a, LARGEST, op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, a->h.node)));
+        put(a, LARGEST,
+            op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, fp3_dag_first(g, a->h.node))));
 }
 
 fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
@@ -256,16 +285,21 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     select_states(a);
     note(a, "new t");
     const uint32_t t = sel(g, a->is_good, a->end.node, a->begin.node);
-    const uint32_t low = sel(g, a->is_good, a->end_low, a->begin_low.node);
-    note(a, "the next step; one that the end cut off says nothing about it");
-    const uint32_t left = left_of(a, t, low);
-    const uint32_t h = sel(g, left, mul(g, a->h.node, a->by), old(a, H));
     put(a, T, t);
+    note(a, "the second word of the new t");
+    const uint32_t low =
+        g->is_abstract ? num(g, 0) : sel(g, a->is_good, a->end_low, a->begin_low.node);
+    note(a, "the next step; one that the end cut off says nothing about it");
+    const uint32_t left =
+        g->is_abstract ? fp3_dag_first(g, sub(g, until(a), t)) : left_of(a, t, low);
+    const uint32_t h = sel(g, left, mul(g, fp3_dag_first(g, a->h.node), a->by), old(a, H));
     put(a, H, h);
-    a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
+    if (!g->is_abstract)
+        a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);
     note(a, "what t gains by the step that is tried next");
-    const uint32_t next = sub(g, moved_by(a, t, low, h), low);
+    const uint32_t next =
+        g->is_abstract ? move_in_pairs(a, t, h).gain : sub(g, moved_by(a, t, low, h), low);
     a->step->tested = a->step->variable_count;
     a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
     fp3_status status = keep(a->step, a->gain, next, error);

@@ -39,7 +39,8 @@ static term own_time(const fp3_advance *a, dag *g, double c) {
     if (is_begin || is_end)
         return is_end ? a->end : a->begin;
     g->note = fp3_note(&a->step->notes, "t + %.6g h", c);
-    const term since = fp3_term_add(g, a->begin_low, fp3_advance_scaled_step(a, c, 1));
+    const term moved = fp3_advance_scaled_step(a, c, 1);
+    const term since = g->is_abstract ? moved : fp3_term_add(g, a->begin_low, moved);
     const term t = fp3_term_add(g, a->begin, since);
     g->note = outside;
     return t;

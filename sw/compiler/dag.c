@@ -83,6 +83,13 @@ uint32_t fp3_dag_number(dag *g, double number) {
     return fp3_dag_known(g, fp3_known_number(g->known, number));
 }
 
+uint32_t fp3_dag_first(dag *g, uint32_t node) {
+    if (!g->is_abstract)
+        return node;
+    const uint32_t there = fp3_dag_find(g, NODE_FIRST, node, FP3_NONE, FP3_NONE);
+    return there != FP3_NONE ? there : fp3_dag_make(g, NODE_FIRST, node, FP3_NONE, FP3_NONE);
+}
+
 uint32_t fp3_dag_variable(dag *g, uint32_t index) { return leaf(g, NODE_VARIABLE, index); }
 
 uint32_t fp3_dag_is_known(const dag *g, uint32_t node) {

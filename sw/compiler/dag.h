@@ -14,11 +14,11 @@
 enum {
     NODE_KNOWN = 256,
     NODE_VARIABLE,
-    NODE_QUOTIENT,     /* a / b */
-    NODE_ROOT,         /* of a */
-    NODE_INVERSE_ROOT, /* 1 / its root */
-    NODE_FUNCTION =
-        512 /* + FP3_EXPR_...: that function of a, or of a and b; of a power b is known */
+    NODE_QUOTIENT,      /* a / b */
+    NODE_ROOT,          /* of a */
+    NODE_INVERSE_ROOT,  /* 1 / its root */
+    NODE_FIRST,         /* the first word of a: what is made of it and of known values is a float */
+    NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
 
 typedef struct {
@@ -48,6 +48,9 @@ void fp3_dag_close(dag *g);
 uint32_t fp3_dag_known(dag *g, uint32_t known);
 uint32_t fp3_dag_number(dag *g, double number);
 uint32_t fp3_dag_variable(dag *g, uint32_t index);
+
+/* Where nodes stand for pairs: its first word, to compute with in floats. Else the node itself. */
+uint32_t fp3_dag_first(dag *g, uint32_t node);
 
 /* A node of its own; see fold.h for the usual way. */
 uint32_t fp3_dag_make(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);

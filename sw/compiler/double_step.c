@@ -5,10 +5,11 @@
 #include "pair_functions.h"
 
 #include <assert.h>
+#include <fp3/adaptive.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
 
-fp3_status fp3_double_check(const fp3_options *options, const fp3_fit *fit, fp3_error *error) {
+fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
     if (!options->is_double_single)
         return FP3_OK;
     if (options->is_compensated)
@@ -18,10 +19,6 @@ fp3_status fp3_double_check(const fp3_options *options, const fp3_fit *fit, fp3_
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "`exact-division` is of floats: double-single has quotients and roots of "
                         "its own");
-    if (fit->control)
-        return fp3_fail(error, FP3_E_PROGRAM,
-                        "double-single has fixed steps: found adaptive ones, whose control is of "
-                        "floats");
     if (!options->config->nearest || !options->config->subnormal)
         return fp3_fail(error, FP3_E_PROGRAM, "double-single needs %s, and configuration '%s' %s",
                         options->config->nearest ? "subnormal numbers" : "rounding to nearest",
@@ -30,10 +27,11 @@ fp3_status fp3_double_check(const fp3_options *options, const fp3_fit *fit, fp3_
     return FP3_OK;
 }
 
-/* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. */
+/* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. What
+ * controls adaptive steps is floats: a second word is neither there nor made. */
 typedef struct {
     fp3_pair pair;
-    int is_whole, is_truth;
+    int is_whole, is_truth, is_float, is_known;
 } made;
 
 typedef struct {
@@ -49,7 +47,14 @@ static made of_known(const doubling *d, uint32_t known) {
     const fp3_pair pair = fp3_pair_known(d->to, known);
     const int is_zero = fp3_known_is(d->to->known, known, 0);
     const int is_one = fp3_known_is(d->to->known, known, 1);
-    return (made){pair, is_zero || is_one, is_zero || is_one};
+    return (made){
+        .pair = pair, .is_whole = is_zero || is_one, .is_truth = is_zero || is_one, .is_known = 1};
+}
+
+/* Behind t, which is a pair: a model's own states come before it. */
+static int is_control(const fp3_step *step, const variable *v) {
+    const uint32_t t = fp3_model_adapted(step->model);
+    return t != FP3_NONE && v->role == ROLE_STATE && v->state > t;
 }
 
 static made of_variable(const doubling *d, uint32_t variable) {
@@ -57,33 +62,38 @@ static made of_variable(const doubling *d, uint32_t variable) {
     return (made){{fp3_dag_variable(d->to, variable),
                    low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)},
                   d->step->variables[variable].role == ROLE_STEPS,
+                  0,
+                  is_control(d->step, &d->step->variables[variable]),
                   0};
 }
 
 static made of_sum(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
-    if (n->op == FP3_OP_ADD && a->is_whole && b->is_whole)
+    if (a->is_whole && b->is_whole && !(a->is_known && b->is_known))
         return (made){
-            {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE}, 1, 0};
+            .pair = {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE},
+            .is_whole = 1};
     if (n->op == FP3_OP_ADD)
-        return (made){fp3_pair_add(d->to, a->pair, b->pair), 0, 0};
+        return (made){.pair = fp3_pair_add(d->to, a->pair, b->pair)};
     if (fp3_dag_is_number(d->from, n->a, -0.0))
-        return (made){fp3_pair_negated(d->to, b->pair), 0, 0};
-    return (made){fp3_pair_sub(d->to, a->pair, b->pair), 0, 0};
+        return (made){.pair = fp3_pair_negated(d->to, b->pair)};
+    return (made){.pair = fp3_pair_sub(d->to, a->pair, b->pair)};
 }
 
 static made of_product(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     if (a->is_truth && b->is_truth)
         return (made){
-            {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE}, 1, 1};
-    return (made){fp3_pair_mul(d->to, a->pair, b->pair), 0, 0};
+            .pair = {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE},
+            .is_whole = 1,
+            .is_truth = 1};
+    return (made){.pair = fp3_pair_mul(d->to, a->pair, b->pair)};
 }
 
 static made of_choice(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     return (made){fp3_pair_select(d->to, d->made[n->c].pair.high, a->pair, b->pair),
-                  a->is_whole && b->is_whole, a->is_truth && b->is_truth};
+                  a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0};
 }
 
 /* min(a, b) is a where a < b, max(a, b) is a where b < a. */
@@ -128,7 +138,37 @@ static fp3_pair of_function(const doubling *d, const dag_node *n) {
     }
 }
 
+static int operand_count(const dag_node *n) {
+    return n->b == FP3_NONE ? 1 : n->c == FP3_NONE ? 2 : 3;
+}
+
+/* All values are floats, or known or truths beside one. Of a choice the condition does not count. */
+static int is_of_floats(const doubling *d, const dag_node *n) {
+    const uint32_t of[] = {n->a, n->b};
+    int is_any = 0;
+    for (int i = 0; i < 2 && i < operand_count(n); i++) {
+        const made *m = &d->made[of[i]];
+        if (!m->is_float && !m->is_known && !m->is_truth)
+            return 0;
+        is_any |= m->is_float;
+    }
+    return is_any;
+}
+
+static made of_floats(const doubling *d, const dag_node *n) {
+    const uint32_t b = n->b == FP3_NONE ? FP3_NONE : d->made[n->b].pair.high;
+    const uint32_t c = n->c == FP3_NONE ? FP3_NONE : d->made[n->c].pair.high;
+    const int is_truth = n->op == FP3_OP_LT || n->op == FP3_OP_LE;
+    return (made){{fp3_pair_op(d->to, n->op, d->made[n->a].pair.high, b, c), FP3_NONE},
+                  is_truth,
+                  is_truth,
+                  !is_truth,
+                  0};
+}
+
 static made of_node(const doubling *d, const dag_node *n) {
+    if (n->op < NODE_KNOWN && is_of_floats(d, n))
+        return of_floats(d, n);
     const fp3_pair a =
         n->op < NODE_KNOWN || n->op > NODE_VARIABLE ? d->made[n->a].pair : (fp3_pair){0};
     switch (n->op) {
@@ -136,6 +176,8 @@ static made of_node(const doubling *d, const dag_node *n) {
         return of_known(d, n->a);
     case NODE_VARIABLE:
         return of_variable(d, n->a);
+    case NODE_FIRST:
+        return (made){.pair = {a.high, FP3_NONE}, .is_float = 1};
     case FP3_OP_ADD:
     case FP3_OP_SUB:
         return of_sum(d, n);
@@ -145,21 +187,24 @@ static made of_node(const doubling *d, const dag_node *n) {
         return of_choice(d, n);
     case FP3_OP_MIN:
     case FP3_OP_MAX:
-        return (made){extreme(d, n), 0, 0};
+        return (made){.pair = extreme(d, n)};
     case FP3_OP_ABS:
-        return (made){fp3_pair_abs(d->to, a), 0, 0};
+        return (made){.pair = fp3_pair_abs(d->to, a)};
     case FP3_OP_LT:
-        return (made){fp3_pair_less(d->to, a, d->made[n->b].pair), 1, 1};
+        return (made){
+            .pair = fp3_pair_less(d->to, a, d->made[n->b].pair), .is_whole = 1, .is_truth = 1};
     case FP3_OP_LE:
-        return (made){fp3_pair_less_equal(d->to, a, d->made[n->b].pair), 1, 1};
+        return (made){.pair = fp3_pair_less_equal(d->to, a, d->made[n->b].pair),
+                      .is_whole = 1,
+                      .is_truth = 1};
     case NODE_QUOTIENT:
-        return (made){fp3_pair_quotient(d->to, a, d->made[n->b].pair), 0, 0};
+        return (made){.pair = fp3_pair_quotient(d->to, a, d->made[n->b].pair)};
     case NODE_ROOT:
-        return (made){fp3_pair_root(d->to, a), 0, 0};
+        return (made){.pair = fp3_pair_root(d->to, a)};
     case NODE_INVERSE_ROOT:
-        return (made){fp3_pair_inverse_root(d->to, a), 0, 0};
+        return (made){.pair = fp3_pair_inverse_root(d->to, a)};
     default:
-        return (made){of_function(d, n), 0, 0};
+        return (made){.pair = of_function(d, n)};
     }
 }
 
@@ -167,9 +212,13 @@ static made of_node(const doubling *d, const dag_node *n) {
 
 /* The nodes that variables come from, by `root`. */
 static void find_reached(const doubling *d, uint32_t (*root)(const variable *v)) {
-    for (uint32_t i = 0; i < d->step->variable_count; i++)
-        if (root(&d->step->variables[i]) != FP3_NONE)
-            d->is_reached[root(&d->step->variables[i])] = 1;
+    for (uint32_t i = 0; i < d->step->variable_count; i++) {
+        const variable *v = &d->step->variables[i];
+        if (root(v) != FP3_NONE)
+            d->is_reached[root(v)] = 1;
+        if (d->from == &d->step->values && v->first != FP3_NONE)
+            d->is_reached[v->first] = 1;
+    }
     for (uint32_t i = d->from->count; i-- > 0;)
         for (int j = 0; d->is_reached[i] && !fp3_dag_is_leaf(d->from, i) && j < 3; j++)
             if (fp3_dag_operand(d->from, i, j) != FP3_NONE)
@@ -211,6 +260,9 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
     }
     for (uint32_t i = 0; !status && i < variables; i++) {
         const uint32_t node = root(&step->variables[i]);
+        uint32_t *first = &step->variables[i].first;
+        if (from == &step->values && *first != FP3_NONE)
+            *first = d.made[*first].pair.high;
         if (node == FP3_NONE)
             continue;
         to.note = from->nodes[node].note;
@@ -230,7 +282,7 @@ static fp3_status add_low_words(fp3_step *step, uint32_t *low, fp3_error *error)
     for (uint32_t i = 0; i < count; i++) {
         const variable v = step->variables[i];
         low[i] = FP3_NONE;
-        if (v.role != ROLE_STATE && v.role != ROLE_BEFORE)
+        if ((v.role != ROLE_STATE && v.role != ROLE_BEFORE) || is_control(step, &v))
             continue;
         low[i] = step->variable_count;
         if (!fp3_step_add(step, v.role == ROLE_STATE ? ROLE_LOW : ROLE_LOW_BEFORE, v.state))

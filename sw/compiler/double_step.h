@@ -2,12 +2,11 @@
 #ifndef FP3_DOUBLE_STEP_H
 #define FP3_DOUBLE_STEP_H
 
-#include "fit.h"
 #include "step.h"
 
-/* FP3_E_PROGRAM: the configuration rounds otherwise, or steps are adaptive. FP3_E_ARGUMENT: the options have
+/* FP3_E_PROGRAM: the configuration rounds otherwise. FP3_E_ARGUMENT: the options have
  * another arithmetic, or another division, too. */
-fp3_status fp3_double_check(const fp3_options *options, const fp3_fit *fit, fp3_error *error);
+fp3_status fp3_double_check(const fp3_options *options, fp3_error *error);
 
 /* Each node becomes a pair (double_single.h). A variable keeps its number and is the first word; the second
  * is a variable of ROLE_LOW or ROLE_LOW_BEFORE behind all others. Comes before carry.h. */

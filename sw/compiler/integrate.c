@@ -36,7 +36,8 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
         !add_variables(a, ROLE_BEFORE, is_stoermer, 0) ||
         !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0) ||
         (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)) ||
-        (a->is_adaptive && !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))))
+        (a->is_adaptive && !a->options->is_double_single &&
+         !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))))
         return no_memory(error);
     for (uint32_t i = 0; i < a->step->variable_count; i++) {
         const variable *v = &a->step->variables[i];

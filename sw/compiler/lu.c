@@ -40,7 +40,7 @@ static uint32_t cheapest(const fp3_lu *lu, const char *is_done) {
     return best;
 }
 
-static term one_over(dag *g, term x) {
+term fp3_one_over(dag *g, term x) {
     if (g->is_abstract)
         return (term){op2(g, NODE_QUOTIENT, num(g, 1), x.node), x.is_negative};
     return (term){fp3_corrected(g, one(g), fp3_reciprocal(g, x.node)).node, x.is_negative};
@@ -78,7 +78,7 @@ void fp3_lu_factor(fp3_lu *lu) {
         const term was = diagonal[pivot], now = lu->cell[pivot][pivot];
         const term at = checked(lu->g, now, now.node == was.node ? lu->summand[pivot] : was);
         lu->order[n] = pivot;
-        lu->inverse[pivot] = one_over(lu->g, at);
+        lu->inverse[pivot] = fp3_one_over(lu->g, at);
         eliminate(lu, is_done, pivot);
         is_done[pivot] = 1;
     }

@@ -26,4 +26,6 @@ void fp3_lu_factor(fp3_lu *lu);
 /* x becomes the solution for the right-hand side x; FP3_NONE there: 0. */
 void fp3_lu_solve(const fp3_lu *lu, term *x);
 
+term fp3_one_over(dag *g, term x);
+
 #endif

@@ -90,7 +90,7 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
     *p = (fp3_pipeline){0};
     fp3_status status = fp3_fit_find(model, integrator, options, &p->fit, error);
     if (!status)
-        status = fp3_double_check(options, &p->fit, error);
+        status = fp3_double_check(options, error);
     if (status)
         return status;
     status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);

@@ -215,7 +215,7 @@ static term over_own_step(const fp3_advance *a) {
     dag *g = &a->step->values;
     const uint32_t h = fp3_term_value(g, a->h);
     g->note = fp3_note(&a->step->notes, "1/h");
-    return fp3_corrected(g, one(g), fp3_reciprocal(g, sel(g, h, h, num(g, 1))));
+    return fp3_one_over(g, fp3_term(sel(g, h, h, num(g, 1))));
 }
 
 static fp3_status find_states(rosenbrock *r, fp3_error *error) {

@@ -220,6 +220,17 @@ static void advance_late(runge_kutta *r, uint32_t s) {
     r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
 }
 
+/* Of pairs, an estimate in floats: its weights add up to 0, so all may be of k_i - k_1, whose first words know
+ * what those of k_i have lost. */
+static unsigned of_differences(dag *g, summand *list, unsigned count) {
+    const term first = list[0].slope;
+    for (unsigned i = 1; i < count; i++) {
+        const term d = fp3_term_sub(g, list[i].slope, first);
+        list[i - 1] = (summand){list[i].c, {fp3_dag_first(g, d.node), d.is_negative}};
+    }
+    return count - 1;
+}
+
 /* The distance of the two methods of a pair. */
 static void estimate(runge_kutta *r, uint32_t s) {
     const fp3_integrator *integrator = r->a->integrator;
@@ -229,8 +240,10 @@ static void estimate(runge_kutta *r, uint32_t s) {
         c[i] = fabs(integrator->b[i] - integrator->embedded[i]) < ESTIMATE_LEAST
                    ? 0
                    : integrator->b[i] - integrator->embedded[i];
-    const unsigned n = row(r, c, integrator->stages, s, list);
+    unsigned n = row(r, c, integrator->stages, s, list);
     values(r)->note = fp3_note(notes(r), "error of %s", name_of(r, s));
+    if (values(r)->is_abstract)
+        n = of_differences(values(r), list, n);
     r->a->error_scale = fp3_advance_scaled_step(r->a, take_first(list, n), 1);
     r->a->error[s] = sum_of(r, list, n, 1);
     r->a->has_slope = integrator->is_first_same_as_last;

@@ -9,6 +9,8 @@
  */
 #include "executed_pairs.h"
 
+#include <compiler/double_step.h>
+
 /* Any finite number; half of the time one that is near another, of few bits, or at an end. */
 static float any(float near) {
     static const float ends[] = {0x1p-149f, 0x1p-126f, 0x1.fffffcp-127f, 0x1p-103f, 0x1p-102f,
@@ -172,6 +174,35 @@ static int check_order(uint64_t count) {
     return end(&less) | end(&at_most);
 }
 
+/* ---- what is refused ---- */
+
+/* A sum of two words whose error no float is, or is flushed: and then it says so. */
+static int check_refused(float a, float b, int nearest, int subnormal, const char *message) {
+    operation o;
+    open_operation(&o, "refused");
+    o.made = fp3_two_sum(&o.g, fp3_dag_variable(&o.g, 0), fp3_dag_variable(&o.g, 1));
+    o.config = (fp3_config){.nearest = nearest, .subnormal = subnormal, .name = "other"};
+    const float words[2] = {a, b};
+    float r[2];
+    fp3_error error = {0};
+    fenv_t callers;
+    fp3_execute_begin(&o.config, &callers);
+    execute(&o, words, r, NULL);
+    fp3_execute_end(&callers);
+    const int is_exact = (quad)r[0] + (quad)r[1] == (quad)a + (quad)b;
+    const fp3_options options = {.config = &o.config, .is_double_single = 1};
+    const int is_told =
+        fp3_double_check(&options, &error) == FP3_E_PROGRAM && strstr(error.text, message);
+    printf("%s: %s\n", message,
+           is_exact  ? "exact"
+           : is_told ? "refused, not exact"
+                     : "not refused");
+    fp3_dag_close(&o.g);
+    fp3_known_close(&o.known);
+    fp3_model_free(&o.model);
+    return is_exact || !is_told;
+}
+
 int main(int argc, char **argv) {
     const uint64_t count = argc > 1 ? strtoull(argv[1], NULL, 10) : 40000;
     int is_bad = check_floats(8 * count);
@@ -182,5 +213,7 @@ int main(int argc, char **argv) {
     is_bad |= check_pairs("root", NULL, fp3_pair_root, of_root, 16, 60, count);
     is_bad |=
         check_pairs("inverse_root", NULL, fp3_pair_inverse_root, of_inverse_root, 16, 30, count);
+    is_bad |= check_refused(1, -0x1p-100f, 0, 1, "double-single needs rounding to nearest");
+    is_bad |= check_refused(0x1.8p-126f, -0x1p-126f, 1, 0, "double-single needs subnormal numbers");
     return is_bad | check_order(count / 4);
 }

@@ -19,8 +19,6 @@ __extension__ typedef __float128 quad;
 
 #define U2 0x1p-48
 
-static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .flags = 1};
-
 /* An operation: variables 0 .. 3 are the words of its operands. */
 typedef struct {
     const char *name;
@@ -28,6 +26,7 @@ typedef struct {
     known_table known;
     dag g;
     fp3_pair made;
+    fp3_config config;
     uint64_t checked, wrong;
     double worst;
     const char *unit; /* of the worst */
@@ -42,7 +41,8 @@ static inline void open_operation(operation *o, const char *name) {
     static const char source[] = "state x = 0\nstep 1\nx' = 0\n";
     char *report = NULL;
     fp3_error error;
-    *o = (operation){.name = name, .unit = "u^2"};
+    *o = (operation){
+        .name = name, .unit = "u^2", .config = {.nearest = 1, .subnormal = 1, .flags = 1}};
     if (fp3_model_read(source, strlen(source), name, &o->model, &report, &error))
         fail(name, error.text);
     fp3_known_open(&o->known, o->model);
@@ -75,7 +75,7 @@ static inline void execute(const operation *o, const float *words, float result[
             const float number = (float)o->known.list[n->a].number;
             memcpy(&value[i], &number, sizeof number);
         } else
-            value[i] = fp3_execute(&ieee, n->op,
+            value[i] = fp3_execute(&o->config, n->op,
                                    (uint32_t[]){value[n->a], n->b == FP3_NONE ? 0 : value[n->b],
                                                 n->c == FP3_NONE ? 0 : value[n->c]},
                                    flags ? &raised : NULL);

@@ -64,6 +64,7 @@ def measured():
 @pytest.mark.smoke
 def test_sums_and_products_are_exact_and_pairs_within_their_bounds(measured, root):
     """The table of docs/compiler.md: nodes as they are, errors as they are found or somewhat smaller."""
+    assert measured.count("refused, not exact") == 2  # truncated, or flushed
     rows = dict(re.findall(r"^(\w+): \d+ checked, 0 wrong, (.*) at most$", measured, re.M))
     section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("### Double-single")[1].split("\n### ")[0]
     stated = re.findall(r"^\| `(\w+)` \| .* \| (\d+) \| (\S+) \| \S+ \|$", section, re.M)
@@ -223,8 +224,43 @@ def test_what_cannot_be_had_is_refused(tmp_path, equation, options, message):
     assert done.returncode in (2, 64) and re.search(message, done.stderr) and not done.stdout, done.stderr
 
 
-def test_adaptive_steps_are_refused():
-    assert "double-single has fixed steps" in fp3("run", KEPLER, "--double-single", "--tolerance", "1e-5", "-c", "many_full", status=2).stderr
+# ---- adaptive steps ----
+
+TURN = "state x = 1\nstate v = 0\nx' = v\nv' = -x\nstep 0.01\n"
+RAMP = "state x = 0\nx' = t - x\nstep 0.01\n"
+
+
+def adaptive(tmp_path, source, tolerance, until, *options, integrator="ralston3", engine="fast", status=0):
+    path = tmp_path / "m.ode"
+    path.write_text(source)
+    done = fp3("run", path, "--double-single", "-i", integrator, "--tolerance", tolerance, "--until", until, "-c", "many_full", "-o", 1,
+               "-e", engine, *options, status=status)
+    return done.stderr if status else states(done.stdout)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-11])
+def test_adaptive_steps_meet_tolerances_below_fp32(tmp_path, tolerance):
+    """t is a pair, too, and gains what the states see: rounded to floats, h would be off by 2^-25 in each step."""
+    turned, ramp = (adaptive(tmp_path, source, tolerance, 10) for source in (TURN, RAMP))
+    for found, wanted in ((turned["x"], math.cos(10)), (turned["v"], -math.sin(10)), (ramp["x"], 9 + math.exp(-10))):
+        assert tolerance/100 < abs(found - wanted) < 40*tolerance
+    assert turned["t"] == ramp["t"] == 10 and turned["rejected"] < 10
+
+
+def test_adaptive_steps_have_the_same_words_on_every_engine(tmp_path):
+    runs = [adaptive(tmp_path, TURN, 1e-7, 0.1, engine=engine) for engine in ("isa", "rtl", "fast")]
+    assert runs[0] == runs[1] == runs[2] and runs[0]["accepted"] > 3
+
+
+def test_adaptive_steps_of_stiff_models_and_with_events(tmp_path):
+    stiff = adaptive(tmp_path, "state x = 1\nx' = -500*(x - t)\nstep 0.001\n", 1e-8, 1, integrator="rodas3", engine="isa")
+    assert stiff["x"] == pytest.approx(1 - 1/500, abs=1e-10) and 100 < stiff["accepted"] < 1000
+    saw = adaptive(tmp_path, "state x = 0\nx' = 1\nwhen x > 0.3: x = 0\nstep 0.01\n", 1e-6, 1, "--set", "locate=1e-9", engine="isa")
+    assert -3e-9 <= saw["x"] - 0.1 <= 1e-12
+
+
+def test_tolerances_that_nothing_can_tell_are_refused(tmp_path):
+    assert "expected a number from 9.09e-13, which the estimate of double-single can tell" in adaptive(tmp_path, TURN, 1e-13, 1, status=2)
 
 
 def test_what_does_not_fit_says_so():
