@@ -362,7 +362,7 @@ skip-report: ## Write docs/skipping.md from what `make skip` measured
 
 .PHONY: stress stress-report
 stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: build/results/stress.json; QUICK=1
-	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick)
+	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick) --jobs $(JOBS)
 
 stress-report: ## Write docs/stress.md and its pictures from the full form of `make stress`
 	@$(PYTHON) tools/stress.py --report --output $(RESULTS)/stress.json

@@ -7,6 +7,7 @@
 """
 
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import subprocess
@@ -14,11 +15,11 @@ import sys
 import tempfile
 
 from bench import about, write
-from stress_report import page, pictures
+from stress_report import SECTIONS, page, pictures
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+MOST = 8        # models of one command
 QUICK = ["kepler", "pendulum", "bouncing_ball"]
-MOST = 48       # models of one command
 
 
 def stress(options, *arguments):
@@ -34,8 +35,10 @@ def stress(options, *arguments):
 
 def run(options):
     models = [ROOT / f"programs/{name}.ode" for name in QUICK] if options.quick else sorted(ROOT.glob("programs/*.ode"))
-    parts = [stress(options)]
-    parts += [stress(options, *models[i:i + MOST]) for i in range(0, len(models), MOST)]
+    work = [("--only", name) for name in SECTIONS if name != "invariants"]      # those are of models alone
+    work += [models[i:i + MOST] for i in range(0, len(models), MOST)]
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        parts = list(pool.map(lambda arguments: stress(options, *arguments), work))
     found = {"about": about(options) | {"command": "make stress" + (" QUICK=1" if options.quick else "")},
              "results": [row for part in parts for row in part["results"]],
              "curves": [curve for part in parts for curve in part["curves"]]}
@@ -54,6 +57,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/fp3", help="the command")
     parser.add_argument("--quick", action="store_true", help="three integrators, three models, fewer steps")
+    parser.add_argument("--jobs", type=int, default=1, help="how many commands at a time (default 1)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/stress.json", help="the file to write")
     parser.add_argument("--report", action="store_true", help="docs/stress.md from that file; nothing is run")
     parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the page goes")
