@@ -57,8 +57,8 @@ static fp3_status fill(const fp3_compiled *c, const fp3_model *model, double h, 
     return status;
 }
 
-static fp3_status write_all(fp3_engine *engine, const fp3_compiled *c, size_t objects,
-                            const float *columns) {
+fp3_status fp3_bench_write(fp3_engine *engine, const fp3_compiled *c, size_t objects,
+                           const float *columns) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < c->input_count; i++) {
         const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
@@ -78,7 +78,7 @@ fp3_status fp3_bench_start(fp3_engine *engine, const fp3_compiled *compiled, con
     if (!status)
         status = fill(compiled, model, h, objects, variants, columns, error);
     if (!status)
-        status = write_all(engine, compiled, objects, columns);
+        status = fp3_bench_write(engine, compiled, objects, columns);
     free(columns);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "text/nearest.h"
 
 #include <errno.h>
+#include <fp3/model.h>
 #include <fp3/program.h>
 #include <inttypes.h>
 #include <math.h>
@@ -135,6 +136,16 @@ uint64_t fp3_arguments_number(struct argp_state *state, const char *option, cons
     if (errno || end == text || *end || *text < '0' || *text > '9' || value < least || value > most)
         argp_error(state, "%s: '%s' is no number from %" PRIu64 " to %" PRIu64, option, text, least,
                    most);
+    return value;
+}
+
+double fp3_arguments_above_zero(struct argp_state *state, const char *option, const char *text) {
+    double value = 0;
+    fp3_error error;
+    if (fp3_constant_read(text, &value, &error))
+        argp_error(state, "%s: '%s' is no number: %s", option, text, error.text);
+    if (!(value > 0 && isfinite(value)))
+        argp_error(state, "%s: found '%s', expected a number above 0", option, text);
     return value;
 }
 

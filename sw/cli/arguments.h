@@ -14,6 +14,9 @@ void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *i
 uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
                               uint64_t least, uint64_t most);
 
+/* A number or a constant expression, finite and above 0; ends with 2 and a message if it is none. */
+double fp3_arguments_above_zero(struct argp_state *state, const char *option, const char *text);
+
 /* Ends with 2 and a message if the name says that it is another program than a model, and the
  * option --model was not given. */
 void fp3_arguments_model(struct argp_state *state, const char *path, int is_model);

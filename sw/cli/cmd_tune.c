@@ -81,21 +81,6 @@ static const struct argp_option table[] = {
     {0},
 };
 
-static double number(struct argp_state *state, const char *option, const char *text) {
-    double value = 0;
-    fp3_error error;
-    if (fp3_constant_read(text, &value, &error))
-        argp_error(state, "%s: '%s' is no number: %s", option, text, error.text);
-    return value;
-}
-
-static double above_zero(struct argp_state *state, const char *option, const char *text) {
-    const double value = number(state, option, text);
-    if (!(value > 0 && isfinite(value)))
-        argp_error(state, "%s: found '%s', expected a number above 0", option, text);
-    return value;
-}
-
 static int ends_in_scene(const char *path) {
     const size_t size = strlen(path);
     return size > 6 && strcasecmp(path + size - 6, ".scene") == 0;
@@ -125,13 +110,13 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->is_model = 1;
         break;
     case KEY_TOLERANCE:
-        o->def.tolerance = above_zero(state, "--tolerance", text);
+        o->def.tolerance = fp3_arguments_above_zero(state, "--tolerance", text);
         break;
     case KEY_AROUND:
-        o->around = above_zero(state, "--around", text);
+        o->around = fp3_arguments_above_zero(state, "--around", text);
         break;
     case KEY_SPAN:
-        o->def.span = above_zero(state, "--span", text);
+        o->def.span = fp3_arguments_above_zero(state, "--span", text);
         break;
     case KEY_OBJECTS:
         o->objects = (uint32_t)fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);

@@ -1,28 +1,18 @@
 /* run_adaptive.c - see run_adaptive.h. */
 #include "run_adaptive.h"
 
-#include <fp3/model.h>
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
+#include "arguments.h"
 
-static double above_zero(struct argp_state *state, const char *option, const char *text) {
-    double value = 0;
-    fp3_error error;
-    if (fp3_constant_read(text, &value, &error))
-        argp_error(state, "%s: '%s' is no number: %s", option, text, error.text);
-    if (!(value > 0 && isfinite(value)))
-        argp_error(state, "%s: found '%s', expected a number above 0", option, text);
-    return value;
-}
+#include <inttypes.h>
+#include <stdio.h>
 
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text) {
     def->is_adaptive = 1;
-    def->adaptive.tolerance = above_zero(state, "--tolerance", text);
+    def->adaptive.tolerance = fp3_arguments_above_zero(state, "--tolerance", text);
 }
 
 void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text) {
-    def->adaptive.until = above_zero(state, "--until", text);
+    def->adaptive.until = fp3_arguments_above_zero(state, "--until", text);
 }
 
 void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state) {

@@ -1,6 +1,8 @@
 /* meter.c - see meter.h. */
 #include "meter.h"
 
+#include "bench/variants.h"
+
 #include <fp3/start.h>
 #include <math.h>
 #include <stdlib.h>
@@ -47,18 +49,6 @@ static fp3_status fill(const fp3_meter_rows *r, const fp3_compiled *c, float *co
             columns[k * r->objects + i] = row[k];
     }
     free(row);
-    return status;
-}
-
-static fp3_status write_all(fp3_engine *engine, const fp3_compiled *c, size_t objects,
-                            const float *columns) {
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
-        status = s->symbol_class == FP3_SYMBOL_SHARED
-                     ? fp3_engine_write_shared(engine, s->index, 1, columns + i * objects)
-                     : fp3_engine_write(engine, 0, objects, s->index, columns + i * objects);
-    }
     return status;
 }
 
@@ -117,7 +107,7 @@ fp3_status fp3_meter_start(fp3_meter *meter, const fp3_compiled *compiled,
     if (!status)
         status = fp3_engine_load(meter->engine, compiled->image);
     if (!status)
-        status = write_all(meter->engine, compiled, rows->objects, columns);
+        status = fp3_bench_write(meter->engine, compiled, rows->objects, columns);
     free(columns);
     return fp3_meter_judge(meter, status, error);
 }
