@@ -108,6 +108,10 @@ def first_rounds(rows):
             "sample's at most. The others were made again with what had failed.")
 
 
+def share(ratio):
+    return f"{ratio:.2f}" if ratio >= 0.01 else f"{ratio:.1g}"
+
+
 def table(rows):
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
     yield "| model | error of rk4 | " + " | ".join(f"{t:g}" for t in tolerances) + " |"
@@ -118,7 +122,7 @@ def table(rows):
         cells = [f"`{model}`", "-" if base is None else f"{base:.1e}"]
         for row in (mine.get(t) for t in tolerances):
             met = row and row["met"]
-            cells.append(f"{row['cost_ratio']:.2f} `{row['integrator']}` {row['arithmetic']}, {step_of(row, '.3g')}" if met else "not met")
+            cells.append(f"{share(row['cost_ratio'])} `{row['integrator']}` {row['arithmetic']}, {step_of(row, '.3g')}" if met else "not met")
         yield "| " + " | ".join(cells) + " |"
 
 
