@@ -47,6 +47,24 @@ def test_stability_limits_are_those_of_the_books(stress):
         assert row["measured"] == pytest.approx(limit, rel=1e-3) and row["tolerance"] == pytest.approx(limit / 1000)
 
 
+def test_what_is_judged_in_double_single(stress):
+    """Its errors are told in units of its own; its overflow is that of a product, in an earlier step."""
+    end = [row for row in stress("-i", "rk4", "--only", "steps") if row["arithmetic"] == "double_single" and "2^-48" in row["name"]]
+    assert len(end) == 1 and abs(end[0]["measured"] - end[0]["expected"]) < 100 < end[0]["tolerance"] < 2000
+    assert any(row["arithmetic"] == "double_single" and "in step 97: overflow" in row["name"] for row in stress("--only", "failures"))
+
+
+def test_in_double_the_coefficients_are_those_of_the_program(stress):
+    """Of rk6, 1/3 and others as FP32 has them: 1.2e-5; as they are, -3.5e-7 (by a program of its own, in double)."""
+    row = [row for row in stress("-i", "rk6", "--only", "drift") if row["arithmetic"] == "compensated" and row["name"].startswith("energy")][0]
+    assert row["expected"] == pytest.approx(1.186e-5, rel=0.01)
+
+
+def test_a_linearly_implicit_method_has_no_limit(stress):
+    rows = stress("-i", "rodas3", "--only", "stability")
+    assert len(rows) == 3 and all(row["expected"] is None and row["measured"] is None and row["tolerance"] == 0 for row in rows)
+
+
 @pytest.mark.parametrize("integrator, section, factor, is_found", [
     ("rk4", "stability", 1, False), ("rk4", "stability", 1.01, True), ("rk4", "steps", 1.1, True),
     ("rk4", "reversal", 1.1, True), ("verlet", "stability", 1.01, True), ("rkc8", "stability", 1.01, True),
