@@ -52,7 +52,7 @@ else
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
-RTL_ROOMS := config fp front host lib solo tile
+RTL_ROOMS := bus config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
 LIB_C   := $(filter-out sw/cli/% sw/measure/% $(HDF5_C),$(wildcard sw/*/*.c))

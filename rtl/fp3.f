@@ -3,6 +3,7 @@
 +incdir+rtl
 +incdir+rtl/gen
 -y rtl
+-y rtl/bus
 -y rtl/config
 -y rtl/fp
 -y rtl/front

@@ -1,12 +1,12 @@
 // fp3: the field-programmable physics processor.
 //
-// Purpose   Integrates equations of motion. A host loads a program and objects over the host port
+// Purpose   Integrates equations of motion. A host loads a program and objects over an AXI4-Lite bus
 //           and starts a run of N steps; docs/architecture.md says how the parts work together.
 //
-//           host port ──► hub ──► solo                     one object, INTERLEAVE = 0
-//                          └────► tile, tile ...           many, INTERLEAVE = 1
+//           bus ──► axi_lite ──► hub ──► solo                     one object, INTERLEAVE = 0
+//                                 └────► tile, tile ...           many, INTERLEAVE = 1
 //
-// Latency   See solo, or sequencer and lane; hub for an access of the host.
+// Latency   See solo, or sequencer and lane; axi_lite, hub and host_port for an access of the host.
 // Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design. They
 //           have a part for each scheduler, or for each lane of each, the first in the low bits.
 // Use       A named configuration (rtl/gen/fp3_<name>.v), or set parameters by name.
@@ -15,18 +15,30 @@
 module fp3 #(
 `include "gen/parameters.vh"
 ) (
-    input  wire        clk_i,
-    input  wire        rst_i,
-    // Host port
-    input  wire        req_valid_i,
-    output wire        req_ready_o,
-    input  wire        req_write_i,
-    input  wire [31:0] req_addr_i,
-    input  wire [31:0] req_wdata_i,
-    output wire        rsp_valid_o,
-    input  wire        rsp_ready_i,
-    output wire [31:0] rsp_rdata_o,
-    output wire        rsp_error_o,
+    // The bus: AXI4-Lite
+    input  wire                 s_axi_aclk,
+    input  wire                 s_axi_aresetn,
+    input  wire [ADDRESS_W-1:0] s_axi_awaddr,
+    input  wire [2:0]           s_axi_awprot,
+    input  wire                 s_axi_awvalid,
+    output wire                 s_axi_awready,
+    input  wire [31:0]          s_axi_wdata,
+    input  wire [3:0]           s_axi_wstrb,
+    input  wire                 s_axi_wvalid,
+    output wire                 s_axi_wready,
+    output wire [1:0]           s_axi_bresp,
+    output wire                 s_axi_bvalid,
+    input  wire                 s_axi_bready,
+    input  wire [ADDRESS_W-1:0] s_axi_araddr,
+    input  wire [2:0]           s_axi_arprot,
+    input  wire                 s_axi_arvalid,
+    output wire                 s_axi_arready,
+    output wire [31:0]          s_axi_rdata,
+    output wire [1:0]           s_axi_rresp,
+    output wire                 s_axi_rvalid,
+    input  wire                 s_axi_rready,
+    // High while a scheduler's run has ended and its register `interrupt` says so
+    output wire                 irq,
     // Trace: instructions issue
     output wire [TILES*SCHEDULERS-1:0]          issue_valid_o,
     output wire [16*TILES*SCHEDULERS-1:0]       issue_pc_o,
@@ -45,19 +57,48 @@ module fp3 #(
     localparam N = TILES * SCHEDULERS;
     config_rules #(.CONFIG(CONFIG)) u_rules ();
 
-    wire [N-1:0]    req_valid, req_ready, rsp_valid, rsp_error;
+    // Reset reaches far, so the processor has it a cycle later than the bus; at power-up it is in reset.
+    wire clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
+    reg  rst = 1'b1, irq_q;
+    always @(posedge clk) rst <= bus_rst;
+
+    wire                 asks, taken, write, answered, listens, refused;
+    wire [ADDRESS_W-1:0] address;
+    wire [31:0]          wdata, rdata;
+    axi_lite #(.ADDRESS_W(ADDRESS_W)) u_axi (
+        .clk_i(clk), .rst_i(bus_rst),
+        .s_axi_awvalid(s_axi_awvalid), .s_axi_awready(s_axi_awready), .s_axi_awaddr(s_axi_awaddr),
+        .s_axi_wvalid(s_axi_wvalid), .s_axi_wready(s_axi_wready), .s_axi_wdata(s_axi_wdata), .s_axi_wstrb(s_axi_wstrb),
+        .s_axi_bvalid(s_axi_bvalid), .s_axi_bready(s_axi_bready), .s_axi_bresp(s_axi_bresp),
+        .s_axi_arvalid(s_axi_arvalid), .s_axi_arready(s_axi_arready), .s_axi_araddr(s_axi_araddr),
+        .s_axi_rvalid(s_axi_rvalid), .s_axi_rready(s_axi_rready), .s_axi_rdata(s_axi_rdata), .s_axi_rresp(s_axi_rresp),
+        .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
+        .rsp_valid_i(answered), .rsp_ready_o(listens), .rsp_rdata_i(rdata), .rsp_error_i(refused));
+
+    wire [7:0] scheduler;              // all ones, in as many bits as there are: all of them
+    generate
+        if (N == 1) begin : g_only
+            assign scheduler = 8'd0;
+        end else begin : g_which
+            assign scheduler = &address[ADDRESS_W-1:24] ? 8'hff : {{32-ADDRESS_W{1'b0}}, address[ADDRESS_W-1:24]};
+        end
+    endgenerate
+    wire [N-1:0]    req_valid, req_ready, rsp_valid, rsp_error, ended;
     wire            req_write, rsp_ready;
     wire [23:0]     req_addr;
     wire [31:0]     req_wdata;
     wire [32*N-1:0] rsp_rdata;
     hub #(.N(N)) u_hub (
-        .clk_i(clk_i), .rst_i(rst_i),
-        .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
-        .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
-        .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o), .rsp_error_o(rsp_error_o),
+        .clk_i(clk), .rst_i(rst),
+        .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
+        .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),
+        .rsp_valid_o(answered), .rsp_ready_i(listens), .rsp_rdata_o(rdata), .rsp_error_o(refused),
         .req_valid_o(req_valid), .req_ready_i(req_ready), .req_write_o(req_write), .req_addr_o(req_addr),
         .req_wdata_o(req_wdata), .rsp_valid_i(rsp_valid), .rsp_ready_o(rsp_ready), .rsp_rdata_i(rsp_rdata),
         .rsp_error_i(rsp_error));
+    always @(posedge clk) irq_q <= |ended && !rst;
+    assign irq = irq_q;
+    wire unused = &{s_axi_awprot, s_axi_arprot};
 
     genvar t;
     generate
@@ -65,10 +106,10 @@ module fp3 #(
             assign {issue_context_o, retire_context_o, retire_object_o} = 64'd0;
             assign retire_end_o = {2{retire_valid_o}};
             solo #(.CONFIG(CONFIG)) u_solo (
-                .clk_i(clk_i), .rst_i(rst_i),
+                .clk_i(clk), .rst_i(rst),
                 .req_valid_i(req_valid[0]), .req_ready_o(req_ready[0]), .req_write_i(req_write), .req_addr_i(req_addr),
                 .req_wdata_i(req_wdata), .rsp_valid_o(rsp_valid[0]), .rsp_ready_i(rsp_ready), .rsp_rdata_o(rsp_rdata),
-                .rsp_error_o(rsp_error[0]),
+                .rsp_error_o(rsp_error[0]), .irq_o(ended[0]),
                 .issue_valid_o(issue_valid_o), .issue_pc_o(issue_pc_o), .issue_word_o(issue_word_o),
                 .retire_valid_o(retire_valid_o), .retire_register_o(retire_register_o),
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
@@ -76,10 +117,11 @@ module fp3 #(
             localparam S = SCHEDULERS, L = SCHEDULERS * LANES;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.CONFIG(CONFIG)) u_tile (
-                    .clk_i(clk_i), .rst_i(rst_i),
+                    .clk_i(clk), .rst_i(rst),
                     .req_valid_i(req_valid[S*t +: S]), .req_ready_o(req_ready[S*t +: S]), .req_write_i(req_write),
                     .req_addr_i(req_addr), .req_wdata_i(req_wdata), .rsp_valid_o(rsp_valid[S*t +: S]),
                     .rsp_ready_i(rsp_ready), .rsp_rdata_o(rsp_rdata[32*S*t +: 32*S]), .rsp_error_o(rsp_error[S*t +: S]),
+                    .irq_o(ended[S*t +: S]),
                     .issue_valid_o(issue_valid_o[S*t +: S]), .issue_pc_o(issue_pc_o[16*S*t +: 16*S]),
                     .issue_context_o(issue_context_o[16*S*t +: 16*S]), .issue_word_o(issue_word_o[32*S*t +: 32*S]),
                     .retire_end_o(retire_end_o[2*L*t +: 2*L]),

@@ -1,4 +1,4 @@
-/* fp3_rtl.h - one simulated FP3: its clock, its host port, what it issues and retires.
+/* fp3_rtl.h - one simulated FP3: its clock, its bus, what it issues and retires.
  *
  * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With its
  * Verilated hardware it is a library, fp3_<configuration>.so, that exports one table, fp3_rtl_table.
@@ -36,17 +36,18 @@ typedef struct {
 } fp3_rtl_watch;
 
 /* Raise it with every change of this header, or of a structure that it takes from elsewhere. */
-#define FP3_RTL_VERSION 1u
+#define FP3_RTL_VERSION 2u
 
 typedef struct {
     /* FP3_RTL_VERSION and sizeof(fp3_rtl_ops), where the table was compiled. */
     uint32_t version, size;
     const char *config;
-    /* Clocked through reset; NULL: out of memory. */
-    fp3_rtl *(*open)(const fp3_rtl_watch *watch);
+    /* Clocked through reset; NULL: out of memory. waits: a seed for how long the master of the bus lets each
+     * channel wait in each transfer, 0 to 3 cycles; 0: never. */
+    fp3_rtl *(*open)(const fp3_rtl_watch *watch, uint64_t waits);
     void (*close)(fp3_rtl *rtl);
-    /* One request and its response on the host port. 0: done; 1: the hardware answered with an
-     * error; -1: it did not answer. */
+    /* One transfer on the AXI4-Lite bus. 0: done; 1: answered with an error, by the processor or because the address
+     * is outside of its window; -1: not answered, or against the rules of the bus. */
     int (*transfer)(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data);
     /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row; cycles at
      * most. */

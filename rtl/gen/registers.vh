@@ -3,23 +3,24 @@
 // verilator lint_off UNUSEDPARAM
 
 // Registers.
-localparam [15:0] ADDR_ID       = 16'h0000;
-localparam [15:0] ADDR_SHAPE    = 16'h0004;
-localparam [15:0] ADDR_MEMORY   = 16'h0008;
-localparam [15:0] ADDR_FEATURES = 16'h000c;
-localparam [15:0] ADDR_CONTROL  = 16'h0010;
-localparam [15:0] ADDR_STATUS   = 16'h0014;
-localparam [15:0] ADDR_RECORD   = 16'h0018;
-localparam [15:0] ADDR_FAULT    = 16'h001c;
-localparam [15:0] ADDR_STEPS    = 16'h0020;
-localparam [15:0] ADDR_STEP     = 16'h0024;
-localparam [15:0] ADDR_LAST     = 16'h0028;
-localparam [15:0] ADDR_SIZE     = 16'h002c;
-localparam [15:0] ADDR_ARRAY    = 16'h0030;
-localparam [15:0] ADDR_STORE    = 16'h0034;
-localparam [15:0] ADDR_VISIT    = 16'h0038;
-localparam [15:0] ADDR_CLOCK    = 16'h003c;
-localparam [15:0] ADDR_FLAGS    = 16'h0040;
+localparam [15:0] ADDR_ID        = 16'h0000;
+localparam [15:0] ADDR_SHAPE     = 16'h0004;
+localparam [15:0] ADDR_MEMORY    = 16'h0008;
+localparam [15:0] ADDR_FEATURES  = 16'h000c;
+localparam [15:0] ADDR_CONTROL   = 16'h0010;
+localparam [15:0] ADDR_STATUS    = 16'h0014;
+localparam [15:0] ADDR_RECORD    = 16'h0018;
+localparam [15:0] ADDR_FAULT     = 16'h001c;
+localparam [15:0] ADDR_STEPS     = 16'h0020;
+localparam [15:0] ADDR_STEP      = 16'h0024;
+localparam [15:0] ADDR_LAST      = 16'h0028;
+localparam [15:0] ADDR_SIZE      = 16'h002c;
+localparam [15:0] ADDR_ARRAY     = 16'h0030;
+localparam [15:0] ADDR_STORE     = 16'h0034;
+localparam [15:0] ADDR_VISIT     = 16'h0038;
+localparam [15:0] ADDR_CLOCK     = 16'h003c;
+localparam [15:0] ADDR_FLAGS     = 16'h0040;
+localparam [15:0] ADDR_INTERRUPT = 16'h0044;
 
 // Fields of registers.
 localparam SHAPE_REGISTERS_HI          = 7;
@@ -88,6 +89,10 @@ localparam FLAGS_DIVIDE_BY_ZERO_HI     = 3;
 localparam FLAGS_DIVIDE_BY_ZERO_LO     = 3;
 localparam FLAGS_INVALID_HI            = 4;
 localparam FLAGS_INVALID_LO            = 4;
+localparam INTERRUPT_ENABLE_HI         = 0;
+localparam INTERRUPT_ENABLE_LO         = 0;
+localparam INTERRUPT_ENDED_HI          = 1;
+localparam INTERRUPT_ENDED_LO          = 1;
 localparam STATUS_FLAGS_HI             = 4;
 localparam STATUS_FLAGS_LO             = 0;
 localparam STATUS_STEP_HI              = 31;

@@ -30,6 +30,7 @@ module host_port #(
     input  wire                 rsp_ready_i,
     output wire [31:0]          rsp_rdata_o,
     output wire                 rsp_error_o,
+    output wire                 irq_o,
     // The scheduler's run
     output wire                 start_o,
     output wire                 stop_o,
@@ -105,6 +106,7 @@ module host_port #(
     reg               done_q, illegal_q, stopped_q, was_running_q;
     reg [PROGRAM_W-1:0] fault_q;
     reg [4:0]         flags_q;
+    reg               irq_enable_q, ended_q;
 
     reg  runnable, is_index, is_record;
     always @(posedge clk_i) begin
@@ -128,6 +130,7 @@ module host_port #(
             ADDR_RECORD[6:2]:  ok = STORE_WORDS != 0 && (!write_q || (!running_i && is_record));
             ADDR_STEPS[6:2]:   ok = !write_q || !running_i;
             ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: ok = !write_q || (!running_i && is_index);
+            ADDR_INTERRUPT[6:2]: ok = 1'b1;
             default:           ok = !write_q && addr_q[6:2] <= ADDR_FLAGS[6:2];
         endcase
         else if (in_counters) ok = !write_q;
@@ -135,8 +138,9 @@ module host_port #(
         if (addr_q[1:0] != 2'b00) ok = 1'b0;
     end
 
-    // What a read shows, in two halves: one mux would be the longest path of the whole.
-    reg [31:0] first, second;
+    // What a read shows, in parts: one mux would be the longest path of the whole.
+    wire [31:0] third = {27'd0, addr_q[2] ? {3'd0, ended_q, irq_enable_q} : flags_q};
+    reg  [31:0] first, second;
     always @* begin
         first  = 32'd0;
         second = 32'd0;
@@ -165,20 +169,22 @@ module host_port #(
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
     // may change, so it still has its meaning.
     reg        ok_q;
-    reg [31:0] rdata_q, counter_q, first_q, second_q;
+    reg [31:0] rdata_q, counter_q, first_q, second_q, third_q;
     always @(posedge clk_i) begin
         if (check_q) ok_q <= ok;
         counter_q  <= addr_q[2] ? counters_value_i[63:32] : counters_value_i[31:0];
         first_q    <= first;
         second_q   <= second;
+        third_q    <= third;
         if (wait_q)         rdata_q <= rdata_i;
-        else if (execute_q) rdata_q <= in_counters ? counter_q : addr_q[6] ? {27'd0, flags_q}
+        else if (execute_q) rdata_q <= in_counters ? counter_q : addr_q[6] ? third_q
                                      : addr_q[5] ? second_q : first_q;
     end
     assign patient = in_memory && ok_q && !write_q;
 
     wire write   = execute_q && write_q && ok_q && !rst_i;
     wire control = write && in_registers && addr_q[6:2] == ADDR_CONTROL[6:2];
+    wire to_interrupt = write && in_registers && addr_q[6:2] == ADDR_INTERRUPT[6:2];
     wire start   = control && wants_start;
     reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
     always @(posedge clk_i) begin
@@ -207,20 +213,22 @@ module host_port #(
 
     always @(posedge clk_i)
         if (rst_i) begin
-            {done_q, illegal_q, stopped_q, was_running_q, flags_q} <= 9'd0;
+            {done_q, illegal_q, stopped_q, was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0;
             fault_q <= {PROGRAM_W{1'b0}};
         end else begin
             was_running_q <= running_i;
             if (start) begin
                 {illegal_q, stopped_q, flags_q} <= 7'd0;
-                done_q <= steps_q == 32'd0;
+                {done_q, ended_q} <= {2{steps_q == 32'd0}};
             end else begin
                 // The first reason to end is the one that counts.
                 if (stop_o && !illegal_i && !illegal_q) stopped_q <= 1'b1;
                 if (illegal_i && !stopped_q) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
                 flags_q <= flags_q | flags_i;
-                if (was_running_q && !running_i) done_q <= !illegal_q && !stopped_q;
+                if (was_running_q && !running_i) {ended_q, done_q} <= {1'b1, !illegal_q && !stopped_q};
+                else if (to_interrupt && wdata_q[INTERRUPT_ENDED_LO]) ended_q <= 1'b0;
             end
+            if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];
         end
 
     // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: their ends
@@ -243,6 +251,7 @@ module host_port #(
     assign wdata_o          = wdata_q;
     assign counters_clear_o = clear_q;
 
+    assign irq_o       = irq_enable_q && ended_q;
     assign rsp_error_o = !ok_q;
     assign rsp_rdata_o = rdata_q & {32{ok_q && !write_q}};
 

@@ -25,6 +25,7 @@ module solo #(
     input  wire        rsp_ready_i,
     output wire [31:0] rsp_rdata_o,
     output wire        rsp_error_o,
+    output wire        irq_o,
     // Trace
     output wire        issue_valid_o,
     output wire [15:0] issue_pc_o,
@@ -61,7 +62,7 @@ module solo #(
         .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
-        .rsp_error_o(rsp_error_o),
+        .rsp_error_o(rsp_error_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(unused_visit), .clock_o(unused_clock), .record_o(unused_record),
         .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(issue_pc),

@@ -26,6 +26,7 @@ module tile #(
     input  wire                     rsp_ready_i,
     output wire [32*SCHEDULERS-1:0] rsp_rdata_o,
     output wire [SCHEDULERS-1:0]    rsp_error_o,
+    output wire [SCHEDULERS-1:0]    irq_o,
     // Trace: a part for each scheduler, and for each lane of each
     output wire [SCHEDULERS-1:0]          issue_valid_o,
     output wire [16*SCHEDULERS-1:0]       issue_pc_o,
@@ -55,7 +56,7 @@ module tile #(
                 .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .rsp_valid_o(rsp_valid_o[s]), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o[32*s +: 32]),
-                .rsp_error_o(rsp_error_o[s]),
+                .rsp_error_o(rsp_error_o[s]), .irq_o(irq_o[s]),
                 .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
                 .subtract_o(subtract[LANES*s +: LANES]),
                 .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .choice_o(choice[CHOICE_W*LANES*s +: CHOICE_W*LANES]),

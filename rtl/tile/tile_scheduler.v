@@ -32,6 +32,7 @@ module tile_scheduler #(
     input  wire                rsp_ready_i,
     output wire [31:0]         rsp_rdata_o,
     output wire                rsp_error_o,
+    output wire                irq_o,
     // Arithmetic, a part for each lane
     output wire                running_o,
     output wire                adds_o,
@@ -78,7 +79,7 @@ module tile_scheduler #(
         .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
-        .rsp_error_o(rsp_error_o),
+        .rsp_error_o(rsp_error_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(visit), .clock_o(clock),
         .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),

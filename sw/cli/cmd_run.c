@@ -18,7 +18,7 @@
 
 typedef struct {
     const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
-    uint64_t steps, cycle_limit, objects, visit, threads;
+    uint64_t steps, cycle_limit, objects, visit, threads, bus_waits;
     int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_run_values values;
     fp3_run_record record;
@@ -34,6 +34,7 @@ enum {
     KEY_PARAMS,
     KEY_LIMIT,
     KEY_BUS_LOG,
+    KEY_BUS_WAITS,
     KEY_VISIT,
     KEY_KANATA,
     KEY_ALL,
@@ -123,7 +124,9 @@ static const struct argp_option table[] = {
      0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
-    {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the host port to FILE", 0},
+    {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the bus to FILE", 0},
+    {"bus-waits", KEY_BUS_WAITS, "SEED", 0,
+     "Let each channel of the bus wait 0 to 3 cycles in each transfer, at random from SEED", 0},
     {"kanata", KEY_KANATA, "FILE", 0, "Write the pipeline's log to FILE, for the viewer Konata", 0},
     {0},
 };
@@ -154,7 +157,9 @@ static void check(const options *o, struct argp_state *state) {
     if (o->clock > 0 && o->engine && strcmp(o->engine, "rtl") != 0)
         argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
     if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
-        argp_error(state, "--bus-log: only the hardware, engine rtl, has a host port");
+        argp_error(state, "--bus-log: only the hardware, engine rtl, has a bus");
+    if (o->bus_waits && o->engine && strcmp(o->engine, "rtl") != 0)
+        argp_error(state, "--bus-waits: only the hardware, engine rtl, has a bus");
     if (fp3_run_record_is_asked(&o->record) && o->cycle_limit)
         argp_error(state,
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
@@ -222,6 +227,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_BUS_LOG:
         o->bus_log = text;
+        break;
+    case KEY_BUS_WAITS:
+        o->bus_waits = fp3_arguments_number(state, "--bus-waits", text, 1, UINT64_MAX);
         break;
     case KEY_OUTPUT:
         o->record.def.path = text;
@@ -377,6 +385,7 @@ static void define(options *o, fp3_engine_def *def, fp3_error *error) {
     def->cycle_limit = o->cycle_limit;
     def->threads = (uint32_t)o->threads;
     def->bus_log = o->bus_log;
+    def->bus_waits = o->bus_waits;
     def->progress = o->progress ? tell : NULL;
     def->progress_user = o;
     def->error = error;

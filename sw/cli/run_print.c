@@ -184,11 +184,14 @@ static void print_cost(const fp3_stats *stats, int has_counters) {
 }
 
 /* What the cycles take on hardware with this clock, and what they took to simulate. */
-static void print_time(const fp3_stats *stats, int is_rtl, double clock) {
+static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, double clock) {
     const double cycles = (double)stats->counter[FP3_COUNTER_CYCLES];
     if (clock > 0) {
         printf("%-16s %.6g s at %.6g MHz: %.0f cycles\n", "time", cycles / clock, clock / 1e6,
                cycles);
+        if (is_rtl)
+            printf("%-16s %.6g s: %" PRIu64 " transfers in %" PRIu64 " cycles\n", "bus",
+                   (double)bus.cycles / clock, bus.transfers, bus.cycles);
         if (stats->object_steps)
             printf("%-16s %.6g s\n", "per object-step",
                    cycles / clock / (double)stats->object_steps);
@@ -265,7 +268,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     if (*how)
         print_speed(stats, how);
     else
-        print_time(stats, is_rtl, clock);
+        print_time(stats, is_rtl, fp3_engine_bus(engine), clock);
     if (is_rtl)
         print_occupancy(engine, cost);
     if (is_rtl && of->scene)

@@ -62,6 +62,7 @@ struct fp3_engine {
     uint32_t objects;
     fp3_layout layout; /* one group without a program until a load */
     int is_touched;    /* some register, constant or status may be other than 0 */
+    fp3_bus_use bus;   /* since it was opened */
     uint32_t clock;    /* steps of earlier runs */
     uint64_t made;     /* ... since the load, as lifetimes count them */
     uint32_t began;    /* the clock when this run began */

@@ -94,8 +94,10 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     if (!backend)
         return FP3_E_ARGUMENT;
     if (def->bus_log && backend != &fp3_backend_rtl)
-        return fp3_fail(def->error, FP3_E_ARGUMENT,
-                        "bus log %s: engine '%s' has no host port; rtl has", def->bus_log,
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "bus log %s: engine '%s' has no bus; rtl has",
+                        def->bus_log, def->engine);
+    if (def->bus_waits && backend != &fp3_backend_rtl)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "bus_waits: engine '%s' has no bus; rtl has",
                         def->engine);
     fp3_status status = fp3_config_choose(def->config, &config, def->error);
     return status ? status : fp3_engine_open_as(def, config, engine);
@@ -138,5 +140,7 @@ void fp3_engine_close(fp3_engine **engine) {
 }
 
 size_t fp3_engine_objects(const fp3_engine *engine) { return engine->objects; }
+
+fp3_bus_use fp3_engine_bus(const fp3_engine *engine) { return engine->bus; }
 
 size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count; }

@@ -1,6 +1,6 @@
-/* rtl.c - the "rtl" engine: drives a simulated FP3 through its host port, as any host would.
+/* rtl.c - the "rtl" engine: drives a simulated FP3 over its AXI4-Lite bus, as a driver would.
  *
- * What it tells the hardware and what it learns goes over the port: the cycles are the hardware's
+ * What it tells the hardware and what it learns goes over the bus: the cycles are the hardware's
  * own count. Retirements alone are watched from outside.
  */
 #include "backend.h"
@@ -37,7 +37,7 @@ typedef struct {
 #define FIELD(word, field)                                                                         \
     (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
 
-/* ---- the host port ---- */
+/* ---- the bus ---- */
 
 static uint32_t schedulers(const fp3_engine *engine) {
     return fp3_config_schedulers(engine->config);
@@ -58,7 +58,10 @@ static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
 
 static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data) {
     rtl_engine *self = engine->self;
+    const uint64_t begin = self->hardware.ops->now(self->rtl);
     const int result = self->hardware.ops->transfer(self->rtl, is_write, address, data);
+    engine->bus.transfers++;
+    engine->bus.cycles += self->hardware.ops->now(self->rtl) - begin;
     if (result == 0)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware %s %s at 0x%08" PRIx32,
@@ -173,7 +176,7 @@ static fp3_status rtl_open(fp3_engine *engine) {
     if (engine->def.trace && !(self->in_flight = fp3_in_flight_make(engine->config)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     const fp3_rtl_watch watch = {self->in_flight ? note_issue : NULL, note_end, engine};
-    if (!(self->rtl = self->hardware.ops->open(&watch)))
+    if (!(self->rtl = self->hardware.ops->open(&watch, engine->def.bus_waits)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (engine->def.bus_log) {
         status = fp3_output_open(engine->def.bus_log, &self->output, engine->def.error);

@@ -176,7 +176,7 @@ def test_a_bus_log_is_there_whole_or_not_at_all(start, folder):
     assert done.returncode == 2 and b"only the hardware" in done.stderr
     (folder / "isa.scene").write_text('engine = "isa"; ' + (folder / "m.scene").read_text())
     done = start("run --scene isa.scene --bus-log log2")
-    assert done.returncode == 2 and b"no host port" in done.stderr
+    assert done.returncode == 2 and b"no bus" in done.stderr
     assert not [path for path in folder.iterdir() if path.name.startswith(".") or path.name == "log2"]
 
 

@@ -212,7 +212,7 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     while (b.config->store_words >> b.log2 == 0)
         b.log2--;
     b.words = 1u << b.log2;
-    b.rtl = ops->open(&(fp3_rtl_watch){0});
+    b.rtl = ops->open(&(fp3_rtl_watch){0}, 0);
     if (!b.rtl)
         return 1;
     for (uint32_t u = 0; u < schedulers; u++)

@@ -365,7 +365,11 @@ static void the_bus_log_has_every_transfer(bench *b) {
         EXPECT(!run && read && strncmp(line, "r 00000000 465033", 17) == 0);
         EXPECT(reopen(b) == FP3_E_ARGUMENT && SAYS("/nonexistent/log"));
     } else {
-        EXPECT(status == FP3_E_ARGUMENT && SAYS("has no host port"));
+        EXPECT(status == FP3_E_ARGUMENT && SAYS("has no bus"));
+        b->def.bus_log = NULL;
+        b->def.bus_waits = 1;
+        EXPECT(reopen(b) == FP3_E_ARGUMENT && SAYS("bus_waits: engine"));
+        b->def.bus_waits = 0;
     }
     remove(path);
 }

@@ -172,7 +172,35 @@ PACE = Subject(
     ])
 
 
+# ---- the bus --------------------------------------------------------------------------------------
+
+QUICK, SLOW = {"PATIENCE": 0}, {"PATIENCE": 1}
+
+AXI_LITE = Subject(
+    "axi_lite_spec", ("axi_lite.v",), "a host port that answers within {PATIENCE} cycles",
+    [SLOW], [
+        ("a response is taken back", "b_q     <= b_q  ? !s_axi_bready :", "b_q     <= b_q  ? 1'b0 :", QUICK),
+        ("response changes while it stands", "if (!b_q)  berror_q <=", "berror_q <=", QUICK),
+        ("data change while they stand", "if (!r_q)  {rdata_q", "{rdata_q", QUICK),
+        ("an address changes while it waits", "if (!aw_q) awaddr_q", "awaddr_q", QUICK),
+        ("a write without its data", "write    = aw_q && w_q &&", "write    = aw_q &&", QUICK),
+        ("write while a response stands", "&& !b_q && !(asked_q && write_q)", "&& !(asked_q && write_q)", QUICK),
+        ("write overtakes a write", "&& !b_q && !(asked_q && write_q)", "&& !b_q", SLOW),
+        ("a read while a response stands", "ar_q && !r_q &&", "ar_q &&", QUICK),
+        ("reads wait for bready", "read     = ar_q && !r_q", "read     = ar_q && !b_q && !r_q", QUICK),
+        ("writes wait for rready", "&& !b_q && !(asked_q", "&& !b_q && !r_q && !(asked_q", QUICK),
+        ("writes come first", "!(read && write_q)", "1'b1", SLOW),
+        ("some bytes are a word", "whole    = &wstrb_q", "whole    = |wstrb_q", QUICK),
+        ("write of some bytes is none", "skip ? |wstrb_q", "skip ? 1'b0", QUICK),
+        ("errors of reads are lost", "{rsp_rdata_i, rsp_error_i}", "{rsp_rdata_i, 1'b0}", QUICK),
+        ("write's address for a read", "asks ? awaddr_q : araddr_q", "araddr_q", QUICK),
+        ("response survives reset", "{aw_q, w_q, ar_q, b_q, r_q, asked_q, write_q} <= 7'd0", "{aw_q, w_q, ar_q, r_q, asked_q, write_q} <= 6'd0",
+         QUICK),
+        ("two requests at once", "!asked_q && (asks || read)", "(asks || read)", QUICK),
+    ], depth=11)
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE):
+    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE):
         yield from subject.cases()

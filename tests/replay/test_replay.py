@@ -195,10 +195,11 @@ def test_the_hash_is_over_lanes_in_their_order(trace):
 
 
 @pytest.mark.smoke
-def test_addresses_have_32_bits(trace):
-    assert trace("r 12345678 edcba987\nr ff800000 007fffff\n").returncode == 0
-    done = trace("r 12345678 0000a987\n")
-    assert done.returncode != 0 and "address 12345678: expected 0000a987, got edcba987" in done.stdout
+def test_addresses_have_the_bits_of_their_port(trace):
+    """26 for two schedulers: one of them, or, with all ones, both."""
+    assert trace("r 02345678 fdcba987\nr ff800000 fc7fffff\n").returncode == 0
+    done = trace("r 02345678 0000a987\n")
+    assert done.returncode != 0 and "address 02345678: expected 0000a987, got fdcba987" in done.stdout
 
 
 @pytest.mark.smoke

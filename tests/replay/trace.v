@@ -7,17 +7,28 @@ module trace #(
     parameter SCHEDULERS = 2,
     parameter LANES = 6
 ) (
-    input  wire                        clk_i,
-    input  wire                        rst_i,
-    input  wire                        req_valid_i,
-    output wire                        req_ready_o,
-    input  wire                        req_write_i,
-    input  wire [31:0]                 req_addr_i,
-    input  wire [31:0]                 req_wdata_i,
-    output reg                         rsp_valid_o,
-    input  wire                        rsp_ready_i,
-    output reg  [31:0]                 rsp_rdata_o,
-    output wire                        rsp_error_o,
+    input  wire                        s_axi_aclk,
+    input  wire                        s_axi_aresetn,
+    input  wire [25:0]                 s_axi_awaddr,
+    input  wire [2:0]                  s_axi_awprot,
+    input  wire                        s_axi_awvalid,
+    output wire                        s_axi_awready,
+    input  wire [31:0]                 s_axi_wdata,
+    input  wire [3:0]                  s_axi_wstrb,
+    input  wire                        s_axi_wvalid,
+    output wire                        s_axi_wready,
+    output wire [1:0]                  s_axi_bresp,
+    output reg                         s_axi_bvalid,
+    input  wire                        s_axi_bready,
+    input  wire [25:0]                 s_axi_araddr,
+    input  wire [2:0]                  s_axi_arprot,
+    input  wire                        s_axi_arvalid,
+    output wire                        s_axi_arready,
+    output reg  [31:0]                 s_axi_rdata,
+    output wire [1:0]                  s_axi_rresp,
+    output reg                         s_axi_rvalid,
+    input  wire                        s_axi_rready,
+    output wire                        irq,
     output wire [SCHEDULERS-1:0]       issue_valid_o,
     output wire [16*SCHEDULERS-1:0]    issue_pc_o,
     output wire [16*SCHEDULERS-1:0]    issue_context_o,
@@ -31,20 +42,20 @@ module trace #(
 );
     reg [31:0] left_q, time_q;
     wire busy = left_q != 32'd0;
-    assign req_ready_o = !rsp_valid_o && !busy;
-    assign rsp_error_o = 1'b0;
-    always @(posedge clk_i)
-        if (rst_i) begin
-            rsp_valid_o <= 1'b0;
-            left_q      <= 32'd0;
-            time_q      <= 32'd0;
+    wire writes = s_axi_awvalid && s_axi_wvalid && !s_axi_bvalid && !busy;
+    assign {s_axi_awready, s_axi_wready} = {2{writes}};
+    assign s_axi_arready = !s_axi_rvalid && !busy;
+    assign {s_axi_bresp, s_axi_rresp, irq} = 5'd0;
+    always @(posedge s_axi_aclk)
+        if (!s_axi_aresetn) begin
+            {s_axi_bvalid, s_axi_rvalid} <= 2'b00;
+            {left_q, time_q}             <= 64'd0;
         end else begin
-            if (req_valid_i && req_ready_o) begin
-                rsp_valid_o <= 1'b1;
-                rsp_rdata_o <= ~req_addr_i;
-                if (req_write_i && req_addr_i == 32'hffffff00) left_q <= req_wdata_i;
-            end else if (rsp_ready_i) rsp_valid_o <= 1'b0;
-            if (busy) {left_q, time_q} <= {left_q - 32'd1, time_q + 32'd1};
+            s_axi_bvalid <= s_axi_bvalid ? !s_axi_bready : writes;
+            s_axi_rvalid <= s_axi_rvalid ? !s_axi_rready : s_axi_arvalid && !busy;
+            if (!s_axi_rvalid) s_axi_rdata <= ~{6'd0, s_axi_araddr};
+            if (writes && s_axi_awaddr == 26'h3ffff00) left_q <= s_axi_wdata;
+            else if (busy) {left_q, time_q} <= {left_q - 32'd1, time_q + 32'd1};
         end
 
     genvar s, n;

@@ -71,12 +71,16 @@ def bit_text(pair):
 
 def registers_page(regs):
     parts = regs["address"]
-    body = ["Byte addresses of 32-bit words on the host port. An address has these parts:", "",
+    body = ["Byte addresses of 32-bit words on the bus, AXI4-Lite. An address has these parts:", "",
             *markdown(["bits", "part"], [
                 [bit_text(parts["scheduler"]), f"the scheduler, tile by tile; {parts['broadcast']}: all of them, where a write "
                  "goes to all and a read gives the OR of all"],
                 [bit_text(parts["space"]), "the space: 0 for the registers and windows below"],
                 [bit_text(parts["word"]), "the word within objects and status; 0 above bit 15 in space 0"]]), "",
+            f"The port of a configuration has as many of the scheduler's bits as it needs: none with one scheduler (`s_axi_awaddr[{parts['scheduler'][1] - 1}:0]`),",
+            "else those that hold the number of schedulers. All ones there stand for all of them.", "",
+            "A write of all four bytes and a read are answered with OKAY, or with SLVERR where there is no such register, no such access,",
+            "or no sense in it now. What is refused changes nothing. A write of some bytes of a word is refused; one of no byte does nothing.", "",
             "Each scheduler has all of the following.", "", "## Registers", "",
             *markdown(["address", "name", "access", "fields", "meaning"],
                       [[f"0x{row['at']:04x}", f"`{row['name']}`", ACCESS[row["access"]],

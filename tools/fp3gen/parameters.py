@@ -26,19 +26,21 @@ def config_word(row):
     return f"{WORD * len(keys_of(row))}'h" + "".join(f"{row[key]:08x}" for key in reversed(keys_of(row)))
 
 
-def parameters_verilog(known):
+def parameters_verilog(known, regs):
     """The parameters of fp3."""
     defaults = default_row(known)
     rows = [(f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ", f"= {defaults[key]}, ", f"// {known[key]['meaning']}")
             for key in known]
     words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}",
-            "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG alone.",
+            "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG and ADDRESS_W alone.",
             *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
             "// with its width; Verilator asks it of the plain number that sets one.",
             "// verilator lint_off WIDTHCONCAT", f"parameter {config_range(known)} CONFIG = {{",
-            *textwrap.wrap(", ".join(words) + "}", 110, initial_indent="    ", subsequent_indent="    "),
-            "// verilator lint_on WIDTHCONCAT"]
+            *textwrap.wrap(", ".join(words) + "},", 110, initial_indent="    ", subsequent_indent="    "),
+            "// verilator lint_on WIDTHCONCAT",
+            "// Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).",
+            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)"]
 
 
 def config_keys_verilog(row):

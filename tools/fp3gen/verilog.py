@@ -78,18 +78,23 @@ def registers_verilog(regs):
     ])
 
 
-def ports(row):
-    """The host port and the trace of a configuration: direction, width, name; None is a blank line.
+def ports(row, regs):
+    """The bus and the trace of a configuration: direction, width, name; None is a blank line.
 
     The trace has one part for each scheduler (issue) and for each lane (retire), the first in the low bits.
     """
     schedulers = row["tiles"] * row["schedulers"]
     lanes = schedulers * row["lanes"]
-    return [("input", 1, "clk_i"), ("input", 1, "rst_i"), None,
-            ("input", 1, "req_valid_i"), ("output", 1, "req_ready_o"), ("input", 1, "req_write_i"),
-            ("input", 32, "req_addr_i"), ("input", 32, "req_wdata_i"), None,
-            ("output", 1, "rsp_valid_o"), ("input", 1, "rsp_ready_i"), ("output", 32, "rsp_rdata_o"),
-            ("output", 1, "rsp_error_o"), None,
+    address = regs["address"]["scheduler"][1] + (schedulers.bit_length() if schedulers > 1 else 0)
+    return [("input", 1, "s_axi_aclk"), ("input", 1, "s_axi_aresetn"), None,
+            ("input", address, "s_axi_awaddr"), ("input", 3, "s_axi_awprot"), ("input", 1, "s_axi_awvalid"),
+            ("output", 1, "s_axi_awready"), ("input", 32, "s_axi_wdata"), ("input", 4, "s_axi_wstrb"),
+            ("input", 1, "s_axi_wvalid"), ("output", 1, "s_axi_wready"), ("output", 2, "s_axi_bresp"),
+            ("output", 1, "s_axi_bvalid"), ("input", 1, "s_axi_bready"), None,
+            ("input", address, "s_axi_araddr"), ("input", 3, "s_axi_arprot"), ("input", 1, "s_axi_arvalid"),
+            ("output", 1, "s_axi_arready"), ("output", 32, "s_axi_rdata"), ("output", 2, "s_axi_rresp"),
+            ("output", 1, "s_axi_rvalid"), ("input", 1, "s_axi_rready"), None,
+            ("output", 1, "irq"), None,
             ("output", schedulers, "issue_valid_o"), ("output", 16 * schedulers, "issue_pc_o"),
             ("output", 16 * schedulers, "issue_context_o"), ("output", 32 * schedulers, "issue_word_o"), None,
             ("output", 2 * lanes, "retire_end_o"), ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
@@ -109,9 +114,9 @@ def configs_verilog(configs):
           (width, "CONFIG_MUL_CUTS", packed("mul_cuts"))])])
 
 
-def config_verilog(row):
+def config_verilog(row, regs):
     def list_of(line):
-        rows = ports(row)
+        rows = ports(row, regs)
         return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "")
                 for i, port in enumerate(rows)]
 

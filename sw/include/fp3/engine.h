@@ -98,13 +98,15 @@ typedef struct {
     void *retire_user;
     fp3_trace_fn *trace; /* rtl: called for every instruction in every lane, or NULL; likewise */
     void *trace_user;
+    uint64_t
+        bus_waits; /* rtl: a seed for pauses of 0 to 3 cycles in each channel of each transfer; 0: none */
     fp3_progress_fn *progress; /* or NULL; a run is the same with it and without */
     void *progress_user;
     /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
      * processor. The results are the same. */
     uint32_t threads;
     int is_interpreted; /* fast only: 1: without native code, which is worth its time in long runs */
-    /* rtl only: file for every transfer on the host port, as sim/replay.v reads it, or NULL. It has
+    /* rtl only: file for every transfer on the bus, as sim/replay.v reads it, or NULL. It has
      * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
      * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
@@ -144,6 +146,13 @@ void fp3_engine_close(fp3_engine **engine);
 
 /* How many objects it holds, at least 1. */
 size_t fp3_engine_objects(const fp3_engine *engine);
+
+/* What went over the bus of the hardware since it was opened: words written and read, and the cycles from a transfer's
+ * first handshake to its response, which no run counts. 0 for engines without a bus. */
+typedef struct {
+    uint64_t transfers, cycles;
+} fp3_bus_use;
+fp3_bus_use fp3_engine_bus(const fp3_engine *engine);
 /* How many objects an engine can hold, at most; 0: there is no such engine or configuration. */
 size_t fp3_engine_room(const char *engine, const char *config);
 /* How the loaded program is executed: of "fast" "native x86-64-v4", or "interpreter x86-64-v3" and, in
