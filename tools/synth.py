@@ -281,7 +281,7 @@ def plan(args, configs):
                 base = next(row for row in configs if row["name"] == config)
                 for what, change in changes.items():
                     row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
-                    source = "\n".join(verilog.config_verilog(row)) + "\n" + processor(row)[1]
+                    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + processor(row)[1]
                     trims[source, True] = (f"trim-{len(trims)}", [])
             continue
         for row in configs + (depths(top) if top in CORES else []):

@@ -213,7 +213,7 @@ static fp3_status sample(family *f, fp3_error *error) {
                          .machines = f->machines,
                          .adapted = f->own->model,
                          .is_flipped = f->options->is_flipped};
-    fp3_stats stats;
+    fp3_stats stats = {0};
     fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
                                                     f->problem->variants, &r.engine, error);
     if (!status)

@@ -110,7 +110,7 @@ def test_a_processors_latency_is_the_cheapest_program_of_the_bench(tree):
 def test_the_trace_ports_stay_open(tree):
     synth(tree, "--top", "fp3", "--config", "single", "--grades", "6", "--seeds", "1")
     wrapper = (tree / "build/synth/fp3-single.v").read_text()
-    assert ".req_addr_i(req_addr_i_q)" in wrapper and "retire_" not in wrapper and "issue_" not in wrapper
+    assert ".s_axi_awaddr(s_axi_awaddr_q)" in wrapper and "retire_" not in wrapper and "issue_" not in wrapper
 
 
 def test_a_tool_that_fails_is_reported_and_changes_no_figure(tree):
