@@ -4,8 +4,12 @@
 
 #include <fp3/integrator.h>
 
-/* Finds embedded_order and is_first_same_as_last of a table that has its weights. Returns 0 if the two
- * methods are one, which estimates nothing. */
-int fp3_embedded_find(fp3_integrator *table);
+/* Finds embedded_order and is_first_same_as_last of a table that has its weights. */
+void fp3_embedded_find(fp3_integrator *table);
+
+/* Whether the two methods differ on y' = a y, and on y' = f(t). Where they do not, the estimate of the error is 0
+ * whatever the step. */
+int fp3_embedded_sees_rates(const fp3_integrator *table);
+int fp3_embedded_sees_time(const fp3_integrator *table);
 
 #endif

@@ -214,9 +214,8 @@ static fp3_status read_embedded(const reader *r) {
         status = FP3_E_PROGRAM;
     if (!status)
         status = fp3_setting_count(&r->in, order, "embedded_order", 1, FP3_TREE_ORDER, &claimed);
-    if (!status && !fp3_embedded_find(table))
-        status = fp3_setting_wrong(
-            &r->in, order, "embedded: found the weights b, expected those of another method");
+    if (!status)
+        fp3_embedded_find(table);
     if (!status && table->embedded_order < claimed)
         status =
             fp3_setting_wrong(&r->in, order, "embedded_order %u claimed: the weights have order %u",
@@ -355,6 +354,29 @@ static fp3_status check_order(const reader *r) {
                              broken->residual);
 }
 
+/* Adaptive steps believe the estimate. */
+static fp3_status check_estimate(const reader *r) {
+    const fp3_integrator *table = r->table;
+    const int is_weights = table->kind != FP3_CHEBYSHEV;
+    const config_setting_t *of =
+        config_setting_get_member(r->in.root, is_weights ? "embedded" : "stages");
+    const char *what = is_weights ? "embedded" : "the estimate of the method";
+    if (!table->embedded_order)
+        return FP3_OK;
+    if (!fp3_embedded_sees_rates(table))
+        return fp3_setting_wrong(
+            &r->in, of,
+            "%s: found 0 as the error of y' = a y, whatever the step (b.%s^k.1 "
+            "is the same by both methods for all k), expected another method",
+            what, table->kind == FP3_ROSENBROCK ? "(A + G)" : "A");
+    if (!fp3_embedded_sees_time(table))
+        return fp3_setting_wrong(&r->in, of,
+                                 "%s: found 0 as the error of y' = f(t), whatever the step (b.c^k "
+                                 "is the same by both methods for all k), expected another method",
+                                 what);
+    return FP3_OK;
+}
+
 static fp3_status check_keys(const reader *r) {
     const char *names[KEYS + 1] = {NULL};
     for (unsigned k = 0; k < KEYS; k++)
@@ -392,6 +414,8 @@ static fp3_status read_table(const reader *r) {
         status = read_chebyshev(r);
     if (!status)
         status = check_order(r);
+    if (!status)
+        status = check_estimate(r);
     table->position_order = table->is_position_late ? 1 : table->order;
     return status;
 }

@@ -41,6 +41,8 @@ def read(path):
     if "A" in table:
         table["A"] = [[number(a) for a in row] for row in table["A"]]
         table["b"] = [number(b) for b in table["b"]]
+    if "embedded" in table:
+        table["embedded"] = [number(b) for b in table["embedded"]]
     if "G" in table:
         table["gamma"] = number(table["gamma"])
         table["G"] = [[number(g) for g in row] for row in table["G"]]
@@ -194,15 +196,31 @@ def energy(x, v):
 
 # ---- stability --------------------------------------------------------------------------------------
 
-def growth(table, z):
-    """|y1/y0| of y' = lambda y with z = h lambda, by Runge-Kutta."""
+def linear_step(table, z):
+    """Of y' = lambda y, from 1, with z = h lambda: the end of a step by Runge-Kutta, and the estimate of its error (None: the table has none)."""
     if table["kind"] == "chebyshev":
-        return abs(chebyshev_step(table, lambda y: [z * y[0]], [1.0], 1.0)[0])
+        y = chebyshev_step(table, lambda y: [z * y[0]], [1.0], 1.0)[0]
+        return y, 0.8 * (1 - y) + 0.4 * (z + z * y)  # the paper's
     k = []
     for row, gammas in zip(table["A"], table.get("G", [[]] * len(table["A"]))):
         known = 1 + sum(a * y for a, y in zip(row, k)) + sum(g * y for g, y in zip(gammas, k))
         k.append(z * known / (1 - z * table.get("gamma", 0)))
-    return abs(1 + sum(b * y for b, y in zip(table["b"], k)))
+    estimate = sum((b - e) * y for b, e, y in zip(table["b"], table["embedded"], k)) if "embedded" in table else None
+    return 1 + sum(b * y for b, y in zip(table["b"], k)), estimate
+
+
+def growth(table, z):
+    """|y1/y0| of y' = lambda y with z = h lambda."""
+    return abs(linear_step(table, z)[0])
+
+
+def has_estimate(table):
+    return table["kind"] == "chebyshev" or "embedded" in table
+
+
+def estimate_to_error(table, z):
+    y, estimate = linear_step(table, z)
+    return abs(estimate) / abs(y - cmath.exp(z))
 
 
 def swing(table, z):

@@ -1,11 +1,12 @@
 """Tables of integrators: their orders, by the conditions and by experiment, and what is refused."""
 
+import cmath
 import math
 import re
 import subprocess
 
 import pytest
-from tables import (accelerations, chebyshev_step, energy_error, gravity, kepler, read, run, run_stoermer, stability)
+from tables import (accelerations, chebyshev_step, energy_error, estimate_to_error, gravity, has_estimate, kepler, linear_step, read, run, run_stoermer, stability)
 
 pytestmark = pytest.mark.smoke
 KINDS = ["runge-kutta", "splitting", "stoermer", "rosenbrock", "chebyshev"]
@@ -165,6 +166,33 @@ def test_the_page_says_what_is_so(root, table):
         assert error == ("-" if t["kind"] == "stoermer" else f"{energy_error(t):.1g}"), name
 
 
+# h lambda of the columns of the page's table of estimates; in the last three a step is much longer than what decays.
+RATES = [-0.1, -1, -2, 0.1j, 1j, 2j, 1, -10, -100, -1e4]
+
+
+def test_the_page_says_what_estimates_see(root, table):
+    page = (root / "docs/integrators.md").read_text()
+    rows = {cells[0].strip("`"): cells[1:] for cells in
+            (re.split(r"\s*\|\s*", line.strip("| ")) for line in page.splitlines() if line.startswith("| `"))
+            if len(cells) == 1 + len(RATES)}
+    assert sorted(rows) == [name for name in NAMES if has_estimate(table(name))]
+    for name, row in rows.items():
+        assert row == [f"{estimate_to_error(table(name), z):.2g}" for z in RATES], name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_estimate_is_blind(name, table):
+    """Of what decays, swings or both, wherever a step is off by 1e-6 to 0.3: at least a sixth of the error. An estimate that is 0 at one h lambda fails, too."""
+    t = table(name)
+    if not has_estimate(t):
+        return
+    for degrees in (180, 165, 150, 135, 120, 90):
+        for n in range(551):
+            z = 10 ** (-2 + n / 100) * cmath.exp(1j * math.radians(degrees))
+            error = abs(linear_step(t, z)[0] - cmath.exp(z))
+            assert not 1e-6 < error < 0.3 or estimate_to_error(t, z) > 1 / 6, (degrees, abs(z))
+
+
 # ---- tables that are refused --------------------------------------------------------------------
 
 HEAD = 'name = "mine"; doc = "d"; source = "s"; kind = "{}"; order = {};\n'
@@ -186,6 +214,15 @@ A = ((),
 G = ((),
      ("-2 + sqrt(2)"));
 b = ("1/2", "1/2");
+"""
+ROS3P = HEAD.format("rosenbrock", 3) + """gamma = "1/2 + sqrt(3)/6";
+A = ((),
+     (1),
+     (1, 0));
+G = ((),
+     (-1),
+     ("-(1/2 + sqrt(3)/6)", "1/2 - 2*(1/2 + sqrt(3)/6)"));
+b = ("2/3", 0, "1/3");
 """
 
 WRONG = [
@@ -255,6 +292,14 @@ WRONG = [
     (RKC, '"2/13"', '"10 + 1e-9"', 3, "damping: found 10, expected 0 to 10"),
     (RKC, "= 5", '= 5; A = (())', 2, "found 'A', which kind chebyshev does not have"),
     (RK4, "b = (", "stages = 4; b = (", 6, "found 'stages', which kind runge-kutta does not have"),
+    # Lang and Verwer's own, and others of second order: all that there are lie on one line.
+    (ROS3P, "b = (", 'embedded = ("1/3", "1/3", "1/3"); embedded_order = 2; b = (', 9,
+     "embedded: found 0 as the error of y' = a y, whatever the step (b.(A + G)^k.1 is the same by both methods for all k), expected another method"),
+    (ROS3P, "b = (", 'embedded_order = 2;\nembedded = ("1/2", 0.1666666666667, "1/3"); b = (', 10, "embedded: found 0 as the error of y' = a y, whatever the step"),
+    (RK4, "b = (", 'embedded = ("1/6", "1/3", "1/3", "1/6"); embedded_order = 4; b = (', 6,
+     "embedded: found 0 as the error of y' = a y, whatever the step (b.A^k.1 is the same by both methods for all k), expected another method"),
+    (RK4, "b = (", 'embedded = ("1/6", "2/3", 0, "1/6"); embedded_order = 2; b = (', 6,
+     "embedded: found 0 as the error of y' = f(t), whatever the step (b.c^k is the same by both methods for all k), expected another method"),
     (STOERMER, "order = 2", "order = 4", 1, "order 4 claimed: this method has order 2"),
     (STOERMER, ";\n", ";\nA = ( );", 2, "found 'A', which kind stoermer does not have"),
 ]

@@ -128,9 +128,9 @@ def test_robertson_with_adaptive_steps_in_two_hundredths_of_the_cycles_of_rk4():
 
 def test_van_der_pol_over_more_than_a_period():
     """x(2000) = 1.706167732 (Test Set for Initial Value Problem Solvers). Steps in the jumps are shorter than the last place of t."""
-    out = fp3("run", os.path.join(PROGRAMS, "van_der_pol_stiff.ode"), "-i", "ros3p", "-c", "many_full", "-e", "isa", "-o", 1, "--until", 2000,
+    out = fp3("run", os.path.join(PROGRAMS, "van_der_pol_stiff.ode"), "-i", "rodas3", "-c", "many_full", "-e", "isa", "-o", 1, "--until", 2000,
               "--tolerance", "1e-4").stdout
-    assert abs(states(out)["x"]/1.706167732 - 1) < 3e-4 and cycles(out) < 65000
+    assert abs(states(out)["x"]/1.706167732 - 1) < 1e-3 and cycles(out) < 65000
 
 
 def test_a_pivot_that_cancels_fails_the_object(model):

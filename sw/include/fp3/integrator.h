@@ -72,7 +72,8 @@ typedef struct {
 
 /* text is a table in libconfig's syntax; name is for messages ("name:line: found ..., expected ...").
  * FP3_E_PROGRAM: the table is malformed or not explicit, or its order conditions do not hold for the
- * order that it claims (the message says which one fails, and by how much). */
+ * order that it claims (the message says which one fails, and by how much), or the estimate of its error
+ * is 0 on y' = a y or y' = f(t), whatever the step. */
 fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrator **integrator,
                                fp3_error *error);
 /* The built-in table of this name, or, if name contains a '/' or ends in ".cfg", the table in that file.
