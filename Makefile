@@ -383,7 +383,7 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well
 
 lint-rtl: | need-lint
-	@tools/lint.sh rtl $(CORES) $(CONFIGS:%=fp3_%)
+	@tools/lint.sh rtl $(CORES) board_fp3 $(CONFIGS:%=fp3_%)
 
 lint-c: | need-lint
 	@tools/lint.sh c

@@ -18,9 +18,9 @@ lint_rtl() {
             failed=1
             continue
         fi
-        verilator --lint-only -Wall -DFP3_CHECK -f rtl/fp3.f --top-module "$top" "$file" || failed=1
+        verilator --lint-only -Wall -DFP3_CHECK -f rtl/fp3.f -y rtl/board -y rtl/gen --top-module "$top" "$file" || failed=1
         # Icarus ends with 0 after a warning; anything it says counts.
-        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -s "$top" "$file" 2>&1) || failed=1
+        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y rtl/gen -s "$top" "$file" 2>&1) || failed=1
         [ -z "$said" ] || { echo "$said" && failed=1; } >&2
     done
     return $failed

@@ -4,9 +4,9 @@ from .text import MARK
 
 
 def rtl_sources(root, pattern):
-    """The files of rtl/ and its rooms, those that are generated or a vendor's left out."""
+    """The files of rtl/ and its rooms, those left out that are generated, a vendor's, or around the processor."""
     return sorted(path.relative_to(root / "rtl").as_posix() for depth in ("", "*/")
-                  for path in (root / "rtl").glob(depth + pattern) if path.parent.name != "gen")
+                  for path in (root / "rtl").glob(depth + pattern) if path.parent.name not in ("gen", "board"))
 
 
 def core_file(root, configs):
