@@ -1,0 +1,98 @@
+/* driver.c - see driver.h. */
+#include "driver.h"
+
+#include "identity.h"
+
+#include "gen/registers.h"
+#include <inttypes.h>
+
+uint32_t fp3_driver_of(uint32_t scheduler, uint32_t address) {
+    return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
+}
+
+uint32_t fp3_driver_of_all(const fp3_engine *engine, uint32_t address) {
+    const int is_alone = fp3_config_schedulers(engine->config) == 1;
+    return fp3_driver_of(is_alone ? 0 : FP3_ADDRESS_BROADCAST, address);
+}
+
+static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
+                           uint32_t count) {
+    const fp3_driver *self = engine->self;
+    const uint64_t begin = self->bus->now(engine);
+    uint32_t refused = 0;
+    fp3_status status = self->bus->transfer(engine, is_write, address, data, count, &refused);
+    engine->bus.transfers += refused ? refused : count;
+    engine->bus.cycles += self->bus->now(engine) - begin;
+    if (status || !refused)
+        return status;
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware refused a %s at 0x%08" PRIx32,
+                    is_write ? "write" : "read", address + 4 * (refused - 1));
+}
+
+fp3_status fp3_driver_flush(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
+    const uint32_t count = self->queued;
+    self->queued = 0;
+    return count ? transfer(engine, 1, self->first, self->queue, count) : FP3_OK;
+}
+
+fp3_status fp3_driver_put(fp3_engine *engine, uint32_t address, uint32_t data) {
+    fp3_driver *self = engine->self;
+    fp3_status status = FP3_OK;
+    if (self->log)
+        fprintf(self->log, "w %08" PRIx32 " %08" PRIx32 "\n", address, data);
+    if (self->queued && address != self->first + 4 * self->queued)
+        status = fp3_driver_flush(engine);
+    if (!self->queued)
+        self->first = address;
+    self->queue[self->queued++] = data;
+    return !status && self->queued == self->bus->words ? fp3_driver_flush(engine) : status;
+}
+
+static fp3_status read_words(fp3_engine *engine, uint32_t address, uint32_t *data, uint32_t count) {
+    fp3_driver *self = engine->self;
+    fp3_status status = fp3_driver_flush(engine);
+    while (!status && count) {
+        const uint32_t now = count < self->bus->words ? count : self->bus->words;
+        status = transfer(engine, 0, address, data, now);
+        address += 4 * now;
+        data += now;
+        count -= now;
+    }
+    return status;
+}
+
+fp3_status fp3_driver_get_all(fp3_engine *engine, uint32_t address, uint32_t *data,
+                              uint32_t count) {
+    const fp3_driver *self = engine->self;
+    fp3_status status = read_words(engine, address, data, count);
+    for (uint32_t i = 0; !status && self->log && i < count; i++)
+        fprintf(self->log, "r %08" PRIx32 " %08" PRIx32 "\n", address + 4 * i, data[i]);
+    return status;
+}
+
+fp3_status fp3_driver_get(fp3_engine *engine, uint32_t address, uint32_t *data) {
+    return fp3_driver_get_all(engine, address, data, 1);
+}
+
+fp3_status fp3_driver_peek(fp3_engine *engine, uint32_t address, uint32_t *data) {
+    return read_words(engine, address, data, 1);
+}
+
+fp3_status fp3_driver_open(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
+    uint32_t words[FP3_IDENTITY_WORDS];
+    fp3_status status = FP3_OK;
+    if (engine->def.bus_log)
+        status = fp3_output_open(engine->def.bus_log, &self->output, engine->def.error);
+    if (!status && self->output)
+        self->log = fp3_output_stream(self->output);
+    for (int i = 0; !status && i < FP3_IDENTITY_WORDS; i++)
+        status = fp3_driver_get(engine, fp3_identity_addresses[i], &words[i]);
+    return status ? status : fp3_identity_check(engine->config, words, engine->def.error);
+}
+
+void fp3_driver_close(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
+    fp3_output_close(&self->output);
+}

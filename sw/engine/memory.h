@@ -1,0 +1,18 @@
+/* memory.h - a driver's side of the hardware's memories; the calls are those of backend.h. */
+#ifndef FP3_MEMORY_H
+#define FP3_MEMORY_H
+
+#include "backend.h"
+
+fp3_status fp3_memory_load(fp3_engine *engine);
+fp3_status fp3_memory_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
+fp3_status fp3_memory_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
+fp3_status fp3_memory_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                   uint32_t bits);
+fp3_status fp3_memory_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
+                                  uint32_t *bits);
+fp3_status fp3_memory_write_status(fp3_engine *engine, size_t object, uint32_t word);
+fp3_status fp3_memory_read_status(fp3_engine *engine, size_t object, uint32_t *word);
+fp3_status fp3_memory_list(fp3_engine *engine);
+
+#endif

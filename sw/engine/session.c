@@ -1,0 +1,177 @@
+/* session.c - see session.h. */
+#include "session.h"
+
+#include "driver.h"
+
+#include "gen/registers.h"
+#include <inttypes.h>
+#include <string.h>
+
+#define STOP_CYCLES 10000 /* from control.stop to the end of a run ... */
+#define STOP_ASKS 200     /* ... and how often to ask for it */
+
+#define BIT(field) (1u << FP3_##field##_LO)
+#define FIELD(word, field)                                                                         \
+    (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
+
+static fp3_status start(fp3_engine *engine, uint32_t steps) {
+    const struct {
+        uint32_t address, data;
+    } list[] = {{FP3_ADDR_VISIT, engine->def.visit},
+                {FP3_ADDR_CLOCK, engine->clock},
+                {FP3_ADDR_STEPS, steps},
+                {FP3_ADDR_CONTROL, BIT(CONTROL_START)}};
+    fp3_status status = FP3_OK;
+    for (size_t i = engine->config->interleave ? 0 : 2; !status && i < sizeof list / sizeof *list;
+         i++)
+        status = fp3_driver_put(engine, fp3_driver_of_all(engine, list[i].address), list[i].data);
+    return status ? status : fp3_driver_flush(engine);
+}
+
+/* Until no scheduler runs, for so many cycles and questions at most; *outcome is the OR of all status words. */
+static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t asks,
+                                  uint32_t *outcome) {
+    const fp3_bus *bus = ((const fp3_driver *)engine->self)->bus;
+    const uint64_t begin = bus->now(engine);
+    fp3_status status = FP3_OK;
+    uint64_t clocked = 0;
+    for (uint32_t asked = 0;; asked++) {
+        if (clocked < cycles)
+            status = bus->rest(engine, cycles - clocked, asked);
+        if (!status)
+            status = fp3_driver_peek(engine, fp3_driver_of_all(engine, FP3_ADDR_STATUS), outcome);
+        if (status || !FIELD(*outcome, STATUS_RUNNING) || clocked >= cycles || asked >= asks)
+            return status;
+        clocked = bus->now(engine) - begin;
+    }
+}
+
+static fp3_status stop(fp3_engine *engine, uint32_t *outcome) {
+    fp3_status status =
+        fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_CONTROL), BIT(CONTROL_STOP));
+    if (!status)
+        status = fp3_driver_flush(engine);
+    if (!status)
+        status = wait_until_idle(engine, STOP_CYCLES, STOP_ASKS, outcome);
+    if (!status && FIELD(*outcome, STATUS_RUNNING))
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware does not stop");
+    return status;
+}
+
+static fp3_status wait_or_stop(fp3_engine *engine) {
+    const fp3_driver *self = engine->self;
+    const uint64_t limit = engine->def.cycle_limit ? engine->def.cycle_limit : UINT64_MAX;
+    uint32_t outcome = 0;
+    fp3_status status = wait_until_idle(engine, limit, UINT32_MAX, &outcome);
+    if (!status && FIELD(outcome, STATUS_RUNNING))
+        status = stop(engine, &outcome);
+    if (!status && self->log)
+        fprintf(self->log, "p %08" PRIx32 " %08x\n", fp3_driver_of_all(engine, FP3_ADDR_STATUS),
+                BIT(STATUS_RUNNING));
+    return status;
+}
+
+static const uint32_t counter_addresses[] = {
+#define X(NAME, name, address) address,
+    FP3_COUNTERS(X)
+#undef X
+};
+
+static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t *counter) {
+    uint32_t words[2 * FP3_COUNTER_COUNT];
+    fp3_status status = FP3_OK;
+    for (int i = 0, next; !status && i < FP3_COUNTER_COUNT; i = next) {
+        for (next = i + 1; next < FP3_COUNTER_COUNT; next++)
+            if (counter_addresses[next] != counter_addresses[next - 1] + 8)
+                break;
+        status = fp3_driver_get_all(engine, fp3_driver_of(scheduler, counter_addresses[i]),
+                                    &words[2 * i], (uint32_t)(2 * (next - i)));
+    }
+    for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)
+        counter[i] = (uint64_t)words[2 * i + 1] << 32 | words[2 * i];
+    return status;
+}
+
+/* docs/registers.md: every running cycle is an issue or a stall; all that was issued retires. */
+static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const uint64_t *n,
+                                 int is_done) {
+    uint64_t issued = 0, stalled = 0;
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
+        stalled += fp3_counter_is_stall((fp3_counter)i) ? n[i] : 0;
+        issued += strncmp(fp3_counter_name((fp3_counter)i), "issued_", 7) == 0 ? n[i] : 0;
+    }
+    const uint64_t retired = n[FP3_COUNTER_RETIRED];
+    if (n[FP3_COUNTER_CYCLES] == issued + stalled &&
+        (is_done ? retired == issued : retired <= issued))
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                    "the hardware's counters do not add up: scheduler %" PRIu32 ", %" PRIu64
+                    " cycles, %" PRIu64 " issued, %" PRIu64 " stalled, %" PRIu64 " retired",
+                    scheduler, n[FP3_COUNTER_CYCLES], issued, stalled, retired);
+}
+
+/* How a scheduler's run ended: its status word, and where if at an illegal word. */
+static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t *outcome,
+                                uint32_t *fault) {
+    uint64_t *counter = engine->counters[scheduler];
+    fp3_status status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_STATUS), outcome);
+    if (!status)
+        status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_FAULT), fault);
+    if (!status)
+        status = read_counters(engine, scheduler, counter);
+    if (!status)
+        status = check_counters(engine, scheduler, counter, *outcome == BIT(STATUS_DONE));
+    if (!status && *outcome != BIT(STATUS_DONE) && *outcome != BIT(STATUS_ILLEGAL) &&
+        *outcome != BIT(STATUS_STOPPED))
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                          "scheduler %" PRIu32 " ended a run with status 0x%08" PRIx32, scheduler,
+                          *outcome);
+    return status;
+}
+
+static fp3_status end_run(fp3_engine *engine) {
+    const fp3_driver *self = engine->self;
+    fp3_status status = self->bus->ended ? self->bus->ended(engine) : FP3_OK;
+    return !status && self->output ? fp3_output_publish(self->output, engine->def.error) : status;
+}
+
+/* Asks every scheduler; *illegal: the first that met an illegal word, and which. */
+static fp3_status ask_schedulers(fp3_engine *engine, fp3_stats *stats, uint32_t *all,
+                                 uint32_t *illegal, uint32_t *word) {
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    fp3_status status = FP3_OK;
+    *illegal = schedulers;
+    for (uint32_t scheduler = 0; !status && scheduler < schedulers; scheduler++) {
+        uint32_t outcome = 0, fault = 0;
+        status = ask_scheduler(engine, scheduler, &outcome, &fault);
+        *all |= outcome;
+        stats->schedulers = scheduler + 1;
+        if (*illegal == schedulers && FIELD(outcome, STATUS_ILLEGAL)) {
+            *illegal = scheduler;
+            *word = fault;
+        }
+    }
+    return status;
+}
+
+fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    uint32_t all = 0, illegal = 0, word = 0;
+    fp3_status status = start(engine, steps);
+    if (!status)
+        status = wait_or_stop(engine);
+    if (!status)
+        status = ask_schedulers(engine, stats, &all, &illegal, &word);
+    if (!status)
+        status = fp3_driver_get(engine, fp3_driver_of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
+    if (!status)
+        status = end_run(engine);
+    if (status)
+        return status;
+    if (illegal == fp3_config_schedulers(engine->config))
+        return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
+    const uint32_t group = engine->layout.duty[illegal].group;
+    if (word < engine->layout.groups[group].program.count)
+        return fp3_engine_illegal(engine, group, word);
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                    "the hardware says that word %" PRIu32 " is illegal: there is none", word);
+}
