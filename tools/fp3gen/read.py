@@ -6,7 +6,7 @@ from typing import NamedTuple
 from .check import Bad, keys
 from .configs import check_configs, check_keys
 from .isa import check_isa, PATHS
-from .registers import check_registers, exceptions, show_keys
+from .registers import check_keys_named, check_registers, exceptions, show_keys
 from .timing import check_timing
 
 
@@ -35,6 +35,7 @@ def load(root):
     show_keys(regs, configs["key"])
     check_registers(regs, sorted(set(PATHS.values())))
     known = check_keys(configs["key"], regs, root)
+    check_keys_named(regs, known)
     check_timing(timing)
     check_isa(isa, known, list(exceptions(regs)))
     return Machine(isa, regs, known, check_configs(configs["config"], known), timing)

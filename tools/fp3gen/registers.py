@@ -5,6 +5,24 @@ from .check import NAME, bit_ranges, keys, named, need
 ACCESS = {"ro": "read only", "rw": "read and write", "wo": "write only"}
 
 
+def check_reset(row, file, where):
+    """What a register shows or is reset to, and its interrupt."""
+    fields = row.get("fields", {})
+    need("shows" not in row or len(row["shows"]) == max(len(fields), 1), file, f"{where}: 'shows' must have a key for each field")
+    bits = sum(hi - lo + 1 for hi, lo in fields.values()) if fields else 32
+    need("reset" not in row or (len(fields) < 2 and 0 <= row["reset"] < 1 << bits), file,
+         f"{where}: 'reset' must be the value of its only field")
+    for name in (name for pair in row.get("interrupt", {}).items() for name in pair):
+        need(name in fields, file, f"{where}: 'interrupt' names '{name}', which is no field")
+
+
+def check_keys_named(regs, known):
+    """known: the keys of configs.toml."""
+    for row in regs["register"] + regs["window"] + regs["space"]:
+        for name in (name for key in ("needs", "shows", "holds", "instead") for name in row.get(key, ())):
+            need(name in known, "registers.toml", f"'{row['name']}' needs, shows or holds '{name}', which is no key of configs.toml")
+
+
 def check_registers(regs, counted):
     """counted: the counters that instructions count in."""
     file = "registers.toml"
@@ -18,18 +36,21 @@ def check_registers(regs, counted):
          "[address]: broadcast must be the last scheduler that the address has room for")
     for row in regs["register"]:
         where = f"register '{row.get('name', '?')}'"
-        keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str}, {"fields": dict})
+        keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str},
+             {"fields": dict, "needs": list, "shows": list, "reset": int, "interrupt": dict})
         bit_ranges(row.get("fields", {}), file, where)
+        check_reset(row, file, where)
         for name in row.get("fields", {}):
             need(NAME.fullmatch(name), file, f"{where}: '{name}' is not a field name")
     for row in regs["counter"]:
         keys(row, file, f"counter '{row.get('name', '?')}'", {"name": str, "doc": str})
     for row in regs["window"]:
         keys(row, file, f"window '{row.get('name', '?')}'",
-             {"name": str, "at": int, "words": int, "access": str, "doc": str})
+             {"name": str, "at": int, "words": int, "holds": list, "access": str, "doc": str}, {"needs": list})
     for row in regs["space"]:
         where = f"space '{row.get('name', '?')}'"
-        keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str}, {"fields": dict})
+        keys(row, file, where, {"name": str, "at": int, "holds": list, "access": str, "doc": str},
+             {"fields": dict, "needs": list, "instead": list})
         bit_ranges(row.get("fields", {}), file, where)
     for what in ("register", "counter", "window", "space"):
         named(regs[what], file, what)
@@ -64,6 +85,7 @@ def show_keys(regs, config_keys):
         if row.get("name") == "features":
             fields = {name: key["feature"] for name, key in config_keys.items() if "feature" in key}
             row["fields"] = dict(sorted(fields.items(), key=lambda item: item[1]))
+            row["shows"] = list(row["fields"])
 
 
 def exceptions(regs):
