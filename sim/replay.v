@@ -4,7 +4,7 @@
 //           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
 // Use       iverilog -DTOP=fp3_array -DSCHEDULERS=4 -DLANES=4 ...: the schedulers of all tiles, and the
 //           lanes of all schedulers; 1 and 1 unless they are given.
-//           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES]
+//           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES] [+resets=N [+seed=S]]
 //           FILE, a line each, hexadecimal:
 //               w address data     write, answered without error
 //               r address data     read, answered with this data
@@ -14,7 +14,13 @@
 //                                  lanes of one cycle in their order)
 //               s address 0        read and shown: a line `address data`, or `address error`
 //               z cycles length    so many cycles later, reset for `length` cycles
-// Result    A closing line PASS or FAIL; $fatal, hence a non-zero exit, on FAIL.
+//           With +resets the session is replayed twice. In between it begins N times, with pauses on the
+//           bus, and each time a reset of one to four cycles ends it at a random moment, in transfers too.
+//           The second replay takes the cycles of the first, and has its hash.
+// Unknown   From the first reset on, no ready or valid, no response and no interrupt may be x, and nothing
+//           that issues or retires; nor a word that the session reads, as it reads what was written.
+// Result    A closing line PASS or FAIL, with the cycles since the last reset; $fatal, hence a non-zero
+//           exit, on FAIL.
 `default_nettype none
 `timescale 1ns/1ps
 `ifndef TOP
@@ -116,6 +122,29 @@ module replay;
     integer lane;
     reg     rst_q = 1'b1;                      // the processor has its reset a cycle later
     always @(posedge clk) rst_q <= rst;
+
+    // What may not be unknown, once there was a reset.
+    reg  known = 1'b0;
+    wire unknown_bus   = ^{awready, wready, arready, bvalid, rvalid, irq} === 1'bx
+                      || (bvalid !== 1'b0 && ^bresp === 1'bx) || (rvalid !== 1'b0 && ^rresp === 1'bx);
+    reg  unknown_trace;
+    integer part;
+    always @* begin
+        unknown_trace = ^{issue_valid, retire_valid} === 1'bx;
+        for (part = 0; part < SCHEDULERS; part = part + 1)
+            if (issue_valid[part] && ^{issue_pc[16*part +: 16], issue_context[16*part +: 16], issue_word[32*part +: 32]} === 1'bx)
+                unknown_trace = 1'b1;
+        for (part = 0; part < LANES; part = part + 1)
+            if (retire_valid[part] && ^{retire_context[16*part +: 16], retire_object[32*part +: 32],
+                    retire_register[6*part +: 6], retire_value[32*part +: 32], retire_flags[5*part +: 5]} === 1'bx)
+                unknown_trace = 1'b1;
+    end
+    always @(posedge clk) begin
+        if (!rst && !rst_q) known <= 1'b1;
+        if (known && unknown_bus)             fail("the bus or the interrupt is unknown");
+        if (known && !rst_q && unknown_trace) fail("something unknown issues or retires");
+    end
+
     always @(posedge clk)
         for (lane = 0; lane < LANES; lane = lane + 1)
             if (!rst_q && retire_valid[lane]) begin
@@ -135,7 +164,9 @@ module replay;
     reg [8*256-1:0] session, waves;
     reg [8*8-1:0]   kind;
     reg [31:0]      x, y;
-    integer         file, line, fields, checks;
+    integer         file, line, fields, checks, round;
+    integer         resets = 0, seed = 1, fresh_cycles;
+    reg [63:0]      fresh_hash;
 
     task fail(input [8*64-1:0] why);
         begin
@@ -147,11 +178,22 @@ module replay;
     // One transfer and its response; what the master says changes at the falling edge.
     reg [31:0] answer;
     reg        refused, goes, data_goes;
+    integer    lag, data_lag;                  // cycles before the address, and before the data
+    task draw_lags;
+        begin
+            lag      = round < resets ? $unsigned($random(seed)) % 4 : 0;
+            data_lag = round < resets ? $unsigned($random(seed)) % 4 : 0;
+        end
+    endtask
     task write_word(input [31:0] addr, input [31:0] data);
         begin
+            draw_lags;
             @(negedge clk);
-            {awvalid, awaddr, wvalid, wdata, wstrb} = {1'b1, addr, 1'b1, data, 4'b1111};
-            while (awvalid || wvalid) begin
+            while (lag >= 0 || data_lag >= 0 || awvalid || wvalid) begin
+                if (lag == 0)      {awvalid, awaddr} = {1'b1, addr};
+                if (data_lag == 0) {wvalid, wdata, wstrb} = {1'b1, data, 4'b1111};
+                lag      = lag - 1;
+                data_lag = data_lag - 1;
                 @(posedge clk) {goes, data_goes} = {awvalid && awready, wvalid && wready};
                 @(negedge clk);
                 if (goes)      {awvalid, awaddr} = {1'b0, 32'bx};
@@ -159,13 +201,16 @@ module replay;
             end
             while (!bvalid) @(negedge clk);
             refused = bresp != 2'b00;
+            draw_lags;
+            repeat (lag) @(negedge clk);
             bready  = 1'b1;
             @(negedge clk) bready = 1'b0;
         end
     endtask
     task read_word(input [31:0] addr);
         begin
-            @(negedge clk);
+            draw_lags;
+            repeat (lag + 1) @(negedge clk);
             {arvalid, araddr} = {1'b1, addr};
             while (arvalid) begin
                 @(posedge clk) goes = arready;
@@ -174,6 +219,7 @@ module replay;
             end
             while (!rvalid) @(negedge clk);
             {answer, refused} = {rdata, rresp != 2'b00};
+            repeat (data_lag) @(negedge clk);
             rready = 1'b1;
             @(negedge clk) rready = 1'b0;
         end
@@ -183,6 +229,64 @@ module replay;
             if (write) write_word(addr, data);
             else       read_word(addr);
             if (refused !== 1'b0 && kind != "s") fail("the processor answered with an error");
+        end
+    endtask
+
+    // The session from its first line. A reset ends it anywhere: nothing that it needs is outside of it.
+    task play;
+        begin
+            line   = 0;
+            checks = 0;
+            hash   = FNV_OFFSET;
+            fields = $rewind(file);
+            fields = $fscanf(file, " %s %h %h", kind, x, y);
+            while (fields == 3) begin
+                line = line + 1;
+                case (kind)
+                    "w": access(1'b1, x, y);
+                    "r": begin
+                        access(1'b0, x, 32'd0);
+                        checks = checks + 1;
+                        if (answer !== y) begin
+                            $display("address %h: expected %h, got %h", x, y, answer);
+                            fail("a read differs from the record");
+                        end
+                    end
+                    "p": begin
+                        access(1'b0, x, 32'd0);
+                        while ((answer & y) != 32'd0) access(1'b0, x, 32'd0);
+                    end
+                    "h": begin
+                        checks = checks + 1;
+                        if (hash !== {x, y}) begin
+                            $display("hash of retirements: expected %h%h, got %h", x, y, hash);
+                            fail("the retirements differ from the record");
+                        end
+                    end
+                    "s": begin
+                        access(1'b0, x, 32'd0);
+                        checks = checks + 1;
+                        if (refused) $display("%h error", x);
+                        else           $display("%h %h", x, answer);
+                    end
+                    "z": begin
+                        repeat (x) @(negedge clk);
+                        reset(y);
+                    end
+                    default: fail("a line is not w, r, p, h, s or z");
+                endcase
+                fields = $fscanf(file, " %s %h %h", kind, x, y);
+            end
+        end
+    endtask
+    task reset(input [31:0] length);
+        begin
+            rst = 1'b1;
+            {awvalid, awaddr, wvalid, wdata, wstrb, arvalid, araddr} = {1'b0, 32'bx, 1'b0, 36'bx, 1'b0, 32'bx};
+            {bready, rready} = 2'b00;
+            repeat (length) @(negedge clk);
+            rst    = 1'b0;
+            cycles = 0;
         end
     endtask
 
@@ -196,51 +300,31 @@ module replay;
             $dumpvars(0, replay);
         end
         if ($value$plusargs("limit=%d", limit)) $display("limit: %0d cycles", limit);
+        fields = $value$plusargs("resets=%d", resets) + $value$plusargs("seed=%d", seed);
         line = 0;
-        checks = 0;
         file = $fopen(session, "r");
         if (file == 0) fail("the file cannot be opened");
+        round = resets;
         repeat (4) @(negedge clk);
-        rst = 1'b0;
-        fields = $fscanf(file, " %s %h %h", kind, x, y);
-        while (fields == 3) begin
-            line = line + 1;
-            case (kind)
-                "w": access(1'b1, x, y);
-                "r": begin
-                    access(1'b0, x, 32'd0);
-                    checks = checks + 1;
-                    if (answer !== y) begin
-                        $display("address %h: expected %h, got %h", x, y, answer);
-                        fail("a read differs from the record");
+        reset(32'd1);
+        play;
+        if (resets > 0) begin
+            {fresh_cycles, fresh_hash} = {cycles, hash};
+            for (round = 0; round < resets; round = round + 1) begin
+                fork
+                    play;
+                    begin
+                        repeat ($unsigned($random(seed)) % (2 * fresh_cycles)) @(negedge clk);
+                        disable play;
                     end
-                end
-                "p": begin
-                    access(1'b0, x, 32'd0);
-                    while ((answer & y) != 32'd0) access(1'b0, x, 32'd0);
-                end
-                "h": begin
-                    checks = checks + 1;
-                    if (hash !== {x, y}) begin
-                        $display("hash of retirements: expected %h%h, got %h", x, y, hash);
-                        fail("the retirements differ from the record");
-                    end
-                end
-                "s": begin
-                    access(1'b0, x, 32'd0);
-                    checks = checks + 1;
-                    if (refused) $display("%h error", x);
-                    else           $display("%h %h", x, answer);
-                end
-                "z": begin
-                    repeat (x) @(negedge clk);
-                    rst = 1'b1;
-                    repeat (y) @(negedge clk);
-                    rst = 1'b0;
-                end
-                default: fail("a line is not w, r, p, h, s or z");
-            endcase
-            fields = $fscanf(file, " %s %h %h", kind, x, y);
+                join
+                reset($unsigned($random(seed)) % 4 + 1);
+            end
+            play;
+            if ({cycles, hash} !== {fresh_cycles, fresh_hash}) begin
+                $display("%0d cycles and hash %h, fresh %0d and %h", cycles, hash, fresh_cycles, fresh_hash);
+                fail("a run after resets differs from a fresh one");
+            end
         end
         if (!$feof(file)) begin line = line + 1; fail("the line cannot be read"); end
         if (checks == 0) fail("the session checks nothing");

@@ -62,7 +62,8 @@ static fp3_status word_at(const fp3_params *params, const fp3_symbol *symbol, wo
     double value = 0;
     fp3_status status = FP3_OK;
     *is_spread = 0;
-    if (kind != WORD_STEPS || fp3_params_has(params, symbol->name)) /* else none were made */
+    const int has_default = kind == WORD_STEPS || kind == WORD_SLEPT; /* none made; awake */
+    if (!has_default || fp3_params_has(params, symbol->name))
         status = fp3_values_at(params, symbol->name, share, &value, is_spread, error);
     const char *expected = status ? NULL : word_of(value, kind, word);
     return expected
@@ -84,14 +85,11 @@ static fp3_status apply_shared(const fp3_params *params, const fp3_apply_to *to,
                   : fp3_engine_write_shared_of(to->engine, to->group, symbol->index, 1, &word);
 }
 
-/* A register that sleep writes has a default: awake. */
 static fp3_status apply_object(const fp3_params *params, const fp3_apply_to *to,
                                const fp3_symbol *symbol, word_kind kind, fp3_error *error) {
     float word = 0;
     int is_spread = 1;
     fp3_status status = FP3_OK;
-    if (kind == WORD_SLEPT && !fp3_params_has(params, symbol->name))
-        return FP3_OK;
     for (size_t i = 0; !status && i < to->objects; i++) {
         if (is_spread)
             status = word_at(params, symbol, kind, share_of(to, i), &word, &is_spread, error);

@@ -1,0 +1,128 @@
+"""Nothing depends on what memories and registers hold at power-up, or on the moment of a reset.
+
+The RTL gives its memories zeros and one register a one, as an FPGA does. Here that is taken out: everything is x, so that what
+is not reset shows; or it is random, since an `if` in Verilog takes an x for a zero. sim/replay.v looks for x and resets.
+"""
+
+import random
+import re
+import shutil
+import subprocess
+
+import pytest
+
+ZEROS = "initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};"
+RANDOM = ZEROS.replace("{W{1'b0}}", "{$random, $random, $random, $random}")
+POWER_UP = {"lib/lutram_1r1w.v": ZEROS, "lib/ram_1r1w.v": ZEROS, "lib/ram_registered.v": ZEROS, "fp3.v": "rst = 1'b1, irq_q"}
+INITIAL = re.compile(r"\binitial\b|\breg\b[^;]*?=(?!=)")
+
+# What a test runs: configuration, objects, steps.
+SHORT = {"single": (1, 1), "many": (1, 1)}
+LONG = {"single": (1, 20), "many": (6, 3), "lanes": (9, 3), "array": (10, 2), "shared": (6, 2), "many_full": (3, 2)}
+
+
+def start(*command, cwd=None):
+    return subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True, text=True, timeout=500)
+
+
+def undefined(root, to, fill="", bug=None):
+    """A copy of the sources in which memories and registers have `fill` at power-up, perhaps with a bug: (file, right, wrong)."""
+    for folder in ("rtl", "sim"):
+        shutil.copytree(root / folder, to / folder, ignore=shutil.ignore_patterns("fpga"))
+    for file, text, other in [*((file, text, fill if text == ZEROS else "rst, irq_q") for file, text in POWER_UP.items()),
+                              *([bug] if bug else [])]:
+        path = to / "rtl" / file
+        assert path.read_text().count(text) == 1, f"{file}, expected once: {text!r}"
+        path.write_text(path.read_text().replace(text, other))
+    return to
+
+
+def parts(root, config):
+    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
+    tiles, schedulers, lanes = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1]) for name in ("TILES", "SCHEDULERS", "LANES"))
+    return [f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
+
+
+def compiled(tree, config, *more):
+    done = start("iverilog", "-g2012", "-DFP3_CHECK", f"-DTOP=fp3_{config}", *parts(tree, config), "-s", "replay", "-c", "rtl/fp3.f",
+                 "-o", "x.vvp", "sim/replay.v", f"rtl/gen/fp3_{config}.v", *more, cwd=tree)
+    assert done.returncode == 0, done.stderr
+    return tree / "x.vvp"
+
+
+def record(root, fp3, at, config, objects, steps):
+    """A run that sleeps, where there is sleep."""
+    image, session = at / "x.fp3", at / f"{config}.session"
+    sleeps = re.search(r"\.SLEEP +\(1\)", (root / f"rtl/gen/fp3_{config}.v").read_text())
+    program, *more = ("ship_sleep", "--set", "eps=1e9") if sleeps else ("ship_madd", )
+    assert start(fp3, "asm", root / f"programs/{program}.s", "-o", image).returncode == 0
+    done = start(fp3, "run", image, "-c", config, "-o", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
+                 "--bus-log", session)
+    assert done.returncode == 0, done.stderr
+    return session
+
+
+def random_registers(tree, config, session):
+    """A second top that gives each register a random value: their names are those of a wave file."""
+    start("vvp", "-n", compiled(tree, config), f"+session={session}", f"+waves={tree / 'x.vcd'}", "+limit=1")
+    scope, rows = [], []
+    for line in (tree / "x.vcd").read_text().splitlines():
+        words = line.split()
+        if line.startswith("$scope"):
+            scope.append(words[2])
+        elif line.startswith("$upscope"):
+            scope.pop()
+        elif line.startswith("$var reg") and scope[1:2] == ["dut"]:
+            rows.append(f"{'.'.join(scope)}.{words[4]} = {{{', '.join(['$random(seed)'] * -(-int(words[2]) // 32))}}};")
+    assert len(rows) > 100
+    text = "\n".join(["module fill;", "integer seed = 1;", "initial begin", 'if (!$value$plusargs("fill=%d", seed)) seed = 1;', "#1;", *rows,
+                      "end", "endmodule", ""])
+    (tree / "fill.v").write_text(text)
+    return ["-s", "fill", "fill.v"]
+
+
+def resets(vvp, session, count, seed):
+    return start("vvp", "-n", vvp, f"+session={session}", f"+resets={count}", f"+seed={seed}", f"+fill={seed}").stdout
+
+
+def test_nothing_else_is_initialised(root):
+    """What the tests take out is all that there is; a table of constants is no state."""
+    found = {}
+    for path in sorted((root / "rtl").rglob("*.v")):
+        text = re.sub(r"`ifdef FP3_CHECK.*?`endif", "", path.read_text(), flags=re.S)
+        count = len(INITIAL.findall(re.sub(r"//.*", "", text)))
+        if count and "fpga" not in path.parts:
+            found[str(path.relative_to(root / "rtl"))] = count
+    assert found == {**dict.fromkeys(POWER_UP, 1), "fp/fp_estimate.v": 1}
+
+
+@pytest.mark.parametrize("fill", ["unknown", "random"])
+@pytest.mark.parametrize("config", LONG)
+def test_resets_at_random_moments(root, fp3, tmp_path, long, config, fill):
+    """No x is seen, and the run after resets has the answers, cycles and retirements of a fresh one."""
+    if config not in SHORT and not long:
+        pytest.skip("with --long")
+    tree = undefined(root, tmp_path, RANDOM if fill == "random" else "")
+    session = record(root, fp3, tmp_path, config, *(LONG if long else SHORT)[config])
+    vvp = compiled(tree, config, *(random_registers(tree, config, session) if fill == "random" else ()))
+    for seed in random.Random().sample(range(10**9), 10 if long else 1):
+        said = resets(vvp, session, 20 if long else 2, seed)
+        assert "PASS " in said and "FAIL" not in said, f"+resets +seed={seed} +fill={seed}: {said}"
+
+
+BUGS = {
+    # what is wrong: (configuration, fill, (file, right, wrong), what the bench says)
+    "a response without reset": ("single", "", ("bus/axi_lite.v", "{aw_q, w_q, ar_q, b_q, r_q, asked_q, write_q} <= 7'd0",
+                                                "{aw_q, w_q, ar_q, r_q, asked_q, write_q} <= 6'd0"), "the bus or the interrupt is unknown"),
+    "a flag without reset": ("single", "", ("solo/scoreboard.v", "if (rst_i) busy_q <=", "if (1'b0) busy_q <="), "something unknown issues or retires"),
+    "an enable without reset": ("single", "", ("host/host_port.v", "was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0",
+                                              "was_running_q, flags_q, ended_q} <= 10'd0"), "the bus or the interrupt is unknown"),
+}
+
+
+@pytest.mark.parametrize("name", BUGS)
+def test_finds(root, fp3, tmp_path, name):
+    config, fill, bug, message = BUGS[name]
+    vvp = compiled(undefined(root, tmp_path, fill, bug), config)
+    said = resets(vvp, record(root, fp3, tmp_path, config, 1, 1), 2, 1)
+    assert message in said and "PASS" not in said, said
