@@ -16,9 +16,9 @@ RANDOM = ZEROS.replace("{W{1'b0}}", "{$random, $random, $random, $random}")
 POWER_UP = {"lib/lutram_1r1w.v": ZEROS, "lib/ram_1r1w.v": ZEROS, "lib/ram_registered.v": ZEROS, "fp3.v": "rst = 1'b1, irq_q"}
 INITIAL = re.compile(r"\binitial\b|\breg\b[^;]*?=(?!=)")
 
-# What a test runs: configuration, objects, steps.
-SHORT = {"single": (1, 1), "many": (1, 1)}
-LONG = {"single": (1, 20), "many": (6, 3), "lanes": (9, 3), "array": (10, 2), "shared": (6, 2), "many_full": (3, 2)}
+# What a test runs: configuration, objects, steps, resets.
+SHORT = {"single": (1, 1, 4), "many": (1, 1, 1)}
+LONG = {"single": (1, 20, 20), "many": (6, 3, 20), "lanes": (9, 3, 20), "array": (10, 2, 20), "shared": (6, 2, 20), "many_full": (3, 2, 20)}
 
 
 def start(*command, cwd=None):
@@ -51,7 +51,7 @@ def compiled(tree, config, *more):
 
 
 def record(root, fp3, at, config, objects, steps):
-    """A run that sleeps, where there is sleep."""
+    """A run of objects that fall asleep, where there is sleep."""
     image, session = at / "x.fp3", at / f"{config}.session"
     sleeps = re.search(r"\.SLEEP +\(1\)", (root / f"rtl/gen/fp3_{config}.v").read_text())
     program, *more = ("ship_sleep", "--set", "eps=1e9") if sleeps else ("ship_madd", )
@@ -59,6 +59,11 @@ def record(root, fp3, at, config, objects, steps):
     done = start(fp3, "run", image, "-c", config, "-o", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
                  "--bus-log", session)
     assert done.returncode == 0, done.stderr
+    rows = session.read_text().splitlines()
+    begin = next(i for i, row in enumerate(rows) if row.startswith("p")) - 1        # the start
+    # The status of an object counts from what the host wrote; the command takes it for the 0 of power-up.
+    clears = [f"w {row.split()[1]} 00000000" for row in rows if row.startswith("r 00c") or re.match("r 0[1-3]c", row)]
+    session.write_text("\n".join([*rows[:begin], *clears, *rows[begin:]]) + "\n")
     return session
 
 
@@ -91,7 +96,7 @@ def test_nothing_else_is_initialised(root):
     for path in sorted((root / "rtl").rglob("*.v")):
         text = re.sub(r"`ifdef FP3_CHECK.*?`endif", "", path.read_text(), flags=re.S)
         count = len(INITIAL.findall(re.sub(r"//.*", "", text)))
-        if count and "fpga" not in path.parts:
+        if count and not {"fpga", "board"} & set(path.parts):   # a board's line is idle at power-up
             found[str(path.relative_to(root / "rtl"))] = count
     assert found == {**dict.fromkeys(POWER_UP, 1), "fp/fp_estimate.v": 1}
 
@@ -100,13 +105,14 @@ def test_nothing_else_is_initialised(root):
 @pytest.mark.parametrize("config", LONG)
 def test_resets_at_random_moments(root, fp3, tmp_path, long, config, fill):
     """No x is seen, and the run after resets has the answers, cycles and retirements of a fresh one."""
-    if config not in SHORT and not long:
-        pytest.skip("with --long")
+    if not long and (config not in SHORT or (config, fill) == ("many", "random")):
+        pytest.skip("only with --long")
     tree = undefined(root, tmp_path, RANDOM if fill == "random" else "")
-    session = record(root, fp3, tmp_path, config, *(LONG if long else SHORT)[config])
+    *run, count = (LONG if long else SHORT)[config]
+    session = record(root, fp3, tmp_path, config, *run)
     vvp = compiled(tree, config, *(random_registers(tree, config, session) if fill == "random" else ()))
     for seed in random.Random().sample(range(10**9), 10 if long else 1):
-        said = resets(vvp, session, 20 if long else 2, seed)
+        said = resets(vvp, session, count, seed)
         assert "PASS " in said and "FAIL" not in said, f"+resets +seed={seed} +fill={seed}: {said}"
 
 
