@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and rtl/fp3.core, and
+"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and fp3.core, and
 programs/integrators/*.cfg into a C header.
 
     tools/generate.py           writes what has changed
@@ -40,7 +40,8 @@ def outputs(root):
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
         "rtl/gen/fp3.rdl": rdl.rdl_file(isa, regs, known, configs, parameters.default_row(known)),
-        "rtl/fp3.core": fusesoc.core_file(root, configs),
+        "rtl/gen/files.f": fusesoc.file_list(root, configs),
+        "fp3.core": fusesoc.core_file(root, configs),
         "sw/include/fp3/isa.h": c.isa_c(isa),
         "sw/include/fp3/counters.h": c.counters_c(regs),
         "sw/gen/operations.h": c.operations_c(isa, registers.exceptions(regs)),

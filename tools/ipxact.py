@@ -33,7 +33,7 @@ except ImportError as error:
     sys.exit(f"ipxact.py: {error}: run make setup, and this with .venv/bin/python")
 
 SPACE = "ipxact:"
-IDENTITY = {"vendor": "fp3", "library": "fp3", "version": "0"}  # as in rtl/fp3.core
+IDENTITY = {"vendor": "fp3", "library": "fp3", "version": "0"}  # as in fp3.core
 AXI = {"vendor": "amba.com", "library": "AMBA4", "name": "AXI4-Lite", "version": "r0p0"}
 
 

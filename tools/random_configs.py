@@ -131,7 +131,7 @@ def make_tree(row, tree):
     (tree / "isa").mkdir(parents=True)
     (tree / "rtl").mkdir()
     for path in ROOT.glob("rtl/*"):
-        if path.name not in ("gen", "fp3.core"):
+        if path.name != "gen":
             (tree / "rtl" / path.name).symlink_to(path)
     for name in ("isa.toml", "registers.toml", "timing.toml"):
         (tree / "isa" / name).symlink_to(ROOT / "isa" / name)

