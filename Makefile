@@ -52,6 +52,8 @@ else
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
+# The configurations that fp3 board simulates with their serial line.
+BOARDS  := single many
 RTL_ROOMS := bus config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
@@ -109,7 +111,7 @@ LIB      := $(BUILD)/lib/libfp3.a
 LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
-HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so)
+HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
@@ -197,23 +199,36 @@ $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 # ---- the RTL under Verilator --------------------------------------------------------------------
 
 # The generated C++ is Verilator's business: our warnings and sanitizers stop at the shim.
-# $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object
+# $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object, $(6): for Verilator,
+# $(7): for the shim
 define VERILATED
 $(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
 	@echo "  RTL  $(2)"
 	@mkdir -p $$(@D)
-	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(3)
+	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(6) $(3)
 	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O1 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
 	@mv $$(@D)/V$(2)__ALL.a $$@
 
 $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
 	@mkdir -p $$(@D)
 	@echo "  CXX  $(4) ($(1))"
-	@$$(CCACHE) g++ $$(CXXFLAGS) $$(INCLUDES) -DFP3_CONFIG=$(1) -isystem $(BUILD)/verilated/$(1) \
+	@$$(CCACHE) g++ $$(CXXFLAGS) $$(INCLUDES) $(7) -isystem $(BUILD)/verilated/$(1) \
 	    -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd -MMD -MP -c -o $$@ $$<
 endef
-$(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o)))
+$(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o,,-DFP3_CONFIG=$(c))))
 $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
+
+# A bit of the line is as short as the board's UART can read it: less to simulate.
+DIVISOR := 4
+$(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),board_fp3,rtl/board/board_fp3.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
+    -DFP3_TOP=fp3_$(c) -GDIVISOR=$(DIVISOR) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
+$(BOARDS:%=$(BUILD)/verilated/board_%/hardware.a): $(wildcard rtl/board/*.v)
+$(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: rtl/gen/fp3_$(c).v))
+
+$(BUILD)/lib/fp3/fp3_board_%.so: $(BUILD)/obj/sim/board_shim_%.o $(BUILD)/verilated/board_%/hardware.a $(RUNTIME) $(EXPORTS)
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(call link_shared,g++)
 
 # What the rtl engine loads, one library for each configuration; only its table is visible.
 $(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/obj/sim/fp3_shim_%.o $(BUILD)/verilated/%/hardware.a $(RUNTIME) $(EXPORTS)

@@ -15,6 +15,7 @@ int fp3_cmd_run(int argc, char **argv);
 int fp3_cmd_bench(int argc, char **argv);
 int fp3_cmd_stress(int argc, char **argv);
 int fp3_cmd_tune(int argc, char **argv);
+int fp3_cmd_board(int argc, char **argv);
 int fp3_cmd_info(int argc, char **argv);
 
 /* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */

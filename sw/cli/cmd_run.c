@@ -6,6 +6,7 @@
 #include "files.h"
 #include "progress.h"
 #include "run_adaptive.h"
+#include "run_engine.h"
 #include "run_print.h"
 #include "run_record.h"
 #include "run_values.h"
@@ -17,15 +18,15 @@
 #include <string.h>
 
 typedef struct {
-    const char *program, *scene, *config, *engine, *bus_log, *kanata, *integrator;
-    uint64_t steps, cycle_limit, objects, visit, threads, bus_waits;
+    const char *program, *scene, *config, *integrator;
+    uint64_t steps, objects;
+    fp3_run_engine on;
     int all, has_steps, is_compensated, is_model, allows_failures;
     fp3_run_values values;
     fp3_run_record record;
     fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
     fp3_program_def how;
-    double clock; /* Hz; 0: not given */
     fp3_progress *progress;
 } options;
 
@@ -35,6 +36,8 @@ enum {
     KEY_LIMIT,
     KEY_BUS_LOG,
     KEY_BUS_WAITS,
+    KEY_PORT,
+    KEY_BAUD,
     KEY_VISIT,
     KEY_KANATA,
     KEY_ALL,
@@ -56,7 +59,8 @@ enum {
 };
 
 static const struct argp_option table[] = {
-    {"config", 'c', "NAME", 0, "Configuration (default: single, for a model single_full)", 0},
+    {"config", 'c', "NAME", 0,
+     "Configuration (default: single, for a model single_full; with --port that of the board)", 0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
      "Of a model: a built-in table, or a file (default: rk4, with "
@@ -70,9 +74,13 @@ static const struct argp_option table[] = {
     {"double-single", KEY_DOUBLE, NULL, 0,
      "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
     {"engine", 'e', "ENGINE", 0,
-     "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, or "
-     "fast, native code for many objects, which counts no cycles",
+     "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, "
+     "fast, native code for many objects, which counts no cycles, or board, hardware behind --port",
      0},
+    {"port", KEY_PORT, "DEV", 0,
+     "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints", 0},
+    {"baud", KEY_BAUD, "N", 0,
+     "With --engine board: the rate of the port, 9600 to 3000000 (default: 115200)", 0},
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
     {"steps", 'n', "N", 0,
      "How often the step part runs (default: 1; with --times until the last of them; with "
@@ -150,17 +158,10 @@ static void check(const options *o, struct argp_state *state) {
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->values.params))
         argp_error(state, "--scene: values are in the scene, not in --params, --set or --spread");
-    if (o->scene && o->kanata)
+    if (o->scene && o->on.kanata)
         argp_error(state, "--kanata: a log is of one program, not of a scene");
-    if (o->kanata && o->engine && strcmp(o->engine, "rtl") != 0)
-        argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline");
-    if (o->clock > 0 && o->engine && strcmp(o->engine, "rtl") != 0)
-        argp_error(state, "--clock: only the hardware, engine rtl, has cycles");
-    if (o->bus_log && o->engine && strcmp(o->engine, "rtl") != 0)
-        argp_error(state, "--bus-log: only the hardware, engine rtl, has a bus");
-    if (o->bus_waits && o->engine && strcmp(o->engine, "rtl") != 0)
-        argp_error(state, "--bus-waits: only the hardware, engine rtl, has a bus");
-    if (fp3_run_record_is_asked(&o->record) && o->cycle_limit)
+    fp3_run_engine_check(&o->on, state);
+    if (fp3_run_record_is_asked(&o->record) && o->on.cycle_limit)
         argp_error(state,
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
                    "for each snapshot");
@@ -174,7 +175,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->config = text;
         break;
     case 'e':
-        o->engine = text;
+        o->on.engine = text;
         break;
     case 'o':
         o->objects = fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);
@@ -198,16 +199,22 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         fp3_run_adaptive_until(&o->how, state, text);
         break;
     case KEY_THREADS:
-        o->threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
+        o->on.threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
+        break;
+    case KEY_PORT:
+        o->on.port = text;
+        break;
+    case KEY_BAUD:
+        o->on.baud = fp3_arguments_number(state, "--baud", text, 1, UINT32_MAX);
         break;
     case KEY_VISIT:
-        o->visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
+        o->on.visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
         break;
     case KEY_ALL:
         o->all = 1;
         break;
     case KEY_KANATA:
-        o->kanata = text;
+        o->on.kanata = text;
         break;
     case 'n':
         o->steps = fp3_arguments_number(state, "--steps", text, 0, UINT32_MAX);
@@ -217,19 +224,19 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->scene = text;
         break;
     case KEY_CLOCK:
-        o->clock = fp3_arguments_frequency(state, "--clock", text);
+        o->on.clock = fp3_arguments_frequency(state, "--clock", text);
         break;
     case KEY_ALLOW:
         o->allows_failures = 1;
         break;
     case KEY_LIMIT:
-        o->cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
+        o->on.cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
         break;
     case KEY_BUS_LOG:
-        o->bus_log = text;
+        o->on.bus_log = text;
         break;
     case KEY_BUS_WAITS:
-        o->bus_waits = fp3_arguments_number(state, "--bus-waits", text, 1, UINT64_MAX);
+        o->on.bus_waits = fp3_arguments_number(state, "--bus-waits", text, 1, UINT64_MAX);
         break;
     case KEY_OUTPUT:
         o->record.def.path = text;
@@ -317,7 +324,7 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
                       fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_cost cost = {.stats = {.flags = 0}};
-    if (o->cycle_limit && fp3_run_is_adaptive(of))
+    if (o->on.cycle_limit && fp3_run_is_adaptive(of))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--cycle-limit: a limit is of one run, and adaptive steps may take "
                         "several; --steps limits attempts");
@@ -338,7 +345,7 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            fp3_run_print(engine, of, def, &cost, o->all, o->clock);
+            fp3_run_print(engine, of, def, &cost, o->all, o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
@@ -352,9 +359,9 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
 static fp3_status run_and_log(options *o, const fp3_run_task *of, fp3_engine_def *def,
                               fp3_error *error) {
     fp3_kanata *kanata = NULL;
-    if (o->kanata) {
+    if (o->on.kanata) {
         fp3_status status =
-            fp3_kanata_open(o->kanata, def->config, of->program->image, &kanata, error);
+            fp3_kanata_open(o->on.kanata, def->config, of->program->image, &kanata, error);
         if (status)
             return status;
         def->trace = fp3_kanata_trace;
@@ -380,12 +387,7 @@ static void tell(void *options_of, double share) {
 
 /* What both have. */
 static void define(options *o, fp3_engine_def *def, fp3_error *error) {
-    def->engine = o->engine ? o->engine : def->engine;
-    def->visit = o->visit ? (uint32_t)o->visit : def->visit;
-    def->cycle_limit = o->cycle_limit;
-    def->threads = (uint32_t)o->threads;
-    def->bus_log = o->bus_log;
-    def->bus_waits = o->bus_waits;
+    fp3_run_engine_define(&o->on, def);
     def->progress = o->progress ? tell : NULL;
     def->progress_user = o;
     def->error = error;
@@ -395,8 +397,8 @@ static fp3_status check_files(options *o, fp3_error *error) {
     fp3_files_read(&o->files, "PROGRAM", o->program);
     fp3_files_read(&o->files, "--scene", o->scene);
     fp3_files_read(&o->files, "--integrator", fp3_cli_integrator_file(o->integrator));
-    fp3_files_write(&o->files, "--kanata", o->kanata);
-    fp3_files_write(&o->files, "--bus-log", o->bus_log);
+    fp3_files_write(&o->files, "--kanata", o->on.kanata);
+    fp3_files_write(&o->files, "--bus-log", o->on.bus_log);
     fp3_files_write(&o->files, "--output", o->record.def.path);
     fp3_files_write(&o->files, "--plot", o->record.def.plot);
     return fp3_files_check(&o->files, error);
@@ -409,7 +411,7 @@ static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_e
         fp3_files_read(&files, "program", scene->groups[i].path);
         fp3_files_read(&files, "integrator", scene->groups[i].integrator_file);
         fp3_files_read(&files, "params", scene->groups[i].params_file);
-        fp3_files_write(&files, "--bus-log", o->bus_log);
+        fp3_files_write(&files, "--bus-log", o->on.bus_log);
         fp3_files_write(&files, "--output", o->record.def.path);
         fp3_files_write(&files, "--plot", o->record.def.plot);
         status = fp3_files_check(&files, error);
@@ -427,6 +429,11 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     fp3_program_def how = o->how;
     fp3_engine_def def = fp3_engine_default();
     fp3_program *program = NULL;
+    if (o->on.port && !o->config) {
+        fp3_status status = fp3_engine_find(o->on.port, (uint32_t)o->on.baud, &o->config, error);
+        if (status)
+            return status;
+    }
     def.config = o->config ? o->config : o->is_model ? how.compile.config : def.config;
     how.is_model = o->is_model;
     how.compile.config = def.config;

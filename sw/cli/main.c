@@ -18,6 +18,7 @@
     X(tune, "Find the cheapest way to integrate a model to a tolerance")                           \
     X(bench, "Measure the ship, or another program, on the hardware")                              \
     X(stress, "Judge what FP32 does to integrators and models")                                    \
+    X(board, "Simulate a board with a serial port, for the engine board")                          \
     X(info, "Say what an image needs, or what this build has")
 
 static const struct {

@@ -183,18 +183,28 @@ static void print_cost(const fp3_stats *stats, int has_counters) {
     putchar('\n');
 }
 
+/* What the line carried, and how long the host waited for the run. */
+static void print_line(const fp3_stats *stats, fp3_bus_use bus) {
+    printf("%-16s %.3g s for the run; %" PRIu64 " requests on the line, %" PRIu64 " sent again\n",
+           "board", stats->seconds, bus.frames, bus.repeats);
+}
+
 /* What the cycles take on hardware with this clock, and what they took to simulate. */
 static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, double clock) {
     const double cycles = (double)stats->counter[FP3_COUNTER_CYCLES];
     if (clock > 0) {
         printf("%-16s %.6g s at %.6g MHz: %.0f cycles\n", "time", cycles / clock, clock / 1e6,
                cycles);
-        if (is_rtl)
+        if (bus.cycles)
             printf("%-16s %.6g s: %" PRIu64 " transfers in %" PRIu64 " cycles\n", "bus",
                    (double)bus.cycles / clock, bus.transfers, bus.cycles);
         if (stats->object_steps)
             printf("%-16s %.6g s\n", "per object-step",
                    cycles / clock / (double)stats->object_steps);
+    }
+    if (bus.frames) {
+        print_line(stats, bus);
+        return;
     }
     printf("%-16s %.3g s for this simulation", "simulator", stats->seconds);
     if (stats->seconds > 0)
@@ -256,6 +266,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
                    const fp3_cost *cost, int all, double clock) {
     const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
+    const int is_hardware = is_rtl || strcmp(def->engine, "board") == 0;
     if (of->program) {
         const part objects = part_of_program(engine, of->program);
         print_states(engine, &objects, all);
@@ -269,9 +280,9 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_speed(stats, how);
     else
         print_time(stats, is_rtl, fp3_engine_bus(engine), clock);
-    if (is_rtl)
+    if (is_hardware)
         print_occupancy(engine, cost);
-    if (is_rtl && of->scene)
+    if (is_hardware && of->scene)
         print_balance(engine, cost);
 }
 

@@ -49,7 +49,7 @@ typedef struct {
     uint64_t born, gone;
 } fp3_life;
 
-extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast;
+extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast, fp3_backend_board;
 
 /* By the name of its engine, which may be NULL; NULL with an error if there is none. */
 const fp3_backend *fp3_backend_find(const char *name, fp3_error *error);

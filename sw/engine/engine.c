@@ -10,8 +10,8 @@
 
 #define COOKIE 0x46503346u
 
-static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa,
-                                              &fp3_backend_fast};
+static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa, &fp3_backend_fast,
+                                              &fp3_backend_board};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -23,7 +23,7 @@ const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
     for (size_t i = 0; i < COUNT(backends); i++)
         if (name && strcmp(backends[i]->name, name) == 0)
             return backends[i];
-    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl, isa and fast",
+    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl, isa, fast and board",
              name ? name : "");
     return NULL;
 }
@@ -84,6 +84,22 @@ static fp3_status make_room(fp3_engine *engine) {
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
 
+/* What only some engines have. */
+static fp3_status check_bus(const fp3_engine_def *def, const fp3_backend *backend) {
+    const int is_rtl = backend == &fp3_backend_rtl, is_board = backend == &fp3_backend_board;
+    if (def->bus_log && !is_rtl && !is_board)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "bus log %s: engine '%s' has no bus; rtl and board have", def->bus_log,
+                        def->engine);
+    if (def->bus_waits && !is_rtl)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "bus_waits: engine '%s' has no such bus; rtl has", def->engine);
+    if ((def->port || def->baud) && !is_board)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "port: engine '%s' has none; board has",
+                        def->engine);
+    return FP3_OK;
+}
+
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     *engine = NULL;
     if (def->cookie != COOKIE) /* then def->error may be anything, too */
@@ -93,13 +109,9 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     const fp3_backend *backend = fp3_backend_find(def->engine, def->error);
     if (!backend)
         return FP3_E_ARGUMENT;
-    if (def->bus_log && backend != &fp3_backend_rtl)
-        return fp3_fail(def->error, FP3_E_ARGUMENT, "bus log %s: engine '%s' has no bus; rtl has",
-                        def->bus_log, def->engine);
-    if (def->bus_waits && backend != &fp3_backend_rtl)
-        return fp3_fail(def->error, FP3_E_ARGUMENT, "bus_waits: engine '%s' has no bus; rtl has",
-                        def->engine);
-    fp3_status status = fp3_config_choose(def->config, &config, def->error);
+    fp3_status status = check_bus(def, backend);
+    if (!status)
+        status = fp3_config_choose(def->config, &config, def->error);
     return status ? status : fp3_engine_open_as(def, config, engine);
 }
 

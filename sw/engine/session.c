@@ -175,3 +175,8 @@ fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
                     "the hardware says that word %" PRIu32 " is illegal: there is none", word);
 }
+
+fp3_status fp3_session_stop(fp3_engine *engine) {
+    uint32_t outcome = 0;
+    return stop(engine, &outcome);
+}

@@ -117,7 +117,7 @@ LINES = {
     "run m.ode -c nope": "no configuration 'nope': there are",
     "compile m.ode -c nope": "no configuration 'nope': there are",
     "run m.ode -c": "requires an argument",
-    "run m.ode -e nope": "no engine 'nope': there are rtl, isa and fast",
+    "run m.ode -e nope": "no engine 'nope': there are rtl, isa, fast and board",
     "run m.ode -i nope": "no integrator 'nope': there are",
     "compile m.ode -i nope.cfg": "nope.cfg: cannot open",
     "compile m.ode --with nope": "found 'nope', expected a pass",

@@ -67,7 +67,7 @@ SCENES = [
     (scene(config='config = "";'), r"x\.scene:1: config: no configuration ''"),
     (scene(config="config = 7;"), r"x\.scene:1: config: found '7', expected a text in quotes"),
     (scene(config='config = "many\x01";'), r"x\.scene:1: config: no configuration 'many\?'"),
-    (grouped('engine = "rt";'), r"x\.scene:2: engine: no engine 'rt': there are rtl, isa and fast"),
+    (grouped('engine = "rt";'), r"x\.scene:2: engine: no engine 'rt': there are rtl, isa, fast and board"),
     (grouped("engine = true;"), r"x\.scene:2: engine: found true or false, expected a text"),
     # counts: 2^32 is 0 and 2^32 + 1 is 1 to libconfig
     (grouped("steps = 4294967296;"), r"x\.scene:2: steps: found '4294967296', expected an integer from 0 to 4294967295"),

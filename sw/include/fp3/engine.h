@@ -3,7 +3,7 @@
  * Every engine gives the same bits for the same program. "rtl" is the hardware under Verilator,
  * cycle by cycle; "isa" is an instruction-set simulator in C; "fast" makes native code of the program,
  * runs it over vectors of objects in all processors, and holds as many objects as the host has
- * memory for, up to 2^25.
+ * memory for, up to 2^25; "board" is hardware behind a serial port, real or simulated (docs/board.md).
  *
  *     float v;
  *     fp3_error error;
@@ -83,10 +83,10 @@ typedef void fp3_progress_fn(void *user, double share);
 /* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error,
  * retire_user, trace_user and progress_user point to; they must outlive the engine. */
 typedef struct {
-    const char *engine;   /* "rtl" (default), "isa" or "fast" */
+    const char *engine;   /* "rtl" (default), "isa", "fast" or "board" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
-    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none; fast has
-                             none */
+    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none; fast and
+                             board have none */
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
@@ -106,10 +106,14 @@ typedef struct {
      * processor. The results are the same. */
     uint32_t threads;
     int is_interpreted; /* fast only: 1: without native code, which is worth its time in long runs */
-    /* rtl only: file for every transfer on the bus, as sim/replay.v reads it, or NULL. It has
+    /* board only: the name of its serial port; its rate, 0 (default): 115200. fp3_engine_find says which
+     * configuration is there. */
+    const char *port;
+    uint32_t baud;
+    /* rtl and board: file for every transfer on the bus, as sim/replay.v reads it, or NULL. It has
      * its name when the first run has ended, and holds whole runs from then on:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
-     * h HIGH LOW, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
+     * h HIGH LOW, of rtl, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
      * row within the lane, register, bits, flags. */
     const char *bus_log;
     fp3_error *error; /* where this engine's calls say why they failed; NULL: nowhere */
@@ -144,13 +148,20 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
 /* Sets *engine to NULL; that it was NULL before does no harm. */
 void fp3_engine_close(fp3_engine **engine);
 
+/* Which configuration a board at a serial port has; baud as in fp3_engine_def. FP3_E_ARGUMENT: no such rate. FP3_E_SYSTEM:
+ * no such port, nobody answers, or none that this library has. */
+fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config, fp3_error *error);
+
 /* How many objects it holds, at least 1. */
 size_t fp3_engine_objects(const fp3_engine *engine);
 
 /* What went over the bus of the hardware since it was opened: words written and read, and the cycles from a transfer's
- * first handshake to its response, which no run counts. 0 for engines without a bus. */
+ * first handshake to its response, which no run counts (board: 0). Of board also the requests that the
+ * line carried, and how many of them had to be sent again, for an answer was lost or late. 0 for engines without
+ * a bus. */
 typedef struct {
     uint64_t transfers, cycles;
+    uint64_t frames, repeats;
 } fp3_bus_use;
 fp3_bus_use fp3_engine_bus(const fp3_engine *engine);
 /* How many objects an engine can hold, at most; 0: there is no such engine or configuration. */

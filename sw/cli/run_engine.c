@@ -1,0 +1,32 @@
+/* run_engine.c - see run_engine.h. */
+#include "run_engine.h"
+
+#include <string.h>
+
+void fp3_run_engine_check(const fp3_run_engine *on, struct argp_state *state) {
+    const int is_board = on->engine && !strcmp(on->engine, "board");
+    const int is_rtl = !on->engine || !strcmp(on->engine, "rtl");
+    if (on->kanata && !is_rtl)
+        argp_error(state, "--kanata: only the hardware, engine rtl, has a pipeline to look into");
+    if (on->clock > 0 && !is_rtl && !is_board)
+        argp_error(state, "--clock: only the hardware, engines rtl and board, has cycles");
+    if (on->bus_log && !is_rtl && !is_board)
+        argp_error(state, "--bus-log: only the hardware, engines rtl and board, has a bus");
+    if (on->bus_waits && !is_rtl)
+        argp_error(state, "--bus-waits: only the hardware, engine rtl, has a bus that waits");
+    if (is_board && !on->port)
+        argp_error(state, "--engine board: expected --port DEV, its serial port");
+    if ((on->port || on->baud) && !is_board)
+        argp_error(state, "--port, --baud: only engine board has a port");
+}
+
+void fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def) {
+    def->engine = on->engine ? on->engine : def->engine;
+    def->visit = on->visit ? (uint32_t)on->visit : def->visit;
+    def->cycle_limit = on->cycle_limit;
+    def->threads = (uint32_t)on->threads;
+    def->bus_log = on->bus_log;
+    def->bus_waits = on->bus_waits;
+    def->port = on->port;
+    def->baud = (uint32_t)on->baud;
+}

@@ -1,0 +1,150 @@
+"""The engine board: hardware behind a serial line. The simulated board is the whole top, pins of the line included."""
+
+import contextlib
+import os
+import pty
+import re
+import signal
+import subprocess
+import threading
+import time
+import tty
+
+import pytest
+
+
+@contextlib.contextmanager
+def board(fp3, *arguments):
+    """A simulated board: the process, and the name of its port."""
+    process = subprocess.Popen([fp3, "board", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        yield process, process.stdout.readline().strip()
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@contextlib.contextmanager
+def peer(answer):
+    """A port with somebody else behind it: answer(bytes) is what comes back."""
+    master, line = pty.openpty()
+    tty.setraw(line)
+    ended = threading.Event()
+
+    def talk():
+        while not ended.is_set():
+            with contextlib.suppress(OSError):
+                os.write(master, answer(os.read(master, 4096)))
+    thread = threading.Thread(target=talk, daemon=True)
+    thread.start()
+    try:
+        yield os.ttyname(line)
+    finally:
+        ended.set()
+        os.write(line, b"x")
+        thread.join()
+        os.close(line)
+        os.close(master)
+
+
+def frame(content):
+    """As docs/board.md has it."""
+    import zlib
+    content += zlib.crc32(content).to_bytes(4, "little")
+    return b"\xc0" + content.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0"
+
+
+def run(fp3, *arguments):
+    return subprocess.run([fp3, "run", *arguments], capture_output=True, text=True, timeout=120)
+
+
+def fails(done, *words):
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+def same(done, expected):
+    """All but what the host's clock says."""
+    assert done.returncode == expected.returncode, done.stderr
+    assert done.stderr == expected.stderr
+    rows = [[line for line in one.stdout.splitlines() if not re.match("board |simulator ", line)] for one in (done, expected)]
+    assert rows[0] == rows[1] and len(rows[0]) > 10
+
+
+@pytest.fixture(scope="module")
+def ship(root, fp3, tmp_path_factory):
+    image = tmp_path_factory.mktemp("ship") / "ship.fp3"
+    subprocess.run([fp3, "asm", root / "programs/ship.s", "-o", image], check=True)
+    return [image, "--params", root / "programs/ship.cfg", "--steps", "5"]
+
+
+def test_one_object_has_the_bits_and_counters_of_rtl(fp3, ship, tmp_path):
+    with board(fp3) as (_, port):
+        log = tmp_path / "x.session"
+        done = run(fp3, *ship, "--engine", "board", "--port", port, "--bus-log", log)
+        same(done, run(fp3, *ship, "--bus-log", tmp_path / "rtl.session"))
+        whole = (tmp_path / "rtl.session").read_text().splitlines()
+        assert log.read_text().splitlines() == [line for line in whole if line[0] != "h"] != whole
+        fails(run(fp3, *ship, "--engine", "board", "--port", port, "-c", "many"), "has configuration 'single', not 'many'")
+        done = run(fp3, *ship, "--engine", "board", "--port", port, "--cycle-limit", "10")
+        assert done.returncode == 2 and "no cycle limit" in done.stderr
+
+
+def test_many_objects_of_a_model_on_a_noisy_line(root, fp3):
+    """Every object fails, or none does, as in rtl; and frames were really lost."""
+    what = [root / "programs/lotka_volterra.ode", "--integrator", "heun", "--objects", "12", "--steps", "3", "--all",
+            "--spread", "x=0.5:1e30", "-c", "many"]
+    with board(fp3, "--config", "many", "--noise", "7") as (_, port):
+        done = run(fp3, *what, "--engine", "board", "--port", port)
+    expected = run(fp3, *what)
+    assert expected.returncode == 3, expected.stderr
+    same(done, expected)
+    assert int(re.search(r"(\d+) sent again", done.stdout)[1]) > 0
+
+
+def test_a_board_that_goes_away(fp3, ship):
+    with board(fp3) as (process, port):
+        host = subprocess.Popen([fp3, "run", *ship[:-1], "1000000", "--engine", "board", "--port", port], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        assert host.poll() is None
+        fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "another program uses it")
+        process.send_signal(signal.SIGKILL)
+        out, said = host.communicate(timeout=60)
+        assert host.returncode == 1 and not out and "the other side has gone" in said, said
+
+
+def test_a_host_that_goes_away_leaves_a_board_that_the_next_one_can_use(fp3, ship):
+    with board(fp3) as (_, port):
+        host = subprocess.Popen([fp3, "run", *ship[:-1], "1000000", "--engine", "board", "--port", port])
+        time.sleep(1)
+        host.kill()
+        host.wait()
+        same(run(fp3, *ship, "--engine", "board", "--port", port), run(fp3, *ship))
+
+
+def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
+    at = lambda port, *more: run(fp3, *ship, "--engine", "board", "--port", port, *more)
+    fails(at("/dev/no-such-port"), "/dev/no-such-port: No such file", "plugged in")
+    (tmp_path / "file").write_text("")
+    fails(at(tmp_path / "file"), "is no serial port")
+    with peer(lambda got: b"\x55\xc0" * 3) as port:
+        fails(at(port), "none of them was an answer", "--baud")
+        done = at(port, "--baud", "1234")
+        assert done.returncode == 2 and "there are 9600" in done.stderr
+    with peer(lambda got: b"") as port:
+        fails(at(port), "nobody answers at 115200 baud", "bitstream")
+    sequence = lambda got: got.lstrip(b"\xc0").replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")[:1]
+    with peer(lambda got: frame(sequence(got) + b"\0" + b"\x63" + b"3PF")) as port:
+        fails(at(port), "revision 99 of the instruction set")
+    with peer(lambda got: frame(sequence(got) + b"\0" + bytes(4))) as port:
+        fails(at(port), "no FP3", "0x00000000")
+
+
+def test_options_that_do_not_go_together(fp3, ship):
+    for arguments, said in ((["--engine", "board"], "expected --port"), (["--port", "x"], "only engine board"),
+                            (["--engine", "board", "--port", "x", "--kanata", "y"], "engine rtl")):
+        done = run(fp3, *ship, *arguments)
+        assert done.returncode == 2 and said in done.stderr, done.stderr
+    done = subprocess.run([fp3, "board", "--config", "paper"], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 1 and "fp3_board_paper.so" in done.stderr
