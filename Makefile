@@ -27,7 +27,7 @@ SETUP := $(filter setup setup-fpga setup-fuzz setup-bench,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
 .PHONY: setup setup-fpga setup-fuzz setup-bench
-setup: ## Install what is missing: Debian packages, and yosys for the proofs in .venv/
+setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
 setup-fpga: setup ## ... and nextpnr for `make synth`
