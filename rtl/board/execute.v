@@ -9,7 +9,7 @@
 // Hazard    It waits for the bus as long as that takes: a slave that never answers stops the bridge until the reset.
 `default_nettype none
 module execute #(
-    parameter ADDRESS_W = 24           // bits of a byte address on the bus, <= 32
+    parameter ADDRESS_W = 24           // bits of a byte address on the bus, < 32
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
@@ -60,12 +60,12 @@ module execute #(
     reg        kept_q;                 // sequence_q and status_q are those of a write, the last request of all
     reg [7:0]  sequence_q;
     reg [6:0]  status_q;
-    reg [32:0] address_q;              // its top: the addresses of a request do not begin again at 0
+    reg [31:0] address_q;
     reg [5:0]  word_q;
 
     wire       again   = kept_q && write_i && sequence_i == sequence_q;
     wire       begins  = state_q == IDLE && request_i && !again;
-    wire       outside = |address_q[32:ADDRESS_W];
+    wire       outside = |address_q[31:ADDRESS_W];
     wire       goes    = state_q == FETCH && !outside;
     wire       over    = write_i ? m_axi_bvalid : m_axi_rvalid;
     wire       failed  = write_i ? m_axi_bresp[1] : m_axi_rresp[1];
@@ -89,10 +89,10 @@ module execute #(
             ar_q    <= ar_q ? !m_axi_arready : goes && !write_i;
             if (begins) kept_q <= write_i;
         end
-        if (begins) {sequence_q, address_q, word_q, status_q} <= {sequence_i, 1'b0, address_i, 6'd0, 7'd0};
+        if (begins) {sequence_q, address_q, word_q, status_q} <= {sequence_i, address_i, 6'd0, 7'd0};
         if (state_q == FETCH && outside || state_q == WAIT && over && failed) status_q <= number;
         if (state_q == WAIT && over) begin
-            address_q <= address_q + 33'd4;
+            address_q <= address_q + 32'd4;
             word_q    <= number[5:0];
         end
     end

@@ -11,7 +11,7 @@
 `default_nettype none
 module uart_bridge #(
     parameter DIVISOR   = 104,         // clock cycles in a bit of the line, >= 4
-    parameter ADDRESS_W = 24           // bits of a byte address on the bus, <= 32
+    parameter ADDRESS_W = 24           // bits of a byte address on the bus, < 32
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
