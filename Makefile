@@ -220,8 +220,9 @@ $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.
 
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4
+address_bits = $(shell awk -F'[]:[]' '/input.* s_axi_awaddr,/ {print $$2 + 1}' rtl/gen/fp3_$(1).v)
 $(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),board_fp3,rtl/board/board_fp3.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
-    -DFP3_TOP=fp3_$(c) -GDIVISOR=$(DIVISOR) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
+    -DFP3_TOP=fp3_$(c) -GDIVISOR=$(DIVISOR) -GADDRESS_W=$(call address_bits,$(c)) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
 $(BOARDS:%=$(BUILD)/verilated/board_%/hardware.a): $(wildcard rtl/board/*.v)
 $(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: rtl/gen/fp3_$(c).v))
 

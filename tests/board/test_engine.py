@@ -85,6 +85,9 @@ def test_one_object_has_the_bits_and_counters_of_rtl(fp3, ship, tmp_path):
         same(done, run(fp3, *ship, "--bus-log", tmp_path / "rtl.session"))
         whole = (tmp_path / "rtl.session").read_text().splitlines()
         assert log.read_text().splitlines() == [line for line in whole if line[0] != "h"] != whole
+        for name, more in (("board.csv", ["--engine", "board", "--port", port]), ("rtl.csv", [])):   # reads between runs
+            assert run(fp3, *ship, *more, "--output", tmp_path / name, "--every", "1").returncode == 0
+        assert (tmp_path / "board.csv").read_text() == (tmp_path / "rtl.csv").read_text()
         fails(run(fp3, *ship, "--engine", "board", "--port", port, "-c", "many"), "has configuration 'single', not 'many'")
         done = run(fp3, *ship, "--engine", "board", "--port", port, "--cycle-limit", "10")
         assert done.returncode == 2 and "no cycle limit" in done.stderr
