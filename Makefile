@@ -57,10 +57,11 @@ BOARDS  := single many
 RTL_ROOMS := bus config fp front host lib solo tile
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
-LIB_C   := $(filter-out sw/cli/% sw/measure/% $(HDF5_C),$(wildcard sw/*/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c))
 MEASURE_C := $(wildcard sw/measure/*.c)
 CLI_C   := $(wildcard sw/cli/*.c) $(MEASURE_C)
-TEST_C  := $(wildcard tests/*.c tests/*/*.c)
+# tests/bare is compiled by its test: with the header of a program.
+TEST_C  := $(filter-out tests/bare/%,$(wildcard tests/*.c tests/*/*.c))
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
 TESTS   := $(addprefix $(BUILD)/tests/,$(notdir $(TEST_C:.c=)))
 

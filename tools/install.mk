@@ -1,4 +1,4 @@
-# Installs libfp3, what it loads, and the command; the Makefile includes this.
+# Installs libfp3, what it loads, the command, and the driver's sources; the Makefile includes this.
 #
 #   make install                        below /usr/local
 #   make install PREFIX=/usr DESTDIR=x  for /usr, but put below x/
@@ -9,6 +9,7 @@ LIBDIR  ?= $(PREFIX)/lib
 INCDIR  := $(DESTDIR)$(PREFIX)/include/fp3
 MAN     := $(DESTDIR)$(PREFIX)/share/man/man1/fp3.1
 COMMAND := $(DESTDIR)$(PREFIX)/bin/fp3
+BARE    := $(DESTDIR)$(PREFIX)/share/fp3/bare
 RTL_DIR := $(DESTDIR)$(LIBDIR)/fp3
 VERSION  = $(shell sed -n 's/^.define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/api.h)
 
@@ -44,8 +45,8 @@ endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
-install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page; PREFIX=/usr/local, DESTDIR=
-	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND))
+install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page, driver; PREFIX=/usr/local, DESTDIR=
+	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
 	@install -m 644 $(LIB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
@@ -54,9 +55,12 @@ install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ##
 	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(BUILD)/fp3.1 $(MAN)
 	@install $(BUILD)/bin/fp3 $(COMMAND)
+	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
+	@install -m 644 sw/gen/registers.h $(BARE)/gen
+	@install -m 644 sw/include/fp3/api.h sw/include/fp3/status.h $(BARE)/fp3
 
 # Directories that other programs share stay.
 uninstall: ## Remove what install put there
-	@rm -rf $(INCDIR) $(RTL_DIR)
+	@rm -rf $(INCDIR) $(RTL_DIR) $(dir $(BARE))
 	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
 	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(COMMAND)

@@ -1,8 +1,9 @@
-/* cmd_dis.c - fp3 dis: an image, or single words, to assembly text. */
+/* cmd_dis.c - fp3 dis: an image, or single words, to assembly text; an image to a C header. */
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fp3/asm.h>
 #include <stdio.h>
@@ -12,15 +13,19 @@
 #include "base/file.h"
 
 typedef struct {
-    const char *image, *output;
+    const char *image, *output, *header;
     uint32_t *words;
     size_t word_count;
 } options;
 
-enum { KEY_WORD = 256 };
+enum { KEY_WORD = 256, KEY_HEADER };
 
 static const struct argp_option table[] = {
     {"output", 'o', "FILE", 0, "Write to FILE instead of the standard output", 0},
+    {"header", KEY_HEADER, "FILE", 0,
+     "Write the program as a C header for fp3_bare.h to FILE, instead of assembly; its names "
+     "begin with the name of FILE",
+     0},
     {"word", KEY_WORD, "WORD", 0,
      "Print this one instruction, 0x and hexadecimal digits; may be repeated", 0},
     {0},
@@ -42,6 +47,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case 'o':
         o->output = text;
         break;
+    case KEY_HEADER:
+        o->header = text;
+        break;
     case KEY_WORD:
         o->words[o->word_count++] = word(state, text);
         break;
@@ -53,6 +61,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
         if (!o->image == !o->word_count)
             argp_error(state, "expected an image or --word");
+        if (o->header && !o->image)
+            argp_error(state, "--header: expected an image");
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -86,12 +96,40 @@ static fp3_status image_text(const options *o, char **text, fp3_error *error) {
     return status;
 }
 
+/* The name of a file without folders and ending, as a name of C: other signs become _. */
+static void name_of(const char *path, char name[FP3_NAME_SIZE]) {
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    const char *dot = strchr(base, '.');
+    const size_t length = dot ? (size_t)(dot - base) : strlen(base);
+    const int is_output = strcmp(path, "-") == 0;
+    snprintf(name, FP3_NAME_SIZE, "%.*s", is_output ? FP3_NAME_SIZE : (int)length,
+             is_output ? "program" : base);
+    for (size_t i = 0; name[i]; i++)
+        if (!isalnum((unsigned char)name[i]) || (i == 0 && isdigit((unsigned char)name[i])))
+            name[i] = '_';
+}
+
+static fp3_status write_header(const options *o, fp3_error *error) {
+    fp3_image *image = NULL;
+    char *text = NULL, name[FP3_NAME_SIZE];
+    name_of(o->header, name);
+    fp3_status status = fp3_image_load(o->image, &image, error);
+    if (!status)
+        status = fp3_image_header(image, name, &text, error);
+    if (!status)
+        status = fp3_file_write(o->header, text, strlen(text), error);
+    free(text);
+    fp3_image_free(&image);
+    return status;
+}
+
 int fp3_cmd_dis(int argc, char **argv) {
     static const struct argp argp = {
         .options = table,
         .parser = parse,
         .args_doc = "IMAGE\n--word=WORD",
-        .doc = "Disassembles IMAGE to text that assembles to the same image.",
+        .doc = "Disassembles IMAGE to text that assembles to the same image, or writes it as C.",
     };
     options o = {.words = calloc((size_t)argc + 1, sizeof *o.words)};
     if (!o.words)
@@ -102,12 +140,15 @@ int fp3_cmd_dis(int argc, char **argv) {
     fp3_files files = {0};
     fp3_files_read(&files, "IMAGE", o.image);
     fp3_files_write(&files, "--output", o.output);
+    fp3_files_write(&files, "--header", o.header);
     fp3_status status = fp3_files_check(&files, &error);
-    if (!status)
+    if (!status && o.header)
+        status = write_header(&o, &error);
+    if (!status && (o.output || !o.header))
         status = o.image ? image_text(&o, &text, &error) : words_text(&o, &text, &error);
     if (!status && o.output)
         status = fp3_file_write(o.output, text, strlen(text), &error);
-    else if (!status)
+    else if (!status && text)
         fputs(text, stdout);
     free(text);
     free(o.words);

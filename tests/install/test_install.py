@@ -146,6 +146,13 @@ def test_hardware_that_does_not_fit_is_refused(installed, start, flags, root, sa
     assert done.returncode == 1 and message in done.stderr and done.stdout == "", done.stderr
 
 
+def test_the_driver_compiles_from_its_folder_alone(installed, tmp_path):
+    """As somebody's firmware takes it: no other header of ours, no libc."""
+    succeeds("gcc", "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffreestanding", "-nostdlib", "-I", ".", "-c", "fp3_bare.c",
+             "-o", tmp_path / "driver.o", cwd=installed / "share/fp3/bare")
+    assert not re.findall(r"U (?!_GLOBAL_OFFSET_TABLE_)", succeeds("nm", "-u", tmp_path / "driver.o"))
+
+
 @pytest.mark.parametrize("options", [["gcc", "-std=c11", "-x", "c"], ["g++", "-std=c++17", "-x", "c++"]],
                          ids=["C11", "C++17"])
 def test_each_header_compiles_alone(installed, options):

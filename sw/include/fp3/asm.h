@@ -53,6 +53,12 @@ fp3_status fp3_word_text(uint32_t word, const fp3_image *image, char text[FP3_WO
  * fp3_image_save does. */
 fp3_status fp3_image_save_hex(const fp3_image *image, const char *path, fp3_error *error);
 
+/* A C header with the image's words, constants and names for the driver of a processor of one's own
+ * (sw/bare/fp3_bare.h); all its names begin with `name`, which must be a name (fp3_name_valid). The caller
+ * frees *text, which ends with a NUL. FP3_E_PROGRAM: with its loads and stores it is too long. */
+fp3_status fp3_image_header(const fp3_image *image, const char *name, char **text,
+                            fp3_error *error);
+
 /* The shortest number that the assembler reads as these FP32 bits. */
 #define FP3_NUMBER_TEXT_SIZE 24
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]);

@@ -1,0 +1,202 @@
+/* simulated.c - the driver and the example of docs/integration.md on the simulated hardware.
+ *
+ *     simulated LIBRARY SEED SHIPS STEPS     prints "v s" of each ship, as bits
+ *     simulated LIBRARY 0 latency            prints the cycles of transfers
+ *
+ * ships.c and ship.h are made by the test.
+ */
+#include "ships.c"
+
+#include "fp3_rtl.h"
+#include <dlfcn.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SHIPS_MAX 4096
+
+typedef struct {
+    const fp3_rtl_ops *ops;
+    fp3_rtl *rtl;
+    uint64_t transfers;
+    uint64_t broken_at; /* the transfer that the bus answers with an error; 0: none */
+} board;
+
+static int read_word(void *user, uint32_t address, uint32_t *word) {
+    board *b = user;
+    return ++b->transfers == b->broken_at || b->ops->transfer(b->rtl, 0, address, word);
+}
+
+static int write_word(void *user, uint32_t address, uint32_t word) {
+    board *b = user;
+    return ++b->transfers == b->broken_at || b->ops->transfer(b->rtl, 1, address, &word);
+}
+
+#define EXPECT(what)                                                                               \
+    do {                                                                                           \
+        if (!(what)) {                                                                             \
+            fprintf(stderr, "line %d: not so: %s\n", __LINE__, #what);                             \
+            exit(1);                                                                               \
+        }                                                                                          \
+    } while (0)
+
+/* A run that has no end in sight: what the driver refuses by itself costs no transfer, what the hardware refuses
+ * comes back, and the run goes on until it is stopped. */
+static void refuse_while_running(fp3_bare *fp3, board *b) {
+    uint32_t word = 0;
+    uint64_t cycles = 0, later = 0;
+    fp3_bare_outcome outcome;
+    fp3_bare other;
+    EXPECT(!fp3_bare_start(fp3, FP3_ALL, UINT32_MAX, 0, 0));
+    const uint64_t transfers = b->transfers;
+    EXPECT(fp3_bare_load(fp3, FP3_ALL, &ship_program) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_write_shared(fp3, 0, 0, 0) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_write(fp3, FP3_ALL, 0, 0, 0) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_read(fp3, FP3_ALL, 0, 0, &word) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_list(fp3, FP3_ALL, 1) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_start(fp3, 0, 1, 0, 0) == FP3_E_ARGUMENT);
+    EXPECT(b->transfers == transfers);
+    EXPECT(write_word(b, FP3_ADDR_WINDOW_PROGRAM, 0) && write_word(b, FP3_ADDR_STEPS, 1));
+    EXPECT(fp3_bare_wait(fp3, FP3_ALL, 3, &outcome) == FP3_E_LIMIT);
+    EXPECT(outcome == FP3_BARE_RUNNING);
+    EXPECT(!fp3_bare_counter(fp3, 0, FP3_ADDR_COUNTER_CYCLES, &cycles) && cycles > 0);
+    EXPECT(!fp3_bare_counter(fp3, 0, FP3_ADDR_COUNTER_CYCLES, &later) && later > cycles);
+    /* A driver that comes anew sees that there is a run. */
+    const fp3_bare_bus bus = fp3->bus;
+    EXPECT(!fp3_bare_open(&other, &bus) && other.running[0]);
+    EXPECT(fp3_bare_load(&other, FP3_ALL, &ship_program) == FP3_E_ARGUMENT);
+    EXPECT(!fp3_bare_stop(fp3, FP3_ALL) && !fp3_bare_wait(fp3, FP3_ALL, POLLS, &outcome));
+    EXPECT(outcome == FP3_BARE_STOPPED);
+}
+
+static void refuse_nonsense(fp3_bare *fp3, board *b) {
+    uint32_t word = 0;
+    uint64_t count = 0;
+    const uint32_t room =
+        fp3->store ? fp3->schedulers * fp3->lanes * (fp3->store >> fp3->record[0]) : 1;
+    const uint32_t record = fp3->store ? 1u << fp3->record[0] : fp3->registers;
+    fp3_bare_program p = ship_program;
+    const uint64_t transfers = b->transfers;
+    EXPECT(fp3_bare_write(fp3, FP3_ALL, room, 0, 0) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_write(fp3, FP3_ALL, room - 1, record, 0) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_read(fp3, fp3->schedulers, 0, 0, &word) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_write_shared(fp3, FP3_ALL, fp3->registers, 0) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_list(fp3, FP3_ALL, room + 1) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_start(fp3, FP3_ALL, UINT32_MAX, 0, 1) == FP3_E_ARGUMENT);
+    EXPECT(fp3->schedulers == 1 ||
+           fp3_bare_counter(fp3, FP3_ALL, FP3_ADDR_COUNTER_CYCLES, &count) == FP3_E_ARGUMENT);
+    EXPECT((fp3->features >> FP3_FEATURES_STATUS_LO & 1) ||
+           fp3_bare_read_status(fp3, FP3_ALL, 0, &word) == FP3_E_ARGUMENT);
+    p.revision++;
+    EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p = ship_program;
+    p.registers = fp3->registers + 1;
+    EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_PROGRAM);
+    p = ship_program;
+    p.word_count += fp3->program_words;
+    EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_PROGRAM);
+    EXPECT(b->transfers == transfers);
+    EXPECT(!fp3_bare_write(fp3, FP3_ALL, room - 1, record - 1, 7));
+    EXPECT(!fp3_bare_read(fp3, FP3_ALL, room - 1, record - 1, &word) && word == 7);
+    EXPECT(fp3_bare_register(fp3, FP3_ALL, 0x7c, &word) == FP3_E_SYSTEM);
+    EXPECT((fp3->failed_at & 0xffffffu) == 0x7c);
+}
+
+/* The hardware says at which word it stopped. */
+static void meet_an_illegal_word(fp3_bare *fp3) {
+    const uint32_t words[] = {0, 0, 0};
+    const fp3_bare_program p = {.words = words,
+                                .word_count = 3,
+                                .step = 1,
+                                .last = 2,
+                                .record = 3,
+                                .revision = ship_program.revision};
+    uint32_t fault = 9;
+    fp3_bare_outcome outcome;
+    EXPECT(!fp3_bare_load(fp3, FP3_ALL, &p) && !fp3_bare_list(fp3, FP3_ALL, 1));
+    EXPECT(!fp3_bare_start(fp3, 0, 1, 0, 0) && !fp3_bare_wait(fp3, 0, POLLS, &outcome));
+    EXPECT(outcome == FP3_BARE_ILLEGAL);
+    EXPECT(!fp3_bare_register(fp3, 0, FP3_ADDR_FAULT, &fault) && fault == 0);
+}
+
+/* Whichever transfer fails: it is told, and nothing goes on as if it had not. */
+static void break_each_transfer(board *b, const fp3_bare_bus *bus) {
+    static uint32_t v[SHIPS_MAX], s[SHIPS_MAX];
+    fp3_bare fp3;
+    b->transfers = b->broken_at = 0;
+    EXPECT(!fly(&fp3, bus, 1, 1, v, s));
+    for (uint64_t last = b->transfers; last > 0; last--) {
+        fp3_bare_outcome outcome;
+        b->transfers = 0;
+        b->broken_at = last;
+        const fp3_status status = fly(&fp3, bus, 1, 1, v, s);
+        EXPECT(status == FP3_E_SYSTEM || b->transfers < last); /* it may have been another poll */
+        b->broken_at = 0;
+        EXPECT(!fp3_bare_open(&fp3, bus));
+        EXPECT(!fp3_bare_wait(&fp3, FP3_ALL, POLLS, &outcome));
+    }
+}
+
+/* A bus that is memory, with nothing behind it and with something that answers like one machine. */
+static void look_at_memory(void) {
+    static uint32_t memory[64];
+    fp3_bare fp3;
+    const fp3_bare_bus bus = fp3_bare_memory(memory);
+    EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
+    memory[FP3_ADDR_ID / 4] = 0x46503303;
+    EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
+    memory[FP3_ADDR_ARRAY / 4] = 0x00010101;
+    memory[FP3_ADDR_SHAPE / 4] = 0x00012020;
+    EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.lanes == 1 && fp3.registers == 32);
+    EXPECT(!fp3_bare_stop(&fp3, FP3_ALL) && memory[FP3_ADDR_CONTROL / 4] == 2);
+}
+
+static uint64_t cycles_of(board *b, int is_write, uint32_t address) {
+    const uint64_t begin = b->ops->now(b->rtl);
+    uint32_t word = 0;
+    EXPECT(!b->ops->transfer(b->rtl, is_write, address, &word));
+    return b->ops->now(b->rtl) - begin;
+}
+
+static void print_latency(board *b) {
+    const uint32_t object = (uint32_t)FP3_SPACE_OBJECTS << FP3_ADDRESS_SPACE_LO;
+    const uint64_t first = cycles_of(b, 1, FP3_ADDR_STEPS),
+                   second = cycles_of(b, 0, FP3_ADDR_STEPS);
+    const uint64_t third = cycles_of(b, 1, object), fourth = cycles_of(b, 0, object);
+    printf("| `%s` | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |\n", b->ops->config,
+           first, second, third, fourth);
+}
+
+int main(int argc, char **argv) {
+    static uint32_t v[SHIPS_MAX], s[SHIPS_MAX];
+    EXPECT(argc >= 4);
+    void *library = dlopen(argv[1], RTLD_NOW);
+    board b = {.ops = library ? dlsym(library, "fp3_rtl_table") : NULL};
+    EXPECT(b.ops);
+    const fp3_rtl_watch watch = {NULL, NULL, NULL};
+    b.rtl = b.ops->open(&watch, strtoull(argv[2], NULL, 10));
+    EXPECT(b.rtl);
+    const fp3_bare_bus bus = {read_word, write_word, &b};
+    const uint32_t ships = (uint32_t)strtoul(argv[3], NULL, 10);
+    if (ships == 0) {
+        print_latency(&b);
+    } else {
+        fp3_bare fp3;
+        EXPECT(argc == 5 && ships <= SHIPS_MAX);
+        const uint32_t steps = (uint32_t)strtoul(argv[4], NULL, 10);
+        EXPECT(!fly(&fp3, &bus, ships, steps, v, s));
+        refuse_while_running(&fp3, &b);
+        refuse_nonsense(&fp3, &b);
+        meet_an_illegal_word(&fp3);
+        if (strcmp(argv[2], "0") == 0)
+            break_each_transfer(&b, &bus);
+        look_at_memory();
+        memset(v, 0, sizeof v);
+        EXPECT(!fly(&fp3, &bus, ships, steps, v, s));
+        for (uint32_t i = 0; i < ships; i++)
+            printf("%08" PRIx32 " %08" PRIx32 "\n", v[i], s[i]);
+    }
+    b.ops->close(b.rtl);
+    return 0;
+}

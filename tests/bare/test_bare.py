@@ -1,0 +1,97 @@
+"""The C driver (sw/bare) and the example of docs/integration.md, on the simulated hardware over AXI4-Lite."""
+
+import re
+import struct
+import subprocess
+
+import pytest
+
+WARN = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+STEPS = 3
+
+
+def succeeds(*command, **options):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120, **options)
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def page(root):
+    return (root / "docs/integration.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def folder(root, fp3, page, tmp_path_factory):
+    """What the page shows, with the header of the ship's program."""
+    at = tmp_path_factory.mktemp("bare")
+    blocks = re.findall(r"(?:^(?:    .*)?\n)+", page, re.M)
+    source = next(text for text in blocks if "ships.c" in text and "#include" in text)
+    (at / "ships.c").write_text(re.sub("^    ", "", source, flags=re.M))
+    succeeds(fp3, "asm", root / "programs/ship.s", "-o", at / "ship.fp3")
+    succeeds(fp3, "dis", at / "ship.fp3", "--header", at / "ship.h")
+    return at
+
+
+@pytest.fixture(scope="module")
+def simulated(root, build, folder):
+    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+    succeeds("gcc", *WARN, "-D_GNU_SOURCE", "-g", *sanitize, "-ffp-contract=off", "-I", root / "sw", "-I", root / "sw/bare", "-I",
+             root / "sw/include", "-I", root / "sim", "-I", folder, root / "tests/bare/simulated.c", root / "sw/bare/fp3_bare.c",
+             "-ldl", "-o", folder / "simulated")
+    return folder / "simulated"
+
+
+@pytest.mark.parametrize("options", [["-O0"], ["-Os", "-m32", "-fno-pic"]], ids=" ".join)
+def test_it_needs_nothing(root, folder, options):
+    """Freestanding, on 64 and 32 bits: no symbol of anybody else's, and the example only the driver's."""
+    for source in (root / "sw/bare/fp3_bare.c", folder / "ships.c"):
+        succeeds("gcc", *WARN, *options, "-ffreestanding", "-nostdlib", "-nostdinc", "-isystem",
+                 succeeds("gcc", "-print-file-name=include").strip(), "-I", root / "sw", "-I", root / "sw/bare", "-I",
+                 root / "sw/include", "-c", source, "-o", folder / "x.o")
+        names = re.findall(r"U (\w+)", succeeds("nm", "-u", folder / "x.o"))
+        assert [name for name in names if not name.startswith("fp3_bare_") or source.name == "fp3_bare.c"] == [], names
+
+
+# Ships, with lanes and schedulers that have one more than others; and a seed for waits of the bus.
+@pytest.mark.parametrize("config, ships, seed", [("single", 1, 0), ("single", 1, 5), ("many", 25, 0), ("many", 25, 5), ("lanes", 9, 5),
+                                                 ("array", 5, 5)])
+def test_the_example_has_the_bits_of_a_run(root, build, fp3, simulated, tmp_path, config, ships, seed):
+    """And so it has after every refusal and error that simulated.c provokes; without waits in each single transfer."""
+    out = tmp_path / "x.csv"
+    spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
+    succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-o", ships, "-n", STEPS, "--params",
+             root / "programs/ship.cfg", *spread, "--output", out)
+    head, *rows = [line.split(",") for line in out.read_text().splitlines()]
+    end = [dict(zip(head, row)) for row in rows][-ships:]
+    bits = lambda text: f"{struct.unpack('<I', struct.pack('<f', float(text)))[0]:08x}"
+    got = succeeds(simulated, build / f"lib/fp3/fp3_{config}.so", seed, ships, STEPS)
+    assert got.splitlines() == [f"{bits(row['v'])} {bits(row['s'])}" for row in end]
+    assert len(set(got.splitlines())) == ships
+
+
+def test_the_latencies_of_the_page_are_measured(build, simulated, page):
+    said = [line + "\n" for line in page.split("| configuration | write, register |")[1].split("\n\n")[0].splitlines()[2:] if line.startswith("| `")]
+    assert len(said) >= 5
+    for line in said:
+        config = re.match(r"\| `(\w+)`", line)[1]
+        assert succeeds(simulated, build / f"lib/fp3/fp3_{config}.so", 0, "latency") == line
+
+
+def test_a_header_has_all_that_a_host_gives(root, fp3, tmp_path):
+    source = tmp_path / "p.s"
+    source.write_text(".state x\n.param p\n.shared h\n.const k 2.0\nstep:\n  mul x, x, k\n  mul x, x, p\n  mul x, x, h\n")
+    succeeds(fp3, "asm", source, "-o", tmp_path / "p.fp3")
+    text = succeeds(fp3, "dis", tmp_path / "p.fp3", "--header", "-")
+    assert re.findall(r"#define (program_\w+) \d+u", text) == ["program_state_x", "program_param_p", "program_shared_h"]
+    assert re.search(r"\{1, 0x40000000u\}|\{0, 0x40000000u\}", text)
+    succeeds(fp3, "dis", tmp_path / "p.fp3", "--header", tmp_path / "2 ships.new.h")
+    assert "_program = {" in (tmp_path / "2 ships.new.h").read_text().replace("__ships", "")
+    succeeds(fp3, "asm", root / "programs/ship_sleep.s", "-o", tmp_path / "s.fp3")
+    text = succeeds(fp3, "dis", tmp_path / "s.fp3", "--header", "-")
+    assert re.findall(r"#define program_asleep (\d+u)", text) == re.findall(r"#define program_state_slept (\d+u)", text) != []
+    for name in ("step.h", "x" * 40 + ".h"):
+        done = subprocess.run([fp3, "dis", tmp_path / "p.fp3", "--header", tmp_path / name], capture_output=True, text=True)
+        assert (done.returncode == 2) == (name == "step.h") and (tmp_path / name).exists() == (name != "step.h"), done.stderr
+    done = subprocess.run([fp3, "dis", "--word", "0x38000000", "--header", "x.h"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "--header: expected an image" in done.stderr
