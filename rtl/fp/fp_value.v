@@ -5,7 +5,7 @@
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           alone_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
-//           all of this is a delay.
+//           all of this is a delay, as long as z_o is not read late enough (Z_LATE).
 //
 //     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
 `default_nettype none
@@ -28,7 +28,7 @@ module fp_value #(
         if (VALUES == 0) begin : g_plain
             wire unused = &{choice_i, b_i, true_i};
             assign alone_o = 1'b0;
-            delay #(.W(32), .N(MUL_LATENCY)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
+            delay #(.W(32), .N(MUL_LATENCY - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
             wire plain = choice_i == CHOICE_NONE;
             wire minimum = choice_i == CHOICE_MIN, maximum = choice_i == CHOICE_MAX, sel = choice_i == CHOICE_SEL;

@@ -4,7 +4,7 @@
 //           some cycles later into what its end needs (RETIRE, and the number of its step).
 //           Operands: x is b, y is a or what is stored, z is c or a.
 //
-// Latency   issue_o one cycle after issue_i. retire_o LATENCY - 3 cycles after issue_o, step_o LATENCY + 3:
+// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o LATENCY - 3 cycles after issue_o, step_o LATENCY + 3:
 //           so that a lane has them where it needs them, six cycles before the result and with it.
 // Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
 //           round from its first issue to its last.
@@ -95,14 +95,14 @@ module issue #(
     assign issue_twice    = twice_q;
     assign issue_half     = half_q;
     assign issue_one      = one_q;
-    assign issue_zero     = zero_q;
     assign issue_st       = st_q;
     assign issue_lasts    = lasts_q;
     assign issue_record   = record_i;
     assign issue_register = d_q;
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
     assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
-    assign issue_z        = {z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]};
+    delay #(.W(1+REG_W), .N(Z_LATE)) u_z (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({zero_q, z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]}), .q_o({issue_zero, issue_z}));
     assign issue_o        = `ISSUE;
 
     assign retire_round      = open_i;

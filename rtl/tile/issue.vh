@@ -8,6 +8,8 @@
 //     record                      a record of the store has 8 << record words
 //     context, register           whose register is stored
 //     x, y, z                     the operands: {context, register}; constants are one context more
+//
+// zero and z are about the instruction of Z_LATE cycles ago.
 `define ISSUE_W (CHOICE_W + 9 + 4*REG_W)
 `define ISSUE_FIELDS \
     wire [CHOICE_W-1:0] issue_choice; \

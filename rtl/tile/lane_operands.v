@@ -3,7 +3,8 @@
 // Purpose   Three copies of the registers, so that three are read in a cycle. A sum is z +/- x * 1 (or 2,
 //           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and the -0
 //           come from the set and reset inputs of the operands' registers.
-// Latency   Three cycles from the registers' numbers to the operands. less_o comes with the result.
+// Latency   Three cycles from the registers' numbers to the operands. z is named, and comes, Z_LATE cycles after
+//           x and y. less_o comes with the result.
 // Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
 //
 //     cycle        0              1, 2         3                         3 + LATENCY
