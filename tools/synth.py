@@ -3,6 +3,7 @@
 
     tools/synth.py                                     cores, processors, a lane alone: every configuration
     tools/synth.py --top fp_add --config single --grades 8 --seeds 1
+    tools/synth.py --top group --config lanes          four lanes that share their control
     tools/synth.py --top trim                          what a feature costs: synthesis only
 
 A core is placed with the cuts of each configuration, and with the best places found for each number of
@@ -44,7 +45,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
 DEVICE = "LFE5U-85F"
 CORES = ("fp_add", "fp_mul")
-TOPS = (*CORES, "lane", "fp3", "trim")
+LANES = {"lane": 1, "group": 4}
+TOPS = (*CORES, *LANES, "fp3", "trim")
 BLOCK_RAMS = 208
 
 # Of a configuration, with a store of 1,024 words: the base, and against it what is left out, one at a time, and what is
@@ -108,8 +110,8 @@ def core(top, row):
     return cuts.bit_count(), wrapper, []
 
 
-# A lane and its arithmetic between registers; the headers know how wide the bundles are.
-LANE = """`include "tile/issue.vh"
+# Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
+GROUP = """`include "tile/issue.vh"
 `include "tile/retire.vh"
 `include "tile/access.vh"
 `include "tile/report.vh"
@@ -138,29 +140,35 @@ module top #(
     wire [`RETIRE_W-1:0] retire_d;
     wire [`ACCESS_W-1:0] access_d;
     wire [`REPORT_W-1:0] report_d;
-    wire [31:0]          data_d, x, y, z, value;
-    wire                 subtract;
-    wire [CHOICE_W-1:0]  choice;
-    wire [4:0]           flags;
+    wire [31:0]          data_d;
+    wire [32*{n}-1:0]       x, y, z, value;
+    wire [{n}-1:0]          subtract;
+    wire [CHOICE_W*{n}-1:0] choice;
+    wire [5*{n}-1:0]        flags;
     always @(posedge clk_i) begin
         {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
         {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
     end
-    lane #(.CONFIG(CONFIG)) u_lane (.clk_i(clk_i), .rst_i(rst_q),
+    lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .rst_i(rst_q),
         .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
         .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
         .subtract_o(subtract), .choice_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(flags));
-    lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(subtract), .choice_i(choice),
-        .x_i(x), .y_i(y), .z_i(z), .value_o(value), .flags_o(flags));
+    genvar l;
+    generate
+        for (l = 0; l < {n}; l = l + 1) begin : g_lane
+            lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(subtract[l]), .choice_i(choice[CHOICE_W*l +: CHOICE_W]),
+                .x_i(x[32*l +: 32]), .y_i(y[32*l +: 32]), .z_i(z[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
+        end
+    endgenerate
 endmodule
 """
 
 
-def lane(row):
-    """One lane and its arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
+def lanes(row, n):
+    """A group of n lanes and their arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
     keys = "\n".join(parameters.config_keys_verilog(row))
     widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
-    return None, LANE.format(parameters=widths), []
+    return None, GROUP.format(parameters=widths, n=n), []
 
 
 def processor(row):
@@ -285,16 +293,16 @@ def plan(args, configs):
                     trims[source, True] = (f"trim-{len(trims)}", [])
             continue
         for row in configs + (depths(top) if top in CORES else []):
-            if top == "lane" and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1):
+            if top in LANES and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1 or row["lanes"] < LANES[top]):
                 continue
-            if top in ("lane", "fp3") and row["interleave"] \
-                    and row["store_words"] * (row["tiles"] * row["schedulers"] * row["lanes"] if top == "fp3" else 1) > 512 * BLOCK_RAMS:
+            if top not in CORES and row["interleave"] \
+                    and row["store_words"] * (LANES.get(top) or row["tiles"] * row["schedulers"] * row["lanes"]) > 512 * BLOCK_RAMS:
                 print(f"{top}, {row['name']}: left out, its store alone has more than {BLOCK_RAMS} block RAMs", flush=True)
                 continue
             for name, device in variants(top, row):
                 if args.config and name not in args.config:
                     continue
-                cuts, wrapper, files = core(top, row) if top in CORES else lane(row) if top == "lane" else processor(row)
+                cuts, wrapper, files = core(top, row) if top in CORES else lanes(row, LANES[top]) if top in LANES else processor(row)
                 design, _ = designs.setdefault((wrapper, device), (f"{top}-{name}", files))
                 wanted.append((top, name, cuts, design))
     return designs, wanted, trims

@@ -40,6 +40,7 @@ rtl/tile/batch.v
 rtl/tile/issue.v
 rtl/tile/lane.v
 rtl/tile/lane_arith.v
+rtl/tile/lane_group.v
 rtl/tile/lane_operands.v
 rtl/tile/lane_report.v
 rtl/tile/lane_status.v

@@ -1,8 +1,7 @@
 // lane: the registers of some objects, the store behind them, and what becomes of each result.
 //
 // Purpose   Does what its sequencer says, one instruction per cycle, for as many objects as there are
-//           contexts, and says it to the next lane a cycle later. Whatever depends on an object's
-//           data is decided here and nowhere else.
+//           contexts. Whatever depends on an object's data is decided here and nowhere else.
 //
 //           cycle    0         1, 2       3         .. W = LATENCY+3     W+1
 //           issue    operands  registers  operands  arithmetic, result   written, retired
@@ -29,15 +28,11 @@ module lane #(
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // What the sequencer and the host say, and the same a cycle later
+    // What the sequencer and the host say
     input  wire [`ISSUE_W-1:0]  issue_i,
     input  wire [`RETIRE_W-1:0] retire_i,
     input  wire [`ACCESS_W-1:0] access_i,
     input  wire [31:0]          data_i,         // the number of the step; of an access: its word
-    output wire [`ISSUE_W-1:0]  issue_o,
-    output wire [`RETIRE_W-1:0] retire_o,
-    output wire [`ACCESS_W-1:0] access_o,
-    output wire [31:0]          data_o,
     // What they hear, gathered from lane to lane
     input  wire [`REPORT_W-1:0] report_i,
     output wire [`REPORT_W-1:0] report_o,
@@ -65,25 +60,13 @@ module lane #(
     localparam [LANE_W-1:0]    ME     = INDEX[LANE_W-1:0];
     localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
 
-    // Said in this cycle, and to the next lane ---------------------------------------------------
-    reg [`ISSUE_W-1:0]  issue_q;
-    reg [`RETIRE_W-1:0] retire_q;
-    reg [`ACCESS_W-1:0] access_q;
-    reg [31:0]          data_q;
-    always @(posedge clk_i) begin
-        issue_q  <= issue_i  & {`ISSUE_W{!rst_i}};
-        retire_q <= retire_i & {`RETIRE_W{!rst_i}};
-        access_q <= access_i & {`ACCESS_W{!rst_i}};
-        data_q   <= data_i;
-    end
-    assign {issue_o, retire_o, access_o, data_o} = {issue_q, retire_q, access_q, data_q};
     `ISSUE_FIELDS
     `RETIRE_FIELDS
     `ACCESS_FIELDS
     `REPORT_FIELDS
-    assign `ISSUE  = issue_q;           // cycle 0
-    assign `RETIRE = retire_q;          // cycle W-6
-    assign `ACCESS = access_q;
+    assign `ISSUE  = issue_i;           // cycle 0
+    assign `RETIRE = retire_i;          // cycle W-6
+    assign `ACCESS = access_i;
     wire mine  = access_valid && (access_lane == ME || access_space == HOST_CONSTANT);
     wire write = mine && access_write;
 
@@ -128,14 +111,14 @@ module lane #(
         .less_i(less_w0), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
         .st_context_i(issue_context), .st_row_o(st_row_i2), .st_absent_o(st_absent_i2), .st_asleep_o(st_asleep_i2),
         .host_count_i(write && access_space == HOST_AWAKE), .host_wake_i(write && access_space == HOST_WAKE),
-        .host_data_i(data_q[ROW_W:0]), .count_o(count));
+        .host_data_i(data_i[ROW_W:0]), .count_o(count));
 
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(issue_lasts), .register_i(issue_register),
         .row_i2_i(st_row_i2), .absent_i2_i(st_absent_i2), .asleep_i2_i(st_asleep_i2), .value_i3_i(y_o),
         .row_w3_i(row_w3), .register_w3_i(register_w3), .word_o(stored_w0),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
-        .host_word_i(data_q));
+        .host_word_i(data_i));
 
     // A result: written in W+1 ------------------------------------------------------------------------
     wire writes   = (executed && (arithmetic_w0 || load_w0)) || sleeps;
@@ -149,14 +132,14 @@ module lane #(
         retired_q        <= !rst_i && writes;
         write_q          <= !rst_i && (writes || constant);
         write_register_q <= constant ? {SHARED, access_address[REGISTER_W-1:0]} : {context_w0, register_w0};
-        write_value_q    <= arithmetic_w0 ? value_i : load_w0 ? stored_w0 : data_q;
+        write_value_q    <= arithmetic_w0 ? value_i : load_w0 ? stored_w0 : data_i;
         value_flags_q    <= value_flags_i;
         raises_q         <= !rst_i && raises;
     end
     lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
-        .row_w3_i(row_w3), .raises_i(raises), .flags_i(value_flags_i), .step_i(data_q[26:0]), .status_o(status_w0),
+        .row_w3_i(row_w3), .raises_i(raises), .flags_i(value_flags_i), .step_i(data_i[26:0]), .status_o(status_w0),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
-        .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_q));
+        .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));
 
     // What the sequencer and the host hear ---------------------------------------------------------------
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),

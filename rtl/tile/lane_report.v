@@ -2,9 +2,10 @@
 //
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
 //           the answer of the lane that the host asked. The sequencer hears the last lane.
-// Latency   One cycle from report_i. A lane answers the host three cycles after mine_i; valid_o comes three
-//           cycles after valid_i.
-// Hazard    Lanes are in step: what the lane before reported in the last cycle, this one reports now.
+// Latency   One cycle from report_i for the count, none for the others: lane_group registers them. A lane
+//           answers the host three cycles after mine_i; valid_o comes two cycles after valid_i.
+// Hazard    Lanes are in step: what the lane before reports, this one reports in the same cycle.
+//           The answers of lanes that are not asked are 0.
 //
 //     counts of three lanes 5, 7, 6:     report_count of the last is 7
 `default_nettype none
@@ -41,33 +42,24 @@ module lane_report #(
     wire [2:0]      space;
     wire            mine;
     reg [ROW_W:0]   count_q;
-    reg [4:0]       flags_q;
-    reg [31:0]      answer_q;
-    reg             asleep_q;
     delay #(.W(4), .N(3)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
-    delay #(.W(1), .N(3)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_o));
-    delay #(.W(1+CONTEXT_W), .N(3)) u_context (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_o));
+    delay #(.W(1+CONTEXT_W), .N(2)) u_context (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({batch_i, context_i}), .q_o({batch_o, context_o}));
-    always @(posedge clk_i) begin
-        count_q  <= count_i > report_count ? count_i : report_count;
-        flags_q  <= (report_flags | flags_i) & {5{!rst_i}};
-        answer_q <= !mine ? report_answer : space == HOST_OBJECT ? stored_i
-                  : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
-        asleep_q <= report_asleep && asleep_i;
-    end
-    assign {count_o, flags_o, answer_o, asleep_o} = {count_q, flags_q, answer_q, asleep_q};
+    always @(posedge clk_i) count_q <= count_i > report_count ? count_i : report_count;
+    wire [31:0] answer = space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
+    assign count_o  = count_q;
+    assign flags_o  = report_flags | flags_i;
+    assign answer_o = report_answer | (answer & {32{mine}});
+    assign asleep_o = report_asleep && asleep_i;
     // The lanes are in step: what this lane says of an instruction, those before have said.
     wire unused = &{report_valid, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    reg                 said_q;
-    reg [CONTEXT_W:0]   about_q;
-    always @(posedge clk_i) begin
-        {said_q, about_q} <= {report_valid && !rst_i, report_batch, report_context};
-        if (!rst_i && said_q && !(valid_o && {batch_o, context_o} == about_q)) begin
-            $display("%m: not in step with the lane before, which reported context %0d", about_q[CONTEXT_W-1:0]); $stop;
+    always @(posedge clk_i)
+        if (!rst_i && report_valid && !(valid_o && {batch_o, context_o} == {report_batch, report_context})) begin
+            $display("%m: not in step with the lane before, which reported context %0d", report_context); $stop;
         end
-    end
 `endif
 endmodule
 `default_nettype wire

@@ -1,11 +1,11 @@
 // tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
 //
 // Purpose   Puts together what belongs to one program: host registers, counters, the sequencer and
-//           the lanes that follow it, each a cycle after the one before.
+//           the lanes that follow it, each group of four a cycle after the one before.
 //
-//           host_port ─► sequencer ─► lane ─► lane ─► ...
-//               ▲            ▲                         │
-//               └─ counters  └──────── reports ◄───────┘
+//           host_port ─► sequencer ─► group ─► group ─► ...
+//               ▲            ▲                           │
+//               └─ counters  └──────── reports ◄─────────┘
 //
 // Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says; adds_o and
 //           muls_o ask for a unit two cycles before the first lane says the instruction, five before its
@@ -108,12 +108,13 @@ module tile_scheduler #(
     assign access_lane    = by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
     assign access_address = address[STORE_W-1:0];
 
-    // The sequencer and its lanes: what lane l hears is at l, what it says at l + 1 --------------------
-    wire [`ISSUE_W*(LANES+1)-1:0]  issues;
-    wire [`RETIRE_W*(LANES+1)-1:0] retires;
-    wire [`ACCESS_W*(LANES+1)-1:0] accesses;
-    wire [32*(LANES+1)-1:0]        data;
-    wire [`REPORT_W*(LANES+1)-1:0] reports;
+    // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
+    localparam GROUP = 4, GROUPS = (LANES + GROUP - 1) / GROUP;
+    wire [`ISSUE_W*(GROUPS+1)-1:0]  issues;
+    wire [`RETIRE_W*(GROUPS+1)-1:0] retires;
+    wire [`ACCESS_W*(GROUPS+1)-1:0] accesses;
+    wire [32*(GROUPS+1)-1:0]        data;
+    wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
     wire [4:0]                     issued;
     wire                           retired;
@@ -128,7 +129,7 @@ module tile_scheduler #(
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
         .issue_o(issues[0 +: `ISSUE_W]), .retire_o(retires[0 +: `RETIRE_W]), .step_o(step_number),
-        .report_i(reports[`REPORT_W*LANES +: `REPORT_W]),
+        .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
         .issued_o(issued), .retired_o(retired),
         .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
         .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
@@ -143,32 +144,39 @@ module tile_scheduler #(
     // In front of the first lane nobody has an object, and nobody is awake.
     `REPORT_FIELDS
     assign reports[0 +: `REPORT_W] = `REPORT_NONE;
-    assign `REPORT                 = reports[`REPORT_W*LANES +: `REPORT_W];
+    assign `REPORT                 = reports[`REPORT_W*GROUPS +: `REPORT_W];
     assign flags                   = report_flags;
     assign lanes_answer            = report_answer;
 
-    genvar l;
+    wire [CONTEXT_W*LANES-1:0]  written_context;
+    wire [ROW_W*LANES-1:0]      written_row;
+    wire [REGISTER_W*LANES-1:0] written_register;
+    genvar g, l;
     generate
-        for (l = 0; l < LANES; l = l + 1) begin : g_lane
-            wire [CONTEXT_W-1:0]  written_context;
-            wire [ROW_W-1:0]      written_row;
-            wire [REGISTER_W-1:0] written_register;
-            lane #(.CONFIG(CONFIG), .INDEX(l)) u_lane (
+        for (g = 0; g < GROUPS; g = g + 1) begin : g_group
+            localparam F = GROUP * g;                             // its first lane
+            localparam N = LANES - F < GROUP ? LANES - F : GROUP;
+            lane_group #(.CONFIG(CONFIG), .FIRST(F), .N(N)) u_group (
                 .clk_i(clk_i), .rst_i(rst_i),
-                .issue_i(issues[`ISSUE_W*l +: `ISSUE_W]), .issue_o(issues[`ISSUE_W*(l+1) +: `ISSUE_W]),
-                .retire_i(retires[`RETIRE_W*l +: `RETIRE_W]), .retire_o(retires[`RETIRE_W*(l+1) +: `RETIRE_W]),
-                .access_i(accesses[`ACCESS_W*l +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(l+1) +: `ACCESS_W]),
-                .data_i(data[32*l +: 32]), .data_o(data[32*(l+1) +: 32]),
-                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
-                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .choice_o(choice_o[CHOICE_W*l +: CHOICE_W]),
-                .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
-                .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
-                .written_end_o(retire_end_o[2*l +: 2]), .written_o(retire_valid_o[l]), .written_context_o(written_context), .written_row_o(written_row),
-                .written_register_o(written_register), .written_value_o(retire_value_o[32*l +: 32]),
-                .written_flags_o(retire_flags_o[5*l +: 5]));
-            assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context};
-            assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row};
-            assign retire_register_o[6*l +: 6]  = {{6-REGISTER_W{1'b0}}, written_register};
+                .issue_i(issues[`ISSUE_W*g +: `ISSUE_W]), .issue_o(issues[`ISSUE_W*(g+1) +: `ISSUE_W]),
+                .retire_i(retires[`RETIRE_W*g +: `RETIRE_W]), .retire_o(retires[`RETIRE_W*(g+1) +: `RETIRE_W]),
+                .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
+                .data_i(data[32*g +: 32]), .data_o(data[32*(g+1) +: 32]),
+                .report_i(reports[`REPORT_W*g +: `REPORT_W]), .report_o(reports[`REPORT_W*(g+1) +: `REPORT_W]),
+                .subtract_o(subtract_o[F +: N]), .twice_o(twice_o[F +: N]), .half_o(half_o[F +: N]),
+                .choice_o(choice_o[CHOICE_W*F +: CHOICE_W*N]),
+                .x_o(x_o[32*F +: 32*N]), .y_o(y_o[32*F +: 32*N]), .z_o(z_o[32*F +: 32*N]),
+                .value_i(value_i[32*F +: 32*N]), .value_flags_i(value_flags_i[5*F +: 5*N]),
+                .written_end_o(retire_end_o[2*F +: 2*N]), .written_o(retire_valid_o[F +: N]),
+                .written_context_o(written_context[CONTEXT_W*F +: CONTEXT_W*N]),
+                .written_row_o(written_row[ROW_W*F +: ROW_W*N]),
+                .written_register_o(written_register[REGISTER_W*F +: REGISTER_W*N]),
+                .written_value_o(retire_value_o[32*F +: 32*N]), .written_flags_o(retire_flags_o[5*F +: 5*N]));
+        end
+        for (l = 0; l < LANES; l = l + 1) begin : g_shown
+            assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context[CONTEXT_W*l +: CONTEXT_W]};
+            assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row[ROW_W*l +: ROW_W]};
+            assign retire_register_o[6*l +: 6]  = {{6-REGISTER_W{1'b0}}, written_register[REGISTER_W*l +: REGISTER_W]};
         end
     endgenerate
 
@@ -189,9 +197,9 @@ module tile_scheduler #(
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .index_i(counters_index), .value_o(counters_value));
 
-    // The last lane has no next one; sequencer hears the rest of its report.
-    wire unused = &{issues[`ISSUE_W*LANES +: `ISSUE_W], retires[`RETIRE_W*LANES +: `RETIRE_W],
-                    accesses[`ACCESS_W*LANES +: `ACCESS_W], data[32*LANES +: 32], address, spot,
+    // The last group has no next one; sequencer hears the rest of its report.
+    wire unused = &{issues[`ISSUE_W*GROUPS +: `ISSUE_W], retires[`RETIRE_W*GROUPS +: `RETIRE_W],
+                    accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
