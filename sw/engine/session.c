@@ -82,7 +82,7 @@ static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t
     fp3_status status = FP3_OK;
     for (int i = 0, next; !status && i < FP3_COUNTER_COUNT; i = next) {
         for (next = i + 1; next < FP3_COUNTER_COUNT; next++)
-            if (counter_addresses[next] != counter_addresses[next - 1] + 8)
+            if (counter_addresses[next] != counter_addresses[i] + 8 * (uint32_t)(next - i))
                 break;
         status = fp3_driver_get_all(engine, fp3_driver_of(scheduler, counter_addresses[i]),
                                     &words[2 * i], (uint32_t)(2 * (next - i)));
