@@ -22,6 +22,7 @@ typedef struct {
     fp3_link *link;
     fp3_ahead *ahead;
     uint32_t window; /* the bits of an address that the hardware's port has */
+    int is_clear;    /* nothing of an earlier host is left in its memories */
 } board_engine;
 
 /* ---- the bus ---- */
@@ -140,6 +141,16 @@ static fp3_status board_open(fp3_engine *engine) {
     return status ? status : stop_what_runs(engine);
 }
 
+/* A reset keeps memories, and a host that begins does not even reset. */
+static fp3_status board_load(fp3_engine *engine) {
+    board_engine *self = engine->self;
+    fp3_status status = fp3_memory_load(engine);
+    if (!status && !self->is_clear)
+        status = fp3_memory_clear(engine);
+    self->is_clear = !status;
+    return status;
+}
+
 static void board_close(fp3_engine *engine) {
     board_engine *self = engine->self;
     if (!self)
@@ -173,7 +184,7 @@ const fp3_backend fp3_backend_board = {
     .name = "board",
     .open = board_open,
     .close = board_close,
-    .load = fp3_memory_load,
+    .load = board_load,
     .write = fp3_memory_write,
     .read = fp3_memory_read,
     .write_shared = fp3_memory_write_shared,

@@ -90,6 +90,23 @@ fp3_status fp3_memory_read_status(fp3_engine *engine, size_t object, uint32_t *w
     return fp3_driver_get(engine, status_address(engine, object), word);
 }
 
+fp3_status fp3_memory_clear(fp3_engine *engine) {
+    const fp3_config *config = engine->config;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; i < engine->objects; i++) {
+        const uint32_t log2 = fp3_layout_group_of(&engine->layout, i)->log2;
+        const uint32_t words = config->interleave ? 1u << log2 : config->registers;
+        for (uint32_t reg = 0; !status && reg < words; reg++)
+            status = fp3_memory_write(engine, i, reg, 0);
+    }
+    for (size_t i = 0; !status && config->status && i < engine->objects; i++)
+        status = fp3_memory_write_status(engine, i, 0);
+    for (uint32_t group = 0; group < engine->layout.count; group++)
+        for (uint32_t index = 0; !status && index < config->registers; index++)
+            status = fp3_memory_write_shared(engine, group, index, 0);
+    return status;
+}
+
 /* With sleep the numbers of a lane's objects, in the order of their rows; without, how many. */
 fp3_status fp3_memory_list(fp3_engine *engine) {
     const fp3_config *config = engine->config;

@@ -5,6 +5,8 @@
 #include "backend.h"
 
 fp3_status fp3_memory_load(fp3_engine *engine);
+/* After a load: 0 into what engine.h promises to be 0 at first. Hardware that was used before holds something else. */
+fp3_status fp3_memory_clear(fp3_engine *engine);
 fp3_status fp3_memory_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
 fp3_status fp3_memory_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
 fp3_status fp3_memory_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,

@@ -1,0 +1,46 @@
+/* at_first.c - what objects hold on a board after a load, before anybody has written them: engine.h promises 0.
+ *
+ *     at_first PORT IMAGE     prints of object 0 the states x and y, the constant k, and how many objects have failed
+ *                             after a step from there
+ */
+#include <fp3/engine.h>
+#include <fp3/image.h>
+#include <stdio.h>
+
+int main(int count, char **arguments) {
+    fp3_error error = {0};
+    fp3_engine_def def = fp3_engine_default();
+    fp3_engine *engine = NULL;
+    fp3_image *image = NULL;
+    fp3_failure failure;
+    float x, y, k;
+    if (count != 3)
+        return 2;
+    def.engine = "board";
+    def.config = "many";
+    def.port = arguments[1];
+    def.objects = 3;
+    def.error = &error;
+    fp3_status status = fp3_image_load(arguments[2], &image, &error);
+    if (!status)
+        status = fp3_engine_open(&def, &engine);
+    if (!status)
+        status = fp3_engine_load(engine, image);
+    if (!status)
+        status = fp3_engine_get(engine, 0, "x", &x);
+    if (!status)
+        status = fp3_engine_get(engine, 0, "y", &y);
+    if (!status)
+        status = fp3_engine_get(engine, 0, "k", &k);
+    if (!status)
+        status = fp3_engine_run(engine, 1, NULL);
+    if (!status)
+        status = fp3_engine_failure(engine, 0, 3, &failure);
+    if (status)
+        fprintf(stderr, "at_first: %s\n", error.text);
+    else
+        printf("%g %g %g %zu\n", (double)x, (double)y, (double)k, (size_t)failure.failed);
+    fp3_engine_close(&engine);
+    fp3_image_free(&image);
+    return status != FP3_OK;
+}
