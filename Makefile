@@ -389,7 +389,7 @@ stress-report: ## Write docs/stress.md and its pictures from the full form of `m
 .PHONY: tune tune-report
 tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerances: build/results/tune.json; QUICK=1, MODELS=
 	@mkdir -p $(RESULTS)
-	@$(PYTHON) tools/tune.py --fp3 $< --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS))
+	@$(PYTHON) tools/tune.py --fp3 $< --jobs $(JOBS) --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS))
 
 tune-report: ## Write docs/tuning.md from build/results/tune.json
 	@$(PYTHON) tools/tune.py --input $(RESULTS)/tune.json --markdown docs/tuning.md

@@ -15,6 +15,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 AROUND = 0.05
@@ -68,10 +69,11 @@ def measure(arguments):
             sys.exit(f"tune.py: no model {', '.join(sorted(unknown))} in programs/")
         models = [model for model in models if model.stem in names]
     rows = []
-    for model in models:
-        for tolerance in (TOLERANCES[1:3] if arguments.quick else TOLERANCES):
-            rows.append(tune(arguments.fp3, model, tolerance, AROUND_OF.get(model.stem, arguments.around), arguments.quick))
-            print(cell_of(rows[-1]), flush=True)
+    with ThreadPoolExecutor(arguments.jobs) as pool:               # a choice does not depend on time
+        for row in pool.map(lambda task: tune(arguments.fp3, *task, AROUND_OF.get(task[0].stem, arguments.around), arguments.quick),
+                            [(model, tolerance) for model in models for tolerance in (TOLERANCES[1:3] if arguments.quick else TOLERANCES)]):
+            rows.append(row)
+            print(cell_of(row), flush=True)
     command = "make tune" + (" QUICK=1" if arguments.quick else "") + (f" MODELS={arguments.models}" if arguments.models else "")
     data = {"rows": rows, "about": {**about(command), "around": arguments.around, "quick": arguments.quick}}
     write(arguments.output, json.dumps(data, indent=1) + "\n")
@@ -157,6 +159,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="two tolerances, 16 objects held out")
     parser.add_argument("--models", help="names with commas between them (default: all of programs/)")
     parser.add_argument("--around", type=float, default=AROUND, help="share to both sides of defaults (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=1, help="models at a time (default: %(default)s)")
     parser.add_argument("--input", help="a file that was written, for --markdown")
     parser.add_argument("--markdown", help="the page to write from --input")
     arguments = parser.parse_args()
