@@ -152,13 +152,20 @@ async def refused_while_running(cpu, transfers):
     assert status == 8
 
 
-async def right_run(cpu, dut):
-    """The processor is what it was: the program ends with the bits that it ends with elsewhere, and says so by its interrupt."""
+async def right_run(cpu, dut, quiet):
+    """The processor is what it was: the program ends with the bits that it ends with elsewhere, and says so by its interrupt.
+    quiet: nobody wants the interrupt until the end has been read."""
     await load(cpu)
     await cpu.put(AT["steps"], RUN["steps"])
-    await cpu.put(AT["interrupt"], 3)
+    await cpu.put(AT["interrupt"], 2 if quiet else 3)
     assert dut.irq.value == 0
     await cpu.put(AT["control"], 1)
+    if quiet:
+        while await cpu.get(AT["status"]) & 1:
+            assert dut.irq.value == 0
+        await ClockCycles(dut.s_axi_aclk, 3)
+        assert dut.irq.value == 0 and await cpu.get(AT["interrupt"]) == 2, "irq without enable"
+        await cpu.put(AT["interrupt"], 1)
     for _ in range(100):
         if dut.irq.value == 1:
             break
@@ -187,5 +194,6 @@ async def attack(dut):
         await load(cpu)
         await refused_while_running(cpu, 20)
         cpu.words.clear()
-        await right_run(cpu, dut)
+        for quiet in (True, False):
+            await right_run(cpu, dut, quiet)
     dut._log.info("%d transfers answered as they must be", cpu.count)
