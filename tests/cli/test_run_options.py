@@ -42,6 +42,19 @@ def test_a_run_takes_its_cycles_at_the_clock(start, clock, hertz):
     assert re.search(r"^simulator +\S+ s for this simulation, \S+ cycles/second; no time of the hardware$", out, re.M)
 
 
+def test_a_bus_that_waits_takes_longer_and_changes_nothing_else(start):
+    """The same transfers, bits and counters; 0 to 3 cycles for each channel of each transfer more."""
+    outs = [start("run", "m.ode", "-n", "9", "-c", "many_full", "-o", "5", "--clock", "1GHz", *more).stdout
+            for more in ([], ["--bus-waits", "1"], ["--bus-waits", "2"])]
+    (transfers, cycles), *waited = [tuple(map(int, re.search(r"^bus +\S+ s: (\d+) transfers in (\d+) cycles$", out, re.M).groups())) for out in outs]
+    for out, (count, took) in zip(outs[1:], waited):
+        assert count == transfers and cycles + transfers < took < cycles + 6 * transfers
+        assert states(out) == states(outs[0]) and counters(out) == counters(outs[0]) != []
+    assert waited[0] != waited[1]
+    done = start("run", "m.ode", "--engine", "isa", "--bus-waits", "1")
+    assert done.returncode == 2 and "--bus-waits: only the hardware" in done.stderr
+
+
 @pytest.mark.parametrize("clock", ["", "130", "MHz", "0MHz", "-1MHz", "130mHz", "130MHzz", "0x10MHz", "infMHz", "nanGHz", "1e999Hz", "1e-320Hz"])
 def test_what_is_no_frequency(start, clock):
     done = start("run", "m.ode", "--clock", clock)
