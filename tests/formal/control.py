@@ -20,10 +20,11 @@ class Subject(NamedTuple):
     shapes: list                         # parameter sets to prove
     bugs: list                           # (name, right, wrong, parameters)
     depth: int = 1                       # of the induction
+    models: tuple = ()                   # files beside the specification, in place of modules of ours
 
     def machine(self, yosys, files, shape, lemmas):
         texts = {name: files[name] for name in self.sources}
-        texts[f"{self.spec}.v"] = (HERE / f"{self.spec}.v").read_text()
+        texts |= {name: (HERE / name).read_text() for name in (f"{self.spec}.v", *self.models)}
         chosen = " ".join(f"-set {name} {value}" for name, value in {**shape, "LEMMAS": lemmas}.items())
         return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}", self.spec, texts)
 
@@ -199,8 +200,41 @@ AXI_LITE = Subject(
         ("two requests at once", "!asked_q && (asks || read)", "(asks || read)", QUICK),
     ], depth=11)
 
+# ---- the board's bus -----------------------------------------------------------------------------
+
+ANY, NONE = {"ADDRESS_W": 24, "PATIENCE": 1}, {"ADDRESS_W": 24, "PATIENCE": 0}
+
+EXECUTE = Subject(
+    "execute_spec", ("execute.v",), "{ADDRESS_W} bits of address, a slave that answers within {PATIENCE} cycles",
+    [ANY], [
+        ("address of a write is taken back", "aw_q ? !m_axi_awready", "aw_q ? 1'b0", ANY),
+        ("data are taken back", "w_q  ? !m_axi_wready", "w_q  ? 1'b0", ANY),
+        ("address of a read is taken back", "ar_q ? !m_axi_arready", "ar_q ? 1'b0", ANY),
+        ("address of a read stays when it is taken", "ar_q ? !m_axi_arready", "ar_q ? !m_axi_rvalid", ANY),
+        ("address changes before it is taken", "if (state_q == WAIT && over) begin", "if (state_q == WAIT && (over || m_axi_wready)) begin", ANY),
+        ("data change while they wait", "state_q == ANSWER ? word_at_i : word_q", "aw_q ? word_q : word_at_i", ANY),
+        ("the next word before the response", "over    = write_i ? m_axi_bvalid", "over    = write_i ? !aw_q && !w_q", ANY),
+        ("response to a write waits", "m_axi_bready  = state_q == WAIT && write_i", "m_axi_bready  = state_q == WAIT && write_i && !w_q", NONE),
+        ("read's response is never taken", "m_axi_rready  = state_q == WAIT && !write_i", "m_axi_rready  = 1'b0", ANY),
+        ("an error does not end it", "failed || word_q == last_i", "word_q == last_i", ANY),
+        ("reads have no errors", ": m_axi_rresp[1]", ": 1'b0", ANY),
+        ("one word too many", "failed || word_q == last_i", "failed || number == last_i + 2", ANY),
+        ("half of a word", "m_axi_wstrb   = 4'b1111", "m_axi_wstrb   = 4'b0011", ANY),
+        ("address without its high bits", "outside = |address_q[31:ADDRESS_W]", "outside = 1'b0", ANY),
+        ("outside, and sent", "state_q == FETCH && !outside;", "state_q == FETCH;", ANY),
+        ("a write twice", "again ? ANSWER : FETCH", "FETCH", ANY),
+        ("status of a write forgotten", "request_i && !again;", "request_i;", ANY),
+        ("read before makes a write none", "kept_q <= write_i", "kept_q <= 1'b1", ANY),
+        ("last write survives reset", "{state_q, aw_q, w_q, ar_q, kept_q} <= {IDLE, 4'b0000}", "{state_q, aw_q, w_q, ar_q} <= {IDLE, 3'b000}", ANY),
+        ("transfer survives reset", "{state_q, aw_q, w_q, ar_q, kept_q} <= {IDLE, 4'b0000}", "{state_q, aw_q, w_q, kept_q} <= {IDLE, 3'b000}", ANY),
+        ("status counts from nought", "over && failed) status_q <= number", "over && failed) status_q <= {1'b0, word_q}", ANY),
+        ("the word that failed is answered", "status_q - 7'd1 :", "status_q :", ANY),
+        ("read words at the wrong place", "store_i ? store_at_i : word_q", "store_i ? store_at_i : word_at_i", ANY),
+        ("answered too soon", "!over ? WAIT : failed", "!over ? (word_q[1] ? ANSWER : WAIT) : failed", ANY),
+    ], models=("one_word.v",))
+
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE):
+    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE, EXECUTE):
         yield from subject.cases()
