@@ -137,6 +137,18 @@ def test_interleaved_contexts_use_the_devices_registers_and_a_lane_is_placed_wit
         assert ("rtl/lib/ram_registered.v" in script) == (not device)
 
 
+def test_groups_of_lanes_elaborate(root, tree):
+    """Of every configuration that has lanes enough for one: no width, port or input is amiss."""
+    done, rows = synth(tree, "--top", "group", "--top", "lane", "--grades", "6", "--seeds", "1")
+    assert done.returncode == 0, done.stderr
+    names = {(top, name.removesuffix("-inferred")) for top, name, _ in rows}           # those have the same wrapper
+    assert {("group", "lanes"), ("lane", "lanes"), ("lane", "many_full")} <= names
+    for top, name in sorted(names):
+        said = subprocess.run(["iverilog", "-Wall", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "top", tree / f"build/synth/{top}-{name}.v"],
+                              cwd=root, capture_output=True, text=True, timeout=60)
+        assert (said.returncode, said.stdout + said.stderr) == (0, ""), f"{top}, {name}"
+
+
 def test_what_has_no_room_is_left_out(tree):
     done, rows = synth(tree, "--top", "fp3", "--config", "crowd", "--config", "single", "--grades", "6", "--seeds", "1")
     assert "crowd: left out" in done.stdout and set(rows) == {("fp3", "single", 6)}
