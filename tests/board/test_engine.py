@@ -1,6 +1,7 @@
 """The engine board: hardware behind a serial line. The simulated board is the whole top, pins of the line included."""
 
 import contextlib
+import ctypes
 import itertools
 import os
 import pty
@@ -55,8 +56,8 @@ def frame(content):
     return b"\xc0" + content.replace(b"\xdb", b"\xdb\xdd").replace(b"\xc0", b"\xdb\xdc") + b"\xc0"
 
 
-def run(fp3, *arguments):
-    return subprocess.run([fp3, "run", *arguments], capture_output=True, text=True, timeout=120)
+def run(fp3, *arguments, **options):
+    return subprocess.run([fp3, "run", *arguments], capture_output=True, text=True, timeout=120, **options)
 
 
 def fails(done, *words):
@@ -146,7 +147,8 @@ def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
     at = lambda port, *more: run(fp3, *ship, "--engine", "board", "--port", port, *more)
     fails(at("/dev/no-such-port"), "/dev/no-such-port: No such file", "plugged in")
     (tmp_path / "file").write_text("")
-    fails(at(tmp_path / "file"), "is no serial port")
+    for port in (tmp_path / "file", "/dev/null"):
+        fails(at(port), f"{port}: it is no serial port")
     with peer(lambda got: b"\x55\xc0" * 3) as port:
         fails(at(port), "none of them was an answer", "--baud")
         done = at(port, "--baud", "1234")
@@ -158,6 +160,30 @@ def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
         fails(at(port), "revision 99 of the instruction set")
     with peer(lambda got: frame(sequence(got) + b"\0" + bytes(4))) as port:
         fails(at(port), "no FP3", "0x00000000")
+
+
+def without_the_rights_of_root():
+    """Of what root may read and write all the same; others never could."""
+    for capability in (1, 2):                              # CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH
+        ctypes.CDLL(None).prctl(24, capability)            # PR_CAPBSET_DROP
+
+
+def test_a_port_of_somebody_else(fp3, ship, tmp_path):
+    (tmp_path / "port").touch(mode=0)
+    fails(run(fp3, *ship, "--engine", "board", "--port", tmp_path / "port", preexec_fn=without_the_rights_of_root),
+          "port: Permission denied", "a group, often dialout")
+
+
+def test_hardware_of_no_configuration(root, fp3, ship):
+    """It is FP3, but made with parameters that have no name: with --config and without."""
+    revision = int(re.search(r"^revision = (\d+)", (root / "isa/isa.toml").read_text(), re.M)[1])
+
+    def answer(got):
+        content = got.lstrip(b"\xc0").replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")
+        return frame(content[:1] + b"\0" + (bytes([revision]) + b"3PF" if content[2:6] == bytes(4) else bytes(4)))
+    with peer(answer) as port:
+        fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "none of this libfp3's configurations")
+        fails(run(fp3, *ship, "--engine", "board", "--port", port, "-c", "single"), "is not configuration 'single': at 0x0004", "it has 0x00000000")
 
 
 def test_options_that_do_not_go_together(fp3, ship):
