@@ -166,8 +166,9 @@ def build(row, tree, made):
     make_tree(row, tree)
     run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", tree / "own.o", ROOT / OWN)
     make_hardware(row["name"], tree, made)
+    sanitize = ["-fsanitize=address,undefined"] if made.name.endswith("-san") else []          # as what is linked was compiled
     for name in TESTS:
-        run("gcc", "-o", tree / name, made / f"obj/tests/cosim/{name}.o", tree / "own.o", made / "lib/libfp3.a", *LIBS)
+        run("gcc", *sanitize, "-o", tree / name, made / f"obj/tests/cosim/{name}.o", tree / "own.o", made / "lib/libfp3.a", *LIBS)
 
 
 def test(row, tree, seed, instructions):

@@ -134,7 +134,7 @@ FP3_OPERATION fp3_light_product fp3_tiny_value(fp3_v a, fp3_v b) {
     const fp3_i less = FP3_LESSER(x, y), more = FP3_GREATER(FP3_GREATER(x, y), fp3_all(FP3_LITTLE));
     const fp3_i is_sub = less < FP3_LEAST; /* or 0 */
     /* As log2(1 + f) >= f, the sum of two numbers' bits is at most that of their product and 1. */
-    const fp3_i may_be_small = is_sub | (fp3_i)((fp3_u)(less + more) < (128u << 23));
+    const fp3_i may_be_small = is_sub | (fp3_i)((fp3_u)less + (fp3_u)more < (128u << 23));
     const fp3_v from_sub =
         __builtin_convertvector(less & is_sub, fp3_v) * (fp3_v)fp3_all(FP3_SCALED_UNIT);
     const fp3_i scaled = less + (may_be_small & (FP3_SCALE_LOG << 23));
