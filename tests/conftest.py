@@ -6,6 +6,8 @@ import pathlib
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+# With SAN=1 what is lost in a library is no failure.
+os.environ.setdefault("LSAN_OPTIONS", f"suppressions={ROOT / 'tests/leaks.txt'}:print_suppressions=0")
 
 
 def pytest_addoption(parser):
