@@ -19,7 +19,7 @@ endif
 .SECONDARY:
 
 # Goals that want those before them done: make clean all, make sim models prove synth report.
-ifneq ($(filter clean synth report,$(MAKECMDGOALS)),)
+ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -30,7 +30,7 @@ REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
-setup-fpga: setup ## ... and nextpnr for `make synth`
+setup-fpga: setup ## ... and nextpnr for `make synth`, `make sizes`
 	@PYTHON=$(PYTHON) tools/setup.sh --fpga
 
 setup-fuzz: setup ## ... and clang for `make fuzz`
@@ -421,6 +421,14 @@ format: ## Format C and C++ as .clang-format says
 synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3
 	@$(PYTHON) tools/synth.py --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
+
+.PHONY: sizes sizes-report
+sizes: | need-sizes ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1
+	@$(PYTHON) tools/synth.py --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
+	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
+
+sizes-report: ## Write docs/sizes.md and the table of docs/integration.md from build/results/synth.json
+	@$(PYTHON) tools/sizes.py
 
 .PHONY: report
 report: ## Write docs/results.md and README's table from build/results/

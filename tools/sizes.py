@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""What a configuration takes and gives on each device, as tables: build/results/synth.json to docs/sizes.md and to the
+table between the marks of docs/integration.md.
+
+    tools/sizes.py            what `make sizes-report` runs, after `make sizes`
+
+A figure that was not measured is "–".
+"""
+
+import json
+import pathlib
+import sys
+
+from families import DEVICES, FAMILIES
+from fp3gen.text import markdown
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+RESULTS = pathlib.Path("build/results/synth.json")
+FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
+
+# What somebody needs, the configuration for it, and whether the time of one step counts there or the steps of all objects.
+NEEDS = [
+    ("one object, its time counts", "single", "step"),
+    ("one object of a model with divisions, roots, functions or conditions", "single_full", "step"),
+    ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
+    ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),
+    ("the most steps of many objects that run one program of up to 16 registers; no sleep, no status", "lanes", "all"),
+    ("many objects of up to four programs at once; sleep, status", "array", "all"),
+    ("the machine of the paper, for comparison", "paper", "step"),
+]
+
+
+def load(path):
+    """The processors of the results, those that were asked for again last."""
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    except FileNotFoundError:
+        sys.exit(f"{RESULTS} is missing: run `make sizes` first")
+    order = {device: n for n, device in enumerate(DEVICES)}
+    rows = [row for row in rows if row["top"] == "fp3" and row["device"] in order]
+    if not rows:
+        sys.exit(f"{RESULTS} has no processor: run `make sizes` first")
+    return sorted(rows, key=lambda row: (order[row["device"]], row["grade"], row["lut4"]))
+
+
+def number(x, digits=0):
+    return "–" if x is None else f"{x:,.{digits}f}"
+
+
+def too_much(row):
+    return ", ".join(f"{percent:.0f} % of {FIGURES[figure]}" for figure, percent in row["over"].items())
+
+
+def clock(row):
+    if row["over"]:
+        return f"does not fit: {too_much(row)}"
+    if row["fmax_best"] is None:
+        return "not placed" if FAMILIES[DEVICES[row["device"]].family].tool else "synthesis only"
+    return f"{row['fmax_median']:.1f} / {row['fmax_best']:.1f}"
+
+
+def per(row, figure, unit):
+    """Object-steps per second of a figure's unit, in millions."""
+    steps = row["object_steps_per_second"]
+    return None if steps is None or not row[figure] else steps * unit / row[figure] / 1e6
+
+
+def sizes(rows):
+    return markdown(
+        ["device", "grade", "configuration", "LUT", "carry", "cells", "FF", "DSP", "block RAM", "MHz, median / best", "seeds",
+         "cycles per object-step", "million object-steps/s", "per 1,000 LUT", "per DSP"],
+        [[row["device"], row["grade"] or "–", f"`{row['config']}`", number(row["lut4"]), number(row["carry"]), number(row["comb"]), number(row["ff"]),
+          row["dsp"], row["ebr"], clock(row), ", ".join(map(str, row["seeds"])) or "–", number(row["cycles"], 2),
+          number(row["object_steps_per_second"] and row["object_steps_per_second"] / 1e6, 2),
+          number(per(row, "lut4", 1000), 2), number(per(row, "dsp", 1), 2)] for row in rows])
+
+
+def devices(rows):
+    measured = {row["device"]: row["tools"] for row in rows}
+    return markdown(["device", "family", "package", "LUT", "FF", "DSP", "block RAM", "tools"],
+                    [[name, FAMILIES[DEVICES[name].family].maker, DEVICES[name].package or "–",
+                      *(number((DEVICES[name].has or {}).get(figure)) for figure in FIGURES), ", ".join(tools)]
+                     for name, tools in measured.items()])
+
+
+def commands(rows):
+    """How each device was synthesised and placed, as families.py has it."""
+    lines = []
+    for name in {row["device"]: 0 for row in rows}:
+        family = FAMILIES[DEVICES[name].family]
+        lines.append(f"- {name}: `{family.synth.format(top='top', json='NETLIST')}`")
+        if family.tool:
+            words = f"{family.tool} {DEVICES[name].more} {family.place}"
+            lines.append("  and `" + words.format(grade="GRADE", seed="SEED", mhz="200", json="NETLIST", report="REPORT", pins="PINS") + "`")
+    return lines
+
+
+def choose(rows):
+    """For each need the configuration, what it takes and gives on the first device where it was measured, and where it has room."""
+    lines = []
+    for need, config, counts in NEEDS:
+        mine = [row for row in rows if row["config"] == config]
+        first = min(mine, key=lambda row: (row["fmax_best"] is None, bool(row["over"])), default=None)
+        room = {row["device"]: f"{row['device']}: {too_much(row)}" if row["over"] else row["device"] for row in mine if DEVICES[row["device"]].has}
+        speed = None if first is None else first["fmax_best"] and (
+            f"{first['latency_ns']:,.0f} ns a step" if counts == "step" else f"{first['object_steps_per_second'] / 1e6:.1f} million object-steps/s")
+        lines.append([need, f"`{config}`", *(number(first and first[figure]) for figure in FIGURES),
+                      f"{speed} on {first['device']}, grade {first['grade']}" if speed else "–",
+                      ", ".join(text for text in room.values() if ":" not in text) or "–",
+                      "; ".join(text for text in room.values() if ":" in text) or "–"])
+    return markdown(["you have", "take", *FIGURES.values(), "measured", "has room on", "does not fit"], lines)
+
+
+def page(rows):
+    return "\n".join([
+        "<!-- Generated by tools/sizes.py (make sizes-report) from build/results/synth.json: do not edit. -->",
+        "# Sizes and clocks on devices of several families", "",
+        "`make setup-fpga sizes sizes-report` measures what is below and writes this page; `make sizes DEVICE=LFE5U-25F CONFIG=single SEEDS=1,2,3`",
+        "a part of it. Which configuration is for what is in [integration.md](integration.md#choose-a-configuration).", "",
+        *sizes(rows), "",
+        "- LUT, carry cells, flip-flops, multipliers and block RAMs are those of the netlist; cells what the placer makes of the logic (on ECP5 two for",
+        "  each carry cell, and distributed RAM; on Gowin without its carry cells). LUTs have four inputs, on 7 series up to six, on Cyclone V they are ALUTs.",
+        "- DSP is in multipliers of 18 by 18 bits, those of 9 by 9 as half a one, rounded up; on iCE40 16 by 16, on 7 series DSP48E1, on Cyclone V blocks.",
+        "  A block RAM has 18 kbit on ECP5, Gowin and Nexus, 4 on iCE40, 36 on 7 series, 10 on Cyclone V.",
+        "- Each processor has registers around its ports, which are counted: 138 for one scheduler on ECP5, 7 series and Cyclone V. The others have three pins, into which",
+        "  inputs are shifted and from which the outputs' parity comes.",
+        "- Seeds are those of the placement. One seed says little about the best one: on ECP5 they differ by some 5 %. Cycles and steps are those of the ship,",
+        "  by its cheapest program there ([results.md](results.md)), the speed that of the best seed.",
+        "- The clock is nextpnr's estimate, with no device behind it. That of Gowin is too good: its author found it about 20 % above the vendor's tool",
+        "  (nextpnr, pull request 1345, 2024). No clock is known where the family has no open placer.",
+        "- What is not placed or not in the table was not measured.", "",
+        "## Devices", "", *devices(rows), "",
+        "What a device has is from its data sheet; a Gowin or ECP5 slice's flip-flops and LUTs are not always usable together, so that",
+        "what has room here may still not be placed.", "",
+        "## Commands", "", *commands(rows), ""])
+
+
+def between(text, begin, end, new):
+    head, found, rest = text.partition(begin)
+    _, closed, tail = rest.partition(end)
+    if not found or not closed:
+        sys.exit(f"docs/integration.md has no {begin} .. {end}")
+    return head + begin + "\n" + new + "\n" + end + tail
+
+
+def main():
+    rows = load(ROOT / RESULTS)
+    guide = ROOT / "docs/integration.md"
+    text = between(guide.read_text(encoding="utf-8"), "<!-- choose -->", "<!-- choose end -->", "\n".join(choose(rows)))
+    (ROOT / "docs/sizes.md").write_text(page(rows), encoding="utf-8")
+    guide.write_text(text, encoding="utf-8")
+    print("wrote docs/sizes.md and the table of docs/integration.md")
+
+
+if __name__ == "__main__":
+    main()
