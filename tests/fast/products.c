@@ -90,7 +90,8 @@ static void multiply(bench *b, uint32_t (*pairs)[2]) {
     fenv_t callers;
     fp3_execute_begin(&b->config, &callers);
     for (unsigned i = 0; i < LANES; i++) {
-        expected[i] = fp3_execute(&b->config, FP3_OP_MUL, pairs[i], &flags[i]);
+        const uint32_t operands[3] = {pairs[i][0], pairs[i][1]};
+        expected[i] = fp3_execute(&b->config, FP3_OP_MUL, operands, &flags[i]);
         all |= flags[i];
     }
     fp3_execute_end(&callers);
