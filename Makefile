@@ -23,10 +23,10 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-fuzz setup-bench,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-fuzz setup-soc setup-bench,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-fuzz setup-bench
+.PHONY: setup setup-fpga setup-fuzz setup-soc setup-bench
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -35,6 +35,9 @@ setup-fpga: setup ## ... and nextpnr for `make synth`, `make sizes`
 
 setup-fuzz: setup ## ... and clang for `make fuzz`
 	@PYTHON=$(PYTHON) tools/setup.sh --fuzz
+
+setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
+	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
 setup-bench: setup ## ... and Box2D and ODE for `make bench`, and diffrax in .venv-bench/
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
@@ -60,8 +63,8 @@ HDF5_C  := $(wildcard sw/hdf5/*.c)
 LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c))
 MEASURE_C := $(wildcard sw/measure/*.c)
 CLI_C   := $(wildcard sw/cli/*.c) $(MEASURE_C)
-# tests/bare is compiled by its test: with the header of a program.
-TEST_C  := $(filter-out tests/bare/%,$(wildcard tests/*.c tests/*/*.c))
+# tests/bare and tests/soc are compiled by their tests: with the header of a program.
+TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
 TESTS   := $(addprefix $(BUILD)/tests/,$(notdir $(TEST_C:.c=)))
 
@@ -439,6 +442,12 @@ report: ## Write docs/results.md and README's table from build/results/
 .PHONY: ipxact
 ipxact: | need-ipxact ## IP-XACT components of the configurations: build/ipxact/; CONFIG=
 	@.venv/bin/python tools/ipxact.py --output $(BUILD)/ipxact $(CONFIG)
+
+# ---- a system around it -------------------------------------------------------------------------
+
+.PHONY: soc
+soc: $(BUILD)/bin/fp3 | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone
+	@.venv/bin/python examples/litex/soc.py --fp3 $< --output $(BUILD)/soc --config $(CONFIG_OR) $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS))
 
 # ---- a library for others -----------------------------------------------------------------------
 

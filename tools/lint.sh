@@ -7,7 +7,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-sources() { find sw sim tests bench \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) | sort; }
+sources() { find sw sim tests bench examples \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) | sort; }
 
 lint_rtl() {
     local top file said failed=0

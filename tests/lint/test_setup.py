@@ -99,10 +99,10 @@ def test_a_target_says_what_it_lacks_and_how_to_get_it(machine, tmp_path, target
     assert not list((tmp_path / "out").rglob("*.o")), "nothing is compiled first"
 
 
-@pytest.mark.parametrize("target", ["synth", "sizes"])
-def test_synthesis_points_to_its_own_setup(machine, target):
+@pytest.mark.parametrize("target, setup, lacks", [("synth", "setup-fpga", "verilator"), ("sizes", "setup-fpga", "verilator"), ("soc", "setup-soc", "lld"), ("fuzz", "setup-fuzz", "clang")])
+def test_some_targets_point_to_their_own_setup(machine, target, setup, lacks):
     done = machine.run("tools/setup.sh", "--check", target)
-    assert done.returncode != 0 and "Run: make setup-fpga\n" in done.stderr
+    assert done.returncode != 0 and f"Run: make {setup}\n" in done.stderr and f"  {lacks} - " in done.stderr
 
 
 def test_list_gives_each_package_a_reason(root):

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""A SoC of LiteX with a VexRiscv and FP3 on one bus, its program, and the whole of it simulated: `make soc`.
+
+    .venv/bin/python examples/litex/soc.py                          build/soc/
+    .venv/bin/python examples/litex/soc.py --config many --ships 8
+
+The program, ships.c, prints the final states of its ships; they have to be those of `fp3 run -e isa`, bit for bit.
+"""
+
+import argparse
+import contextlib
+import inspect
+import logging
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+try:
+    import litex
+    from litex.build.generic_platform import Pins, Subsignal
+    from litex.build.io import CRG
+    from litex.build.sim import SimPlatform
+    from litex.soc.integration import export
+    from litex.soc.integration.soc_core import SoCCore, get_mem_data
+except ImportError as error:
+    sys.exit(f"soc.py: {error}: run make setup-soc, and this with .venv/bin/python")
+
+from fp3_litex import ROOT, add_fp3
+
+HERE = pathlib.Path(__file__).resolve().parent
+SOFTWARE = pathlib.Path(litex.__file__).parent / "soc/software"
+ORIGIN = 0x9000_0000          # VexRiscv caches nothing from 0x8000_0000 on
+ROM, SRAM = 0x4000, 0x1000    # bytes
+LIMIT = 2_000_000             # cycles that are simulated
+STEPS = 1000
+SERIAL = [Subsignal(f"{way}_{name}", Pins(width)) for way in ("source", "sink") for name, width in (("valid", 1), ("ready", 1), ("data", 8))]
+
+
+class Failed(Exception):
+    pass
+
+
+class SoC(SoCCore):
+    def __init__(self, config, bus):
+        platform = SimPlatform("SIM", [("sys_clk", 0, Pins(1)), ("serial", 0, *SERIAL)])
+        super().__init__(platform, clk_freq=int(100e6), bus_standard=bus, bus_timeout=10_000, cpu_type="vexriscv", uart_name="sim",
+                         integrated_rom_size=ROM, integrated_sram_size=SRAM)
+        self.crg = CRG(platform.request("sys_clk"))
+        add_fp3(self, config=config, origin=ORIGIN)
+
+
+def start(*command, **options):
+    """What a command prints."""
+    command = [str(part) for part in command]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    if done.returncode:
+        raise Failed(f"{' '.join(command[:3])} ..: exit {done.returncode}\n{done.stdout}")
+    return done.stdout
+
+
+def write_headers(soc, folder):
+    generated = folder / "generated"
+    generated.mkdir(parents=True, exist_ok=True)
+    csr = export.get_csr_header(soc.csr_regions, soc.constants, csr_base=soc.mem_regions["csr"].origin)
+    for name, text in (("mem.h", export.get_mem_header(soc.mem_regions)), ("soc.h", export.get_soc_header(soc.constants)), ("csr.h", csr)):
+        (generated / name).write_text(text)
+    (folder / "regions.ld").write_text(export.get_linker_regions(soc.mem_regions))
+
+
+def compile_program(soc, folder, fp3, ships):
+    """The contents of the ROM."""
+    start(fp3, "asm", ROOT / "programs/ship.s", "-o", folder / "ship.fp3")
+    start(fp3, "dis", folder / "ship.fp3", "--header", folder / "ship.h")
+    sources = [HERE / "start.S", HERE / "ships.c", HERE / "machine.c", ROOT / "sw/bare/fp3_bare.c"]
+    # Warnings in LiteX's headers are LiteX's business.
+    start("clang", "--target=riscv32-unknown-elf", "-march=rv32im", "-mabi=ilp32", "-mno-relax", "-ffreestanding", "-nostdlib", "-std=gnu11", "-Os",
+          "-Wall", "-Wextra", "-Werror", f"-DSHIPS={ships}", f"-DSTEPS={STEPS}", f"-I{HERE}", f"-I{ROOT / 'sw'}", f"-I{ROOT / 'sw/bare'}",
+          f"-I{ROOT / 'sw/include'}", f"-I{folder}", "-isystem", SOFTWARE / "include", "-isystem", pathlib.Path(inspect.getfile(type(soc.cpu))).parent, "-isystem", folder, "-fuse-ld=lld",
+          f"-Wl,-T,{HERE / 'ships.ld'},-L,{folder},--oformat=binary", *sources, "-o", folder / "ships.bin")
+    return get_mem_data(str(folder / "ships.bin"), endianness="little")
+
+
+def verilate(soc, folder):
+    """The simulated SoC. Files of LiteX and VexRiscv are not ours to warn about; `make lint` looks at FP3's."""
+    sources = [name for name, *_ in soc.platform.sources] + ["soc.v"]
+    includes = [f"-I{path}" for path in soc.platform.verilog_include_paths]
+    start("verilator", "--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-Wno-style", "-DFP3_CHECK", "--prefix", "Vsoc",
+          "--top-module", "soc", "--Mdir", "verilated", "-CFLAGS", "-O1", "-o", "soc", *includes, *sources, HERE / "soc_main.cpp", cwd=folder,
+          env={**os.environ, "OBJCACHE": shutil.which("ccache") or ""})
+    return folder / "verilated/soc"
+
+
+def simulate(program, folder):
+    """What came out of the UART. The memories of the SoC are files in its folder."""
+    done = subprocess.run([program, str(LIMIT)], cwd=folder, capture_output=True, text=True)
+    print(done.stdout + done.stderr, end="")
+    if done.returncode or not done.stdout.endswith("done\n"):
+        raise Failed("the program did not say that it is done")
+    return done.stdout
+
+
+def expected(fp3, config, ships):
+    """The states by the engine isa, as the program prints them."""
+    spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
+    text = start(fp3, "run", ROOT / "programs/ship.s", "-e", "isa", "-c", config, "-o", ships, "-n", STEPS, "--params", ROOT / "programs/ship.cfg",
+                 "--all", *spread)
+    states = [re.findall(rf"^{name} .* 0x([0-9a-f]{{8}}) ", text, re.M) for name in "vs"]
+    return [f"v {v} s {s}" for v, s in zip(*states, strict=True)]
+
+
+def run(args):
+    folder = args.output.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    soc = SoC(args.config, args.bus)
+    soc.finalize()
+    write_headers(soc, folder)
+    soc.init_rom(name="rom", contents=compile_program(soc, folder, args.fp3, args.ships))
+    with contextlib.chdir(folder):
+        soc.platform.get_verilog(soc, name="soc").write("soc.v")
+    got = simulate(verilate(soc, folder), folder).splitlines()[:-1]
+    want = expected(args.fp3, args.config, args.ships)
+    if got != want:
+        raise Failed("the engine isa has other bits:\n" + "\n".join(want))
+    print(f"{args.config} on {args.bus}: {len(got)} ships, {STEPS} steps: the bits of the engine isa")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="a SoC with FP3, simulated")
+    parser.add_argument("--config", default="single", help="of FP3 (single)")
+    parser.add_argument("--ships", type=int, choices=range(1, 9), default=1, help="that fly, 1 to 8 (1)")
+    parser.add_argument("--bus", choices=["wishbone", "axi-lite"], default="wishbone", help="of the SoC (wishbone)")
+    parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/bin/fp3", help="the command (build/bin/fp3)")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/soc", help="the folder (build/soc)")
+    args = parser.parse_args()
+    logging.disable(logging.WARNING)
+    try:
+        run(args)
+    except (Failed, OSError, ValueError) as error:
+        sys.exit(f"soc.py: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+/* simulated.c - the program of examples/litex on the simulated hardware, without a SoC around it.
+ *
+ *     simulated LIBRARY well | deaf | gone | BROKEN
+ *
+ * deaf: no interrupt comes; gone: nothing is behind the bus, which reads as ones; BROKEN: the number of a transfer that is answered with
+ * an error, from 1 on. Their number goes to stderr. ship.h is made by the test.
+ */
+#include "machine.h"
+
+#include "fp3_rtl.h"
+#include <dlfcn.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct {
+    const fp3_rtl_ops *ops;
+    fp3_rtl *rtl;
+    int is_deaf, is_gone;
+    uint64_t transfers, broken_at;
+} board;
+
+static int transfer(int is_write, uint32_t address, uint32_t *word) {
+    if (!is_write && board.is_gone)
+        *word = UINT32_MAX;
+    if (++board.transfers == board.broken_at)
+        return 1;
+    return !board.is_gone && board.ops->transfer(board.rtl, is_write, address, word);
+}
+
+static int read_word(void *user, uint32_t address, uint32_t *word) {
+    (void)user;
+    return transfer(0, address, word);
+}
+
+static int write_word(void *user, uint32_t address, uint32_t word) {
+    (void)user;
+    return transfer(1, address, &word);
+}
+
+const fp3_bare_bus machine_bus = {read_word, write_word, NULL};
+
+void machine_print(const char *text) { fputs(text, stdout); }
+
+/* The wire is high while the register has both bits. Each look at it takes cycles of the run. */
+int machine_wait(int (*is_over)(void), uint32_t cycles) {
+    const uint32_t both = 1u << FP3_INTERRUPT_ENABLE_LO | 1u << FP3_INTERRUPT_ENDED_LO;
+    const uint64_t end = board.ops->now(board.rtl) + cycles;
+    while (!is_over() && board.ops->now(board.rtl) < end) {
+        uint32_t word = 0;
+        if (board.ops->transfer(board.rtl, 0, FP3_ADDR_INTERRUPT, &word))
+            break;
+        if ((word & both) == both && !board.is_deaf)
+            ships_interrupt();
+    }
+    return is_over();
+}
+
+int main(int argc, char **argv) {
+    void *library = argc == 3 ? dlopen(argv[1], RTLD_NOW) : NULL;
+    board.ops = library ? dlsym(library, "fp3_rtl_table") : NULL;
+    if (!board.ops)
+        return 2;
+    board.is_deaf = strcmp(argv[2], "deaf") == 0;
+    board.is_gone = strcmp(argv[2], "gone") == 0;
+    board.broken_at = strtoull(argv[2], NULL, 10);
+    const fp3_rtl_watch watch = {NULL, NULL, NULL};
+    board.rtl = board.ops->open(&watch, 0);
+    if (!board.rtl)
+        return 2;
+    const int status = ships();
+    board.ops->close(board.rtl);
+    fprintf(stderr, "%" PRIu64 " transfers\n", board.transfers);
+    return status;
+}
