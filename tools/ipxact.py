@@ -97,12 +97,11 @@ class Writer:
         axi = [(name.removeprefix("s_axi_").upper(), name) for _, _, name in ports if name.startswith("s_axi_")]
         axi = [("ARESETn" if logical == "ARESETN" else logical, name) for logical, name in axi]
         slave = self.element("slave", self.element("memoryMapRef", memoryMapRef=mapped))
+        modes = {name: "slave" if direction == "input" else "master" for direction, _, name in ports}
         return self.element(
             "busInterfaces", self.interface("s_axi", AXI, axi, slave, []),
-            self.interface("s_axi_aclk", signal("clock"), [("CLK", "s_axi_aclk")], self.element("slave"),
-                           [("ASSOCIATED_BUSIF", "s_axi"), ("ASSOCIATED_RESET", "s_axi_aresetn")]),
-            self.interface("s_axi_aresetn", signal("reset"), [("RST", "s_axi_aresetn")], self.element("slave"), [("POLARITY", "ACTIVE_LOW")]),
-            self.interface("irq", signal("interrupt"), [("INTERRUPT", "irq")], self.element("master"), [("SENSITIVITY", "LEVEL_HIGH")]))
+            *[self.interface(name, signal(kind), [(logical, name)], self.element(modes[name]), parameters.items())
+              for name, (kind, logical, parameters) in verilog.SIGNALS.items()])
 
     def model(self, module, ports):
         def port(direction, width, name):

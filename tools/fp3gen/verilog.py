@@ -114,6 +114,24 @@ def configs_verilog(configs):
           (width, "CONFIG_MUL_CUTS", packed("mul_cuts"))])])
 
 
+# Ports that are interfaces of one signal, xilinx.com:signal:KIND:1.0: KIND, the signal's name there, parameters.
+SIGNALS = {
+    "s_axi_aclk": ("clock", "CLK", {"ASSOCIATED_BUSIF": "s_axi", "ASSOCIATED_RESET": "s_axi_aresetn"}),
+    "s_axi_aresetn": ("reset", "RST", {"POLARITY": "ACTIVE_LOW"}),
+    "irq": ("interrupt", "INTERRUPT", {"SENSITIVITY": "LEVEL_HIGH"}),
+}
+
+
+def attributes(name):
+    """What Vivado cannot tell from a port's name, in lines before it."""
+    if name not in SIGNALS:
+        return ""
+    kind, signal, parameters = SIGNALS[name]
+    named = ", ".join(f"{key} {value}" for key, value in {"XIL_INTERFACENAME": name, **parameters}.items())
+    return (f'    (* X_INTERFACE_INFO = "xilinx.com:signal:{kind}:1.0 {name} {signal}" *)\n'
+            f'    (* X_INTERFACE_PARAMETER = "{named}" *)\n')
+
+
 def config_verilog(row, regs):
     def list_of(line):
         rows = ports(row, regs)
@@ -122,7 +140,7 @@ def config_verilog(row, regs):
 
     def declare(direction, width, name):
         size = f"[{width - 1}:0]" if width > 1 else ""
-        return f"    {direction:<6} wire {size:>8} {name}"
+        return f"{attributes(name)}    {direction:<6} wire {size:>8} {name}"
 
     def value(key):
         bits = f"{MASK_BITS}'h"
