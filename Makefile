@@ -23,15 +23,18 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-fuzz setup-soc setup-bench,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-fuzz setup-soc setup-bench
+.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
 setup-fpga: setup ## ... and nextpnr for `make synth`, `make sizes`
 	@PYTHON=$(PYTHON) tools/setup.sh --fpga
+
+setup-boards: setup ## ... and packers, too, for `make bitstream`
+	@PYTHON=$(PYTHON) tools/setup.sh --boards
 
 setup-fuzz: setup ## ... and clang for `make fuzz`
 	@PYTHON=$(PYTHON) tools/setup.sh --fuzz
@@ -225,8 +228,8 @@ $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4
 address_bits = $(shell awk -F'[]:[]' '/input.* s_axi_awaddr,/ {print $$2 + 1}' rtl/gen/fp3_$(1).v)
-$(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),board_fp3,rtl/board/board_fp3.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
-    -DFP3_TOP=fp3_$(c) -GDIVISOR=$(DIVISOR) -GADDRESS_W=$(call address_bits,$(c)) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
+$(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),board_top,rtl/board/board_top.v sim/board_clock.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
+    -DFP3_TOP=fp3_$(c) -GPIN_HZ=$(DIVISOR) -GCLOCK_HZ=$(DIVISOR) -GBAUD=1 -GADDRESS_W=$(call address_bits,$(c)) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
 $(BOARDS:%=$(BUILD)/verilated/board_%/hardware.a): $(wildcard rtl/board/*.v)
 $(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: rtl/gen/fp3_$(c).v))
 
@@ -432,6 +435,10 @@ sizes: | need-sizes ## The same on devices of several families, of the configura
 
 sizes-report: ## Write docs/sizes.md and the table of docs/integration.md from build/results/synth.json
 	@$(PYTHON) tools/sizes.py
+
+.PHONY: bitstream
+bitstream: | need-bitstream ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=
+	@$(PYTHON) tools/bitstream.py $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
 
 .PHONY: report
 report: ## Write docs/results.md and README's table from build/results/

@@ -1,4 +1,4 @@
-/* board_rtl.h - one simulated board: rtl/board/board_fp3.v with a configuration, seen from its serial line.
+/* board_rtl.h - one simulated board: rtl/board/board_top.v with a configuration, seen from its serial line.
  *
  * sim/board_shim.cpp, compiled once for each configuration that has a board, is a library,
  * fp3_board_<configuration>.so, that exports one table, fp3_board_table.
@@ -21,7 +21,7 @@ typedef struct fp3_board fp3_board;
 typedef struct {
     /* FP3_BOARD_VERSION and sizeof(fp3_board_ops), where the table was compiled. */
     uint32_t version, size;
-    /* Clocked through reset; NULL: out of memory. */
+    /* Clocked through reset; NULL: out of memory, or it never ends. */
     fp3_board *(*open)(void);
     void (*close)(fp3_board *board);
     /* Clocks `cycles` cycles. The line takes what it has time for of size bytes: *taken says how many. Returns how

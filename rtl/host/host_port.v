@@ -56,8 +56,10 @@ module host_port #(
     input  wire [31:0]          rdata_i,
     // Its counters
     output wire                 counters_clear_o,
+    output wire                 counters_read_o,
     output wire [3:0]           counters_index_o,
-    input  wire [63:0]          counters_value_i
+    output wire                 counters_high_o,
+    input  wire [31:0]          counters_value_i          // in the next cycle
 );
 `include "gen/isa.vh"
 `include "gen/registers.vh"
@@ -169,15 +171,14 @@ module host_port #(
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
     // may change, so it still has its meaning.
     reg        ok_q;
-    reg [31:0] rdata_q, counter_q, first_q, second_q, third_q;
+    reg [31:0] rdata_q, first_q, second_q, third_q;
     always @(posedge clk_i) begin
         if (check_q) ok_q <= ok;
-        counter_q  <= addr_q[2] ? counters_value_i[63:32] : counters_value_i[31:0];
         first_q    <= first;
         second_q   <= second;
         third_q    <= third;
         if (wait_q)         rdata_q <= rdata_i;
-        else if (execute_q) rdata_q <= in_counters ? counter_q : addr_q[6] ? third_q
+        else if (execute_q) rdata_q <= in_counters ? counters_value_i : addr_q[6] ? third_q
                                      : addr_q[5] ? second_q : first_q;
     end
     assign patient = in_memory && ok_q && !write_q;
@@ -250,6 +251,8 @@ module host_port #(
     assign write_o          = write;
     assign wdata_o          = wdata_q;
     assign counters_clear_o = clear_q;
+    assign counters_read_o  = check_q;
+    assign counters_high_o  = addr_q[2];
 
     assign irq_o       = irq_enable_q && ended_q;
     assign rsp_error_o = !ok_q;

@@ -49,9 +49,9 @@ module solo #(
     wire                            issue_add, issue_mul, issue_chain;
     wire                            stall_fetch, stall_dependency, stall_unit, stall_writeback, stall_drain;
     wire [REGISTER_W-1:0]           retire_register;
-    wire                            counters_clear;
+    wire                            counters_clear, counters_read, counters_high;
     wire [3:0]                      counters_index;
-    wire [63:0]                     counters_value;
+    wire [31:0]                     counters_value;
     wire                            chain, chain_soon, subtract;
     wire [CHOICE_W-1:0]            choice;
     wire [31:0]                     a, b, c, add_value, mul_value;
@@ -70,7 +70,8 @@ module solo #(
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(host_rdata),
-        .counters_clear_o(counters_clear), .counters_index_o(counters_index),
+        .counters_clear_o(counters_clear), .counters_read_o(counters_read), .counters_index_o(counters_index),
+        .counters_high_o(counters_high),
         .counters_value_i(counters_value));
 
     solo_scheduler #(.CONFIG(CONFIG)) u_scheduler (
@@ -115,7 +116,7 @@ module solo #(
     end
     counters #(.N(COUNTERS)) u_counters (
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
-        .index_i(counters_index), .value_o(counters_value));
+        .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     assign issue_pc_o        = {{16-PROGRAM_W{1'b0}}, issue_pc};
     assign retire_register_o = {{6-REGISTER_W{1'b0}}, retire_register};

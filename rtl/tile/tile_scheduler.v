@@ -70,9 +70,9 @@ module tile_scheduler #(
     wire [PROGRAM_W-1:0] step, step_end, last_end, illegal_pc, program_addr;
     wire [2:0]           space;
     wire [19:0]          address;
-    wire                 counters_clear;
+    wire                 counters_clear, counters_read, counters_high;
     wire [3:0]           counters_index;
-    wire [63:0]          counters_value;
+    wire [31:0]          counters_value;
     wire [4:0]           flags;
     host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(LANES + 6)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
@@ -86,7 +86,8 @@ module tile_scheduler #(
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(answer),
-        .counters_clear_o(counters_clear), .counters_index_o(counters_index),
+        .counters_clear_o(counters_clear), .counters_read_o(counters_read), .counters_index_o(counters_index),
+        .counters_high_o(counters_high),
         .counters_value_i(counters_value));
 
     // Constants are in all lanes, and only there for reading; this copy is the host's.
@@ -195,7 +196,7 @@ module tile_scheduler #(
     end
     counters #(.N(COUNTERS)) u_counters (
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
-        .index_i(counters_index), .value_o(counters_value));
+        .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     // The last group has no next one; sequencer hears the rest of its report.
     wire unused = &{issues[`ISSUE_W*GROUPS +: `ISSUE_W], retires[`RETIRE_W*GROUPS +: `RETIRE_W],
