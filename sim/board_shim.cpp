@@ -11,7 +11,7 @@
 namespace {
 
 const unsigned RESET_CYCLES = 8; /* more than the board takes to light its light */
-const unsigned BITS = 10; /* of a byte on the line: start, eight, stop */
+const unsigned BITS = 10;        /* of a byte on the line: start, eight, stop */
 
 /* One direction of the line: a bit is level for FP3_DIVISOR cycles. */
 struct sender {
