@@ -178,7 +178,7 @@ module top #(
         {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
         {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
     end
-    lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .rst_i(rst_q),
+    lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .first_i({{LANE_W{{1'b0}}}}), .rst_i(rst_q), .rst_o(),
         .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
         .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
         .subtract_o(subtract), .choice_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(flags));

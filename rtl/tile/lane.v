@@ -23,11 +23,11 @@
 `include "tile/access.vh"
 `include "tile/report.vh"
 module lane #(
-    parameter INDEX = 0,               // this lane's number
 `include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
+    input  wire [LANE_W-1:0]    index_i,        // this lane's number; does not change
     // What the sequencer and the host say
     input  wire [`ISSUE_W-1:0]  issue_i,
     input  wire [`RETIRE_W-1:0] retire_i,
@@ -57,7 +57,6 @@ module lane #(
     output wire [4:0]            written_flags_o
 );
 `include "host/lane_host.vh"
-    localparam [LANE_W-1:0]    ME     = INDEX[LANE_W-1:0];
     localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
 
     `ISSUE_FIELDS
@@ -67,7 +66,7 @@ module lane #(
     assign `ISSUE  = issue_i;           // cycle 0
     assign `RETIRE = retire_i;          // cycle W-6
     assign `ACCESS = access_i;
-    wire mine  = access_valid && (access_lane == ME || access_space == HOST_CONSTANT);
+    wire mine  = access_valid && (access_lane == index_i || access_space == HOST_CONSTANT);
     wire write = mine && access_write;
 
     // The end of the instruction, later

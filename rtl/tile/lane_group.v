@@ -16,16 +16,17 @@
 `include "tile/access.vh"
 `include "tile/report.vh"
 module lane_group #(
-    parameter FIRST = 0,               // the number of the first lane
-    parameter N     = 1,               // lanes
+    parameter N = 1,                   // lanes
 `include "config/config.vh"
 ) (
     input  wire                  clk_i,
+    input  wire [LANE_W-1:0]     first_i,      // the number of the first lane; does not change
     input  wire                  rst_i,
     input  wire [`ISSUE_W-1:0]   issue_i,
     input  wire [`RETIRE_W-1:0]  retire_i,
     input  wire [`ACCESS_W-1:0]  access_i,
     input  wire [31:0]           data_i,
+    output wire                  rst_o,
     output wire [`ISSUE_W-1:0]   issue_o,
     output wire [`RETIRE_W-1:0]  retire_o,
     output wire [`ACCESS_W-1:0]  access_o,
@@ -51,25 +52,28 @@ module lane_group #(
     output wire [32*N-1:0]         written_value_o,
     output wire [5*N-1:0]          written_flags_o
 );
+    reg                 rst_q;
     reg [`ISSUE_W-1:0]  issue_q;
     reg [`RETIRE_W-1:0] retire_q;
     reg [`ACCESS_W-1:0] access_q;
     reg [31:0]          data_q;
     always @(posedge clk_i) begin
+        rst_q    <= rst_i;
         issue_q  <= issue_i  & {`ISSUE_W{!rst_i}};
         retire_q <= retire_i & {`RETIRE_W{!rst_i}};
         access_q <= access_i & {`ACCESS_W{!rst_i}};
         data_q   <= data_i;
     end
-    assign {issue_o, retire_o, access_o, data_o} = {issue_q, retire_q, access_q, data_q};
+    assign {rst_o, issue_o, retire_o, access_o, data_o} = {rst_q, issue_q, retire_q, access_q, data_q};
 
     wire [`REPORT_W*(N+1)-1:0] reports;        // lane l adds to what is at l
     assign reports[0 +: `REPORT_W] = report_i;
     genvar l;
     generate
         for (l = 0; l < N; l = l + 1) begin : g_lane
-            lane #(.CONFIG(CONFIG), .INDEX(FIRST + l)) u_lane (
-                .clk_i(clk_i), .rst_i(rst_i),
+            localparam [LANE_W-1:0] L = l;
+            lane #(.CONFIG(CONFIG)) u_lane (
+                .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
                 .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
                 .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
                 .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .choice_o(choice_o[CHOICE_W*l +: CHOICE_W]),
@@ -90,7 +94,7 @@ module lane_group #(
     reg                 valid_q, asleep_q, batch_q;
     reg [CONTEXT_W-1:0] context_q;
     always @(posedge clk_i) begin
-        {flags_q, valid_q} <= {report_flags, report_valid} & {6{!rst_i}};
+        {flags_q, valid_q} <= {report_flags, report_valid} & {6{!rst_q}};
         {answer_q, asleep_q, batch_q, context_q} <= {report_answer, report_asleep, report_batch, report_context};
     end
     assign report_o = {report_count, flags_q, answer_q, valid_q, asleep_q, batch_q, context_q};

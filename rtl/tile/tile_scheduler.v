@@ -63,6 +63,14 @@ module tile_scheduler #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
+    localparam GROUP = 4, GROUPS = (LANES + GROUP - 1) / GROUP;
+
+    // Reset goes from group to group as everything does. Until it has passed the last one, whose reports would
+    // still be old, the host and the sequencer stay in it.
+    reg  [GROUPS-1:0] hold_q;
+    wire              rst = rst_i || hold_q[0];
+    always @(posedge clk_i) hold_q <= rst_i ? {GROUPS{1'b1}} : hold_q >> 1;
+
     // The host -------------------------------------------------------------------------------
     wire                 start, stop, running, illegal, program_write, access, host_write;
     wire [31:0]          steps, visit, clock, host_wdata, answer;
@@ -75,7 +83,7 @@ module tile_scheduler #(
     wire [31:0]          counters_value;
     wire [4:0]           flags;
     host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(LANES + 6)) u_host_port (
-        .clk_i(clk_i), .rst_i(rst_i),
+        .clk_i(clk_i), .rst_i(rst),
         .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
@@ -110,7 +118,7 @@ module tile_scheduler #(
     assign access_address = address[STORE_W-1:0];
 
     // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
-    localparam GROUP = 4, GROUPS = (LANES + GROUP - 1) / GROUP;
+    wire [GROUPS:0]                 resets;
     wire [`ISSUE_W*(GROUPS+1)-1:0]  issues;
     wire [`RETIRE_W*(GROUPS+1)-1:0] retires;
     wire [`ACCESS_W*(GROUPS+1)-1:0] accesses;
@@ -123,7 +131,7 @@ module tile_scheduler #(
     wire [PROGRAM_W-1:0]           trace_pc;
     wire [CONTEXT_W-1:0]           trace_context;
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
-        .clk_i(clk_i), .rst_i(rst_i),
+        .clk_i(clk_i), .rst_i(rst),
         .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
         .step_i(step), .step_end_i(step_end), .end_i(last_end),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
@@ -139,6 +147,7 @@ module tile_scheduler #(
     assign issue_pc_o      = {{16-PROGRAM_W{1'b0}}, trace_pc};
     assign issue_context_o = {{16-CONTEXT_W{1'b0}}, trace_context};
 
+    assign resets[0]                = rst_i;
     assign accesses[0 +: `ACCESS_W] = `ACCESS;
     assign data[31:0]               = running ? step_number : host_wdata;
 
@@ -157,8 +166,8 @@ module tile_scheduler #(
         for (g = 0; g < GROUPS; g = g + 1) begin : g_group
             localparam F = GROUP * g;                             // its first lane
             localparam N = LANES - F < GROUP ? LANES - F : GROUP;
-            lane_group #(.CONFIG(CONFIG), .FIRST(F), .N(N)) u_group (
-                .clk_i(clk_i), .rst_i(rst_i),
+            lane_group #(.CONFIG(CONFIG), .N(N)) u_group (
+                .clk_i(clk_i), .first_i(F[LANE_W-1:0]), .rst_i(resets[g]), .rst_o(resets[g+1]),
                 .issue_i(issues[`ISSUE_W*g +: `ISSUE_W]), .issue_o(issues[`ISSUE_W*(g+1) +: `ISSUE_W]),
                 .retire_i(retires[`RETIRE_W*g +: `RETIRE_W]), .retire_o(retires[`RETIRE_W*(g+1) +: `RETIRE_W]),
                 .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
@@ -195,11 +204,11 @@ module tile_scheduler #(
         events[EVENT_STALL_DRAIN]      = stall_drain;
     end
     counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
+        .clk_i(clk_i), .clear_i(rst || counters_clear), .event_i(events),
         .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     // The last group has no next one; sequencer hears the rest of its report.
-    wire unused = &{issues[`ISSUE_W*GROUPS +: `ISSUE_W], retires[`RETIRE_W*GROUPS +: `RETIRE_W],
+    wire unused = &{resets[GROUPS], issues[`ISSUE_W*GROUPS +: `ISSUE_W], retires[`RETIRE_W*GROUPS +: `RETIRE_W],
                     accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
@@ -210,9 +219,9 @@ module tile_scheduler #(
     assign `RETIRE = retires[0 +: `RETIRE_W];
     wire unused_check = &{retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
                           retire_batch, retire_context, retire_register};
-    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
     always @(posedge clk_i)
-        if (!rst_i) begin
+        if (!rst) begin
             if (granted != (retire_valid && retire_arithmetic)) begin
                 $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
             end
