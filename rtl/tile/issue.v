@@ -90,6 +90,24 @@ module issue #(
         end
     endfunction
     assign issue_context  = number(current_q);
+
+    // The object's row where all are visited in order: contexts take the next rows, batch after batch. A list
+    // says it where objects sleep.
+    wire [ROW_W-1:0] row;
+    generate
+        if (SLEEP != 0) begin : g_list
+            assign row = {ROW_W{1'b0}};
+        end else begin : g_order
+            localparam [ROW_W-1:0] BATCH = CONTEXTS[ROW_W-1:0];
+            reg             opened_q;           // the first batch of a round is still to come
+            reg [ROW_W-1:0] base_q;             // the row in context 0
+            always @(posedge clk_i) begin
+                opened_q <= open_i || (opened_q && !issue_i);
+                if (issue_i && first_i && begins) base_q <= opened_q ? {ROW_W{1'b0}} : base_q + BATCH;
+            end
+            assign row = base_q + {{ROW_W{1'b0}}, issue_context}[ROW_W-1:0];
+        end
+    endgenerate
     assign issue_choice   = choice_q;
     assign issue_subtract = subtract_q;
     assign issue_twice    = twice_q;
@@ -99,6 +117,7 @@ module issue #(
     assign issue_lasts    = lasts_q;
     assign issue_record   = record_i;
     assign issue_register = d_q;
+    assign issue_row      = row;
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
     assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
     delay #(.W(1+REG_W), .N(Z_LATE)) u_z (.clk_i(clk_i), .rst_i(1'b0),
@@ -117,6 +136,7 @@ module issue #(
     assign retire_batch      = batch_q;
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
+    assign retire_row        = row;
     delay #(.W(`RETIRE_W), .N(LATENCY-3)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     delay #(.W(1), .N(LATENCY+5)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_q), .q_o(retired_o));
     assign valid_o   = valid_q;

@@ -8,15 +8,17 @@
 //     record                      a record of the store has 8 << record words
 //     context, register           whose register is stored
 //     x, y, z                     the operands: {context, register}; constants are one context more
+//     row                         the store's row of the context's object, without SLEEP
 //
 // zero and z are about the instruction of Z_LATE cycles ago.
-`define ISSUE_W (CHOICE_W + 9 + 4*REG_W)
+`define ISSUE_W (CHOICE_W + 9 + 4*REG_W + ROW_W)
 `define ISSUE_FIELDS \
     wire [CHOICE_W-1:0] issue_choice; \
     wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts; \
     wire [1:0] issue_record; \
     wire [CONTEXT_W-1:0] issue_context; \
     wire [REGISTER_W-1:0] issue_register; \
-    wire [REG_W-1:0] issue_x, issue_y, issue_z;
+    wire [REG_W-1:0] issue_x, issue_y, issue_z; \
+    wire [ROW_W-1:0] issue_row;
 `define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, \
-    issue_record, issue_context, issue_register, issue_x, issue_y, issue_z}
+    issue_record, issue_context, issue_register, issue_x, issue_y, issue_z, issue_row}

@@ -99,18 +99,32 @@ module lane #(
     wire [ROW_W-1:0] row_w3, st_row_i2;
     wire             executed, sleeps, absent, st_absent_i2, st_asleep_i2, asleep;
     wire [31:0]      stored_w0, status_w0;      // the store's word
-    reg              nonzero_q;                 // W+1
-    always @(posedge clk_i) nonzero_q <= |stored_w0;
     wire [ROW_W:0]   count;
-    visits #(.CONFIG(CONFIG)) u_visits (
-        .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
-        .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(row_w3), .row_late_o(written_row_o),
-        .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
-        .lasts_i(lasts_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
-        .less_i(less_w0), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
-        .st_context_i(issue_context), .st_row_o(st_row_i2), .st_absent_o(st_absent_i2), .st_asleep_o(st_asleep_i2),
-        .host_count_i(write && access_space == HOST_AWAKE), .host_wake_i(write && access_space == HOST_WAKE),
-        .host_data_i(data_i[ROW_W:0]), .count_o(count));
+    wire             host_count = write && access_space == HOST_AWAKE;
+    generate
+        if (SLEEP != 0) begin : g_sleep
+            reg nonzero_q;                      // W+1
+            always @(posedge clk_i) nonzero_q <= |stored_w0;
+            visits #(.CONFIG(CONFIG)) u_visits (
+                .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
+                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(row_w3), .row_late_o(written_row_o),
+                .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
+                .lasts_i(lasts_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
+                .less_i(less_w0), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
+                .st_context_i(issue_context), .st_row_o(st_row_i2), .st_absent_o(st_absent_i2), .st_asleep_o(st_asleep_i2),
+                .host_clear_i(host_count), .host_wake_i(write && access_space == HOST_WAKE),
+                .host_row_i(data_i[ROW_W-1:0]), .count_o(count));
+            wire unused = &{issue_row, retire_row};
+        end else begin : g_order
+            visits_in_order #(.CONFIG(CONFIG)) u_visits (
+                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(row_w3), .row_late_o(written_row_o),
+                .valid_i(valid_w0), .executed_o(executed), .absent_o(absent),
+                .st_row_i(issue_row), .st_row_o(st_row_i2), .st_absent_o(st_absent_i2),
+                .host_count_i(host_count), .host_data_i(data_i[ROW_W:0]), .count_o(count));
+            assign {sleeps, asleep, st_asleep_i2} = 3'b000;
+            wire unused = &{issue_context, retire_round, take_w4, context_w4, context_w1, begins_w0, ends_w0, lasts_w0, less_w0};
+        end
+    endgenerate
 
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(issue_lasts), .register_i(issue_register),

@@ -1,4 +1,4 @@
-// visits: whose turn it is. The list of a lane's objects, the object in each context, and who sleeps.
+// visits: whose turn it is, where objects can sleep. The list of a lane's objects, the object in each context, and who sleeps.
 //
 // Purpose   A visit takes an object from the list's head and, if it is still awake at its end, puts
 //           it back at the tail: objects that sleep cost nothing from then on. Decides for every
@@ -12,7 +12,6 @@
 //           The list's head is not read in the cycle in which it is written.
 //           What is executed is executed for an object that is there and awake, or stored in the last part
 //           of the visit in which it fell asleep.
-//           Without SLEEP there is no list but a count, of objects 0, 1 ..: host_wake_i stays low.
 `default_nettype none
 module visits #(
 `include "config/config.vh"
@@ -50,9 +49,9 @@ module visits #(
     output wire                 st_absent_o,    // likewise: no object
     output wire                 st_asleep_o,    // it fell asleep in this visit
     // The host
-    input  wire                 host_count_i,   // set the count; with SLEEP: to 0
-    input  wire                 host_wake_i,    // one more
-    input  wire [ROW_W:0]       host_data_i,
+    input  wire                 host_clear_i,   // the list is empty
+    input  wire                 host_wake_i,    // one more: this row
+    input  wire [ROW_W-1:0]     host_row_i,
     output wire [ROW_W:0]       count_o
 );
     // The list -----------------------------------------------------------------------------------
@@ -68,41 +67,27 @@ module visits #(
         if (round_i)   left_q <= count_q;
         else if (take) left_q <= left_q - 1'b1;
 
-    generate
-        if (SLEEP != 0) begin : g_list
-            reg [ROW_W-1:0] tail_q;
-            always @(posedge clk_i)
-                if (rst_i || host_count_i) begin
-                    count_q <= {ROW_W+1{1'b0}};
-                    head_q  <= {ROW_W{1'b0}};
-                    tail_q  <= {ROW_W{1'b0}};
-                end else begin
-                    count_q <= count_q + {{ROW_W{1'b0}}, put_q || host_wake_i} - {{ROW_W{1'b0}}, take};
-                    head_q  <= head_q + {{ROW_W-1{1'b0}}, take};
-                    tail_q  <= tail_q + {{ROW_W-1{1'b0}}, put_q || host_wake_i};
-                end
-            ram_registered #(.ADDR_W(ROW_W), .W(ROW_W)) u_list (.clk_i(clk_i),
-                .write_i(put_q || host_wake_i), .write_addr_i(tail_q),
-                .write_value_i(put_q ? put_row_q : host_data_i[ROW_W-1:0]),
-                .read_i(1'b1), .read_addr_i(head_q), .read_value_o(next_row));
-            wire unused = host_data_i[ROW_W];
-`ifdef FP3_CHECK
-            always @(posedge clk_i)
-                if (!rst_i && take && (put_q || host_wake_i) && head_q == tail_q) begin
-                    $display("%m: word %0d of the list is read in the cycle in which it is written", head_q); $stop;
-                end
-`endif
-        end else begin : g_count
-            always @(posedge clk_i) begin
-                if (rst_i)             count_q <= {ROW_W+1{1'b0}};
-                else if (host_count_i) count_q <= host_data_i;
-                if (round_i)           head_q  <= {ROW_W{1'b0}};
-                else if (take)         head_q  <= head_q + 1'b1;
-            end
-            delay #(.W(ROW_W), .N(2)) u_next (.clk_i(clk_i), .rst_i(1'b0), .d_i(head_q), .q_o(next_row));
-            wire unused = put_q | host_wake_i | (|put_row_q);
+    reg [ROW_W-1:0] tail_q;
+    always @(posedge clk_i)
+        if (rst_i || host_clear_i) begin
+            count_q <= {ROW_W+1{1'b0}};
+            head_q  <= {ROW_W{1'b0}};
+            tail_q  <= {ROW_W{1'b0}};
+        end else begin
+            count_q <= count_q + {{ROW_W{1'b0}}, put_q || host_wake_i} - {{ROW_W{1'b0}}, take};
+            head_q  <= head_q + {{ROW_W-1{1'b0}}, take};
+            tail_q  <= tail_q + {{ROW_W-1{1'b0}}, put_q || host_wake_i};
         end
-    endgenerate
+    ram_registered #(.ADDR_W(ROW_W), .W(ROW_W)) u_list (.clk_i(clk_i),
+        .write_i(put_q || host_wake_i), .write_addr_i(tail_q),
+        .write_value_i(put_q ? put_row_q : host_row_i),
+        .read_i(1'b1), .read_addr_i(head_q), .read_value_o(next_row));
+`ifdef FP3_CHECK
+    always @(posedge clk_i)
+        if (!rst_i && take && (put_q || host_wake_i) && head_q == tail_q) begin
+            $display("%m: word %0d of the list is read in the cycle in which it is written", head_q); $stop;
+        end
+`endif
     assign count_o = count_q;
 
     // The object in each context -----------------------------------------------------------------
@@ -143,16 +128,16 @@ module visits #(
     wire absent   = begins_i ? !present_w0 : absent_q;
     wire asleep   = !begins_i && asleep_q;
     wire executed = valid_i && !absent && !(asleep && !lasts_i);
-    wire sleeps   = SLEEP != 0 && executed && sleep_i && less_i && !asleep;
+    wire sleeps   = executed && sleep_i && less_i && !asleep;
 
     // Of a word that was just read only one bit is known in time, a cycle later.
     reg                  changes_q, ends_q, finds_q, new_absent_q, new_asleep_q;   // W+1
     reg  [CONTEXT_W-1:0] context_q;
     wire                 absent_d = new_absent_q || (finds_q && nonzero_i);
     always @(posedge clk_i) begin
-        changes_q <= !rst_i && valid_i && (begins_i || (SLEEP != 0 && (lds_i || sleep_i)));
-        ends_q    <= !rst_i && SLEEP != 0 && valid_i && ends_i;
-        finds_q   <= SLEEP != 0 && lds_i && executed;
+        changes_q <= !rst_i && valid_i && (begins_i || lds_i || sleep_i);
+        ends_q    <= !rst_i && valid_i && ends_i;
+        finds_q   <= lds_i && executed;
         new_absent_q <= absent;
         new_asleep_q <= asleep || sleeps;
         context_q <= context_i;
@@ -193,8 +178,8 @@ module visits #(
             $display("%m: context %0d, there %b, asleep %b, in the last part %b: executed %b", context_i, there, slept, lasts_i, executed);
             $stop;
         end
-        if (!rst_i && (host_count_i || host_wake_i) && (take || put_q || (SLEEP == 0 && host_wake_i))) begin
-            $display("%m: the host changes a list in use, or one that there is not"); $stop;
+        if (!rst_i && (host_clear_i || host_wake_i) && (take || put_q)) begin
+            $display("%m: the host changes a list in use"); $stop;
         end
     end
 `endif
