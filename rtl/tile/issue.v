@@ -105,7 +105,9 @@ module issue #(
                 opened_q <= open_i || (opened_q && !issue_i);
                 if (issue_i && first_i && begins) base_q <= opened_q ? {ROW_W{1'b0}} : base_q + BATCH;
             end
-            assign row = base_q + {{ROW_W{1'b0}}, issue_context}[ROW_W-1:0];
+            wire [ROW_W+CONTEXT_W-1:0] place = {{ROW_W{1'b0}}, issue_context};
+            assign row = base_q + place[ROW_W-1:0];
+            wire unused = &place;
         end
     endgenerate
     assign issue_choice   = choice_q;

@@ -52,7 +52,7 @@ module lane_group #(
     output wire [32*N-1:0]         written_value_o,
     output wire [5*N-1:0]          written_flags_o
 );
-    reg                 rst_q;
+    reg                 rst_q = 1'b1;  // at power-up, until the first reset arrives
     reg [`ISSUE_W-1:0]  issue_q;
     reg [`RETIRE_W-1:0] retire_q;
     reg [`ACCESS_W-1:0] access_q;
