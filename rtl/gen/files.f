@@ -53,6 +53,7 @@ rtl/tile/sweep.v
 rtl/tile/tile.v
 rtl/tile/tile_scheduler.v
 rtl/tile/visits.v
+rtl/tile/visits_in_order.v
 rtl/gen/fp3_paper.v
 rtl/gen/fp3_walk_slot.v
 rtl/gen/fp3_walk_bypass.v
