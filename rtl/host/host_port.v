@@ -183,7 +183,8 @@ module host_port #(
     end
     assign patient = in_memory && ok_q && !write_q;
 
-    wire write   = execute_q && write_q && ok_q && !rst_i;
+    // What is executed as a reset begins may still reach a memory, and nothing else.
+    wire write   = execute_q && write_q && ok_q;
     wire control = write && in_registers && addr_q[6:2] == ADDR_CONTROL[6:2];
     wire to_interrupt = write && in_registers && addr_q[6:2] == ADDR_INTERRUPT[6:2];
     wire start   = control && wants_start;
@@ -247,7 +248,7 @@ module host_port #(
 
     assign program_write_o  = write && in_program;
     assign program_addr_o   = addr_q[PROGRAM_W+1:2];
-    assign access_o         = !rst_i && ((write && in_memory) || (execute_q && patient) || wait_q);
+    assign access_o         = (write && in_memory) || (execute_q && patient) || wait_q;
     assign write_o          = write;
     assign wdata_o          = wdata_q;
     assign counters_clear_o = clear_q;
