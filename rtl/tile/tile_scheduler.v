@@ -158,6 +158,8 @@ module tile_scheduler #(
     assign flags                   = report_flags;
     assign lanes_answer            = report_answer;
 
+    wire [2*LANES-1:0]          written_end;
+    wire [LANES-1:0]            written;
     wire [CONTEXT_W*LANES-1:0]  written_context;
     wire [ROW_W*LANES-1:0]      written_row;
     wire [REGISTER_W*LANES-1:0] written_register;
@@ -177,12 +179,15 @@ module tile_scheduler #(
                 .choice_o(choice_o[CHOICE_W*F +: CHOICE_W*N]),
                 .x_o(x_o[32*F +: 32*N]), .y_o(y_o[32*F +: 32*N]), .z_o(z_o[32*F +: 32*N]),
                 .value_i(value_i[32*F +: 32*N]), .value_flags_i(value_flags_i[5*F +: 5*N]),
-                .written_end_o(retire_end_o[2*F +: 2*N]), .written_o(retire_valid_o[F +: N]),
+                .written_end_o(written_end[2*F +: 2*N]), .written_o(written[F +: N]),
                 .written_context_o(written_context[CONTEXT_W*F +: CONTEXT_W*N]),
                 .written_row_o(written_row[ROW_W*F +: ROW_W*N]),
                 .written_register_o(written_register[REGISTER_W*F +: REGISTER_W*N]),
                 .written_value_o(retire_value_o[32*F +: 32*N]), .written_flags_o(retire_flags_o[5*F +: 5*N]));
         end
+        // What ends in a lane that the reset has not yet reached is not shown.
+        assign retire_end_o   = written_end & {2*LANES{!rst}};
+        assign retire_valid_o = written & {LANES{!rst}};
         for (l = 0; l < LANES; l = l + 1) begin : g_shown
             assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context[CONTEXT_W*l +: CONTEXT_W]};
             assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row[ROW_W*l +: ROW_W]};

@@ -161,6 +161,7 @@ static uint64_t cycles_of(board *b, int is_write, uint32_t address) {
 
 static void print_latency(board *b) {
     const uint32_t object = (uint32_t)FP3_SPACE_OBJECTS << FP3_ADDRESS_SPACE_LO;
+    cycles_of(b, 0, FP3_ADDR_STEPS); /* the first one waits until the reset has passed all lanes */
     const uint64_t first = cycles_of(b, 1, FP3_ADDR_STEPS),
                    second = cycles_of(b, 0, FP3_ADDR_STEPS);
     const uint64_t third = cycles_of(b, 1, object), fourth = cycles_of(b, 0, object);
