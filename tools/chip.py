@@ -136,7 +136,10 @@ def arguments():
 def main():
     args = arguments()
     try:
-        simulate(args) if args.run else make(args)
+        if args.run:
+            simulate(args)
+        else:
+            make(args)
     except (Bad, Failed, ValueError, RuntimeError, OSError) as error:
         sys.exit(f"chip.py: {str(error)[-2000:]}")
 

@@ -10,6 +10,7 @@
 //
 // Latency   One cycle from what is heard to what is said on, and one from report_i to report_o; the count
 //           takes a cycle for each lane: it is read when nothing moves.
+// Reset     Goes from group to group as an instruction does; the lanes have it with what they hear.
 `default_nettype none
 `include "tile/issue.vh"
 `include "tile/retire.vh"

@@ -26,14 +26,7 @@ def spread(lanes):
     """For each row of multipliers, the first of the three of each of its lanes, as even as can be."""
     rows = []
     for row, n in enumerate(lanes // 3 + (i < lanes % 3) for i in (1, 0, 2)):
-        firsts = [round(i * (len(MULTIPLIERS) - 3) / max(1, n - 1)) for i in range(n)]
-        for i in range(1, n):
-            firsts[i] = max(firsts[i], firsts[i - 1] + 3)
-        last = len(MULTIPLIERS) - 3
-        for i in reversed(range(n)):
-            firsts[i] = last = min(firsts[i], last)
-            last -= 3
-        rows.append([(row, first) for first in firsts])
+        rows.append([(row, round(i * (len(MULTIPLIERS) - 3) / max(1, n - 1))) for i in range(n)])
     return rows
 
 
