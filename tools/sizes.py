@@ -21,6 +21,7 @@ FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
 # What somebody needs, the configuration for it, and whether the time of one step counts there or the steps of all objects.
 NEEDS = [
     ("one object, its time counts", "single", "step"),
+    ("one object, on the smallest device", "small", "step"),
     ("one object of a model with divisions, roots, functions or conditions", "single_full", "step"),
     ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
     ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),

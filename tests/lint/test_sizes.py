@@ -102,3 +102,15 @@ def test_an_adder_is_placed_on_an_ice40(root, tmp_path):
     assert done.returncode == 0, done.stderr
     row, = json.loads((tmp_path / "build/results/synth.json").read_text())["rows"]
     assert 300 < row["lut4"] < row["comb"] < 5280 and row["fmax_best"] > 12
+
+
+@pytest.mark.long
+def test_no_multiplier_is_lost_on_an_ice40(root, tmp_path):
+    """With abc9, yosys 0.70 keeps one of the four multipliers of `single`, which have no registers, and says nothing."""
+    for name in ("isa", "tools", "rtl"):
+        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run([sys.executable, tmp_path / "tools/synth.py", "--tools", os.path.realpath(root / ".venv") + "/bin", "--top", "fp3",
+                           "--config", "single", "--device", "iCE40UP5K", "--unplaced"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    row, = json.loads((tmp_path / "build/results/synth.json").read_text())["rows"]
+    assert row["dsp"] == 4
