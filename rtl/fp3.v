@@ -12,6 +12,7 @@
 // Use       A named configuration (rtl/gen/fp3_<name>.v), or set parameters by name.
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
+`include "host/answer.vh"
 module fp3 #(
 `include "gen/parameters.vh"
 ) (
@@ -54,18 +55,28 @@ module fp3 #(
     output wire [32*TILES*SCHEDULERS*LANES-1:0] retire_value_o,
     output wire [5*TILES*SCHEDULERS*LANES-1:0]  retire_flags_o
 );
+`include "gen/registers.vh"
     localparam N = TILES * SCHEDULERS;
     config_rules #(.CONFIG(CONFIG)) u_rules ();
 
-    // Reset reaches far, so the processor has it a cycle later than the bus; at power-up it is in reset.
-    wire clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
-    reg  rst = 1'b1, irq_q;
-    always @(posedge clk) rst <= bus_rst;
+    // Reset reaches far: from a register, and from group to group of the lanes. It lasts until it has passed the last
+    // one, whose reports would still be old; so long nothing is taken from the bus. At power-up all are in reset.
+    wire             clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
+    reg [GROUPS+1:0] reset_q = {GROUPS+2{1'b1}};
+    wire             rst = reset_q[0];
+    reg              irq_q;
+    always @(posedge clk) reset_q <= bus_rst ? {GROUPS+2{1'b1}} : reset_q >> 1;
 
-    wire                 asks, taken, write, answered, listens, refused;
+    // What streams: objects and their status, programs and lists. Below those windows everything is alone. As many
+    // requests may be under way as fill the path to the lanes and back; of one object, few.
+    localparam STREAM = 1 << ADDRESS_SPACE_HI | {16'd0, ADDR_WINDOW_PROGRAM | (ADDR_WINDOW_AWAKE & ~ADDR_WINDOW_CONSTANTS)};
+    localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
+    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 15) : 2;
+    wire                 asks, taken, write;
     wire [ADDRESS_W-1:0] address;
-    wire [31:0]          wdata, rdata;
-    axi_lite #(.ADDRESS_W(ADDRESS_W)) u_axi (
+    wire [31:0]          wdata;
+    `ANSWER_FIELDS
+    axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W), .READS_W(READS_W)) u_axi (
         .clk_i(clk), .rst_i(bus_rst),
         .s_axi_awvalid(s_axi_awvalid), .s_axi_awready(s_axi_awready), .s_axi_awaddr(s_axi_awaddr),
         .s_axi_wvalid(s_axi_wvalid), .s_axi_wready(s_axi_wready), .s_axi_wdata(s_axi_wdata), .s_axi_wstrb(s_axi_wstrb),
@@ -73,7 +84,8 @@ module fp3 #(
         .s_axi_arvalid(s_axi_arvalid), .s_axi_arready(s_axi_arready), .s_axi_araddr(s_axi_araddr),
         .s_axi_rvalid(s_axi_rvalid), .s_axi_rready(s_axi_rready), .s_axi_rdata(s_axi_rdata), .s_axi_rresp(s_axi_rresp),
         .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
-        .rsp_valid_i(answered), .rsp_ready_o(listens), .rsp_rdata_i(rdata), .rsp_error_i(refused));
+        .wrote_i(answer_wrote), .write_error_i(answer_write_error),
+        .read_i(answer_read), .read_error_i(answer_read_error), .rdata_i(answer_rdata));
 
     wire [7:0] scheduler;              // all ones, in as many bits as there are: all of them
     generate
@@ -83,19 +95,17 @@ module fp3 #(
             assign scheduler = &address[ADDRESS_W-1:24] ? 8'hff : {{32-ADDRESS_W{1'b0}}, address[ADDRESS_W-1:24]};
         end
     endgenerate
-    wire [N-1:0]    req_valid, req_ready, rsp_valid, rsp_error, ended;
-    wire            req_write, rsp_ready;
-    wire [23:0]     req_addr;
-    wire [31:0]     req_wdata;
-    wire [32*N-1:0] rsp_rdata;
+    wire [N-1:0]           req_valid, ended;
+    wire                   req_write;
+    wire [23:0]            req_addr;
+    wire [31:0]            req_wdata;
+    wire [`ANSWER_W*N-1:0] answers;
     hub #(.N(N)) u_hub (
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),
-        .rsp_valid_o(answered), .rsp_ready_i(listens), .rsp_rdata_o(rdata), .rsp_error_o(refused),
-        .req_valid_o(req_valid), .req_ready_i(req_ready), .req_write_o(req_write), .req_addr_o(req_addr),
-        .req_wdata_o(req_wdata), .rsp_valid_i(rsp_valid), .rsp_ready_o(rsp_ready), .rsp_rdata_i(rsp_rdata),
-        .rsp_error_i(rsp_error));
+        .answer_o(`ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
+        .answer_i(answers));
     always @(posedge clk) irq_q <= |ended && !rst;
     assign irq = irq_q;
     wire unused = &{s_axi_awprot, s_axi_arprot};
@@ -107,9 +117,8 @@ module fp3 #(
             assign retire_end_o = {2{retire_valid_o}};
             solo #(.CONFIG(CONFIG)) u_solo (
                 .clk_i(clk), .rst_i(rst),
-                .req_valid_i(req_valid[0]), .req_ready_o(req_ready[0]), .req_write_i(req_write), .req_addr_i(req_addr),
-                .req_wdata_i(req_wdata), .rsp_valid_o(rsp_valid[0]), .rsp_ready_i(rsp_ready), .rsp_rdata_o(rsp_rdata),
-                .rsp_error_o(rsp_error[0]), .irq_o(ended[0]),
+                .req_valid_i(req_valid[0]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
+                .answer_o(answers), .irq_o(ended[0]),
                 .issue_valid_o(issue_valid_o), .issue_pc_o(issue_pc_o), .issue_word_o(issue_word_o),
                 .retire_valid_o(retire_valid_o), .retire_register_o(retire_register_o),
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
@@ -118,10 +127,8 @@ module fp3 #(
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
-                    .req_valid_i(req_valid[S*t +: S]), .req_ready_o(req_ready[S*t +: S]), .req_write_i(req_write),
-                    .req_addr_i(req_addr), .req_wdata_i(req_wdata), .rsp_valid_o(rsp_valid[S*t +: S]),
-                    .rsp_ready_i(rsp_ready), .rsp_rdata_o(rsp_rdata[32*S*t +: 32*S]), .rsp_error_o(rsp_error[S*t +: S]),
-                    .irq_o(ended[S*t +: S]),
+                    .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
+                    .answer_o(answers[`ANSWER_W*S*t +: `ANSWER_W*S]), .irq_o(ended[S*t +: S]),
                     .issue_valid_o(issue_valid_o[S*t +: S]), .issue_pc_o(issue_pc_o[16*S*t +: 16*S]),
                     .issue_context_o(issue_context_o[16*S*t +: 16*S]), .issue_word_o(issue_word_o[32*S*t +: 32*S]),
                     .retire_end_o(retire_end_o[2*L*t +: 2*L]),

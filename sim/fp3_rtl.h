@@ -36,7 +36,15 @@ typedef struct {
 } fp3_rtl_watch;
 
 /* Raise it with every change of this header, or of a structure that it takes from elsewhere. */
-#define FP3_RTL_VERSION 2u
+#define FP3_RTL_VERSION 3u
+
+/* One transfer on the bus. */
+typedef struct {
+    uint32_t address, data; /* data: to be written, or what was read */
+    uint8_t is_write;
+    uint8_t
+        is_refused; /* it was answered with an error, or the address is outside of the processor's window */
+} fp3_rtl_word;
 
 typedef struct {
     /* FP3_RTL_VERSION and sizeof(fp3_rtl_ops), where the table was compiled. */
@@ -46,15 +54,26 @@ typedef struct {
      * channel wait in each transfer, 0 to 3 cycles; 0: never. */
     fp3_rtl *(*open)(const fp3_rtl_watch *watch, uint64_t waits);
     void (*close)(fp3_rtl *rtl);
-    /* One transfer on the AXI4-Lite bus. 0: done; 1: answered with an error, by the processor or because the address
-     * is outside of its window; -1: not answered, or against the rules of the bus. */
-    int (*transfer)(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data);
+    /* Transfers on the AXI4-Lite bus: the writes in their order, the reads in theirs, both at the same time; the
+     * master waits for no response before it goes on. Returns when all are answered. -1: one was not, or against the
+     * rules of the bus. */
+    int (*transfer)(fp3_rtl *rtl, fp3_rtl_word *words, size_t count);
     /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row; cycles at
      * most. */
     void (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
     /* Cycles since open, those of transfers included. */
     uint64_t (*now)(const fp3_rtl *rtl);
 } fp3_rtl_ops;
+
+/* One alone: 0: done; 1: refused; -1: see transfer. */
+static inline int fp3_rtl_transfer_one(const fp3_rtl_ops *ops, fp3_rtl *rtl, int is_write,
+                                       uint32_t address, uint32_t *data) {
+    fp3_rtl_word word = {address, is_write ? *data : 0, (uint8_t)(is_write != 0), 0};
+    const int result = ops->transfer(rtl, &word, 1);
+    if (!is_write && !result)
+        *data = word.data;
+    return result ? result : word.is_refused;
+}
 
 #ifdef __cplusplus
 }

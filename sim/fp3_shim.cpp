@@ -155,85 +155,120 @@ constexpr unsigned address_bits() {
 }
 constexpr uint32_t WINDOW = static_cast<uint32_t>((uint64_t{1} << address_bits()) - 1);
 
-/* One side that says valid until the other one is ready; starts after `wait` cycles. */
-struct channel {
-    unsigned wait;
-    bool done;
-    bool is_up() { return !done && (wait == 0 || wait-- == 0); }
-};
-
 const unsigned OKAY = 0;
 
-/* Waits for a response, and lets it wait; what stands must stand still. -1: it did not, or there was none. */
-template <typename Valid, typename Response, typename Ready>
-int await(fp3_rtl *rtl, Valid valid, Response response, Ready &ready) {
-    unsigned wait = patience(rtl);
-    bool stands = false;
-    uint64_t stood = 0;
-    for (unsigned i = 0; i < ANSWER_CYCLES; i++) {
-        settle(rtl);
-        if (stands && (!valid() || response() != stood))
-            return -1;
-        stands = valid();
-        stood = response();
-        const bool takes = stands && wait-- == 0;
-        ready = takes;
-        edge(rtl);
-        ready = 0;
-        if (takes)
-            return static_cast<unsigned>(stood >> 32) != OKAY;
-    }
-    return -1;
-}
+/* What the master does on one channel: the word that is its turn, and how long that one still waits. */
+struct channel {
+    std::size_t at;
+    unsigned wait;
+    bool is_up() { return wait == 0 || wait-- == 0; }
+};
 
-int write_word(fp3_rtl *rtl, uint32_t address, uint32_t data) {
-    HARDWARE *top = rtl->top.get();
-    channel aw = {patience(rtl), false}, w = {patience(rtl), false};
-    for (unsigned i = 0; i < ANSWER_CYCLES && !(aw.done && w.done); i++) {
-        /* What is not valid may be anything. */
-        top->s_axi_awvalid = aw.is_up();
-        top->s_axi_awaddr = top->s_axi_awvalid ? address & WINDOW : ~address & WINDOW;
-        top->s_axi_wvalid = w.is_up();
-        top->s_axi_wdata = top->s_axi_wvalid ? data : ~data;
+/* A response channel: what stands must stand still. */
+struct response {
+    bool stands;
+    uint64_t stood;
+    bool is_still(bool valid, uint64_t value) {
+        const bool still = !stands || (valid && value == stood);
+        stands = valid;
+        stood = value;
+        return still;
+    }
+};
+
+/* The master sends all writes and all reads in their order, as soon as the bus takes them, and waits for no response. */
+struct master {
+    fp3_rtl *rtl;
+    fp3_rtl_word *words;
+    std::size_t count;
+    channel aw, w, ar, b, r;
+    response written, got;
+
+    /* The next word of this kind that the bus leads to the processor. */
+    channel next(bool is_write, std::size_t from) {
+        while (from < count &&
+               (words[from].is_write != is_write || !is_in_window(words[from].address)))
+            from++;
+        return {from, from < count ? patience(rtl) : 0};
+    }
+    void begin() {
+        aw = next(true, 0), w = next(true, 0), b = next(true, 0);
+        ar = next(false, 0), r = next(false, 0);
+        for (std::size_t i = 0; i < count; i++)
+            words[i].is_refused = !is_in_window(words[i].address);
+    }
+    bool is_over() const { return b.at == count && r.at == count; }
+
+    /* What is not valid may be anything. */
+    void ask() {
+        HARDWARE *top = rtl->top.get();
+        top->s_axi_awvalid = aw.at < count && aw.is_up();
+        top->s_axi_awaddr = top->s_axi_awvalid ? words[aw.at].address & WINDOW : patience(rtl);
+        top->s_axi_wvalid = w.at < count && w.is_up();
+        top->s_axi_wdata = top->s_axi_wvalid ? words[w.at].data : ~top->s_axi_wdata;
         top->s_axi_wstrb = top->s_axi_wvalid ? 15 : 0;
-        settle(rtl);
-        aw.done |= top->s_axi_awvalid && top->s_axi_awready;
-        w.done |= top->s_axi_wvalid && top->s_axi_wready;
-        edge(rtl);
+        top->s_axi_arvalid = ar.at < count && ar.is_up();
+        top->s_axi_araddr = top->s_axi_arvalid ? words[ar.at].address & WINDOW : patience(rtl);
     }
-    top->s_axi_awvalid = top->s_axi_wvalid = 0;
-    return await(
-        rtl, [=] { return top->s_axi_bvalid; },
-        [=] { return static_cast<uint64_t>(top->s_axi_bresp) << 32; }, top->s_axi_bready);
-}
+    /* Whether the responses are as they must be: each to a request that was made, and still. */
+    bool listen() {
+        HARDWARE *top = rtl->top.get();
+        const uint64_t told = top->s_axi_bresp;
+        const uint64_t read = static_cast<uint64_t>(top->s_axi_rresp) << 32 | top->s_axi_rdata;
+        if (!written.is_still(top->s_axi_bvalid, told) || !got.is_still(top->s_axi_rvalid, read) ||
+            (top->s_axi_bvalid && !(b.at < aw.at && b.at < w.at)) ||
+            (top->s_axi_rvalid && r.at >= ar.at))
+            return false;
+        top->s_axi_bready = top->s_axi_bvalid && b.is_up();
+        top->s_axi_rready = top->s_axi_rvalid && r.is_up();
+        return true;
+    }
+    /* What both sides agree on in this cycle. Whether there was something. */
+    bool shake() {
+        HARDWARE *top = rtl->top.get();
+        const bool goes[] = {top->s_axi_awvalid && top->s_axi_awready,
+                             top->s_axi_wvalid && top->s_axi_wready,
+                             top->s_axi_arvalid && top->s_axi_arready};
+        if (top->s_axi_bready) {
+            words[b.at].is_refused = top->s_axi_bresp != OKAY;
+            b = next(true, b.at + 1);
+            written.stands = false;
+        }
+        if (top->s_axi_rready) {
+            words[r.at].is_refused = top->s_axi_rresp != OKAY;
+            words[r.at].data = top->s_axi_rdata;
+            r = next(false, r.at + 1);
+            got.stands = false;
+        }
+        if (goes[0])
+            aw = next(true, aw.at + 1);
+        if (goes[1])
+            w = next(true, w.at + 1);
+        if (goes[2])
+            ar = next(false, ar.at + 1);
+        return goes[0] || goes[1] || goes[2] || top->s_axi_bready || top->s_axi_rready;
+    }
+};
 
-int read_word(fp3_rtl *rtl, uint32_t address, uint32_t *data) {
+int transfer(fp3_rtl *rtl, fp3_rtl_word *words, std::size_t count) {
     HARDWARE *top = rtl->top.get();
-    channel ar = {patience(rtl), false};
-    for (unsigned i = 0; i < ANSWER_CYCLES && !ar.done; i++) {
-        top->s_axi_arvalid = ar.is_up();
-        top->s_axi_araddr = top->s_axi_arvalid ? address & WINDOW : ~address & WINDOW;
+    master m = {};
+    m.rtl = rtl;
+    m.words = words;
+    m.count = count;
+    m.begin();
+    bool is_right = true;
+    for (unsigned still = 0; is_right && !m.is_over() && still < ANSWER_CYCLES; still++) {
+        m.ask();
         settle(rtl);
-        ar.done = top->s_axi_arvalid && top->s_axi_arready;
+        is_right = m.listen();
+        if (m.shake())
+            still = 0;
         edge(rtl);
+        top->s_axi_bready = top->s_axi_rready = 0;
     }
-    top->s_axi_arvalid = 0;
-    uint64_t response = 0;
-    const int result = await(
-        rtl, [=] { return top->s_axi_rvalid; },
-        [=, &response] {
-            return response = static_cast<uint64_t>(top->s_axi_rresp) << 32 | top->s_axi_rdata;
-        },
-        top->s_axi_rready);
-    if (result >= 0)
-        *data = static_cast<uint32_t>(response);
-    return result;
-}
-
-int transfer(fp3_rtl *rtl, int is_write, uint32_t address, uint32_t *data) {
-    if (!is_in_window(address))
-        return 1;
-    return is_write ? write_word(rtl, address, *data) : read_word(rtl, address, data);
+    top->s_axi_awvalid = top->s_axi_wvalid = top->s_axi_arvalid = 0;
+    return is_right && m.is_over() ? 0 : -1;
 }
 
 void clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {

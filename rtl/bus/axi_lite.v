@@ -2,24 +2,29 @@
 //
 // Purpose   A bus that processors, interconnects and vendor tools know. One word of 32 bits for each
 //           transfer (Arm IHI 0022, chapter B1). A write of all four bytes and a read become requests of
-//           the host port, one after the other; what the host port refuses is answered with SLVERR. A write
-//           of no byte is answered with OKAY and does nothing; one of some bytes with SLVERR, and does nothing.
-// Latency   One cycle from the handshakes of the address (and the data) to the request, one from the response
+//           the host port; what it refuses is answered with SLVERR. A write of no byte is answered with OKAY and does
+//           nothing; one of some bytes with SLVERR, and does nothing.
+//           Requests with a bit of STREAM in their address follow each other, up to one in each cycle. Any other one
+//           is alone: all before it are answered, and those after it wait until it is.
+// Latency   One cycle from the handshakes of the address (and the data) to the request, one from the answer
 //           to bvalid or rvalid.
 // Promise   Every transfer gets one response, in its channel's order. A read is answered although nobody takes
 //           the response to a write, and a write although nobody takes that to a read. Of both, they take turns.
 // Hazard    A read that is to come after a write has to wait for bvalid. A request that is not taken may give
-//           way to another one.
+//           way to another one. Answers come in the order of their kind's requests, and do not wait.
 //
-//     cycle          0     1     2    ...   n    n+1   n+2
-//     s_axi_awvalid  1     0                                  address and data come in any order
-//     s_axi_wvalid   0     1     0
-//     req_valid_o    0     0     1
-//     rsp_valid_i                           1     0
-//     s_axi_bvalid   0     0     0          0     1     0     bready = 1
+//     cycle          0     1     2     3    ...   n    n+1   n+2   n+3
+//     s_axi_awvalid  1     1     0                                        address and data come in any order
+//     s_axi_wvalid   0     1     1     0
+//     req_valid_o    0     0     1     1     0                            req_ready_i = 1
+//     wrote_i        0     0     0     0          1     1     0
+//     s_axi_bvalid   0     0     0     0          0     1     1     0     bready = 1
 `default_nettype none
 module axi_lite #(
-    parameter ADDRESS_W = 24
+    parameter ADDRESS_W = 24,
+    parameter [ADDRESS_W-1:0] STREAM = 0,
+    parameter WRITES_W  = 1,           // 2^WRITES_W writes without a response at most, at least 2
+    parameter READS_W   = 1            // likewise
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
@@ -47,63 +52,63 @@ module axi_lite #(
     output wire                 req_write_o,
     output wire [ADDRESS_W-1:0] req_addr_o,
     output wire [31:0]          req_wdata_o,
-    input  wire                 rsp_valid_i,
-    output wire                 rsp_ready_o,
-    input  wire [31:0]          rsp_rdata_i,
-    input  wire                 rsp_error_i
+    input  wire                 wrote_i,        // a write is answered
+    input  wire                 write_error_i,
+    input  wire                 read_i,         // a read is answered
+    input  wire                 read_error_i,
+    input  wire [31:0]          rdata_i
 );
-    // One transfer of each channel waits here; behind it the channel is not ready.
+    // One transfer of each channel waits here; a channel is ready when the place is free, or becomes free.
     reg                 aw_q, w_q, ar_q;
     reg [ADDRESS_W-1:0] awaddr_q, araddr_q;
     reg [31:0]          wdata_q;
     reg [3:0]           wstrb_q;
-    // One response of each kind waits here. A request begins only when there is room for its response.
-    reg                 b_q, r_q, berror_q, rerror_q;
-    reg [31:0]          rdata_q;
-    // The request that the host port has, and whether the last one was a write.
-    reg                 asked_q, write_q;
+    // Whether nothing waits for its answer; whether what does is alone; whether the last request was a write.
+    reg                 idle_q, alone_q, write_q;
 
-    wire write    = aw_q && w_q && !b_q && !(asked_q && write_q);
-    wire read     = ar_q && !r_q && !(asked_q && !write_q);
-    wire whole    = &wstrb_q;
-    wire skip     = write && !whole;                       // answered here
-    wire asks     = write && whole && !(read && write_q);  // both wish: not the one that was last
-    assign req_valid_o = !asked_q && (asks || read);
-    assign req_write_o = asks;
-    assign req_addr_o  = asks ? awaddr_q : araddr_q;
+    wire write_room, read_room, write_idle, read_idle;
+    wire whole         = &wstrb_q;
+    wire write_streams = whole && |(awaddr_q & STREAM);
+    wire read_streams  = |(araddr_q & STREAM);
+    wire write_turn    = aw_q && w_q && write_room && !(ar_q && read_room && write_q);   // both wish: not the one that was last
+    wire read_turn     = ar_q && read_room && !write_turn;
+    wire write_may     = write_turn && (idle_q || (write_streams && !alone_q));
+    wire read_may      = read_turn && (idle_q || (read_streams && !alone_q));
+    assign req_valid_o = (write_may && whole) || read_may;
+    assign req_write_o = write_turn;
+    assign req_addr_o  = write_turn ? awaddr_q : araddr_q;
     assign req_wdata_o = wdata_q;
-    assign rsp_ready_o = asked_q;
 
-    wire taken      = req_valid_o && req_ready_i;
-    wire write_goes = skip || (taken && asks);
-    wire read_goes  = taken && !asks;
-    wire answered   = asked_q && rsp_valid_i;
+    wire skip       = write_may && !whole;                 // answered here
+    wire write_goes = skip || (write_may && req_ready_i);
+    wire read_goes  = read_may && req_ready_i;
     always @(posedge clk_i) begin
-        if (rst_i) {aw_q, w_q, ar_q, b_q, r_q, asked_q, write_q} <= 7'd0;
+        if (rst_i) {aw_q, w_q, ar_q, idle_q, alone_q, write_q} <= 6'd0;
         else begin
-            aw_q    <= aw_q ? !write_goes : s_axi_awvalid;
-            w_q     <= w_q  ? !write_goes : s_axi_wvalid;
-            ar_q    <= ar_q ? !read_goes  : s_axi_arvalid;
-            b_q     <= b_q  ? !s_axi_bready : skip || (answered && write_q);
-            r_q     <= r_q  ? !s_axi_rready : answered && !write_q;
-            asked_q <= asked_q ? !rsp_valid_i : taken;
-            if (taken) write_q <= asks;
+            aw_q    <= (aw_q && !write_goes) || s_axi_awvalid;
+            w_q     <= (w_q  && !write_goes) || s_axi_wvalid;
+            ar_q    <= (ar_q && !read_goes)  || s_axi_arvalid;
+            idle_q  <= write_idle && read_idle && !write_goes && !read_goes;
+            alone_q <= (write_goes && !write_streams) || (read_goes && !read_streams) || (alone_q && !idle_q);
+            if (write_goes || read_goes) write_q <= write_goes;
         end
-        if (!aw_q) awaddr_q <= s_axi_awaddr;
-        if (!w_q)  {wdata_q, wstrb_q} <= {s_axi_wdata, s_axi_wstrb};
-        if (!ar_q) araddr_q <= s_axi_araddr;
-        if (!b_q)  berror_q <= skip ? |wstrb_q : rsp_error_i;
-        if (!r_q)  {rdata_q, rerror_q} <= {rsp_rdata_i, rsp_error_i};
+        if (s_axi_awready) awaddr_q <= s_axi_awaddr;
+        if (s_axi_wready)  {wdata_q, wstrb_q} <= {s_axi_wdata, s_axi_wstrb};
+        if (s_axi_arready) araddr_q <= s_axi_araddr;
     end
+    assign s_axi_awready = !aw_q || write_goes;
+    assign s_axi_wready  = !w_q  || write_goes;
+    assign s_axi_arready = !ar_q || read_goes;
 
+    wire berror, rerror;
+    responses #(.W(1), .DEPTH_W(WRITES_W)) u_writes (.clk_i(clk_i), .rst_i(rst_i), .room_o(write_room), .idle_o(write_idle),
+        .go_i(write_goes), .answered_i(skip || wrote_i), .value_i(skip ? |wstrb_q : write_error_i),
+        .valid_o(s_axi_bvalid), .ready_i(s_axi_bready), .value_o(berror));
+    responses #(.W(33), .DEPTH_W(READS_W)) u_reads (.clk_i(clk_i), .rst_i(rst_i), .room_o(read_room), .idle_o(read_idle),
+        .go_i(read_goes), .answered_i(read_i), .value_i({read_error_i, rdata_i}),
+        .valid_o(s_axi_rvalid), .ready_i(s_axi_rready), .value_o({rerror, s_axi_rdata}));
     localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;
-    assign s_axi_awready = !aw_q;
-    assign s_axi_wready  = !w_q;
-    assign s_axi_arready = !ar_q;
-    assign s_axi_bvalid  = b_q;
-    assign s_axi_bresp   = berror_q ? SLVERR : OKAY;
-    assign s_axi_rvalid  = r_q;
-    assign s_axi_rdata   = rdata_q;
-    assign s_axi_rresp   = rerror_q ? SLVERR : OKAY;
+    assign s_axi_bresp = berror ? SLVERR : OKAY;
+    assign s_axi_rresp = rerror ? SLVERR : OKAY;
 endmodule
 `default_nettype wire

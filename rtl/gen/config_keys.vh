@@ -24,4 +24,6 @@ parameter integer NEAREST         = CONFIG[639:608],
 parameter integer ADD_LATENCY     = CONFIG[671:640],
 parameter integer MUL_LATENCY     = CONFIG[703:672],
 parameter [6:0]   ADD_CUTS        = CONFIG[710:704],
-parameter [6:0]   MUL_CUTS        = CONFIG[742:736]
+parameter [6:0]   MUL_CUTS        = CONFIG[742:736],
+parameter integer GROUP           = 4,                          // lanes that hear the same in the same cycle
+parameter integer GROUPS          = (LANES + GROUP - 1) / GROUP

@@ -2,6 +2,7 @@
 // Every file of the RTL, for tools that do not look for modules by name (else: rtl/fp3.f). From the project's directory.
 +incdir+rtl
 rtl/bus/axi_lite.v
+rtl/bus/responses.v
 rtl/config/config_rules.v
 rtl/fp/fp_add.v
 rtl/fp/fp_add_near.v

@@ -3,7 +3,7 @@
 // Purpose   Of host_port: tells registers, counters, program and the memories behind it apart. Whether an
 //           access may do anything there, host_port says.
 // Latency   1.
-// Hazard    An address is in at most one part of the map.
+// Hazard    An address is in at most one part of the map; one that is no multiple of 4 is in none.
 `default_nettype none
 module host_decode #(
 `include "config/config.vh"
@@ -35,6 +35,7 @@ module host_decode #(
     wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
+    wire whole = addr_i[1:0] == 2'd0;
     wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
     wire counters_d  = low && addr_i[15:0] >= ADDR_COUNTERS && from_counters < 8 * COUNTERS;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
@@ -50,14 +51,14 @@ module host_decode #(
     reg [3:0]  counter_q;
     reg [19:0] address_q;
     always @(posedge clk_i) begin
-        registers_q <= registers_d;
-        counters_q  <= counters_d;
-        program_q   <= program_d;
-        memory_q    <= constants_d || awake_d || wake_d || objects_d || status_d;
+        registers_q <= whole && registers_d;
+        counters_q  <= whole && counters_d;
+        program_q   <= whole && program_d;
+        memory_q    <= whole && (constants_d || awake_d || wake_d || objects_d || status_d);
         space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
                      : status_d ? HOST_STATUS : HOST_OBJECT;
         counter_q   <= from_counters[6:3];
-        address_q   <= low ? {14'd0, addr_i[7:2]} : word[19:0];
+        address_q   <= low ? {7'd0, addr_i[14:2]} : word[19:0];
     end
     assign {registers_o, counters_o, program_o, memory_o} = {registers_q, counters_q, program_q, memory_q};
     assign {counter_o, space_o, address_o}                = {counter_q, space_q, address_q};

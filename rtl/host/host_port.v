@@ -1,35 +1,36 @@
 // host_port: the host's registers and its windows onto the memories.
 //
-// Purpose   One request, one response. Loads programs, constants and objects, starts and stops
+// Purpose   Loads programs, constants and objects, starts and stops
 //           runs, and shows how they went. isa/registers.toml is the map; every scheduler has one.
-// Latency   The response comes four cycles after the request is taken: one to see where it goes
-//           (host_decode), one to see whether it may, one to execute it. A memory's answer takes
-//           MEMORY_LATENCY + 1 cycles more.
+// Latency   A request is decoded (host_decode), checked, and executed, a cycle each. A write is answered while it is
+//           executed, a read of a register or counter one cycle later, any other read MEMORY_LATENCY + 1 cycles later.
 // Promise   Every request is answered. What has no register, no such access or no sense is
-//           answered with rsp_error_o and changes nothing.
-// Hazard    With start_o, step_o <= step_end_o <= end_o.
+//           answered with an error and changes nothing.
+// Hazard    A request may come in every cycle. But one to a register, a counter or a constant is alone: none is
+//           before it without an answer, none comes until it is answered and then four cycles more have passed,
+//           and its address and data stand all the time.
+//           With start_o, step_o <= step_end_o <= end_o.
 //
-//     cycle        0     1     2     3     4     5
-//     req_valid_i  1     0     0     0     0     1        req_ready_o falls until the response is taken
-//     req_ready_o  1     0     0     0     0     1
-//     rsp_valid_o  0     0     0     0     1     0
+//     cycle           0     1     2     3    ..  3+M         M = MEMORY_LATENCY
+//     req_valid_i     1     0     0     0
+//     answer_wrote    0     0     1     0                    a write
+//     access_o        0     0     1     0                    of a memory; rdata_i is its word in 2+M
+//     answer_read     0     0     0     1         0          a register or counter
+//     answer_read     0     0     0     0         1          a memory
 `default_nettype none
+`include "host/answer.vh"
 module host_port #(
-    parameter MEMORY_LATENCY = 0,
+    parameter MEMORY_LATENCY = 1,      // cycles from access_o to the word on rdata_i, at least 1
 `include "config/config.vh"
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // Requests and responses
+    // Requests and answers
     input  wire                 req_valid_i,
-    output wire                 req_ready_o,
     input  wire                 req_write_i,
     input  wire [23:0]          req_addr_i,
     input  wire [31:0]          req_wdata_i,
-    output wire                 rsp_valid_o,
-    input  wire                 rsp_ready_i,
-    output wire [31:0]          rsp_rdata_o,
-    output wire                 rsp_error_o,
+    output wire [`ANSWER_W-1:0] answer_o,
     output wire                 irq_o,
     // The scheduler's run
     output wire                 start_o,
@@ -48,7 +49,7 @@ module host_port #(
     // Its memories
     output wire                 program_write_o,
     output wire [PROGRAM_W-1:0] program_addr_o,
-    output wire                 access_o,                 // a write: one cycle; a read: until the answer is taken
+    output wire                 access_o,
     output wire                 write_o,
     output wire [2:0]           space_o,                  // see lane_host.vh
     output wire [19:0]          addr_o,
@@ -69,37 +70,37 @@ module host_port #(
     localparam [31:0] CONTEXTS_32  = CONTEXTS;
     localparam [31:0] PROGRAM_32   = PROGRAM_WORDS;
     localparam [31:0] STORE_32     = STORE_WORDS;
-    localparam [31:0] WAIT_32      = MEMORY_LATENCY;
-    localparam [7:0]  WAIT         = WAIT_32[7:0];
 
-    // Take a request, decode it, check it, execute it, hold the response until it is taken.
-    reg        decode_q, check_q, execute_q, wait_q, respond_q;
-    reg        write_q;
-    reg [23:0] addr_q;
-    reg [31:0] wdata_q;
-    reg [7:0]  left_q;                                    // cycles to the answer
-    wire       patient;                                   // a memory is read
-    assign req_ready_o = !rst_i && !decode_q && !check_q && !execute_q && !wait_q && !respond_q;
-    assign rsp_valid_o = respond_q;
-
-    always @(posedge clk_i) begin
-        if (rst_i) {decode_q, check_q, execute_q, wait_q, respond_q} <= 5'b00000;
-        else begin
-            decode_q  <= req_valid_i && req_ready_o;
-            check_q   <= decode_q;
-            execute_q <= check_q;
-            wait_q    <= (execute_q && patient) || (wait_q && left_q != 8'd0);
-            respond_q <= (execute_q && !patient) || (wait_q && left_q == 8'd0) || (respond_q && !rsp_ready_i);
-        end
-        left_q <= execute_q ? WAIT : left_q - 1'b1;
-        if (req_valid_i && req_ready_o) {write_q, addr_q, wdata_q} <= {req_write_i, req_addr_i, req_wdata_i};
-    end
-
-    wire       in_registers, in_counters, in_program, in_memory;
+    // Decode a request, check it, execute it. What is alone stands until it is answered.
+    reg         check_q, write_q, ok_q;
+    reg         writes_q, shows_q, fetches_q, access_q, load_q;     // executed: a write, a read of ours, any other; a memory, a program
+    reg  [4:0]  register_q;
+    reg  [31:0] wdata_q, memory_wdata_q;
+    reg  [2:0]  space_q;
+    reg  [19:0] address_q;
+    wire        in_registers, in_counters, in_program, in_memory;
+    wire [2:0]  space;
+    wire [19:0] address;
+    reg         ok;                                       // this access has a meaning now
+    wire        ours = in_registers || in_counters;
     host_decode #(.CONFIG(CONFIG)) u_decode (
-        .clk_i(clk_i), .write_i(write_q), .addr_i(addr_q),
+        .clk_i(clk_i), .write_i(req_write_i), .addr_i(req_addr_i),
         .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
-        .counter_o(counters_index_o), .space_o(space_o), .address_o(addr_o));
+        .counter_o(counters_index_o), .space_o(space), .address_o(address));
+    always @(posedge clk_i) begin
+        if (rst_i) {check_q, writes_q, shows_q, fetches_q, access_q, load_q} <= 6'd0;
+        else begin
+            check_q   <= req_valid_i;
+            writes_q  <= check_q && write_q;
+            shows_q   <= check_q && !write_q && ours;
+            fetches_q <= check_q && !write_q && !ours;
+            access_q  <= check_q && ok && in_memory;
+            load_q    <= check_q && ok && in_program;
+        end
+        ok_q <= ok;
+        {write_q, register_q, wdata_q}       <= {req_write_i, req_addr_i[6:2], req_wdata_i};
+        {space_q, address_q, memory_wdata_q} <= {space, address, wdata_q};
+    end
 
     // The run's description and its outcome
     reg [31:0]        steps_q, visit_q, clock_q;
@@ -113,8 +114,8 @@ module host_port #(
     reg  runnable, is_index, is_record;
     always @(posedge clk_i) begin
         runnable  <= step_q < last_q && last_q <= size_q;
-        is_index  <= wdata_q <= PROGRAM_32;
-        is_record <= wdata_q >= 32'd3 && wdata_q <= 32'd6;
+        is_index  <= req_wdata_i <= PROGRAM_32;
+        is_record <= req_wdata_i >= 32'd3 && req_wdata_i <= 32'd6;
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
@@ -123,30 +124,28 @@ module host_port #(
     // The outcome is known in the cycle after the end: until then the run goes on.
     wire busy = running_i || was_running_q;
 
-    reg        ok;                     // this access has a meaning now
     always @* begin
         ok = 1'b0;
-        if (in_registers) case (addr_q[6:2])
+        if (in_registers) case (register_q)
             ADDR_CONTROL[6:2]: ok = write_q && !(wants_start && (running_i || wants_stop || !runnable));
             ADDR_VISIT[6:2], ADDR_CLOCK[6:2]: ok = STORE_WORDS != 0 && (!write_q || !running_i);
             ADDR_RECORD[6:2]:  ok = STORE_WORDS != 0 && (!write_q || (!running_i && is_record));
             ADDR_STEPS[6:2]:   ok = !write_q || !running_i;
             ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: ok = !write_q || (!running_i && is_index);
             ADDR_INTERRUPT[6:2]: ok = 1'b1;
-            default:           ok = !write_q && addr_q[6:2] <= ADDR_FLAGS[6:2];
+            default:           ok = !write_q && register_q <= ADDR_FLAGS[6:2];
         endcase
         else if (in_counters) ok = !write_q;
         else ok = !running_i && (in_memory || (in_program && write_q));
-        if (addr_q[1:0] != 2'b00) ok = 1'b0;
     end
 
     // What a read shows, in parts: one mux would be the longest path of the whole.
-    wire [31:0] third = {27'd0, addr_q[2] ? {3'd0, ended_q, irq_enable_q} : flags_q};
+    wire [31:0] third = {27'd0, register_q[0] ? {3'd0, ended_q, irq_enable_q} : flags_q};
     reg  [31:0] first, second;
     always @* begin
         first  = 32'd0;
         second = 32'd0;
-        case (addr_q[4:2])
+        case (register_q[2:0])
             ADDR_ID[4:2]:       first = {24'h465033, ISA_REVISION};
             ADDR_SHAPE[4:2]:    first = {CONTEXTS_32[15:0], REGISTERS_32[7:0], REGISTERS_32[7:0]};
             ADDR_MEMORY[4:2]:   first = PROGRAM_32;
@@ -156,7 +155,7 @@ module host_port #(
             ADDR_FAULT[4:2]:    first = {{32-PROGRAM_W{1'b0}}, fault_q};
             default: ;
         endcase
-        case (addr_q[4:2])
+        case (register_q[2:0])
             ADDR_STEPS[4:2]:    second = steps_q;
             ADDR_STEP[4:2]:     second = {{31-PROGRAM_W{1'b0}}, step_q};
             ADDR_LAST[4:2]:     second = {{31-PROGRAM_W{1'b0}}, last_q};
@@ -170,23 +169,30 @@ module host_port #(
 
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
     // may change, so it still has its meaning.
-    reg        ok_q;
-    reg [31:0] rdata_q, first_q, second_q, third_q;
-    always @(posedge clk_i) begin
-        if (check_q) ok_q <= ok;
-        first_q    <= first;
-        second_q   <= second;
-        third_q    <= third;
-        if (wait_q)         rdata_q <= rdata_i;
-        else if (execute_q) rdata_q <= in_counters ? counters_value_i : addr_q[6] ? third_q
-                                     : addr_q[5] ? second_q : first_q;
-    end
-    assign patient = in_memory && ok_q && !write_q;
+    reg  [31:0] first_q, second_q, third_q;
+    always @(posedge clk_i) {first_q, second_q, third_q} <= {first, second, third};
+    wire [31:0] shown = in_counters ? counters_value_i : register_q[4] ? third_q : register_q[3] ? second_q : first_q;
 
-    // What is executed as a reset begins may still reach a memory, and nothing else.
-    wire write   = execute_q && write_q && ok_q;
-    wire control = write && in_registers && addr_q[6:2] == ADDR_CONTROL[6:2];
-    wire to_interrupt = write && in_registers && addr_q[6:2] == ADDR_INTERRUPT[6:2];
+    // The answers
+    wire        fetched, fetched_ok;
+    reg         read_q, read_error_q;
+    reg  [31:0] rdata_q;
+    delay #(.W(1), .N(MEMORY_LATENCY)) u_fetched (.clk_i(clk_i), .rst_i(rst_i), .d_i(fetches_q), .q_o(fetched));
+    delay #(.W(1), .N(MEMORY_LATENCY)) u_fetched_ok (.clk_i(clk_i), .rst_i(1'b0), .d_i(ok_q), .q_o(fetched_ok));
+    always @(posedge clk_i) begin
+        read_q       <= (shows_q || fetched) && !rst_i;
+        read_error_q <= (shows_q && !ok_q) || (fetched && !fetched_ok);
+        rdata_q      <= (shown & {32{shows_q && ok_q}}) | (rdata_i & {32{fetched && fetched_ok}});
+    end
+    `ANSWER_FIELDS
+    assign answer_wrote       = writes_q;
+    assign answer_write_error = writes_q && !ok_q;
+    assign {answer_read, answer_read_error, answer_rdata} = {read_q, read_error_q, rdata_q};
+    assign answer_o = `ANSWER;
+
+    wire write   = writes_q && ok_q && in_registers;
+    wire control = write && register_q == ADDR_CONTROL[6:2];
+    wire to_interrupt = write && register_q == ADDR_INTERRUPT[6:2];
     wire start   = control && wants_start;
     reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
     always @(posedge clk_i) begin
@@ -201,7 +207,7 @@ module host_port #(
             {steps_q, visit_q, clock_q, record_q} <= 98'd0;
             {step_q, last_q, size_q}              <= {3*(PROGRAM_W+1){1'b0}};
         end else if (write) begin
-            if (in_registers) case (addr_q[6:2])
+            case (register_q)
                 ADDR_RECORD[6:2]: record_q <= wdata_q[1:0] + 2'd1;
                 ADDR_STEPS[6:2]:  steps_q  <= wdata_q;
                 ADDR_STEP[6:2]:   step_q   <= wdata_q[PROGRAM_W:0];
@@ -246,20 +252,26 @@ module host_port #(
     assign end_o      = last_end_q[PROGRAM_W-1:0];
     wire unused = step_q[PROGRAM_W] | step_end_q[PROGRAM_W] | last_end_q[PROGRAM_W];
 
-    assign program_write_o  = write && in_program;
-    assign program_addr_o   = addr_q[PROGRAM_W+1:2];
-    assign access_o         = (write && in_memory) || (execute_q && patient) || wait_q;
-    assign write_o          = write;
-    assign wdata_o          = wdata_q;
+    assign {access_o, write_o, space_o, addr_o} = {access_q, writes_q, space_q, address_q};
+    assign program_write_o  = load_q;
+    assign program_addr_o   = address_q[PROGRAM_W-1:0];
+    assign wdata_o          = memory_wdata_q;
     assign counters_clear_o = clear_q;
     assign counters_read_o  = check_q;
-    assign counters_high_o  = addr_q[2];
+    assign counters_high_o  = register_q[0];
 
     assign irq_o       = irq_enable_q && ended_q;
-    assign rsp_error_o = !ok_q;
-    assign rsp_rdata_o = rdata_q & {32{ok_q && !write_q}};
 
 `ifdef FP3_CHECK
+    // A register, counter or constant is alone.
+    wire       alone = check_q && (ours || (in_memory && space == HOST_CONSTANT));
+    reg  [4:0] alone_q;
+    always @(posedge clk_i) begin
+        alone_q <= rst_i ? 5'd0 : {alone_q[3:0], alone};
+        if (!rst_i && ((check_q && |alone_q) || (alone && (req_valid_i || writes_q || fetches_q || fetched)))) begin
+            $display("%m: a request beside one that has to be alone"); $stop;
+        end
+    end
     always @(posedge clk_i)
         if (!rst_i && start_o && !(step_o <= step_end_o && step_end_o <= end_o)) begin
             $display("%m: a run starts whose steps are the words %0d to %0d of 0 to %0d", step_o, step_end_o, end_o); $stop;

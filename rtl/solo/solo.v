@@ -10,6 +10,7 @@
 //           Trace ports (issue_*, retire_*) are for simulation.
 // Latency   See solo_scheduler (a run), host_port (an access).
 `default_nettype none
+`include "host/answer.vh"
 module solo #(
 `include "config/config.vh"
 ) (
@@ -17,14 +18,10 @@ module solo #(
     input  wire        rst_i,
     // Host port
     input  wire        req_valid_i,
-    output wire        req_ready_o,
     input  wire        req_write_i,
     input  wire [23:0] req_addr_i,
     input  wire [31:0] req_wdata_i,
-    output wire        rsp_valid_o,
-    input  wire        rsp_ready_i,
-    output wire [31:0] rsp_rdata_o,
-    output wire        rsp_error_o,
+    output wire [`ANSWER_W-1:0] answer_o,
     output wire        irq_o,
     // Trace
     output wire        issue_valid_o,
@@ -59,10 +56,9 @@ module solo #(
 
     host_port #(.CONFIG(CONFIG)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
-        .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
+        .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
-        .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
-        .rsp_error_o(rsp_error_o), .irq_o(irq_o),
+        .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(unused_visit), .clock_o(unused_clock), .record_o(unused_record),
         .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(issue_pc),
@@ -74,11 +70,12 @@ module solo #(
         .counters_high_o(counters_high),
         .counters_value_i(counters_value));
 
+    // In reset a request may still be anything: registers keep what they have.
     solo_scheduler #(.CONFIG(CONFIG)) u_scheduler (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .step_i(step), .step_end_i(step_end),
         .end_i(last_end), .running_o(running), .illegal_o(illegal),
-        .host_program_i(program_write), .host_write_i(access && host_write),
+        .host_program_i(program_write), .host_write_i(access && host_write && !rst_i),
         .host_program_addr_i(program_addr),
         .host_addr_i({space == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
         .host_rdata_o(host_rdata),

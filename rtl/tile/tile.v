@@ -11,6 +11,7 @@
 // Latency   See lane: MUL_LATENCY + ADD_LATENCY, one more where schedulers share.
 // Hazard    In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
+`include "host/answer.vh"
 module tile #(
 `include "config/config.vh"
 ) (
@@ -18,14 +19,10 @@ module tile #(
     input  wire                     rst_i,
     // A host port for each scheduler
     input  wire [SCHEDULERS-1:0]    req_valid_i,
-    output wire [SCHEDULERS-1:0]    req_ready_o,
     input  wire                     req_write_i,
     input  wire [23:0]              req_addr_i,
     input  wire [31:0]              req_wdata_i,
-    output wire [SCHEDULERS-1:0]    rsp_valid_o,
-    input  wire                     rsp_ready_i,
-    output wire [32*SCHEDULERS-1:0] rsp_rdata_o,
-    output wire [SCHEDULERS-1:0]    rsp_error_o,
+    output wire [`ANSWER_W*SCHEDULERS-1:0] answer_o,
     output wire [SCHEDULERS-1:0]    irq_o,
     // Trace: a part for each scheduler, and for each lane of each
     output wire [SCHEDULERS-1:0]          issue_valid_o,
@@ -53,10 +50,9 @@ module tile #(
         for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
             tile_scheduler #(.CONFIG(CONFIG)) u_scheduler (
                 .clk_i(clk_i), .rst_i(rst_i),
-                .req_valid_i(req_valid_i[s]), .req_ready_o(req_ready_o[s]), .req_write_i(req_write_i),
+                .req_valid_i(req_valid_i[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
-                .rsp_valid_o(rsp_valid_o[s]), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o[32*s +: 32]),
-                .rsp_error_o(rsp_error_o[s]), .irq_o(irq_o[s]),
+                .answer_o(answer_o[`ANSWER_W*s +: `ANSWER_W]), .irq_o(irq_o[s]),
                 .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
                 .subtract_o(subtract[LANES*s +: LANES]),
                 .twice_o(twice[LANES*s +: LANES]), .half_o(half[LANES*s +: LANES]), .choice_o(choice[CHOICE_W*LANES*s +: CHOICE_W*LANES]),

@@ -13,6 +13,7 @@
 // Hazard    What is not granted does not reach the arithmetic.
 //           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
+`include "host/answer.vh"
 `include "tile/issue.vh"
 `include "tile/retire.vh"
 `include "tile/access.vh"
@@ -24,14 +25,10 @@ module tile_scheduler #(
     input  wire                rst_i,
     // Host port
     input  wire                req_valid_i,
-    output wire                req_ready_o,
     input  wire                req_write_i,
     input  wire [23:0]         req_addr_i,
     input  wire [31:0]         req_wdata_i,
-    output wire                rsp_valid_o,
-    input  wire                rsp_ready_i,
-    output wire [31:0]         rsp_rdata_o,
-    output wire                rsp_error_o,
+    output wire [`ANSWER_W-1:0] answer_o,
     output wire                irq_o,
     // Arithmetic, a part for each lane
     output wire                running_o,
@@ -63,17 +60,10 @@ module tile_scheduler #(
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
-    localparam GROUP = 4, GROUPS = (LANES + GROUP - 1) / GROUP;
-
-    // Reset goes from group to group as everything does. Until it has passed the last one, whose reports would
-    // still be old, the host and the sequencer stay in it.
-    reg  [GROUPS-1:0] hold_q;
-    wire              rst = rst_i || hold_q[0];
-    always @(posedge clk_i) hold_q <= rst_i ? {GROUPS{1'b1}} : hold_q >> 1;
 
     // The host -------------------------------------------------------------------------------
     wire                 start, stop, running, illegal, program_write, access, host_write;
-    wire [31:0]          steps, visit, clock, host_wdata, answer;
+    wire [31:0]          steps, visit, clock, host_wdata, word;
     wire [1:0]           record;
     wire [PROGRAM_W-1:0] step, step_end, last_end, illegal_pc, program_addr;
     wire [2:0]           space;
@@ -82,31 +72,31 @@ module tile_scheduler #(
     wire [3:0]           counters_index;
     wire [31:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(LANES + 6)) u_host_port (
-        .clk_i(clk_i), .rst_i(rst),
-        .req_valid_i(req_valid_i), .req_ready_o(req_ready_o), .req_write_i(req_write_i),
+    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5)) u_host_port (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
-        .rsp_valid_o(rsp_valid_o), .rsp_ready_i(rsp_ready_i), .rsp_rdata_o(rsp_rdata_o),
-        .rsp_error_o(rsp_error_o), .irq_o(irq_o),
+        .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(visit), .clock_o(clock),
         .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
-        .wdata_o(host_wdata), .rdata_i(answer),
+        .wdata_o(host_wdata), .rdata_i(word),
         .counters_clear_o(counters_clear), .counters_read_o(counters_read), .counters_index_o(counters_index),
         .counters_high_o(counters_high),
         .counters_value_i(counters_value));
 
-    // Constants are in all lanes, and only there for reading; this copy is the host's.
+    // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for one asks for
+    // nothing else until it is there.
     wire [31:0] constant, lanes_answer;
-    reg  [31:0] answer_q;
+    reg  [31:0] word_q;
     ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
-        .write_i(access && host_write && space == HOST_CONSTANT),
+        .write_i(access && host_write && space == HOST_CONSTANT && !rst_i),
         .write_addr_i(address[REGISTER_W-1:0]), .write_value_i(host_wdata),
         .read_i(1'b1), .read_addr_i(address[REGISTER_W-1:0]), .read_value_o(constant));
-    always @(posedge clk_i) answer_q <= space == HOST_CONSTANT ? constant : lanes_answer;
-    assign answer = answer_q;
+    always @(posedge clk_i) word_q <= space == HOST_CONSTANT ? constant : lanes_answer;
+    assign word = word_q;
 
     `ACCESS_FIELDS
     wire                      by_lane = space == HOST_AWAKE || space == HOST_WAKE;
@@ -131,7 +121,7 @@ module tile_scheduler #(
     wire [PROGRAM_W-1:0]           trace_pc;
     wire [CONTEXT_W-1:0]           trace_context;
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
-        .clk_i(clk_i), .rst_i(rst),
+        .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
         .step_i(step), .step_end_i(step_end), .end_i(last_end),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
@@ -186,8 +176,8 @@ module tile_scheduler #(
                 .written_value_o(retire_value_o[32*F +: 32*N]), .written_flags_o(retire_flags_o[5*F +: 5*N]));
         end
         // What ends in a lane that the reset has not yet reached is not shown.
-        assign retire_end_o   = written_end & {2*LANES{!rst}};
-        assign retire_valid_o = written & {LANES{!rst}};
+        assign retire_end_o   = written_end & {2*LANES{!rst_i}};
+        assign retire_valid_o = written & {LANES{!rst_i}};
         for (l = 0; l < LANES; l = l + 1) begin : g_shown
             assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context[CONTEXT_W*l +: CONTEXT_W]};
             assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row[ROW_W*l +: ROW_W]};
@@ -209,7 +199,7 @@ module tile_scheduler #(
         events[EVENT_STALL_DRAIN]      = stall_drain;
     end
     counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(rst || counters_clear), .event_i(events),
+        .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     // The last group has no next one; sequencer hears the rest of its report.
@@ -224,9 +214,9 @@ module tile_scheduler #(
     assign `RETIRE = retires[0 +: `RETIRE_W];
     wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
                           retire_batch, retire_context, retire_register};
-    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
     always @(posedge clk_i)
-        if (!rst) begin
+        if (!rst_i) begin
             if (granted != (retire_valid && retire_arithmetic)) begin
                 $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
             end

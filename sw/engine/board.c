@@ -5,6 +5,7 @@
 #include "memory.h"
 #include "session.h"
 
+#include "serial/frame.h"
 #include "serial/link.h"
 #include "serial/port.h"
 
@@ -15,7 +16,7 @@
 /* Milliseconds from one question whether a run has ended to the next: 0, 1, 2, 4 and so on. */
 #define LONGEST_PAUSE 128
 
-_Static_assert(FP3_AHEAD_WORDS <= FP3_BUS_WORDS, "what is read ahead is one transfer");
+_Static_assert(FP3_AHEAD_WORDS <= FP3_FRAME_WORDS, "what is read ahead is one transfer");
 
 typedef struct {
     fp3_driver driver; /* first: the calls of driver.h find it there */
@@ -46,9 +47,10 @@ static fp3_status read_ahead(void *user, uint32_t address, uint32_t words[FP3_AH
     return status;
 }
 
-static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
-                           uint32_t count, uint32_t *refused) {
+static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *addresses,
+                           uint32_t *data, uint32_t count, uint32_t *refused) {
     const board_engine *self = engine->self;
+    const uint32_t address = addresses[0];
     if (is_write)
         fp3_ahead_forget(self->ahead, address, count);
     if (is_write || !fp3_ahead_has(address))
@@ -88,7 +90,7 @@ static fp3_status rest(fp3_engine *engine, uint64_t cycles, uint32_t asked) {
     return pause == longest && engine->def.progress ? tell(engine) : FP3_OK;
 }
 
-static const fp3_bus bus = {FP3_BUS_WORDS, transfer, now, rest, NULL};
+static const fp3_bus bus = {FP3_FRAME_WORDS, 0, transfer, now, rest, NULL};
 
 /* ---- the engine ---- */
 
@@ -187,6 +189,7 @@ const fp3_backend fp3_backend_board = {
     .load = board_load,
     .write = fp3_memory_write,
     .read = fp3_memory_read,
+    .read_column = fp3_memory_read_column,
     .write_shared = fp3_memory_write_shared,
     .read_shared = fp3_memory_read_shared,
     .write_status = fp3_memory_write_status,

@@ -15,68 +15,77 @@ uint32_t fp3_driver_of_all(const fp3_engine *engine, uint32_t address) {
     return fp3_driver_of(is_alone ? 0 : FP3_ADDRESS_BROADCAST, address);
 }
 
-static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
-                           uint32_t count) {
+static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *addresses,
+                           uint32_t *data, uint32_t count) {
     const fp3_driver *self = engine->self;
     const uint64_t begin = self->bus->now(engine);
     uint32_t refused = 0;
-    fp3_status status = self->bus->transfer(engine, is_write, address, data, count, &refused);
+    fp3_status status = self->bus->transfer(engine, is_write, addresses, data, count, &refused);
     engine->bus.transfers += refused ? refused : count;
     engine->bus.cycles += self->bus->now(engine) - begin;
     if (status || !refused)
         return status;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "the hardware refused a %s at 0x%08" PRIx32,
-                    is_write ? "write" : "read", address + 4 * (refused - 1));
+                    is_write ? "write" : "read", addresses[refused - 1]);
+}
+
+/* How many of count words the bus moves at once, from the first on. */
+static uint32_t at_once(const fp3_bus *bus, const uint32_t *addresses, uint32_t count) {
+    uint32_t n = 1;
+    while (n < count && n < bus->words &&
+           (bus->is_anywhere || addresses[n] == addresses[n - 1] + 4))
+        n++;
+    return n;
+}
+
+static fp3_status transfer_all(fp3_engine *engine, int is_write, const uint32_t *addresses,
+                               uint32_t *data, uint32_t count) {
+    const fp3_driver *self = engine->self;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0, now; !status && i < count; i += now) {
+        now = at_once(self->bus, addresses + i, count - i);
+        status = transfer(engine, is_write, addresses + i, data + i, now);
+    }
+    return status;
 }
 
 fp3_status fp3_driver_flush(fp3_engine *engine) {
     fp3_driver *self = engine->self;
     const uint32_t count = self->queued;
     self->queued = 0;
-    return count ? transfer(engine, 1, self->first, self->queue, count) : FP3_OK;
+    return transfer_all(engine, 1, self->where, self->what, count);
 }
 
 fp3_status fp3_driver_put(fp3_engine *engine, uint32_t address, uint32_t data) {
     fp3_driver *self = engine->self;
-    fp3_status status = FP3_OK;
     if (self->log)
         fprintf(self->log, "w %08" PRIx32 " %08" PRIx32 "\n", address, data);
-    if (self->queued && address != self->first + 4 * self->queued)
-        status = fp3_driver_flush(engine);
-    if (!self->queued)
-        self->first = address;
-    self->queue[self->queued++] = data;
-    return !status && self->queued == self->bus->words ? fp3_driver_flush(engine) : status;
+    self->where[self->queued] = address;
+    self->what[self->queued++] = data;
+    return self->queued == FP3_BUS_WORDS ? fp3_driver_flush(engine) : FP3_OK;
 }
 
-static fp3_status read_words(fp3_engine *engine, uint32_t address, uint32_t *data, uint32_t count) {
-    fp3_driver *self = engine->self;
+static fp3_status read_words(fp3_engine *engine, const uint32_t *addresses, uint32_t *data,
+                             uint32_t count) {
     fp3_status status = fp3_driver_flush(engine);
-    while (!status && count) {
-        const uint32_t now = count < self->bus->words ? count : self->bus->words;
-        status = transfer(engine, 0, address, data, now);
-        address += 4 * now;
-        data += now;
-        count -= now;
-    }
-    return status;
+    return status ? status : transfer_all(engine, 0, addresses, data, count);
 }
 
-fp3_status fp3_driver_get_all(fp3_engine *engine, uint32_t address, uint32_t *data,
+fp3_status fp3_driver_get_all(fp3_engine *engine, const uint32_t *addresses, uint32_t *data,
                               uint32_t count) {
     const fp3_driver *self = engine->self;
-    fp3_status status = read_words(engine, address, data, count);
+    fp3_status status = read_words(engine, addresses, data, count);
     for (uint32_t i = 0; !status && self->log && i < count; i++)
-        fprintf(self->log, "r %08" PRIx32 " %08" PRIx32 "\n", address + 4 * i, data[i]);
+        fprintf(self->log, "r %08" PRIx32 " %08" PRIx32 "\n", addresses[i], data[i]);
     return status;
 }
 
 fp3_status fp3_driver_get(fp3_engine *engine, uint32_t address, uint32_t *data) {
-    return fp3_driver_get_all(engine, address, data, 1);
+    return fp3_driver_get_all(engine, &address, data, 1);
 }
 
 fp3_status fp3_driver_peek(fp3_engine *engine, uint32_t address, uint32_t *data) {
-    return read_words(engine, address, data, 1);
+    return read_words(engine, &address, data, 1);
 }
 
 fp3_status fp3_driver_open(fp3_engine *engine) {

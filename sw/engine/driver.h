@@ -10,14 +10,15 @@
 
 #include "base/file.h"
 
-#define FP3_BUS_WORDS 64 /* the most that a bus moves at once */
+#define FP3_BUS_WORDS 512 /* the most that a bus moves at once */
 
 typedef struct {
-    uint32_t words; /* that it moves at once: 1 to FP3_BUS_WORDS */
-    /* count words to, or from, addresses that grow by 4. *refused: the number of the first one that was answered with an
-     * error, from 1; 0: none. Later words are not tried. A failure is that of the bus. */
-    fp3_status (*transfer)(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
-                           uint32_t count, uint32_t *refused);
+    uint32_t words;  /* that it moves at once: 1 to FP3_BUS_WORDS */
+    int is_anywhere; /* 0: addresses of words that it moves at once grow by 4 */
+    /* count words to, or from, so many addresses. *refused: the number of the first one that was answered with an
+     * error, from 1; 0: none. Later words may or may not have been tried. A failure is that of the bus. */
+    fp3_status (*transfer)(fp3_engine *engine, int is_write, const uint32_t *addresses,
+                           uint32_t *data, uint32_t count, uint32_t *refused);
     /* Clock cycles since it was opened; always 0 where nobody counts them. */
     uint64_t (*now)(const fp3_engine *engine);
     /* Returns when it is time to ask whether a run has ended: `asked` times it was not. A bus that counts cycles lets
@@ -29,9 +30,10 @@ typedef struct {
 
 typedef struct {
     const fp3_bus *bus;
-    fp3_output *output;                           /* NULL unless there is a bus log ... */
-    FILE *log;                                    /* ... and its stream */
-    uint32_t queue[FP3_BUS_WORDS], first, queued; /* writes that the hardware has not got yet */
+    fp3_output *output; /* NULL unless there is a bus log ... */
+    FILE *log;          /* ... and its stream */
+    uint32_t queued;    /* writes that the hardware has not got yet: where, and what */
+    uint32_t where[FP3_BUS_WORDS], what[FP3_BUS_WORDS];
 } fp3_driver;
 
 /* Opens the log and checks that the hardware is the configuration. */
@@ -44,8 +46,8 @@ void fp3_driver_close(fp3_engine *engine);
 fp3_status fp3_driver_put(fp3_engine *engine, uint32_t address, uint32_t data);
 fp3_status fp3_driver_flush(fp3_engine *engine);
 fp3_status fp3_driver_get(fp3_engine *engine, uint32_t address, uint32_t *data);
-/* count <= FP3_BUS_WORDS words from addresses that grow by 4. */
-fp3_status fp3_driver_get_all(fp3_engine *engine, uint32_t address, uint32_t *data, uint32_t count);
+fp3_status fp3_driver_get_all(fp3_engine *engine, const uint32_t *addresses, uint32_t *data,
+                              uint32_t count);
 /* A read that the log does not show. */
 fp3_status fp3_driver_peek(fp3_engine *engine, uint32_t address, uint32_t *data);
 

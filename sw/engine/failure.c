@@ -17,15 +17,21 @@
 
 /* ---- the end ---- */
 
-static fp3_status read_states(fp3_engine *engine, uint32_t object, uint64_t states,
-                              int *is_astray) {
+#define COLUMN 512 /* objects whose states are looked at together */
+
+static fp3_status look_at_state(fp3_engine *engine, const fp3_members *group, uint32_t reg,
+                                fp3_watched *watched, int *is_any) {
+    float values[COLUMN];
     fp3_status status = FP3_OK;
-    for (uint32_t reg = 0; !status && !*is_astray && reg < engine->config->registers; reg++) {
-        uint32_t bits = 0;
-        if (!(states >> reg & 1))
-            continue;
-        status = engine->backend->read(engine, object, reg, &bits);
-        *is_astray = !fp3_watch_is_finite(bits);
+    for (uint32_t n = 0, now; !status && n < group->objects; n += now) {
+        now = group->objects - n < COLUMN ? group->objects - n : COLUMN;
+        status = fp3_engine_read(engine, group->first + n, now, reg, values);
+        for (uint32_t i = 0; !status && i < now; i++) {
+            uint32_t bits;
+            memcpy(&bits, &values[i], sizeof bits);
+            if (!fp3_watch_is_finite(bits))
+                *is_any = watched[group->first + n + i].is_astray = 1;
+        }
     }
     return status;
 }
@@ -36,10 +42,9 @@ static fp3_status look_at_states(fp3_engine *engine, fp3_watched *watched, int *
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         const uint64_t states = fp3_engine_states_of(group);
-        for (uint32_t n = group->first; !status && n < group->first + group->objects; n++) {
-            status = read_states(engine, n, states, &watched[n].is_astray);
-            *is_any |= watched[n].is_astray;
-        }
+        for (uint32_t reg = 0; !status && reg < engine->config->registers; reg++)
+            if (states >> reg & 1)
+                status = look_at_state(engine, group, reg, watched, is_any);
     }
     return status;
 }

@@ -4,6 +4,7 @@
 #include "driver.h"
 
 #include "gen/registers.h"
+#include <string.h>
 
 typedef struct {
     uint32_t address, data;
@@ -68,6 +69,21 @@ fp3_status fp3_memory_write(fp3_engine *engine, size_t object, uint32_t reg, uin
 
 fp3_status fp3_memory_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
     return fp3_driver_get(engine, cell_address(engine, object, reg), bits);
+}
+
+fp3_status fp3_memory_read_column(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                  float *values) {
+    uint32_t addresses[FP3_BUS_WORDS], bits[FP3_BUS_WORDS];
+    fp3_status status = FP3_OK;
+    for (size_t begin = 0; !status && begin < count; begin += FP3_BUS_WORDS) {
+        const size_t now = count - begin < FP3_BUS_WORDS ? count - begin : FP3_BUS_WORDS;
+        for (size_t i = 0; i < now; i++)
+            addresses[i] = cell_address(engine, first + begin + i, reg);
+        status = fp3_driver_get_all(engine, addresses, bits, (uint32_t)now);
+        if (!status)
+            memcpy(&values[begin], bits, now * sizeof *values);
+    }
+    return status;
 }
 
 fp3_status fp3_memory_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,

@@ -33,17 +33,21 @@ static uint64_t now(const fp3_engine *engine) {
     return self->hardware.ops->now(self->rtl);
 }
 
-static fp3_status transfer(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
-                           uint32_t count, uint32_t *refused) {
-    rtl_engine *self = engine->self;
-    for (uint32_t i = 0; i < count && !*refused; i++) {
-        const int result =
-            self->hardware.ops->transfer(self->rtl, is_write, address + 4 * i, &data[i]);
-        if (result < 0)
-            return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                            "the hardware did not answer a %s at 0x%08" PRIx32,
-                            is_write ? "write" : "read", address + 4 * i);
-        *refused = result ? i + 1 : 0;
+static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *addresses,
+                           uint32_t *data, uint32_t count, uint32_t *refused) {
+    const rtl_engine *self = engine->self;
+    fp3_rtl_word words[FP3_BUS_WORDS];
+    for (uint32_t i = 0; i < count; i++)
+        words[i] =
+            (fp3_rtl_word){addresses[i], is_write ? data[i] : 0, (uint8_t)(is_write != 0), 0};
+    if (self->hardware.ops->transfer(self->rtl, words, count))
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                        "the hardware did not answer a %s at 0x%08" PRIx32 " or after it",
+                        is_write ? "write" : "read", addresses[0]);
+    for (uint32_t i = count; i-- > 0;) {
+        if (words[i].is_refused)
+            *refused = i + 1;
+        data[i] = words[i].data;
     }
     return FP3_OK;
 }
@@ -75,7 +79,7 @@ static fp3_status ended(fp3_engine *engine) {
     return FP3_OK;
 }
 
-static const fp3_bus bus = {1, transfer, now, rest, ended};
+static const fp3_bus bus = {FP3_BUS_WORDS, 1, transfer, now, rest, ended};
 
 /* ---- what is watched ---- */
 
@@ -159,6 +163,7 @@ const fp3_backend fp3_backend_rtl = {
     .load = fp3_memory_load,
     .write = fp3_memory_write,
     .read = fp3_memory_read,
+    .read_column = fp3_memory_read_column,
     .write_shared = fp3_memory_write_shared,
     .read_shared = fp3_memory_read_shared,
     .write_status = fp3_memory_write_status,

@@ -23,8 +23,14 @@ static fp3_status start(fp3_engine *engine, uint32_t steps) {
                 {FP3_ADDR_CONTROL, BIT(CONTROL_START)}};
     fp3_status status = FP3_OK;
     for (size_t i = engine->config->interleave ? 0 : 2; !status && i < sizeof list / sizeof *list;
-         i++)
-        status = fp3_driver_put(engine, fp3_driver_of_all(engine, list[i].address), list[i].data);
+         i++) {
+        if (list[i].address == FP3_ADDR_CONTROL)
+            status =
+                fp3_driver_flush(engine); /* it does not start if a word before it is refused */
+        if (!status)
+            status =
+                fp3_driver_put(engine, fp3_driver_of_all(engine, list[i].address), list[i].data);
+    }
     return status ? status : fp3_driver_flush(engine);
 }
 
@@ -78,15 +84,10 @@ static const uint32_t counter_addresses[] = {
 };
 
 static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t *counter) {
-    uint32_t words[2 * FP3_COUNTER_COUNT];
-    fp3_status status = FP3_OK;
-    for (int i = 0, next; !status && i < FP3_COUNTER_COUNT; i = next) {
-        for (next = i + 1; next < FP3_COUNTER_COUNT; next++)
-            if (counter_addresses[next] != counter_addresses[i] + 8 * (uint32_t)(next - i))
-                break;
-        status = fp3_driver_get_all(engine, fp3_driver_of(scheduler, counter_addresses[i]),
-                                    &words[2 * i], (uint32_t)(2 * (next - i)));
-    }
+    uint32_t addresses[2 * FP3_COUNTER_COUNT], words[2 * FP3_COUNTER_COUNT];
+    for (uint32_t i = 0; i < 2 * FP3_COUNTER_COUNT; i++)
+        addresses[i] = fp3_driver_of(scheduler, counter_addresses[i / 2] + 4 * (i % 2));
+    fp3_status status = fp3_driver_get_all(engine, addresses, words, 2 * FP3_COUNTER_COUNT);
     for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)
         counter[i] = (uint64_t)words[2 * i + 1] << 32 | words[2 * i];
     return status;

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #define SHIPS_MAX 4096
+#define STREAM 1000 /* words */
 
 typedef struct {
     const fp3_rtl_ops *ops;
@@ -25,12 +26,13 @@ typedef struct {
 
 static int read_word(void *user, uint32_t address, uint32_t *word) {
     board *b = user;
-    return ++b->transfers == b->broken_at || b->ops->transfer(b->rtl, 0, address, word);
+    return ++b->transfers == b->broken_at || fp3_rtl_transfer_one(b->ops, b->rtl, 0, address, word);
 }
 
 static int write_word(void *user, uint32_t address, uint32_t word) {
     board *b = user;
-    return ++b->transfers == b->broken_at || b->ops->transfer(b->rtl, 1, address, &word);
+    return ++b->transfers == b->broken_at ||
+           fp3_rtl_transfer_one(b->ops, b->rtl, 1, address, &word);
 }
 
 #define EXPECT(what)                                                                               \
@@ -155,8 +157,20 @@ static void look_at_memory(void) {
 static uint64_t cycles_of(board *b, int is_write, uint32_t address) {
     const uint64_t begin = b->ops->now(b->rtl);
     uint32_t word = 0;
-    EXPECT(!b->ops->transfer(b->rtl, is_write, address, &word));
+    EXPECT(!fp3_rtl_transfer_one(b->ops, b->rtl, is_write, address, &word));
     return b->ops->now(b->rtl) - begin;
+}
+
+/* Cycles for each of many words of objects, one after the other. */
+static double stream(board *b, uint8_t is_write, uint32_t object) {
+    static fp3_rtl_word words[STREAM];
+    for (uint32_t i = 0; i < STREAM; i++)
+        words[i] = (fp3_rtl_word){object + 4 * (i % 16), i, is_write, 0};
+    const uint64_t begin = b->ops->now(b->rtl);
+    EXPECT(!b->ops->transfer(b->rtl, words, STREAM));
+    for (uint32_t i = 0; i < STREAM; i++)
+        EXPECT(!words[i].is_refused);
+    return (double)(b->ops->now(b->rtl) - begin) / STREAM;
 }
 
 static void print_latency(board *b) {
@@ -165,8 +179,9 @@ static void print_latency(board *b) {
     const uint64_t first = cycles_of(b, 1, FP3_ADDR_STEPS),
                    second = cycles_of(b, 0, FP3_ADDR_STEPS);
     const uint64_t third = cycles_of(b, 1, object), fourth = cycles_of(b, 0, object);
-    printf("| `%s` | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |\n", b->ops->config,
-           first, second, third, fourth);
+    printf("| `%s` | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %" PRIu64 " | %.2f | %.2f |\n",
+           b->ops->config, first, second, third, fourth, stream(b, 1, object),
+           stream(b, 0, object));
 }
 
 int main(int argc, char **argv) {

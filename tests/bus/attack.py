@@ -1,4 +1,4 @@
-"""A master of AXI4-Lite that is not ours (cocotbext-axi) attacks the processor: legal and illegal transfers, reads and writes
+"""A master of AXI4-Lite that is not ours (cocotbext-axi) attacks the processor: legal and illegal transfers, several under way, reads and writes
 at once, with pauses at random in every channel. test_bus.py starts it inside the simulator.
 
 FP3_TRANSFERS: how many. FP3_SEED: of the chance. FP3_MAP: isa/registers.toml. FP3_RUN: a file of a program, its start and
@@ -23,7 +23,7 @@ AT = {row["name"]: row["at"] for row in MAP["register"] + MAP["window"]}
 RUN = json.loads(Path(os.environ["FP3_RUN"]).read_text())
 OBJECTS = next(row["at"] for row in MAP["space"] if row["name"] == "objects") << MAP["address"]["space"][1]
 REGISTERS, WORDS = RUN["registers"], RUN["memory"]
-HANG = 20_000                                              # ns; an access takes some 300
+HANG = 60_000                                              # ns; an access takes some 300, and a dozen may be before it
 
 
 class Processor:
@@ -86,10 +86,29 @@ def never_written(chance):
                           AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)))
 
 
+async def together(transfers):
+    """All of them begin in this order, and none waits for another one's response."""
+    return [await task for task in [cocotb.start_soon(transfer) for transfer in transfers]]
+
+
+async def several(cpu):
+    """Many transfers under way, some of them illegal: each gets its own response."""
+    chance = cpu.chance
+    where = [chance.choice((OBJECTS, AT["constants"])) + 4 * r for r in chance.sample(range(REGISTERS), chance.randrange(2, 12))]
+    legal = [chance.random() < 0.8 for _ in where]
+    values = [chance.getrandbits(32) for _ in where]
+    done = await together(cpu.write(at if good else never_written(chance), value) for at, good, value in zip(where, legal, values))
+    assert done == [AxiResp.OKAY if good else AxiResp.SLVERR for good in legal], (where, legal, done)
+    cpu.words.update({at: value for at, good, value in zip(where, legal, values) if good})
+    known = [at if at in cpu.words else never_read(chance) for at in where]
+    got = await together(cpu.read(at) for at in known)
+    assert got == [(AxiResp.OKAY, cpu.words[at]) if at in cpu.words else (AxiResp.SLVERR, 0) for at in known], (known, got)
+
+
 async def writer(cpu, left):
     chance = cpu.chance
     while cpu.count < left:
-        kind = chance.randrange(8)
+        kind = chance.randrange(9)
         address, value = kept(chance)
         if kind < 3:
             await cpu.put(address, value)
@@ -103,6 +122,8 @@ async def writer(cpu, left):
             assert await cpu.write(never_written(chance), value) == AxiResp.SLVERR
         elif kind == 6:
             assert await cpu.write(AT["control"], 3) == AxiResp.SLVERR       # start and stop at once
+        elif kind == 7:
+            await several(cpu)
         elif cpu.words:
             address = chance.choice(list(cpu.words))
             assert await cpu.get(address) == cpu.words[address], f"{address:#x}"

@@ -44,14 +44,14 @@ static void fail(bench *b, const char *what, uint32_t at, uint32_t got, uint32_t
 }
 
 static void put(bench *b, uint32_t address, uint32_t data) {
-    const int answer = b->ops->transfer(b->rtl, 1, address, &data);
+    const int answer = fp3_rtl_transfer_one(b->ops, b->rtl, 1, address, &data);
     if (answer)
         fail(b, "a write at", address, (uint32_t)answer, 0);
 }
 
 static uint32_t get(bench *b, uint32_t address) {
     uint32_t data = 0;
-    const int answer = b->ops->transfer(b->rtl, 0, address, &data);
+    const int answer = fp3_rtl_transfer_one(b->ops, b->rtl, 0, address, &data);
     if (answer)
         fail(b, "a read at", address, (uint32_t)answer, 0);
     return data;

@@ -38,7 +38,7 @@ static void fail(bench *b, const char *what, uint32_t address, int64_t got, int6
 /* -1, 0 or 1: see fp3_rtl.h. */
 static int transfer(bench *b, int is_write, uint32_t address, uint32_t *data) {
     b->transfers++;
-    return b->ops->transfer(b->rtl, is_write, address, data);
+    return fp3_rtl_transfer_one(b->ops, b->rtl, is_write, address, data);
 }
 
 static int put(bench *b, uint32_t address, uint32_t data) { return transfer(b, 1, address, &data); }
@@ -226,6 +226,132 @@ static void memories_keep_words_apart(bench *b) {
         }
 }
 
+/* ---- many at once ---- */
+
+#define TRACKED 48
+#define AT_ONCE 64
+
+/* Words that are known, in all memories and in registers that keep what is written. */
+typedef struct {
+    uint32_t address[TRACKED], word[TRACKED], count;
+} known;
+
+static void know(known *k, uint32_t address) {
+    for (uint32_t i = 0; i < k->count; i++)
+        if (k->address[i] == address)
+            return;
+    k->address[k->count++] = address;
+}
+
+static void choose_known(bench *b, known *k) {
+    const fp3_config *c = b->config;
+    while (k->count < TRACKED) {
+        const uint32_t scheduler = below(&b->c, b->schedulers);
+        const uint32_t row = c->interleave ? below(&b->c, c->store_words / 8) : 0;
+        switch (below(&b->c, 6)) {
+        case 0:
+            know(k, of_scheduler(scheduler,
+                                 FP3_ADDR_WINDOW_CONSTANTS + 4 * below(&b->c, c->registers)));
+            break;
+        case 1:
+            know(k, of_scheduler(scheduler, FP3_ADDR_STEPS));
+            break;
+        case 2:
+            if (status_words(c))
+                know(k, in_space(scheduler, FP3_SPACE_STATUS,
+                                 below(&b->c, c->lanes) * c->store_words + row));
+            break;
+        default: /* neighbours, too */
+            know(k, in_space(scheduler, FP3_SPACE_OBJECTS,
+                             below(&b->c, 2) ? below(&b->c, object_words(c)) : below(&b->c, 8)));
+        }
+    }
+    for (uint32_t i = 0; i < TRACKED; i++)
+        must(b, "a word", k->address[i], k->word[i] = (uint32_t)next64(&b->c));
+}
+
+/* One more transfer for the list: of a known word (in one list it is either written once, or read), or a refused one. */
+static fp3_rtl_word one_of_many(bench *b, known *k, uint8_t *is_used) {
+    const uint32_t i = below(&b->c, TRACKED);
+    fp3_rtl_word word = {0, (uint32_t)next64(&b->c), (uint8_t)below(&b->c, 2), 0};
+    if (below(&b->c, 8) && !is_used[i] && word.is_write) {
+        is_used[i] = 2;
+        word.address = k->address[i];
+        k->word[i] = word.data;
+    } else if (is_used[i] < 2 && !word.is_write && below(&b->c, 8)) {
+        is_used[i] = 1;
+        word.address = k->address[i];
+    } else
+        do {
+            word.address = below(&b->c, 4) ? (uint32_t)next64(&b->c)
+                                           : of_scheduler(0, 4 * below(&b->c, 0x1000));
+            word.address &= 0xff7fffffu | 0x800000u * below(&b->c, 2);
+        } while (access_to(b, word.address) & (word.is_write ? WRITE : READ));
+    if (!word.is_write)
+        word.data = 0; /* what is read where the bus leads nowhere */
+    return word;
+}
+
+static uint32_t known_word(const known *k, uint32_t address) {
+    for (uint32_t i = 0; i < TRACKED; i++)
+        if (k->address[i] == address)
+            return k->word[i];
+    return 0;
+}
+
+static void check_list(bench *b, const known *k, const fp3_rtl_word *words, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        const int access = access_to(b, words[i].address);
+        const int refused = !(access & (words[i].is_write ? WRITE : READ));
+        if (words[i].is_refused != refused)
+            fail(b, words[i].is_write ? "a write among many" : "a read among many",
+                 words[i].address, words[i].is_refused, refused);
+        else if (!words[i].is_write && words[i].data != known_word(k, words[i].address))
+            fail(b, "a word read among many", words[i].address, words[i].data,
+                 known_word(k, words[i].address));
+    }
+}
+
+/* Lists of transfers, legal and illegal, the master waiting for no response. */
+static void many_are_answered_in_order(bench *b, uint32_t lists) {
+    known k = {.count = 0};
+    choose_known(b, &k);
+    for (uint32_t n = 0; n < lists; n++) {
+        fp3_rtl_word words[AT_ONCE];
+        uint8_t is_used[TRACKED] = {0};
+        const uint32_t count = 1 + below(&b->c, AT_ONCE);
+        for (uint32_t i = 0; i < count; i++)
+            words[i] = one_of_many(b, &k, is_used);
+        b->transfers += count;
+        if (b->ops->transfer(b->rtl, words, count))
+            fail(b, "a list of transfers", words[0].address, -1, 0);
+        else
+            check_list(b, &k, words, count);
+    }
+}
+
+/* Objects come and go with a word a cycle, once the first is there. */
+static void objects_stream(bench *b) {
+    const uint32_t latency = 40, count = 400;
+    fp3_rtl_word words[400];
+    for (uint8_t is_write = 2; is_write-- > 0;) {
+        for (uint32_t i = 0; i < count; i++) {
+            const uint32_t address =
+                in_space(i % b->schedulers, FP3_SPACE_OBJECTS, i * 37 % object_words(b->config));
+            words[i] = (fp3_rtl_word){address, mark(address), is_write, 0};
+        }
+        const uint64_t begin = b->ops->now(b->rtl);
+        const int answer = b->ops->transfer(b->rtl, words, count);
+        const uint64_t cycles = b->ops->now(b->rtl) - begin;
+        b->transfers += count;
+        if (answer || cycles > count + latency)
+            fail(b, "the cycles of 400 words", words[0].address, (int64_t)cycles, count);
+        for (uint32_t i = 0; i < count; i++)
+            if (words[i].is_refused || words[i].data != mark(words[i].address))
+                fail(b, "a word of 400", words[i].address, words[i].data, mark(words[i].address));
+    }
+}
+
 static void all_units_are_one(bench *b) {
     uint32_t or = 0;
     for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
@@ -406,6 +532,22 @@ static void what_is_left_out_is_illegal(bench *b) {
     }
 }
 
+static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *ops, bench *b) {
+    bench quick = {.ops = ops, .config = config, .c = {.state = 2}};
+    quick.schedulers = fp3_config_schedulers(config);
+    quick.rtl = ops->open(&(fp3_rtl_watch){0}, 0);
+    if (!quick.rtl) {
+        b->failed++;
+        return;
+    }
+    if (config->interleave)
+        objects_stream(&quick);
+    many_are_answered_in_order(&quick, 100);
+    ops->close(quick.rtl);
+    b->failed += quick.failed;
+    b->transfers += quick.transfers;
+}
+
 static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t *transfers) {
     bench b = {.ops = ops, .config = config, .c = {.state = 1}};
     b.schedulers = fp3_config_schedulers(b.config);
@@ -415,6 +557,7 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     counters_are_0_before_the_first_run(&b);
     sweep(&b, 0);
     memories_keep_words_apart(&b);
+    many_are_answered_in_order(&b, 100);
     all_units_are_one(&b);
     lists_count_their_objects(&b);
     nonsense_does_not_start(&b);
@@ -424,6 +567,7 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     what_is_left_out_is_illegal(&b);
     sweep(&b, 0);
     ops->close(b.rtl);
+    a_quick_master_streams(config, ops, &b);
     *transfers += b.transfers;
     return b.failed;
 }

@@ -1,159 +1,219 @@
-// axi_lite_spec: the promises of axi_lite.v, for a master that keeps to the rules of AXI and a host port that
-// answers each request within PATIENCE cycles.
+// axi_lite_spec: the promises of axi_lite.v, for a master that keeps to the rules of AXI, with as many transfers under way
+// as it is let, and a host port that takes each request within PATIENCE cycles and answers within as many.
 //
-// Of each kind the spec keeps what was accepted and has no response yet, the oldest first.
+// Of each kind the spec keeps what was accepted and has no response yet, the oldest first. An address with its
+// upper bit streams, any other is alone.
 `default_nettype none
 module axi_lite_spec #(
-    parameter ADDRESS_W = 2,
-    parameter PATIENCE  = 2,           // cycles until the host port takes a request, and until it answers
-    parameter LEMMAS    = 1
+    parameter PATIENCE = 2,            // cycles until the host port takes a request, and until it answers
+    parameter LEMMAS   = 1
 ) (
-    input wire                 clk_i,
-    input wire                 rst_i,
-    input wire                 awvalid_i, wvalid_i, arvalid_i, bready_i, rready_i,
-    input wire [ADDRESS_W-1:0] awaddr_i, araddr_i,
-    input wire [31:0]          wdata_i,
-    input wire [3:0]           wstrb_i,
-    input wire                 req_ready_i, rsp_valid_i, rsp_error_i,
-    input wire [31:0]          rsp_rdata_i
+    input wire        clk_i,
+    input wire        rst_i,
+    input wire        awvalid_i, wvalid_i, arvalid_i, bready_i, rready_i,
+    input wire [1:0]  awaddr_i, araddr_i,
+    input wire [31:0] wdata_i,
+    input wire [3:0]  wstrb_i,
+    input wire        req_ready_i, wrote_i, write_error_i, read_i, read_error_i,
+    input wire [31:0] rdata_i
 );
-    // A transfer waits for at most one of the other kind and itself, each to be taken and to be answered.
-    localparam BOUND = 2 * (2 * PATIENCE + 3);
-    localparam W = 6;
+    // Cycles in which nothing is under way, and none goes: until that is known, and for a write of some bytes.
+    localparam BOUND = 3;
+    localparam W = 3;
+    localparam ADDRESS_W = 2;
 
-    wire                 awready, wready, arready, bvalid, rvalid, req_valid, req_write, rsp_ready;
-    wire [1:0]           bresp, rresp;
-    wire [31:0]          rdata, req_wdata;
-    wire [ADDRESS_W-1:0] req_addr;
-    axi_lite #(.ADDRESS_W(ADDRESS_W)) u_axi (.clk_i(clk_i), .rst_i(rst_i),
+    wire        awready, wready, arready, bvalid, rvalid, req_valid, req_write;
+    wire [1:0]  bresp, rresp, req_addr;
+    wire [31:0] rdata, req_wdata;
+    axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(2), .WRITES_W(1), .READS_W(1)) u_axi (.clk_i(clk_i), .rst_i(rst_i),
         .s_axi_awvalid(awvalid_i), .s_axi_awready(awready), .s_axi_awaddr(awaddr_i),
         .s_axi_wvalid(wvalid_i), .s_axi_wready(wready), .s_axi_wdata(wdata_i), .s_axi_wstrb(wstrb_i),
         .s_axi_bvalid(bvalid), .s_axi_bready(bready_i), .s_axi_bresp(bresp),
         .s_axi_arvalid(arvalid_i), .s_axi_arready(arready), .s_axi_araddr(araddr_i),
         .s_axi_rvalid(rvalid), .s_axi_rready(rready_i), .s_axi_rdata(rdata), .s_axi_rresp(rresp),
         .req_valid_o(req_valid), .req_ready_i(req_ready_i), .req_write_o(req_write), .req_addr_o(req_addr),
-        .req_wdata_o(req_wdata), .rsp_valid_i(rsp_valid_i), .rsp_ready_o(rsp_ready), .rsp_rdata_i(rsp_rdata_i),
-        .rsp_error_i(rsp_error_i));
+        .req_wdata_o(req_wdata), .wrote_i(wrote_i), .write_error_i(write_error_i), .read_i(read_i),
+        .read_error_i(read_error_i), .rdata_i(rdata_i));
 
     wire aw = awvalid_i && awready, w = wvalid_i && wready, ar = arvalid_i && arready;
     wire b = bvalid && bready_i, r = rvalid && rready_i;
-    wire taken = req_valid && req_ready_i, answered = rsp_valid_i && rsp_ready;
+    wire taken = req_valid && req_ready_i;
 
     // The cycle before
-    reg                 started_q = 1'b0, reset_q;
-    reg                 aw_held_q, w_held_q, ar_held_q, b_held_q, r_held_q, rsp_held_q;
-    reg [ADDRESS_W-1:0] awaddr_q, araddr_q;
-    reg [35:0]          w_q;
-    reg [1:0]           bresp_q;
-    reg [33:0]          r_q;
-    reg [32:0]          rsp_q;
+    reg        started_q = 1'b0, reset_q;
+    reg        aw_held_q, w_held_q, ar_held_q, b_held_q, r_held_q;
+    reg [1:0]  awaddr_q, araddr_q;
+    reg [35:0] w_q;
+    reg [1:0]  bresp_q;
+    reg [33:0] r_q;
     always @(posedge clk_i) begin
         {started_q, reset_q} <= {1'b1, rst_i};
-        aw_held_q  <= awvalid_i && !awready;
-        w_held_q   <= wvalid_i && !wready;
-        ar_held_q  <= arvalid_i && !arready;
-        b_held_q   <= bvalid && !bready_i;
-        r_held_q   <= rvalid && !rready_i;
-        rsp_held_q <= rsp_valid_i && !rsp_ready;
+        aw_held_q <= awvalid_i && !awready;
+        w_held_q  <= wvalid_i && !wready;
+        ar_held_q <= arvalid_i && !arready;
+        b_held_q  <= bvalid && !bready_i;
+        r_held_q  <= rvalid && !rready_i;
         {awaddr_q, araddr_q, w_q} <= {awaddr_i, araddr_i, wstrb_i, wdata_i};
-        {bresp_q, r_q, rsp_q}     <= {bresp, rresp, rdata, rsp_error_i, rsp_rdata_i};
+        {bresp_q, r_q}            <= {bresp, rresp, rdata};
     end
     wire follows = started_q && !reset_q;
 
-    // Transfers without a response, at most two of a kind: the oldest, and the one after it -----------
-    reg [1:0]             aws_q, ws_q, ars_q;
-    reg [2*ADDRESS_W-1:0] write_to_q, read_from_q;
-    reg [71:0]            write_q;                         // strobes and data
-    reg                   owed_q, of_write_q;              // the host port owes an answer
-    reg                   wrote_q, wrote_error_q, has_read_q;    // the oldest has its answer
-    reg [32:0]            has_read_value_q;
-    reg [W-1:0]           refused_q, thinks_q, write_waits_q, read_waits_q;
+    // Transfers without a response, at most three of a kind: place 0 has the oldest. -----------------------------
+    reg [1:0]  aws_q, ws_q, ars_q;
+    reg [1:0]  to_q [0:2], from_q [0:2];
+    reg [35:0] write_q [0:2];                              // strobes and data
+    reg [2:0]  w_asked_q, w_answered_q, w_error_q, r_asked_q, r_answered_q;
+    reg [32:0] r_value_q [0:2];
+    reg [W-1:0] refused_q, w_thinks_q, r_thinks_q, write_stalls_q, read_stalls_q;
+    wire [2:0] whole = {&write_q[2][35:32], &write_q[1][35:32], &write_q[0][35:32]};
+    wire [2:0] written = {ws_q > 2, ws_q > 1, ws_q > 0} & {aws_q > 2, aws_q > 1, aws_q > 0};
+    wire [2:0] reading = {ars_q > 2, ars_q > 1, ars_q > 0};
+    // Which is the next to be asked, and the next to be answered: the oldest that is not yet
+    wire [2:0] w_free = written & whole & ~w_asked_q, w_next = w_free & (~w_free + 3'd1);
+    wire [2:0] w_due  = w_asked_q & ~w_answered_q,    w_first = w_due & (~w_due + 3'd1);
+    wire [2:0] r_free = reading & ~r_asked_q,         r_next = r_free & (~r_free + 3'd1);
+    wire [2:0] r_due  = r_asked_q & ~r_answered_q,    r_first = r_due & (~r_due + 3'd1);
+    wire [2:0] w_streams = {to_q[2][1], to_q[1][1], to_q[0][1]}, r_streams = {from_q[2][1], from_q[1][1], from_q[0][1]};
+    wire alone = |(w_due & ~w_streams) || |(r_due & ~r_streams);             // is not yet answered
+    reg        rest_q;                                                        // was, in the last cycle
+    reg        last_q, read_waited_q, write_waited_q, unseen_q;                     // the last request taken was a write
+    always @(posedge clk_i) begin
+        if (rst_i)      last_q <= 1'b0;
+        else if (taken) last_q <= req_write;
+        // A write of some bytes has its turn, too, but nobody sees when.
+        unseen_q       <= !rst_i && (|(written & ~whole) || (unseen_q && !taken));
+        read_waited_q  <= !rst_i && r_free != 0 && r_asked_q == 0;
+        write_waited_q <= !rst_i && written[0] && whole[0] && w_asked_q == 0;
+    end
     wire [1:0] aws_left = aws_q - b, ws_left = ws_q - b, ars_left = ars_q - r;
-    always @(posedge clk_i)
+    wire [2:0] w_asked_d = w_asked_q | (w_next & {3{taken && req_write}});
+    wire [2:0] w_answered_d = w_answered_q | (w_first & {3{wrote_i}});
+    wire [2:0] w_error_d = (w_error_q & ~w_first) | (w_first & {3{wrote_i && write_error_i}}) | (w_error_q & {3{!wrote_i}});
+    wire [2:0] r_asked_d = r_asked_q | (r_next & {3{taken && !req_write}});
+    wire [2:0] r_answered_d = r_answered_q | (r_first & {3{read_i}});
+    wire still = w_due == 0 && r_due == 0 && !req_valid;
+    integer k;
+    always @(posedge clk_i) begin
         if (rst_i) begin
-            {aws_q, ws_q, ars_q, owed_q, wrote_q, has_read_q} <= 9'd0;
-            {refused_q, thinks_q, write_waits_q, read_waits_q} <= {4*W{1'b0}};
+            {aws_q, ws_q, ars_q, rest_q} <= 7'd0;
+            {w_asked_q, w_answered_q, r_asked_q, r_answered_q} <= 12'd0;
+            {refused_q, w_thinks_q, r_thinks_q, write_stalls_q, read_stalls_q} <= {5*W{1'b0}};
         end else begin
-            aws_q <= aws_left + aw;
-            ws_q  <= ws_left + w;
-            ars_q <= ars_left + ar;
-            if (b) {write_to_q[ADDRESS_W-1:0], write_q[35:0]} <= {write_to_q[ADDRESS_W +: ADDRESS_W], write_q[36 +: 36]};
-            if (r) read_from_q[ADDRESS_W-1:0] <= read_from_q[ADDRESS_W +: ADDRESS_W];
-            if (aw) write_to_q[ADDRESS_W*aws_left[0] +: ADDRESS_W]  <= awaddr_i;
-            if (w)  write_q[36*ws_left[0] +: 36]                    <= {wstrb_i, wdata_i};
-            if (ar) read_from_q[ADDRESS_W*ars_left[0] +: ADDRESS_W] <= araddr_i;
-            owed_q <= owed_q ? !answered : taken;
-            if (taken) of_write_q <= req_write;
-            wrote_q    <= answered && of_write_q  ? 1'b1 : wrote_q && !b;
-            has_read_q <= answered && !of_write_q ? 1'b1 : has_read_q && !r;
-            if (answered && of_write_q)  wrote_error_q    <= rsp_error_i;
-            if (answered && !of_write_q) has_read_value_q <= {rsp_error_i, rsp_rdata_i};
+            aws_q  <= aws_left + aw;
+            ws_q   <= ws_left + w;
+            ars_q  <= ars_left + ar;
+            rest_q <= alone;
+            {w_asked_q, w_answered_q} <= {w_asked_d >> b, w_answered_d >> b};
+            {r_asked_q, r_answered_q} <= {r_asked_d >> r, r_answered_d >> r};
             refused_q     <= req_valid && !req_ready_i ? refused_q + 1'b1 : {W{1'b0}};
-            thinks_q      <= owed_q && !answered ? thinks_q + 1'b1 : {W{1'b0}};
-            write_waits_q <= aws_q != 0 && ws_q != 0 && !bvalid ? write_waits_q + 1'b1 : {W{1'b0}};
-            read_waits_q  <= ars_q != 0 && !rvalid ? read_waits_q + 1'b1 : {W{1'b0}};
+            w_thinks_q    <= w_due != 0 && !wrote_i ? w_thinks_q + 1'b1 : {W{1'b0}};
+            r_thinks_q    <= r_due != 0 && !read_i  ? r_thinks_q + 1'b1 : {W{1'b0}};
+            write_stalls_q <= still && written[0] && w_asked_q == 0 && !bvalid ? write_stalls_q + 1'b1 : {W{1'b0}};
+            read_stalls_q  <= still && reading[0] && r_asked_q == 0 ? read_stalls_q + 1'b1 : {W{1'b0}};
         end
+        w_error_q <= w_error_d >> b;
+        for (k = 0; k < 3; k = k + 1) begin
+            if (aw && aws_left == k)  to_q[k] <= awaddr_i;
+            else if (b && k < 2)      to_q[k] <= to_q[k < 2 ? k + 1 : k];
+            if (w && ws_left == k)    write_q[k] <= {wstrb_i, wdata_i};
+            else if (b && k < 2)      write_q[k] <= write_q[k < 2 ? k + 1 : k];
+            if (ar && ars_left == k)  from_q[k] <= araddr_i;
+            else if (r && k < 2)      from_q[k] <= from_q[k < 2 ? k + 1 : k];
+            if (read_i && r_first == 3'd1 << (k + r))      r_value_q[k] <= {read_error_i, rdata_i};
+            else if (r && k < 2)      r_value_q[k] <= r_value_q[k < 2 ? k + 1 : k];
+        end
+    end
 
     // What the master and the host port do ------------------------------------------------------------
     always @* begin
         assume (started_q || rst_i);
         if (follows) begin
-            if (aw_held_q)  assume (awvalid_i && awaddr_i == awaddr_q);
-            if (w_held_q)   assume (wvalid_i && {wstrb_i, wdata_i} == w_q);
-            if (ar_held_q)  assume (arvalid_i && araddr_i == araddr_q);
-            if (rsp_held_q) assume (rsp_valid_i && {rsp_error_i, rsp_rdata_i} == rsp_q);
-            assume (owed_q || !rsp_valid_i);
-            assume (!owed_q || !req_ready_i);
-            assume (owed_q || refused_q < PATIENCE || req_ready_i || !req_valid);
-            assume (!owed_q || thinks_q < PATIENCE || rsp_valid_i);
+            if (aw_held_q) assume (awvalid_i && awaddr_i == awaddr_q);
+            if (w_held_q)  assume (wvalid_i && {wstrb_i, wdata_i} == w_q);
+            if (ar_held_q) assume (arvalid_i && araddr_i == araddr_q);
+            assume (!wrote_i || w_due != 0);
+            assume (!read_i || r_due != 0);
+            assume (refused_q < PATIENCE || req_ready_i || !req_valid);
+            assume (w_due == 0 || w_thinks_q < PATIENCE || wrote_i);
+            assume (r_due == 0 || r_thinks_q < PATIENCE || read_i);
+        end else begin
+            assume (!wrote_i && !read_i);
         end
     end
 
     // The promises -------------------------------------------------------------------------------------
-    wire [3:0] strobes = write_q[35:32];
+    wire [1:0]  next_to   = w_next[0] ? to_q[0] : w_next[1] ? to_q[1] : to_q[2];
+    wire [31:0] next_word = w_next[0] ? write_q[0][31:0] : w_next[1] ? write_q[1][31:0] : write_q[2][31:0];
+    wire [1:0]  next_from = r_next[0] ? from_q[0] : r_next[1] ? from_q[1] : from_q[2];
     always @* if (follows) begin
-        assert (!owed_q || !req_valid);                           // one request at a time
+        assert (aws_q < 3 || !aw || b);                           // so much for the three places
+        assert (ws_q < 3 || !w || b);
+        assert (ars_q < 3 || !ar || r);
         if (b_held_q) assert (bvalid && bresp == bresp_q);        // responses stand until they are taken
         if (r_held_q) assert (rvalid && {rresp, rdata} == r_q);
         if (req_valid && req_write)                               // a request is the oldest transfer of its kind
-            assert (aws_q != 0 && ws_q != 0 && !wrote_q && !bvalid && strobes == 4'b1111
-                    && req_addr == write_to_q[ADDRESS_W-1:0] && req_wdata == write_q[31:0]);
+            assert (w_free != 0 && req_addr == next_to && req_wdata == next_word);
         if (req_valid && !req_write)
-            assert (ars_q != 0 && !has_read_q && req_addr == read_from_q[ADDRESS_W-1:0]);
+            assert (r_free != 0 && req_addr == next_from);
+        if (req_valid) begin                                      // alone: none before it is due; then a rest
+            assert (req_addr[1] || (w_due == 0 && r_due == 0));
+            assert (!alone && !rest_q);
+        end
+        // They take turns: not twice the same kind, where the other one had waited and had nothing under way
+        if (req_valid && req_write == last_q && !unseen_q && !(|(written & ~whole))) assert (!(last_q ? r_free != 0 && read_waited_q : w_free != 0 && write_waited_q));
         if (bvalid)                                               // one response for each, and the right one
-            assert (aws_q != 0 && ws_q != 0
-                    && (strobes == 4'b1111 ? wrote_q && bresp == {wrote_error_q, 1'b0} : bresp == {|strobes, 1'b0}));
+            assert (written[0] && (whole[0] ? w_answered_q[0] && bresp == {w_error_q[0], 1'b0} : bresp == {|write_q[0][35:32], 1'b0}));
         if (rvalid)
-            assert (ars_q != 0 && has_read_q && {rresp, rdata} == {has_read_value_q[32], 1'b0, has_read_value_q[31:0]});
-        assert (rsp_ready || !rsp_valid_i);                       // the host port never waits
-        // No hang, and neither kind waits for a response of the other kind to be taken.
-        assert (write_waits_q <= BOUND && read_waits_q <= BOUND);
+            assert (reading[0] && r_answered_q[0] && {rresp, rdata} == {r_value_q[0][32], 1'b0, r_value_q[0][31:0]});
+        // No hang, whatever response is not taken: what is answered stands at once, and what waits goes when nothing is
+        // under way, if it is not held up by responses of its own kind.
+        if (written[0] && w_answered_q[0]) assert (bvalid);
+        if (reading[0] && r_answered_q[0]) assert (rvalid);
+        assert (write_stalls_q <= BOUND && read_stalls_q <= BOUND);
     end
     always @* if (started_q && reset_q) assert (!bvalid && !rvalid && !req_valid);
 
-    (* hierconn *) wire \u_axi.aw_q , \u_axi.w_q , \u_axi.ar_q , \u_axi.b_q , \u_axi.r_q , \u_axi.asked_q , \u_axi.write_q ;
-    (* hierconn *) wire [ADDRESS_W-1:0] \u_axi.awaddr_q , \u_axi.araddr_q ;
+    // The registers: gone, filled and taken count in two bits.
+    (* hierconn *) wire \u_axi.aw_q , \u_axi.w_q , \u_axi.ar_q , \u_axi.idle_q , \u_axi.alone_q , \u_axi.write_q ;
+    (* hierconn *) wire [1:0] \u_axi.awaddr_q , \u_axi.araddr_q ;
     (* hierconn *) wire [31:0] \u_axi.wdata_q ;
     (* hierconn *) wire [3:0]  \u_axi.wstrb_q ;
-    wire busy_write = \u_axi.b_q || (\u_axi.asked_q && \u_axi.write_q );
-    wire busy_read  = \u_axi.r_q || (\u_axi.asked_q && !\u_axi.write_q );
+    (* hierconn *) wire \u_axi.u_writes.room_q , \u_axi.u_reads.room_q ;
+    (* hierconn *) wire [1:0] \u_axi.u_writes.gone_q , \u_axi.u_writes.filled_q , \u_axi.u_writes.taken_q ;
+    (* hierconn *) wire [1:0] \u_axi.u_reads.gone_q , \u_axi.u_reads.filled_q , \u_axi.u_reads.taken_q ;
+    (* hierconn *) wire [0:0]  \u_axi.u_writes.value_q[0] , \u_axi.u_writes.value_q[1] ;
+    (* hierconn *) wire [32:0] \u_axi.u_reads.value_q[0] , \u_axi.u_reads.value_q[1] ;
+    wire [1:0] w_kept = \u_axi.u_writes.gone_q - \u_axi.u_writes.taken_q ;
+    wire [1:0] w_full = \u_axi.u_writes.filled_q - \u_axi.u_writes.taken_q ;
+    wire [1:0] r_kept = \u_axi.u_reads.gone_q - \u_axi.u_reads.taken_q ;
+    wire [1:0] r_full = \u_axi.u_reads.filled_q - \u_axi.u_reads.taken_q ;
+    wire        w_odd = \u_axi.u_writes.taken_q [0], r_odd = \u_axi.u_reads.taken_q [0];
+    wire [1:0]  w_values = w_odd ? {\u_axi.u_writes.value_q[0] , \u_axi.u_writes.value_q[1] } : {\u_axi.u_writes.value_q[1] , \u_axi.u_writes.value_q[0] };
+    wire [65:0] r_values = r_odd ? {\u_axi.u_reads.value_q[0] , \u_axi.u_reads.value_q[1] } : {\u_axi.u_reads.value_q[1] , \u_axi.u_reads.value_q[0] };
     generate
         if (LEMMAS != 0) begin : g_lemmas
+            integer n;
             always @* if (follows) begin
-                assert (aws_q == \u_axi.aw_q + busy_write);
-                assert (ws_q == \u_axi.w_q + busy_write);
-                assert (ars_q == \u_axi.ar_q + busy_read);
-                assert (!(\u_axi.b_q && \u_axi.asked_q && \u_axi.write_q ));
-                assert (!(\u_axi.r_q && \u_axi.asked_q && !\u_axi.write_q ));
-                if (\u_axi.aw_q ) assert (\u_axi.awaddr_q == write_to_q[ADDRESS_W*busy_write +: ADDRESS_W]);
-                if (\u_axi.w_q )  assert ({\u_axi.wstrb_q , \u_axi.wdata_q } == write_q[36*busy_write +: 36]);
-                if (\u_axi.ar_q ) assert (\u_axi.araddr_q == read_from_q[ADDRESS_W*busy_read +: ADDRESS_W]);
-                if (\u_axi.asked_q && \u_axi.write_q ) assert (strobes == 4'b1111);
-                assert (owed_q == \u_axi.asked_q );
-                if (owed_q) assert (of_write_q == \u_axi.write_q );
-                assert (wrote_q == (\u_axi.b_q && strobes == 4'b1111));
-                assert (has_read_q == \u_axi.r_q );
-                assert (thinks_q <= PATIENCE && refused_q <= PATIENCE);
+                assert (w_kept <= 2 && w_full <= w_kept && (!\u_axi.u_writes.room_q || w_kept < 2));
+                assert (r_kept <= 2 && r_full <= r_kept && (!\u_axi.u_reads.room_q || r_kept < 2));
+                assert (aws_q == \u_axi.aw_q + w_kept && ws_q == \u_axi.w_q + w_kept && ars_q == \u_axi.ar_q + r_kept);
+                for (n = 0; n < 3; n = n + 1) begin
+                    assert (w_asked_q[n] == (n < w_kept && whole[n]));
+                    assert (w_answered_q[n] == (n < w_full && whole[n]));
+                    assert (!(n < w_kept && n >= w_full) || whole[n]);
+                    assert (r_asked_q[n] == (n < r_kept));
+                    assert (r_answered_q[n] == (n < r_full));
+                    if (n < 2 && n < w_full) assert (w_values[n] == (whole[n] ? w_error_q[n] : |write_q[n][35:32]));
+                    if (n < 2 && n < r_full) assert (r_values[33*n +: 33] == r_value_q[n]);
+                    if (n == w_kept && \u_axi.aw_q ) assert (\u_axi.awaddr_q == to_q[n]);
+                    if (n == w_kept && \u_axi.w_q )  assert ({\u_axi.wstrb_q , \u_axi.wdata_q } == write_q[n]);
+                    if (n == r_kept && \u_axi.ar_q ) assert (\u_axi.araddr_q == from_q[n]);
+                end
+                assert (\u_axi.write_q == last_q || unseen_q);
+                if (\u_axi.idle_q ) assert (w_due == 0 && r_due == 0 && !rest_q);
+                if (alone) assert (\u_axi.alone_q && (w_kept - w_full) + (r_kept - r_full) == 1);
+                if (rest_q) assert (\u_axi.alone_q || \u_axi.idle_q );
+                assert (refused_q <= PATIENCE && w_thinks_q <= PATIENCE && r_thinks_q <= PATIENCE);
             end
         end
     endgenerate

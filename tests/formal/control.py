@@ -26,7 +26,8 @@ class Subject(NamedTuple):
         texts = {name: files[name] for name in self.sources}
         texts |= {name: (HERE / name).read_text() for name in (f"{self.spec}.v", *self.models)}
         chosen = " ".join(f"-set {name} {value}" for name, value in {**shape, "LEMMAS": lemmas}.items())
-        return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}", self.spec, texts)
+        return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}; "
+                       f"hierarchy -top {self.spec}; proc; memory_collect; memory_map", self.spec, texts)
 
     def prove(self, yosys, files, shape):
         return self.machine(yosys, files, shape, 1).prove(self.depth)
@@ -178,27 +179,44 @@ PACE = Subject(
 QUICK, SLOW = {"PATIENCE": 0}, {"PATIENCE": 1}
 
 AXI_LITE = Subject(
-    "axi_lite_spec", ("axi_lite.v",), "a host port that answers within {PATIENCE} cycles",
+    "axi_lite_spec", ("axi_lite.v", "responses.v"), "a host port that takes and answers within {PATIENCE} cycles",
     [SLOW], [
-        ("a response is taken back", "b_q     <= b_q  ? !s_axi_bready :", "b_q     <= b_q  ? 1'b0 :", QUICK),
-        ("response changes while it stands", "if (!b_q)  berror_q <=", "berror_q <=", QUICK),
-        ("data change while they stand", "if (!r_q)  {rdata_q", "{rdata_q", QUICK),
-        ("an address changes while it waits", "if (!aw_q) awaddr_q", "awaddr_q", QUICK),
-        ("a write without its data", "write    = aw_q && w_q &&", "write    = aw_q &&", QUICK),
-        ("write while a response stands", "&& !b_q && !(asked_q && write_q)", "&& !(asked_q && write_q)", QUICK),
-        ("write overtakes a write", "&& !b_q && !(asked_q && write_q)", "&& !b_q", SLOW),
-        ("a read while a response stands", "ar_q && !r_q &&", "ar_q &&", QUICK),
-        ("reads wait for bready", "read     = ar_q && !r_q", "read     = ar_q && !b_q && !r_q", QUICK),
-        ("writes wait for rready", "&& !b_q && !(asked_q", "&& !b_q && !r_q && !(asked_q", QUICK),
-        ("writes come first", "!(read && write_q)", "1'b1", SLOW),
-        ("some bytes are a word", "whole    = &wstrb_q", "whole    = |wstrb_q", QUICK),
+        ("a write without its data", "write_turn    = aw_q && w_q &&", "write_turn    = aw_q &&", QUICK),
+        ("an address changes while it waits", "if (s_axi_awready) awaddr_q", "awaddr_q", QUICK),
+        ("write without room", "aw_q && w_q && write_room &&", "aw_q && w_q &&", QUICK),
+        ("read without room", "read_turn     = ar_q && read_room &&", "read_turn     = ar_q &&", QUICK),
+        ("reads wait for bready", "ar_q && read_room && !write_turn", "ar_q && read_room && !s_axi_bvalid && !write_turn", QUICK),
+        ("writes wait for rready", "aw_q && w_q && write_room &&", "aw_q && w_q && write_room && !s_axi_rvalid &&", QUICK),
+        ("writes come first", "!(ar_q && read_room && write_q)", "1'b1", QUICK),
+        ("reads come first", "!(ar_q && read_room && write_q)", "!(ar_q && read_room)", QUICK),
+        ("some bytes are a word", "whole         = &wstrb_q", "whole         = |wstrb_q", QUICK),
         ("write of some bytes is none", "skip ? |wstrb_q", "skip ? 1'b0", QUICK),
-        ("errors of reads are lost", "{rsp_rdata_i, rsp_error_i}", "{rsp_rdata_i, 1'b0}", QUICK),
-        ("write's address for a read", "asks ? awaddr_q : araddr_q", "araddr_q", QUICK),
-        ("response survives reset", "{aw_q, w_q, ar_q, b_q, r_q, asked_q, write_q} <= 7'd0", "{aw_q, w_q, ar_q, r_q, asked_q, write_q} <= 6'd0",
-         QUICK),
-        ("two requests at once", "!asked_q && (asks || read)", "(asks || read)", QUICK),
-    ], depth=11)
+        ("some bytes overtake a word", "write_streams = whole && |(awaddr_q & STREAM)", "write_streams = |(awaddr_q & STREAM)", SLOW),
+        ("errors of reads are lost", "{read_error_i, rdata_i}", "{1'b0, rdata_i}", QUICK),
+        ("write's address for a read", "write_turn ? awaddr_q : araddr_q", "araddr_q", QUICK),
+        ("what is alone does not wait", "write_turn && (idle_q || (write_streams && !alone_q))", "write_turn", SLOW),
+        ("write beside what is alone", "(write_streams && !alone_q)", "write_streams", SLOW),
+        ("read beside what is alone", "(read_streams && !alone_q)", "read_streams", SLOW),
+        ("reads are never alone", " || (read_goes && !read_streams)", "", SLOW),
+        ("idle while a read is under way", "write_idle && read_idle && !write_goes", "write_idle && !write_goes", SLOW),
+        ("idle when a request goes", "read_idle && !write_goes && !read_goes", "read_idle", QUICK),
+        ("an address is lost", "awready = !aw_q || write_goes", "awready = 1'b1", QUICK),
+        ("read is asked twice", "(ar_q && !read_goes)  || s_axi_arvalid", "ar_q || s_axi_arvalid", QUICK),
+        ("request survives reset", "{aw_q, w_q, ar_q, idle_q, alone_q, write_q} <= 6'd0", "{aw_q, w_q, idle_q, alone_q, write_q} <= 5'd0", QUICK),
+    ], depth=4)
+
+RESPONSES = AXI_LITE._replace(sources=("responses.v", "axi_lite.v"), shapes=[], bugs=[
+        ("a response before its answer", "valid_o = filled_q != taken_q", "valid_o = gone_q != taken_q", SLOW),
+        ("response waits for ready", "valid_o = filled_q != taken_q", "valid_o = filled_q != taken_q && ready_i", QUICK),
+        ("newest response first", "value_q[taken_q[", "value_q[filled_q[", QUICK),
+        ("two responses in one place", "value_q[filled_q[DEPTH_W-1:0]] <= value_i", "value_q[0] <= value_i", QUICK),
+        ("data change while they stand", "if (answered_i) value_q", "value_q", QUICK),
+        ("room for one too many", "!kept[DEPTH_W] && !(&kept[DEPTH_W-1:0])", "!kept[DEPTH_W]", QUICK),
+        ("response is repeated", "if (take)       taken_q", "if (take && room_q) taken_q", QUICK),
+        ("response survives reset", "{gone_q, filled_q, taken_q} <= {3*(DEPTH_W+1){1'b0}}", "{gone_q, taken_q} <= {2*(DEPTH_W+1){1'b0}}", QUICK),
+        ("idle waits for the master", "idle_o  = gone_q == filled_q", "idle_o  = gone_q == taken_q", QUICK),
+    ])
+
 
 # ---- the board's bus -----------------------------------------------------------------------------
 
@@ -236,5 +254,5 @@ EXECUTE = Subject(
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE, EXECUTE):
+    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE, RESPONSES, EXECUTE):
         yield from subject.cases()

@@ -26,7 +26,7 @@ static int transfer(int is_write, uint32_t address, uint32_t *word) {
         *word = UINT32_MAX;
     if (++board.transfers == board.broken_at)
         return 1;
-    return !board.is_gone && board.ops->transfer(board.rtl, is_write, address, word);
+    return !board.is_gone && fp3_rtl_transfer_one(board.ops, board.rtl, is_write, address, word);
 }
 
 static int read_word(void *user, uint32_t address, uint32_t *word) {
@@ -49,7 +49,7 @@ int machine_wait(int (*is_over)(void), uint32_t cycles) {
     const uint64_t end = board.ops->now(board.rtl) + cycles;
     while (!is_over() && board.ops->now(board.rtl) < end) {
         uint32_t word = 0;
-        if (board.ops->transfer(board.rtl, 0, FP3_ADDR_INTERRUPT, &word))
+        if (fp3_rtl_transfer_one(board.ops, board.rtl, 0, FP3_ADDR_INTERRUPT, &word))
             break;
         if ((word & both) == both && !board.is_deaf)
             ships_interrupt();

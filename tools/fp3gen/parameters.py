@@ -5,6 +5,9 @@ import textwrap
 from .configs import MASK_BITS, keys_of
 from .text import MARK, columns
 
+GROUP = 4  # lanes that hear the same in the same cycle
+GROUPS = [("parameter integer ", "GROUP ", f"= {GROUP},", " // lanes that hear the same in the same cycle"),
+          ("parameter integer ", "GROUPS ", "= (LANES + GROUP - 1) / GROUP", "")]
 WORD = 32  # bits of CONFIG for each key, the first in the low ones
 
 
@@ -33,22 +36,21 @@ def parameters_verilog(known, regs):
             for key in known]
     words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}",
-            "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG and ADDRESS_W alone.",
+            "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG and what follows it alone.",
             *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
             "// with its width; Verilator asks it of the plain number that sets one.",
             "// verilator lint_off WIDTHCONCAT", f"parameter {config_range(known)} CONFIG = {{",
             *textwrap.wrap(", ".join(words) + "},", 110, initial_indent="    ", subsequent_indent="    "),
             "// verilator lint_on WIDTHCONCAT",
             "// Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).",
-            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)"]
+            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0),", *columns(GROUPS)]
 
 
 def config_keys_verilog(row):
     """The parameters of all other modules; CONFIG says what this row says unless it is set."""
     known = keys_of(row)
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
-             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}]" + ("," if i < len(known) - 1 else ""))
-            for i, key in enumerate(known)]
+             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}],", "") for i, key in enumerate(known)] + GROUPS
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config.vh.",
             f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)]
 

@@ -1,0 +1,10 @@
+// answer.vh: the bundle ANSWER, what a host port answers. All 0 in a cycle without an answer, so that a hub ORs
+// what it hears. front/decoded.vh shows how a bundle is used.
+//
+//     wrote, write_error          a write is answered
+//     read, read_error, rdata     a read is answered
+`define ANSWER_W 36
+`define ANSWER_FIELDS \
+    wire answer_wrote, answer_write_error, answer_read, answer_read_error; \
+    wire [31:0] answer_rdata;
+`define ANSWER {answer_wrote, answer_write_error, answer_read, answer_read_error, answer_rdata}
