@@ -206,6 +206,7 @@ $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 # ---- the RTL under Verilator --------------------------------------------------------------------
 
 # The generated C++ is Verilator's business: our warnings and sanitizers stop at the shim.
+# VM_PARALLEL_BUILDS=0: one file a model, however large. In ten files the headers alone take a second in each.
 # $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object, $(6): for Verilator,
 # $(7): for the shim
 define VERILATED
@@ -213,7 +214,7 @@ $(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
 	@echo "  RTL  $(2)"
 	@mkdir -p $$(@D)
 	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(6) $(3)
-	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk OPT_FAST=-O1 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
+	@+$$(MAKE) -s -C $$(@D) -f V$(2).mk VM_PARALLEL_BUILDS=0 OPT_FAST=-O1 OPT_SLOW=-O1 OBJCACHE=$$(CCACHE) V$(2)__ALL.a >$$(@D)/make.log
 	@mv $$(@D)/V$(2)__ALL.a $$@
 
 $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a

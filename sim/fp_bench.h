@@ -23,7 +23,7 @@ enum {
     FP3_BENCH_SMALL = 0, /* + 2 gradual, + 1 nearest: 4-bit exponent, 3-bit fraction */
     FP3_BENCH_BINARY16 = 4,
     FP3_BENCH_BINARY32 = 5,
-    FP3_BENCH_CONFIG = 6 /* + index in isa/configs.toml: binary32 with that configuration's cuts */
+    FP3_BENCH_CUT = 6 /* and on: binary32 with the cuts of named configurations, each pair once */
 };
 
 /* How the core behind a row and an operation was built, read back from the hardware. */

@@ -154,7 +154,7 @@ def make_hardware(name, tree, made):
     run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
         "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", rtl / f"gen/{top}.v")
-    run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "OPT_FAST=-O1", "OPT_SLOW=-O0", f"V{top}__ALL.a")
+    run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "VM_PARALLEL_BUILDS=0", "OPT_FAST=-O1", f"V{top}__ALL.a")
     include = verilator_root()
     run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-isystem", tree / "cc", "-isystem", include,
         "-isystem", include / "vltstd", "-c", "-o", tree / "shim.o", ROOT / "sim/fp3_shim.cpp")

@@ -2,9 +2,9 @@
 // Included inside a module, which uses the names that it needs; hence the lint_off.
 // verilator lint_off UNUSEDPARAM
 
-// Named configurations, in the order of isa/configs.toml; the first is in the low bits.
-localparam CONFIGS                 = 15;
-localparam [104:0] CONFIG_ADD_CUTS = {7'h7f, 7'h7f, 7'h7f, 7'h7f, 7'h7f, 7'h6e, 7'h7f, 7'h7f, 7'h0a, 7'h04, 7'h04, 7'h00, 7'h7f, 7'h7f, 7'h7f};
-localparam [104:0] CONFIG_MUL_CUTS = {7'h7f, 7'h7f, 7'h7f, 7'h7f, 7'h7f, 7'h2b, 7'h7f, 7'h7f, 7'h13, 7'h04, 7'h04, 7'h00, 7'h7f, 7'h7f, 7'h7f};
+// Cuts of the named configurations, in the order of isa/configs.toml, each pair once; the first is in the low bits.
+localparam CUT_PAIRS       = 5;
+localparam [34:0] ADD_CUTS = {7'h6e, 7'h0a, 7'h04, 7'h00, 7'h7f};
+localparam [34:0] MUL_CUTS = {7'h2b, 7'h13, 7'h04, 7'h00, 7'h7f};
 
 // verilator lint_on UNUSEDPARAM

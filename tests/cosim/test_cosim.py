@@ -35,7 +35,9 @@ def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, l
 
 @pytest.mark.smoke
 def test_random_streams_retire_alike_in_short(build, tmp_path):
-    start(build / "tests/random_stream", "--instructions", "20000", "--seed", "1000000", cwd=tmp_path)
+    """For `make quick`; the whole of it is the next one."""
+    for config in ("single_full", "many"):
+        start(build / "tests/random_stream", "--config", config, "--instructions", "20000", "--seed", "1000000", cwd=tmp_path)
 
 
 def test_random_streams_retire_alike(build, tmp_path, long):

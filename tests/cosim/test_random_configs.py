@@ -13,8 +13,8 @@ def start(root, *arguments):
 
 
 def test_a_handful_of_random_configurations(root, build, long):
-    """One that truncates and flushes, in three tiles (eight); `tools/random_configs.py --count 200` for more."""
-    first, count = (0, 8) if long else (3, 1)
+    """One that truncates and flushes, with 44 contexts (eight); `tools/random_configs.py --count 200` for more."""
+    first, count = (0, 8) if long else (56, 1)
     done = start(root, "--first", str(first), "--count", str(count), "--seed", "7", "--jobs", "1", "--instructions", "20000",
                  "--build", build)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -4,7 +4,7 @@
 //             0..3  4-bit exponent, 3-bit fraction: truncate flushed, nearest flushed,
 //                   truncate gradual, nearest gradual
 //             4     binary16, 5 binary32, uncut
-//             6..   binary32 with the cuts of each named configuration, in their order
+//             6..   binary32 with the cuts that named configurations have, each pair of masks once
 //           Unit 2r is the adder of row r, unit 2r+1 its multiplier.
 // Latency   Operand register, core, result register: popcount(cuts) + 2 edges of the unit's clock.
 // Hazard    Each unit has a clock and registers of its own, so that a simulator pays only for the
@@ -16,7 +16,7 @@
 module fp_bench (clk_i, sub_i, a_i, b_i, z_o, flags_o, info_o);
     `include "configs.vh"
     parameter  SMALL_ONLY = 0;                   // 1: rows 0..3, for quick builds
-    localparam UNITS = 2 * (SMALL_ONLY != 0 ? 4 : 6 + CONFIGS);
+    localparam UNITS = 2 * (SMALL_ONLY != 0 ? 4 : 6 + CUT_PAIRS);
 
     input  wire [UNITS-1:0]    clk_i;
     input  wire                sub_i;            // adders subtract
@@ -34,10 +34,10 @@ module fp_bench (clk_i, sub_i, a_i, b_i, z_o, flags_o, info_o);
             localparam FRAC      = ROW < 4 ? 3 : ROW == 4 ? 10 : 23;
             localparam SUBNORMAL = ROW < 4 ? ROW / 2 : 1;
             localparam NEAREST   = ROW < 4 ? ROW % 2 : 1;
-            localparam CONFIG    = ROW < 6 ? 0 : ROW - 6;
+            localparam PAIR      = ROW < 6 ? 0 : ROW - 6;
             localparam [6:0]  CUTS = ROW < 6 ? 7'd0
-                                   : MUL != 0 ? CONFIG_MUL_CUTS[7*CONFIG +: 7]
-                                              : CONFIG_ADD_CUTS[7*CONFIG +: 7];
+                                   : MUL != 0 ? MUL_CUTS[7*PAIR +: 7]
+                                              : ADD_CUTS[7*PAIR +: 7];
             localparam W = 1 + EXP + FRAC;
 
             reg          sub_q;

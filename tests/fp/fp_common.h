@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "fp_bench.h"
-#include "gen/configs.h"
 
 enum { FP3_BATCH = 4096, FP3_REPORTS = 10, FP3_ALL = -1 };
 
@@ -101,9 +100,6 @@ typedef struct {
 } fp3_batch;
 
 static inline const char *fp3_row_name(unsigned row) {
-#define FP3_CONFIG_NAME(name, ...) #name,
-    static const char *const configs[] = {FP3_CONFIGS(FP3_CONFIG_NAME)};
-#undef FP3_CONFIG_NAME
     static const char *const rows[] = {
         "8-bit, flushed, truncated",
         "8-bit, flushed, nearest",
@@ -112,10 +108,7 @@ static inline const char *fp3_row_name(unsigned row) {
         "binary16",
         "binary32, uncut",
     };
-    if (row < FP3_BENCH_CONFIG)
-        return rows[row];
-    row -= FP3_BENCH_CONFIG;
-    return row < sizeof configs / sizeof *configs ? configs[row] : "unnamed configuration";
+    return row < FP3_BENCH_CUT ? rows[row] : "binary32, cut";
 }
 
 /* Whether a binary32 row is the first with its cuts; the others would repeat its work. */

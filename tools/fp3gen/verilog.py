@@ -103,15 +103,17 @@ def ports(row, regs):
 
 
 def configs_verilog(configs):
-    """The cuts of every configuration, for benches and scripts that go through all of them."""
-    def packed(key):
-        return "{" + ", ".join(f"{MASK_BITS}'h{row[key]:02x}" for row in reversed(configs)) + "}"
+    """The cuts of the configurations, each pair once, for the bench of the cores."""
+    pairs = list(dict.fromkeys((row["add_cuts"], row["mul_cuts"]) for row in configs))
 
-    width = f"[{MASK_BITS * len(configs) - 1}:0] "
+    def packed(masks):
+        return "{" + ", ".join(f"{MASK_BITS}'h{mask:02x}" for mask in reversed(masks)) + "}"
+
+    width = f"[{MASK_BITS * len(pairs) - 1}:0] "
     return verilog_header("isa/configs.toml", [
-        ("Named configurations, in the order of isa/configs.toml; the first is in the low bits.",
-         [("", "CONFIGS", len(configs)), (width, "CONFIG_ADD_CUTS", packed("add_cuts")),
-          (width, "CONFIG_MUL_CUTS", packed("mul_cuts"))])])
+        ("Cuts of the named configurations, in the order of isa/configs.toml, each pair once; the first is in the low bits.",
+         [("", "CUT_PAIRS", len(pairs)), (width, "ADD_CUTS", packed([add for add, _ in pairs])),
+          (width, "MUL_CUTS", packed([mul for _, mul in pairs]))])])
 
 
 # Ports that are interfaces of one signal, xilinx.com:signal:KIND:1.0: KIND, the signal's name there, parameters.
