@@ -251,7 +251,7 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/ready
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
-parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} END {print "-DSCHEDULERS=" t*s " -DLANES=" t*s*l}' rtl/gen/fp3_$(1).v)
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DSCHEDULERS=" t*s " -DLANES=" t*s*l " -DSTREAMS=" 1+d}' rtl/gen/fp3_$(1).v)
 
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v rtl/gen/fp3_%.v $(RTL) rtl/fp3.f

@@ -41,19 +41,19 @@ module fp3 #(
     // High while a scheduler's run has ended and its register `interrupt` says so
     output wire                 irq,
     // Trace: instructions issue
-    output wire [TILES*SCHEDULERS-1:0]          issue_valid_o,
-    output wire [16*TILES*SCHEDULERS-1:0]       issue_pc_o,
-    output wire [16*TILES*SCHEDULERS-1:0]       issue_context_o,
-    output wire [32*TILES*SCHEDULERS-1:0]       issue_word_o,
+    output wire [TILES*SCHEDULERS*(DUAL+1)-1:0]          issue_valid_o,
+    output wire [16*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_pc_o,
+    output wire [16*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_context_o,
+    output wire [32*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_word_o,
     // Trace: an instruction ends (0: none; 1: the context has no object; 2: it sleeps; 3: executed) and
     // its result is written
-    output wire [2*TILES*SCHEDULERS*LANES-1:0]  retire_end_o,
-    output wire [TILES*SCHEDULERS*LANES-1:0]    retire_valid_o,
-    output wire [16*TILES*SCHEDULERS*LANES-1:0] retire_context_o,
-    output wire [32*TILES*SCHEDULERS*LANES-1:0] retire_object_o,
-    output wire [6*TILES*SCHEDULERS*LANES-1:0]  retire_register_o,
-    output wire [32*TILES*SCHEDULERS*LANES-1:0] retire_value_o,
-    output wire [5*TILES*SCHEDULERS*LANES-1:0]  retire_flags_o
+    output wire [2*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]  retire_end_o,
+    output wire [TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]    retire_valid_o,
+    output wire [16*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0] retire_context_o,
+    output wire [32*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0] retire_object_o,
+    output wire [6*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]  retire_register_o,
+    output wire [32*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0] retire_value_o,
+    output wire [5*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]  retire_flags_o
 );
 `include "gen/registers.vh"
     localparam N = TILES * SCHEDULERS;
@@ -123,14 +123,14 @@ module fp3 #(
                 .retire_valid_o(retire_valid_o), .retire_register_o(retire_register_o),
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
         end else begin : g_many
-            localparam S = SCHEDULERS, L = SCHEDULERS * LANES;
+            localparam S = SCHEDULERS, I = S * (DUAL + 1), L = I * LANES;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
                     .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
                     .answer_o(answers[`ANSWER_W*S*t +: `ANSWER_W*S]), .irq_o(ended[S*t +: S]),
-                    .issue_valid_o(issue_valid_o[S*t +: S]), .issue_pc_o(issue_pc_o[16*S*t +: 16*S]),
-                    .issue_context_o(issue_context_o[16*S*t +: 16*S]), .issue_word_o(issue_word_o[32*S*t +: 32*S]),
+                    .issue_valid_o(issue_valid_o[I*t +: I]), .issue_pc_o(issue_pc_o[16*I*t +: 16*I]),
+                    .issue_context_o(issue_context_o[16*I*t +: 16*I]), .issue_word_o(issue_word_o[32*I*t +: 32*I]),
                     .retire_end_o(retire_end_o[2*L*t +: 2*L]),
                     .retire_valid_o(retire_valid_o[L*t +: L]), .retire_context_o(retire_context_o[16*L*t +: 16*L]),
                     .retire_object_o(retire_object_o[32*L*t +: 32*L]),

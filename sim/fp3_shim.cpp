@@ -33,19 +33,20 @@ namespace {
 const unsigned RESET_CYCLES = 4;
 const unsigned ANSWER_CYCLES = 1000;
 
-/* How many parts the trace ports have: as many as this build has schedulers, and lanes in each. */
+/* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so many
+ * times as instructions may issue at once in one. */
 struct shape {
-    unsigned schedulers, lanes;
+    unsigned schedulers, lanes, streams;
 };
 
 constexpr bool same(const char *a, const char *b) {
     return *a == *b && (!*a || same(a + 1, b + 1));
 }
 constexpr shape find_shape() {
-    shape found = {0, 0};
-#define X(name, doc, schedulers, lanes)                                                            \
+    shape found = {0, 0, 0};
+#define X(name, doc, schedulers, lanes, streams)                                                   \
     if (same(#name, STRING(FP3_CONFIG)))                                                           \
-        found = {schedulers, lanes};
+        found = {schedulers, lanes, streams};
     FP3_CONFIGS(X)
 #undef X
     return found;
@@ -81,22 +82,22 @@ void settle(fp3_rtl *rtl) {
 
 void tell_issues(const fp3_rtl *rtl) {
     const HARDWARE *top = rtl->top.get();
-    for (unsigned scheduler = 0; scheduler < SHAPE.schedulers; scheduler++) {
-        if (!part<1>(top->issue_valid_o, scheduler))
+    for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.streams; n++) {
+        if (!part<1>(top->issue_valid_o, n))
             continue;
         fp3_rtl_issue what = {};
         what.cycle = rtl->cycle;
-        what.scheduler = scheduler;
-        what.context = part<16>(top->issue_context_o, scheduler);
-        what.pc = part<16>(top->issue_pc_o, scheduler);
-        what.word = part<32>(top->issue_word_o, scheduler);
+        what.scheduler = n / SHAPE.streams;
+        what.context = part<16>(top->issue_context_o, n);
+        what.pc = part<16>(top->issue_pc_o, n);
+        what.word = part<32>(top->issue_word_o, n);
         rtl->watch.issue(rtl->watch.user, &what);
     }
 }
 
 void tell_ends(const fp3_rtl *rtl) {
     const HARDWARE *top = rtl->top.get();
-    for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.lanes; n++) {
+    for (unsigned n = 0; n < SHAPE.schedulers * SHAPE.lanes * SHAPE.streams; n++) {
         fp3_rtl_end end = {};
         end.outcome = static_cast<fp3_outcome>(part<2>(top->retire_end_o, n));
         if (!end.outcome)
@@ -109,8 +110,8 @@ void tell_ends(const fp3_rtl *rtl) {
         what.bits = part<32>(top->retire_value_o, n);
         what.flags = part<5>(top->retire_flags_o, n);
         what.context = part<16>(top->retire_context_o, n);
-        what.scheduler = n / SHAPE.lanes;
-        what.lane = n % SHAPE.lanes;
+        what.scheduler = n / SHAPE.streams / SHAPE.lanes;
+        what.lane = n / SHAPE.streams % SHAPE.lanes;
         rtl->watch.end(rtl->watch.user, &end);
     }
 }

@@ -3,7 +3,7 @@
 // Purpose   The same requests that the C host sent to the processor under Verilator, sent to it
 //           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
 // Use       iverilog -DTOP=fp3_array -DSCHEDULERS=4 -DLANES=4 ...: the schedulers of all tiles, and the
-//           lanes of all schedulers; 1 and 1 unless they are given.
+//           lanes of all schedulers; 1 and 1 unless they are given. -DSTREAMS=2 with DUAL.
 //           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES] [+resets=N [+seed=S]]
 //           FILE, a line each, hexadecimal:
 //               w address data     write, answered without error
@@ -32,6 +32,9 @@
 `ifndef LANES
 `define LANES 1
 `endif
+`ifndef STREAMS
+`define STREAMS 1
+`endif
 module replay;
 `include "gen/isa.vh"
 `include "gen/registers.vh"
@@ -39,7 +42,7 @@ module replay;
     always #5 clk = !clk;
 
     // The bus: without a transfer its payload is unknown.
-    localparam SCHEDULERS = `SCHEDULERS, LANES = `LANES;
+    localparam SCHEDULERS = `SCHEDULERS, STREAMS = `STREAMS, ISSUES = SCHEDULERS * STREAMS, RETIRES = `LANES * STREAMS;
     localparam ADDRESS_W = ADDRESS_SCHEDULER_LO + (SCHEDULERS > 1 ? $clog2(SCHEDULERS + 1) : 0);
     reg                  awvalid = 1'b0, wvalid = 1'b0, arvalid = 1'b0, bready = 1'b0, rready = 1'b0;
     reg  [31:0]          awaddr, araddr, wdata;
@@ -47,15 +50,15 @@ module replay;
     wire                 awready, wready, arready, bvalid, rvalid, irq;
     wire [1:0]           bresp, rresp;
     wire [31:0]          rdata;
-    // The trace: a part for each scheduler, a part for each lane, the first in the low bits.
-    wire [SCHEDULERS-1:0]     issue_valid;
-    wire [16*SCHEDULERS-1:0]  issue_pc, issue_context;
-    wire [32*SCHEDULERS-1:0]  issue_word;
-    wire [LANES-1:0]          retire_valid;
-    wire [16*LANES-1:0]       retire_context;
-    wire [32*LANES-1:0]       retire_object, retire_value;
-    wire [6*LANES-1:0]        retire_register;
-    wire [5*LANES-1:0]        retire_flags;
+    // The trace: STREAMS parts for each scheduler and for each lane, the first in the low bits.
+    wire [ISSUES-1:0]     issue_valid;
+    wire [16*ISSUES-1:0]  issue_pc, issue_context;
+    wire [32*ISSUES-1:0]  issue_word;
+    wire [RETIRES-1:0]    retire_valid;
+    wire [16*RETIRES-1:0] retire_context;
+    wire [32*RETIRES-1:0] retire_object, retire_value;
+    wire [6*RETIRES-1:0]  retire_register;
+    wire [5*RETIRES-1:0]  retire_flags;
 
     `TOP dut (
         .s_axi_aclk(clk), .s_axi_aresetn(!rst),
@@ -78,7 +81,7 @@ module replay;
     endfunction
     genvar s, n;
     generate
-        for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
+        for (s = 0; s < ISSUES; s = s + 1) begin : g_scheduler
             wire        valid          = issue_valid[s];
             wire [15:0] pc             = issue_pc[16*s +: 16];
             wire [15:0] context_number = issue_context[16*s +: 16];
@@ -94,7 +97,7 @@ module replay;
                             has_c(code) ? operand(word[C_HI:C_LO]) : "    "};
             end
         end
-        for (n = 0; n < LANES; n = n + 1) begin : g_lane
+        for (n = 0; n < RETIRES; n = n + 1) begin : g_lane
             wire        valid          = retire_valid[n];
             wire [15:0] context_number = retire_context[16*n +: 16];
             wire [31:0] row            = retire_object[32*n +: 32];
@@ -131,10 +134,10 @@ module replay;
     integer part;
     always @* begin
         unknown_trace = ^{issue_valid, retire_valid} === 1'bx;
-        for (part = 0; part < SCHEDULERS; part = part + 1)
+        for (part = 0; part < ISSUES; part = part + 1)
             if (issue_valid[part] && ^{issue_pc[16*part +: 16], issue_context[16*part +: 16], issue_word[32*part +: 32]} === 1'bx)
                 unknown_trace = 1'b1;
-        for (part = 0; part < LANES; part = part + 1)
+        for (part = 0; part < RETIRES; part = part + 1)
             if (retire_valid[part] && ^{retire_context[16*part +: 16], retire_object[32*part +: 32],
                     retire_register[6*part +: 6], retire_value[32*part +: 32], retire_flags[5*part +: 5]} === 1'bx)
                 unknown_trace = 1'b1;
@@ -146,9 +149,9 @@ module replay;
     end
 
     always @(posedge clk)
-        for (lane = 0; lane < LANES; lane = lane + 1)
+        for (lane = 0; lane < RETIRES; lane = lane + 1)
             if (!rst_q && retire_valid[lane]) begin
-                hash = fnv(hash, lane);
+                hash = fnv(hash, lane / STREAMS);
                 hash = fnv(hash, retire_object[32*lane +: 32]);
                 hash = fnv(hash, {26'd0, retire_register[6*lane +: 6]});
                 hash = fnv(hash, retire_value[32*lane +: 32]);

@@ -87,7 +87,15 @@ def draw(rng):
     row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and name not in row
             and all(row.get(other) for other in key.get("needs", []))}
     row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
-    return row
+    chance = random.Random(repr(row))          # of its own: the draws above stay as they are
+    return dual(chance, row) if row["interleave"] and row.get("schedulers") == 1 and chance.random() < 0.2 else row
+
+
+def dual(rng, row):
+    """What adds and multiplies at once, and leaves out what then cannot be."""
+    left_out = KNOWN["dual"]["excludes"] + ["select"]
+    return row | dict.fromkeys(left_out, 0) | {"dual": 1, "registers": max(4, row["registers"]),
+                                               "scale": rng.randint(0, 1)}
 
 
 def is_possible(row):

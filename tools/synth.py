@@ -142,31 +142,33 @@ def core(top, row, around):
 # Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
 GROUP = """`include "tile/issue.vh"
 `include "tile/retire.vh"
+`include "tile/dual_issue.vh"
+`include "tile/dual_retire.vh"
 `include "tile/access.vh"
 `include "tile/report.vh"
 module top #(
 {parameters}) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    input  wire [`ISSUE_W-1:0]  issue_i,
-    input  wire [`RETIRE_W-1:0] retire_i,
+    input  wire [`LANE_ISSUE_W-1:0]  issue_i,
+    input  wire [`LANE_RETIRE_W-1:0] retire_i,
     input  wire [`ACCESS_W-1:0] access_i,
     input  wire [`REPORT_W-1:0] report_i,
     input  wire [31:0]          data_i,
-    output reg  [`ISSUE_W-1:0]  issue_o,
-    output reg  [`RETIRE_W-1:0] retire_o,
+    output reg  [`LANE_ISSUE_W-1:0]  issue_o,
+    output reg  [`LANE_RETIRE_W-1:0] retire_o,
     output reg  [`ACCESS_W-1:0] access_o,
     output reg  [`REPORT_W-1:0] report_o,
     output reg  [31:0]          data_o
 );
     reg                  rst_q;
-    reg  [`ISSUE_W-1:0]  issue_q;
-    reg  [`RETIRE_W-1:0] retire_q;
+    reg  [`LANE_ISSUE_W-1:0]  issue_q;
+    reg  [`LANE_RETIRE_W-1:0] retire_q;
     reg  [`ACCESS_W-1:0] access_q;
     reg  [`REPORT_W-1:0] report_q;
     reg  [31:0]          data_q;
-    wire [`ISSUE_W-1:0]  issue_d;
-    wire [`RETIRE_W-1:0] retire_d;
+    wire [`LANE_ISSUE_W-1:0]  issue_d;
+    wire [`LANE_RETIRE_W-1:0] retire_d;
     wire [`ACCESS_W-1:0] access_d;
     wire [`REPORT_W-1:0] report_d;
     wire [31:0]          data_d;
@@ -184,7 +186,7 @@ module top #(
         .subtract_o(subtract), .choice_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(flags));
     genvar l;
     generate
-        for (l = 0; l < {n}; l = l + 1) begin : g_lane
+        for (l = 0; l < {n} && DUAL == 0; l = l + 1) begin : g_lane
             lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(subtract[l]), .choice_i(choice[CHOICE_W*l +: CHOICE_W]),
                 .x_i(x[32*l +: 32]), .y_i(y[32*l +: 32]), .z_i(z[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
         end

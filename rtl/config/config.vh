@@ -11,16 +11,19 @@
 // verilator lint_off UNUSEDPARAM
 `include "gen/config_keys.vh"
 ,
-// Widths: of the number of a register, of a context (the constants are one more), of a word of
+// Widths: of the number of a register, of a context (the constants are one more, or two), of a word of
 // program, of a word of store, of a row of store (a record has at least 8 words), of a lane; of a
-// register's number with its context's.
+// register's number with its context's, and in a bank of sums or products.
 parameter integer REGISTER_W = $clog2(REGISTERS),
-parameter integer CONTEXT_W  = $clog2(CONTEXTS + 1),
+parameter integer CONTEXT_W  = $clog2(CONTEXTS + 1 + DUAL),
 parameter integer PROGRAM_W  = $clog2(PROGRAM_WORDS),
 parameter integer STORE_W    = $clog2(STORE_WORDS),
 parameter integer ROW_W      = STORE_W - 3,
 parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
 parameter integer REG_W      = CONTEXT_W + REGISTER_W,
+parameter integer BANK_W     = REG_W - 1,
+// Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.
+parameter integer STREAMS    = DUAL + 1,
 // What fp_value does: VALUES, CHOICE_W
 `include "gen/config_values.vh"
 // What the machine takes of cycles: TIMING_...
@@ -33,7 +36,8 @@ parameter integer MUL_SPARE = MUL_LATENCY -
     ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
 // Of the arithmetic where contexts take turns: operands to result.
-parameter integer LATENCY = MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
+parameter integer LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
+                          : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
 // schedulers share an adder that z may want at once, or where z is what is read for y.

@@ -40,6 +40,12 @@ module config_rules #(
         if (SCHEDULERS < 1 || SCHEDULERS > 8 || LANES < 1 || LANES > 64 || N > 64 || (SCHEDULERS > 1 && LANES > 1)) begin : g_array
             SCHEDULERS_must_be_1_to_8_or_LANES_1_to_64 u_error ();
         end
+        if (DUAL != 0 && (INTERLEAVE == 0 || CHAIN + ESTIMATE + ROUND + SLEEP + STATUS != 0)) begin : g_dual
+            DUAL_needs_INTERLEAVE_and_has_no_CHAIN_ESTIMATE_ROUND_SLEEP_STATUS u_error ();
+        end
+        if (DUAL != 0 && (SCHEDULERS != 1 || REGISTERS < 4 || LATENCY < 2)) begin : g_dual_shape
+            DUAL_needs_one_SCHEDULER_4_REGISTERS_and_a_latency_of_2 u_error ();
+        end
         if (STATUS != 0 && FLAGS == 0) begin : g_status
             STATUS_needs_FLAGS u_error ();
         end

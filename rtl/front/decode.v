@@ -3,7 +3,8 @@
 // Purpose   The only reader of the instruction set's fields in hardware.
 // Latency   0.
 // Promise   legal is low for an unknown opcode, an operand beyond the register file, a field
-//           that the instruction does not have and that is not 0, and a unit left out.
+//           that the instruction does not have and that is not 0, a unit left out, and with DUAL
+//           registers of the wrong bank.
 //
 //     word_i = 0x0820c100       legal, to_add, d = 1, a = {0, 3}, b = {0, 2}
 `default_nettype none
@@ -48,7 +49,15 @@ module decode #(
                  && ((field_c[5:0] >> REGISTER_W) == 6'd0);
     wire extra    = (!has_a(op) && field_a != 7'd0) || (!has_b(op) && field_b != 7'd0)
                  || (!has_c(op) && field_c != 7'd0);
-    assign legal  = in_range && !extra && (to_add || to_mul || to_chain || to_sleep || to_memory);
+    assign legal  = in_range && !extra && banked && (to_add || to_mul || to_chain || to_sleep || to_memory);
+
+    // Sums and products apart: each writes its bank, and reads at most one register of each; of what is scaled
+    // only b is, which then is none of the sums.
+    wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
+    wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
+    wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))
+               && !((half || twice) && (a_odd || b_even));
+    wire banked = DUAL == 0 || to_memory || (apart && field_d[0] == to_mul);
 
     // The operands
     wire [REGISTER_W:0] first  = {field_a[6], field_a[REGISTER_W-1:0]};

@@ -38,6 +38,11 @@ rtl/solo/solo_arith.v
 rtl/solo/solo_scheduler.v
 rtl/tile/arbiter.v
 rtl/tile/batch.v
+rtl/tile/dual_arith.v
+rtl/tile/dual_lane.v
+rtl/tile/dual_pace.v
+rtl/tile/dual_sequencer.v
+rtl/tile/dual_turn.v
 rtl/tile/issue.v
 rtl/tile/lane.v
 rtl/tile/lane_arith.v
@@ -69,4 +74,5 @@ rtl/gen/fp3_crowd.v
 rtl/gen/fp3_shared.v
 rtl/gen/fp3_shared_full.v
 rtl/gen/fp3_lanes.v
+rtl/gen/fp3_dual.v
 rtl/gen/fp3_array.v

@@ -60,6 +60,7 @@ module fp3_single (
         .BYPASS          (1),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
+        .DUAL            (0),
         .SCALE           (0),
         .SELECT          (0),
         .ESTIMATE        (0),

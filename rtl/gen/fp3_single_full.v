@@ -60,6 +60,7 @@ module fp3_single_full (
         .BYPASS          (1),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
+        .DUAL            (0),
         .SCALE           (0),
         .SELECT          (1),
         .ESTIMATE        (1),

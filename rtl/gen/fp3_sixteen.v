@@ -60,6 +60,7 @@ module fp3_sixteen (
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
+        .DUAL            (0),
         .SCALE           (0),
         .SELECT          (1),
         .ESTIMATE        (1),

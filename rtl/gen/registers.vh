@@ -39,6 +39,8 @@ localparam FEATURES_SUBNORMAL_HI       = 3;
 localparam FEATURES_SUBNORMAL_LO       = 3;
 localparam FEATURES_NEAREST_HI         = 4;
 localparam FEATURES_NEAREST_LO         = 4;
+localparam FEATURES_DUAL_HI            = 5;
+localparam FEATURES_DUAL_LO            = 5;
 localparam FEATURES_ADD_LATENCY_HI     = 15;
 localparam FEATURES_ADD_LATENCY_LO     = 8;
 localparam FEATURES_MUL_LATENCY_HI     = 23;
@@ -99,7 +101,7 @@ localparam STATUS_STEP_HI              = 31;
 localparam STATUS_STEP_LO              = 5;
 
 // Counters: 64 bits in two words each.
-localparam COUNTERS                             = 13;
+localparam COUNTERS                             = 14;
 localparam [15:0] ADDR_COUNTERS                 = 16'h0080;
 localparam [15:0] ADDR_COUNTER_CYCLES           = 16'h0080;
 localparam [15:0] ADDR_COUNTER_ISSUED_ADD       = 16'h0088;
@@ -114,6 +116,7 @@ localparam [15:0] ADDR_COUNTER_STALL_UNIT       = 16'h00c8;
 localparam [15:0] ADDR_COUNTER_STALL_WRITEBACK  = 16'h00d0;
 localparam [15:0] ADDR_COUNTER_STALL_ASLEEP     = 16'h00d8;
 localparam [15:0] ADDR_COUNTER_STALL_DRAIN      = 16'h00e0;
+localparam [15:0] ADDR_COUNTER_PAIRED           = 16'h00e8;
 
 // Counters: the bit of each among the events of a cycle.
 localparam EVENT_CYCLES           = 0;
@@ -129,6 +132,7 @@ localparam EVENT_STALL_UNIT       = 9;
 localparam EVENT_STALL_WRITEBACK  = 10;
 localparam EVENT_STALL_ASLEEP     = 11;
 localparam EVENT_STALL_DRAIN      = 12;
+localparam EVENT_PAIRED           = 13;
 
 // Windows onto the memories.
 localparam [15:0] ADDR_WINDOW_CONSTANTS = 16'h2000;

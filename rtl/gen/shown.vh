@@ -6,6 +6,7 @@ localparam [31:0] REGISTER_FEATURES =
     (WRITEBACK_STALL & 1) << 2 |
     (SUBNORMAL & 1) << 3 |
     (NEAREST & 1) << 4 |
+    (DUAL & 1) << 5 |
     (ADD_LATENCY & 255) << 8 |
     (MUL_LATENCY & 255) << 16 |
     (INTERLEAVE & 1) << 24 |

@@ -14,6 +14,8 @@
 `default_nettype none
 `include "tile/issue.vh"
 `include "tile/retire.vh"
+`include "tile/dual_issue.vh"
+`include "tile/dual_retire.vh"
 `include "tile/access.vh"
 `include "tile/report.vh"
 module lane_group #(
@@ -23,13 +25,13 @@ module lane_group #(
     input  wire                  clk_i,
     input  wire [LANE_W-1:0]     first_i,      // the number of the first lane; does not change
     input  wire                  rst_i,
-    input  wire [`ISSUE_W-1:0]   issue_i,
-    input  wire [`RETIRE_W-1:0]  retire_i,
+    input  wire [`LANE_ISSUE_W-1:0]   issue_i,
+    input  wire [`LANE_RETIRE_W-1:0]  retire_i,
     input  wire [`ACCESS_W-1:0]  access_i,
     input  wire [31:0]           data_i,
     output wire                  rst_o,
-    output wire [`ISSUE_W-1:0]   issue_o,
-    output wire [`RETIRE_W-1:0]  retire_o,
+    output wire [`LANE_ISSUE_W-1:0]   issue_o,
+    output wire [`LANE_RETIRE_W-1:0]  retire_o,
     output wire [`ACCESS_W-1:0]  access_o,
     output wire [31:0]           data_o,
     input  wire [`REPORT_W-1:0]  report_i,
@@ -44,24 +46,24 @@ module lane_group #(
     output wire [32*N-1:0]       z_o,
     input  wire [32*N-1:0]       value_i,
     input  wire [5*N-1:0]        value_flags_i,
-    // Trace, likewise
-    output wire [2*N-1:0]          written_end_o,
-    output wire [N-1:0]            written_o,
-    output wire [CONTEXT_W*N-1:0]  written_context_o,
-    output wire [ROW_W*N-1:0]      written_row_o,
-    output wire [REGISTER_W*N-1:0] written_register_o,
-    output wire [32*N-1:0]         written_value_o,
-    output wire [5*N-1:0]          written_flags_o
+    // Trace, likewise, or two parts for each
+    output wire [2*STREAMS*N-1:0]          written_end_o,
+    output wire [STREAMS*N-1:0]            written_o,
+    output wire [CONTEXT_W*STREAMS*N-1:0]  written_context_o,
+    output wire [ROW_W*STREAMS*N-1:0]      written_row_o,
+    output wire [REGISTER_W*STREAMS*N-1:0] written_register_o,
+    output wire [32*STREAMS*N-1:0]         written_value_o,
+    output wire [5*STREAMS*N-1:0]          written_flags_o
 );
     reg                 rst_q = 1'b1;  // at power-up, until the first reset arrives
-    reg [`ISSUE_W-1:0]  issue_q;
-    reg [`RETIRE_W-1:0] retire_q;
+    reg [`LANE_ISSUE_W-1:0]  issue_q;
+    reg [`LANE_RETIRE_W-1:0] retire_q;
     reg [`ACCESS_W-1:0] access_q;
     reg [31:0]          data_q;
     always @(posedge clk_i) begin
         rst_q    <= rst_i;
-        issue_q  <= issue_i  & {`ISSUE_W{!rst_i}};
-        retire_q <= retire_i & {`RETIRE_W{!rst_i}};
+        issue_q  <= issue_i  & {`LANE_ISSUE_W{!rst_i}};
+        retire_q <= retire_i & {`LANE_RETIRE_W{!rst_i}};
         access_q <= access_i & {`ACCESS_W{!rst_i}};
         data_q   <= data_i;
     end
@@ -71,7 +73,25 @@ module lane_group #(
     assign reports[0 +: `REPORT_W] = report_i;
     genvar l;
     generate
-        for (l = 0; l < N; l = l + 1) begin : g_lane
+        if (DUAL != 0) begin : g_no_operands               // the arithmetic is in the lane
+            assign {subtract_o, twice_o, half_o, choice_o} = {(3+CHOICE_W)*N{1'b0}};
+            assign {x_o, y_o, z_o} = {96*N{1'b0}};
+            wire unused = |{value_i, value_flags_i};
+        end
+        for (l = 0; l < N && DUAL != 0; l = l + 1) begin : g_dual
+            localparam S = STREAMS;
+            localparam [LANE_W-1:0] L = l;
+            dual_lane #(.CONFIG(CONFIG)) u_lane (
+                .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
+                .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
+                .written_end_o(written_end_o[2*S*l +: 2*S]), .written_o(written_o[S*l +: S]),
+                .written_context_o(written_context_o[CONTEXT_W*S*l +: CONTEXT_W*S]),
+                .written_row_o(written_row_o[ROW_W*S*l +: ROW_W*S]),
+                .written_register_o(written_register_o[REGISTER_W*S*l +: REGISTER_W*S]),
+                .written_value_o(written_value_o[32*S*l +: 32*S]), .written_flags_o(written_flags_o[5*S*l +: 5*S]));
+        end
+        for (l = 0; l < N && DUAL == 0; l = l + 1) begin : g_lane
             localparam [LANE_W-1:0] L = l;
             lane #(.CONFIG(CONFIG)) u_lane (
                 .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),

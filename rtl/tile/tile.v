@@ -24,20 +24,20 @@ module tile #(
     input  wire [31:0]              req_wdata_i,
     output wire [`ANSWER_W*SCHEDULERS-1:0] answer_o,
     output wire [SCHEDULERS-1:0]    irq_o,
-    // Trace: a part for each scheduler, and for each lane of each
-    output wire [SCHEDULERS-1:0]          issue_valid_o,
-    output wire [16*SCHEDULERS-1:0]       issue_pc_o,
-    output wire [16*SCHEDULERS-1:0]       issue_context_o,
-    output wire [32*SCHEDULERS-1:0]       issue_word_o,
-    output wire [2*SCHEDULERS*LANES-1:0]  retire_end_o,
-    output wire [SCHEDULERS*LANES-1:0]    retire_valid_o,
-    output wire [16*SCHEDULERS*LANES-1:0] retire_context_o,
-    output wire [32*SCHEDULERS*LANES-1:0] retire_object_o,
-    output wire [6*SCHEDULERS*LANES-1:0]  retire_register_o,
-    output wire [32*SCHEDULERS*LANES-1:0] retire_value_o,
-    output wire [5*SCHEDULERS*LANES-1:0]  retire_flags_o
+    // Trace: STREAMS parts for each scheduler, and for each lane of each
+    output wire [SCHEDULERS*STREAMS-1:0]          issue_valid_o,
+    output wire [16*SCHEDULERS*STREAMS-1:0]       issue_pc_o,
+    output wire [16*SCHEDULERS*STREAMS-1:0]       issue_context_o,
+    output wire [32*SCHEDULERS*STREAMS-1:0]       issue_word_o,
+    output wire [2*SCHEDULERS*LANES*STREAMS-1:0]  retire_end_o,
+    output wire [SCHEDULERS*LANES*STREAMS-1:0]    retire_valid_o,
+    output wire [16*SCHEDULERS*LANES*STREAMS-1:0] retire_context_o,
+    output wire [32*SCHEDULERS*LANES*STREAMS-1:0] retire_object_o,
+    output wire [6*SCHEDULERS*LANES*STREAMS-1:0]  retire_register_o,
+    output wire [32*SCHEDULERS*LANES*STREAMS-1:0] retire_value_o,
+    output wire [5*SCHEDULERS*LANES*STREAMS-1:0]  retire_flags_o
 );
-    localparam N = SCHEDULERS * LANES;
+    localparam N = SCHEDULERS * LANES, I = STREAMS, R = LANES * STREAMS;    // parts of a scheduler's trace
 
     wire [SCHEDULERS-1:0] running, adds, muls, lasts, grant;
     wire [N-1:0]          subtract, twice, half;
@@ -59,18 +59,18 @@ module tile #(
                 .x_o(xs[32*LANES*s +: 32*LANES]),
                 .y_o(ys[32*LANES*s +: 32*LANES]), .z_o(zs[32*LANES*s +: 32*LANES]),
                 .value_i(value[32*LANES*s +: 32*LANES]), .value_flags_i(flags[5*LANES*s +: 5*LANES]),
-                .issue_valid_o(issue_valid_o[s]), .issue_pc_o(issue_pc_o[16*s +: 16]),
-                .issue_context_o(issue_context_o[16*s +: 16]), .issue_word_o(issue_word_o[32*s +: 32]),
-                .retire_end_o(retire_end_o[2*LANES*s +: 2*LANES]),
-                .retire_valid_o(retire_valid_o[LANES*s +: LANES]),
-                .retire_context_o(retire_context_o[16*LANES*s +: 16*LANES]),
-                .retire_object_o(retire_object_o[32*LANES*s +: 32*LANES]),
-                .retire_register_o(retire_register_o[6*LANES*s +: 6*LANES]),
-                .retire_value_o(retire_value_o[32*LANES*s +: 32*LANES]),
-                .retire_flags_o(retire_flags_o[5*LANES*s +: 5*LANES]));
+                .issue_valid_o(issue_valid_o[I*s +: I]), .issue_pc_o(issue_pc_o[16*I*s +: 16*I]),
+                .issue_context_o(issue_context_o[16*I*s +: 16*I]), .issue_word_o(issue_word_o[32*I*s +: 32*I]),
+                .retire_end_o(retire_end_o[2*R*s +: 2*R]), .retire_valid_o(retire_valid_o[R*s +: R]),
+                .retire_context_o(retire_context_o[16*R*s +: 16*R]), .retire_object_o(retire_object_o[32*R*s +: 32*R]),
+                .retire_register_o(retire_register_o[6*R*s +: 6*R]), .retire_value_o(retire_value_o[32*R*s +: 32*R]),
+                .retire_flags_o(retire_flags_o[5*R*s +: 5*R]));
         end
 
-        if (SCHEDULERS == 1) begin : g_own
+        if (DUAL != 0) begin : g_inside                // each lane has its arithmetic
+            assign {grant, value, flags} = {SCHEDULERS+37*N{1'b0}};
+            wire unused = |{running, adds, muls, lasts, twice, half, subtract, choice, xs, ys, zs};
+        end else if (SCHEDULERS == 1) begin : g_own
             assign grant = 1'b1;
             wire unused = &{running, adds, muls, lasts, twice, half};     // x * 2 is a product there
             for (l = 0; l < LANES; l = l + 1) begin : g_lane

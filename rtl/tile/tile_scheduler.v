@@ -16,6 +16,8 @@
 `include "host/answer.vh"
 `include "tile/issue.vh"
 `include "tile/retire.vh"
+`include "tile/dual_issue.vh"
+`include "tile/dual_retire.vh"
 `include "tile/access.vh"
 `include "tile/report.vh"
 module tile_scheduler #(
@@ -45,18 +47,18 @@ module tile_scheduler #(
     output wire [32*LANES-1:0] z_o,
     input  wire [32*LANES-1:0] value_i,
     input  wire [5*LANES-1:0]  value_flags_i,
-    // Trace
-    output wire                issue_valid_o,
-    output wire [15:0]         issue_pc_o,
-    output wire [15:0]         issue_context_o,
-    output wire [31:0]         issue_word_o,
-    output wire [2*LANES-1:0]  retire_end_o,
-    output wire [LANES-1:0]    retire_valid_o,
-    output wire [16*LANES-1:0] retire_context_o,
-    output wire [32*LANES-1:0] retire_object_o,
-    output wire [6*LANES-1:0]  retire_register_o,
-    output wire [32*LANES-1:0] retire_value_o,
-    output wire [5*LANES-1:0]  retire_flags_o
+    // Trace, in STREAMS parts; of each lane likewise
+    output wire [STREAMS-1:0]          issue_valid_o,
+    output wire [16*STREAMS-1:0]       issue_pc_o,
+    output wire [16*STREAMS-1:0]       issue_context_o,
+    output wire [32*STREAMS-1:0]       issue_word_o,
+    output wire [2*STREAMS*LANES-1:0]  retire_end_o,
+    output wire [STREAMS*LANES-1:0]    retire_valid_o,
+    output wire [16*STREAMS*LANES-1:0] retire_context_o,
+    output wire [32*STREAMS*LANES-1:0] retire_object_o,
+    output wire [6*STREAMS*LANES-1:0]  retire_register_o,
+    output wire [32*STREAMS*LANES-1:0] retire_value_o,
+    output wire [5*STREAMS*LANES-1:0]  retire_flags_o
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
@@ -108,34 +110,57 @@ module tile_scheduler #(
     assign access_address = address[STORE_W-1:0];
 
     // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
+    localparam ISSUES_W = `LANE_ISSUE_W, RETIRES_W = `LANE_RETIRE_W;
     wire [GROUPS:0]                 resets;
-    wire [`ISSUE_W*(GROUPS+1)-1:0]  issues;
-    wire [`RETIRE_W*(GROUPS+1)-1:0] retires;
+    wire [ISSUES_W*(GROUPS+1)-1:0]  issues;
+    wire [RETIRES_W*(GROUPS+1)-1:0] retires;
     wire [`ACCESS_W*(GROUPS+1)-1:0] accesses;
     wire [32*(GROUPS+1)-1:0]        data;
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
     wire [4:0]                     issued;
-    wire                           retired;
+    wire                           retired, paired;
     wire                           stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
-    wire [PROGRAM_W-1:0]           trace_pc;
-    wire [CONTEXT_W-1:0]           trace_context;
-    sequencer #(.CONFIG(CONFIG)) u_sequencer (
-        .clk_i(clk_i), .rst_i(rst_i),
-        .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
-        .step_i(step), .step_end_i(step_end), .end_i(last_end),
-        .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
-        .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
-        .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
-        .issue_o(issues[0 +: `ISSUE_W]), .retire_o(retires[0 +: `RETIRE_W]), .step_o(step_number),
-        .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
-        .issued_o(issued), .retired_o(retired),
-        .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
-        .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
-        .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
-    assign running_o       = running;
-    assign issue_pc_o      = {{16-PROGRAM_W{1'b0}}, trace_pc};
-    assign issue_context_o = {{16-CONTEXT_W{1'b0}}, trace_context};
+    wire [PROGRAM_W*STREAMS-1:0]   trace_pc;
+    wire [CONTEXT_W*STREAMS-1:0]   trace_context;
+    assign running_o = running;
+    genvar g, l, p;
+    generate
+        if (DUAL != 0) begin : g_dual
+            dual_sequencer #(.CONFIG(CONFIG)) u_sequencer (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
+                .step_i(step), .step_end_i(step_end), .end_i(last_end),
+                .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
+                .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
+                .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]),
+                .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
+                .issued_o(issued), .paired_o(paired), .retired_o(retired), .stall_fetch_o(stall_fetch),
+                .stall_dependency_o(stall_dependency), .stall_drain_o(stall_drain),
+                .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
+            assign {adds_o, muls_o, lasts_o, stall_unit, stall_asleep, step_number} = 37'd0;
+            wire unused = grant_i;
+        end else begin : g_single
+            sequencer #(.CONFIG(CONFIG)) u_sequencer (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
+                .step_i(step), .step_end_i(step_end), .end_i(last_end),
+                .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
+                .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
+                .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
+                .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
+                .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
+                .issued_o(issued), .retired_o(retired),
+                .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
+                .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
+                .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
+            assign paired = 1'b0;
+        end
+        for (p = 0; p < STREAMS; p = p + 1) begin : g_issue
+            assign issue_pc_o[16*p +: 16]      = {{16-PROGRAM_W{1'b0}}, trace_pc[PROGRAM_W*p +: PROGRAM_W]};
+            assign issue_context_o[16*p +: 16] = {{16-CONTEXT_W{1'b0}}, trace_context[CONTEXT_W*p +: CONTEXT_W]};
+        end
+    endgenerate
 
     assign resets[0]                = rst_i;
     assign accesses[0 +: `ACCESS_W] = `ACCESS;
@@ -148,20 +173,20 @@ module tile_scheduler #(
     assign flags                   = report_flags;
     assign lanes_answer            = report_answer;
 
-    wire [2*LANES-1:0]          written_end;
-    wire [LANES-1:0]            written;
-    wire [CONTEXT_W*LANES-1:0]  written_context;
-    wire [ROW_W*LANES-1:0]      written_row;
-    wire [REGISTER_W*LANES-1:0] written_register;
-    genvar g, l;
+    localparam S = STREAMS;
+    wire [2*S*LANES-1:0]          written_end;
+    wire [S*LANES-1:0]            written;
+    wire [CONTEXT_W*S*LANES-1:0]  written_context;
+    wire [ROW_W*S*LANES-1:0]      written_row;
+    wire [REGISTER_W*S*LANES-1:0] written_register;
     generate
         for (g = 0; g < GROUPS; g = g + 1) begin : g_group
             localparam F = GROUP * g;                             // its first lane
             localparam N = LANES - F < GROUP ? LANES - F : GROUP;
             lane_group #(.CONFIG(CONFIG), .N(N)) u_group (
                 .clk_i(clk_i), .first_i(F[LANE_W-1:0]), .rst_i(resets[g]), .rst_o(resets[g+1]),
-                .issue_i(issues[`ISSUE_W*g +: `ISSUE_W]), .issue_o(issues[`ISSUE_W*(g+1) +: `ISSUE_W]),
-                .retire_i(retires[`RETIRE_W*g +: `RETIRE_W]), .retire_o(retires[`RETIRE_W*(g+1) +: `RETIRE_W]),
+                .issue_i(issues[ISSUES_W*g +: ISSUES_W]), .issue_o(issues[ISSUES_W*(g+1) +: ISSUES_W]),
+                .retire_i(retires[RETIRES_W*g +: RETIRES_W]), .retire_o(retires[RETIRES_W*(g+1) +: RETIRES_W]),
                 .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
                 .data_i(data[32*g +: 32]), .data_o(data[32*(g+1) +: 32]),
                 .report_i(reports[`REPORT_W*g +: `REPORT_W]), .report_o(reports[`REPORT_W*(g+1) +: `REPORT_W]),
@@ -169,16 +194,16 @@ module tile_scheduler #(
                 .choice_o(choice_o[CHOICE_W*F +: CHOICE_W*N]),
                 .x_o(x_o[32*F +: 32*N]), .y_o(y_o[32*F +: 32*N]), .z_o(z_o[32*F +: 32*N]),
                 .value_i(value_i[32*F +: 32*N]), .value_flags_i(value_flags_i[5*F +: 5*N]),
-                .written_end_o(written_end[2*F +: 2*N]), .written_o(written[F +: N]),
-                .written_context_o(written_context[CONTEXT_W*F +: CONTEXT_W*N]),
-                .written_row_o(written_row[ROW_W*F +: ROW_W*N]),
-                .written_register_o(written_register[REGISTER_W*F +: REGISTER_W*N]),
-                .written_value_o(retire_value_o[32*F +: 32*N]), .written_flags_o(retire_flags_o[5*F +: 5*N]));
+                .written_end_o(written_end[2*S*F +: 2*S*N]), .written_o(written[S*F +: S*N]),
+                .written_context_o(written_context[CONTEXT_W*S*F +: CONTEXT_W*S*N]),
+                .written_row_o(written_row[ROW_W*S*F +: ROW_W*S*N]),
+                .written_register_o(written_register[REGISTER_W*S*F +: REGISTER_W*S*N]),
+                .written_value_o(retire_value_o[32*S*F +: 32*S*N]), .written_flags_o(retire_flags_o[5*S*F +: 5*S*N]));
         end
         // What ends in a lane that the reset has not yet reached is not shown.
-        assign retire_end_o   = written_end & {2*LANES{!rst_i}};
-        assign retire_valid_o = written & {LANES{!rst_i}};
-        for (l = 0; l < LANES; l = l + 1) begin : g_shown
+        assign retire_end_o   = written_end & {2*S*LANES{!rst_i}};
+        assign retire_valid_o = written & {S*LANES{!rst_i}};
+        for (l = 0; l < S * LANES; l = l + 1) begin : g_shown
             assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context[CONTEXT_W*l +: CONTEXT_W]};
             assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row[ROW_W*l +: ROW_W]};
             assign retire_register_o[6*l +: 6]  = {{6-REGISTER_W{1'b0}}, written_register[REGISTER_W*l +: REGISTER_W]};
@@ -197,29 +222,35 @@ module tile_scheduler #(
         events[EVENT_STALL_UNIT]       = stall_unit;
         events[EVENT_STALL_ASLEEP]     = stall_asleep;
         events[EVENT_STALL_DRAIN]      = stall_drain;
+        events[EVENT_PAIRED]           = paired;
     end
     counters #(.N(COUNTERS)) u_counters (
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     // The last group has no next one; sequencer hears the rest of its report.
-    wire unused = &{resets[GROUPS], issues[`ISSUE_W*GROUPS +: `ISSUE_W], retires[`RETIRE_W*GROUPS +: `RETIRE_W],
+    wire unused = &{resets[GROUPS], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
                     accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
     // What was granted LATENCY - 2 cycles ago ends in the first lane, six cycles before its result.
-    wire granted;
-    `RETIRE_FIELDS
-    assign `RETIRE = retires[0 +: `RETIRE_W];
-    wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
-                          retire_batch, retire_context, retire_register};
-    delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+    generate
+        if (DUAL == 0) begin : g_granted
+            wire granted;
+            `RETIRE_FIELDS
+            assign `RETIRE = retires[0 +: `RETIRE_W];
+            wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
+                                  retire_batch, retire_context, retire_register};
+            delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+            always @(posedge clk_i)
+                if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin
+                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
+                end
+        end
+    endgenerate
     always @(posedge clk_i)
         if (!rst_i) begin
-            if (granted != (retire_valid && retire_arithmetic)) begin
-                $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
-            end
             if ((access || program_write) && running) begin
                 $display("%m: an access of the host within a run"); $stop;
             end

@@ -20,14 +20,17 @@ static double rate(const fp3_bench_outcome *o) {
     return all->seconds > 0 ? (double)all->counter[FP3_COUNTER_CYCLES] / all->seconds : 0;
 }
 
+/* Instructions that a scheduler may issue in a cycle. */
+static uint32_t at_once(const fp3_bench_outcome *o) { return 1 + o->config->dual; }
+
 /* No schedule of this program on this organisation takes fewer cycles per object-step. A step has I
  * instructions, A of them for the adder and M for the multiplier (a madd counts in both). In a tile a
- * scheduler issues one instruction per cycle for L lanes, and there are S schedulers (S or L is 1):
- * I / (S * L). An adder begins one sum per cycle, and there is one for each lane: A / L; likewise
- * M / L. The largest of the three, shared by all tiles. */
+ * scheduler issues one instruction per cycle for L lanes, two with `dual`, and there are S schedulers
+ * (S or L is 1): I / (S * L), or half. An adder begins one sum per cycle, and there is one for each
+ * lane: A / L; likewise M / L. The largest of the three, shared by all tiles. */
 static double bound(const fp3_bench_outcome *o) {
     const fp3_config *c = o->config;
-    const double issue = (double)o->got.issues / c->schedulers;
+    const double issue = (double)o->got.issues / (c->schedulers * at_once(o));
     const double uses = o->got.adds > o->got.muls ? o->got.adds : o->got.muls;
     return (issue > uses ? issue : uses) / c->lanes / c->tiles;
 }
@@ -108,7 +111,7 @@ static json_t *utilisation_json(const fp3_bench_outcome *o) {
     json_t *object = json_object();
     put_real(object, "add", (per_step(o, FP3_COUNTER_ISSUED_ADD) + chain) / cycles);
     put_real(object, "mul", (per_step(o, FP3_COUNTER_ISSUED_MUL) + chain) / cycles);
-    put_real(object, "issue", issued_per_step(o) / cycles / o->config->schedulers);
+    put_real(object, "issue", issued_per_step(o) / cycles / (o->config->schedulers * at_once(o)));
     return object;
 }
 

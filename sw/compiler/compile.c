@@ -25,7 +25,7 @@ static fp3_status check_registers(const fp3_names *names, const fp3_image *image
                                   fp3_error *error) {
     for (uint32_t i = 0; i < names->object_count; i++) {
         const fp3_symbol *s = fp3_image_find(image, names->object[i], FP3_CLASSES_OBJECT);
-        if (!s || s->index != i)
+        if (*names->object[i] && (!s || s->index != i))
             return fp3_fail(error, FP3_E_MISMATCH, "'%s' is not in register %" PRIu32,
                             names->object[i], i);
     }

@@ -1,6 +1,8 @@
 /* convert.c - nodes become operations of the first, the step and the last part. */
 #include "convert.h"
 
+#include "banks.h"
+
 #include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
@@ -190,6 +192,9 @@ static fp3_status convert_parts(const fp3_part *part, fp3_chain_nodes chain, con
         status = convert_part(&last, last_root, last_ref, error);
     made->code.last = last.ops;
     made->code.last_count = last.count;
+    if (!status && part->options->config->dual)
+        status = fp3_banks_split(&made->code, ref(&c, chain.one).index,
+                                 ref(&c, chain.minus_zero).index, error);
     return status;
 }
 
@@ -226,5 +231,6 @@ void fp3_convert_close(conversion *made) {
     free(made->code.step);
     free(made->code.last);
     free(made->code.variables);
+    free(made->code.param_registers);
     *made = (conversion){0};
 }

@@ -20,7 +20,8 @@ typedef struct {
     uint32_t operations; /* of the step part; a chained one is two */
 } conversion;
 
-/* Nodes of the step, or FP3_NONE: what sums and products need to go the chain's way. */
+/* Nodes of the step, or FP3_NONE: what sums and products need to go the chain's way, or moves where they
+ * are apart. */
 typedef struct {
     uint32_t one, minus_zero;
 } fp3_chain_nodes;

@@ -85,19 +85,23 @@ static void put_known(const fp3_step *step, FILE *out, const char *directive, ui
     free(text);
 }
 
-/* In the order of registers, as the assembler gives them out. */
+/* In the order of registers, as the assembler gives them out; each with its register where the number says
+ * with what it is kept. */
 static void put_declarations(const fp3_step *step, const conversion *c,
                              const fp3_schedule *schedule, const fp3_names *names, FILE *out) {
     for (uint32_t i = 0; i < schedule->registers; i++) {
-        const uint32_t param = i - step->variable_count;
-        if (i < step->variable_count && step->variables[i].role != ROLE_CARRIED)
-            put_state(step, out, &step->variables[i], names->object[i]);
-        else if (i < step->variable_count)
-            put_kept(step, out, &step->variables[i], names->object[i]);
-        else if (param < c->code.param_count)
-            put_known(step, out, ".param", c->params[param], names->object[i]);
-        else
-            put_declaration(out, ".temp", names->object[i], "");
+        const fp3_ref of = fp3_code_owner(&c->code, i);
+        char name[FP3_NAME_SIZE + 16];
+        snprintf(name, sizeof name, c->code.param_registers ? "%s = r%" PRIu32 : "%s",
+                 names->object[i], i);
+        if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role != ROLE_CARRIED)
+            put_state(step, out, &step->variables[of.index], name);
+        else if (of.at == FP3_AT_VARIABLE)
+            put_kept(step, out, &step->variables[of.index], name);
+        else if (of.at == FP3_AT_PARAM)
+            put_known(step, out, ".param", c->params[of.index], name);
+        else if (*names->object[i])
+            put_declaration(out, ".temp", name, "");
     }
     for (uint32_t i = 0; i < c->code.constant_count; i++)
         if (step->known.list[c->constants[i]].op != KNOWN_NUMBER)

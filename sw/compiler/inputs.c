@@ -77,10 +77,11 @@ static fp3_status add_all(const fp3_step *step, const conversion *c, const fp3_n
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < step->variable_count; i++)
         if (fp3_inputs_has_variable(&step->variables[i]))
-            status = add(l, names->object[i], variable_input(step, &step->variables[i]), error);
+            status = add(l, names->object[fp3_code_variable(&c->code, i)],
+                         variable_input(step, &step->variables[i]), error);
     for (uint32_t i = 0; !status && i < c->code.param_count; i++)
-        status = add(l, names->object[step->variable_count + i], known_input(step, c->params[i], 0),
-                     error);
+        status = add(l, names->object[fp3_code_param(&c->code, i)],
+                     known_input(step, c->params[i], 0), error);
     for (uint32_t i = 0; !status && i < c->code.constant_count; i++)
         if (fp3_inputs_has_constant(step, c, i))
             status = add(l, names->constant[i], known_input(step, c->constants[i], 1), error);

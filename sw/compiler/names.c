@@ -150,24 +150,37 @@ static fp3_status name_constants(const fp3_step *step, const conversion *c, fp3_
     return status;
 }
 
+/* Whether any line writes it. */
+static int is_written(const fp3_schedule *s, uint32_t reg) {
+    const fp3_line *const parts[] = {s->first, s->step, s->last};
+    const uint32_t counts[] = {s->first_count, s->step_count, s->last_count};
+    for (int part = 0; part < 3; part++)
+        for (uint32_t i = 0; i < counts[part]; i++)
+            if (parts[part][i].d == reg)
+                return 1;
+    return 0;
+}
+
 fp3_status fp3_names_make(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
                           fp3_names *names, fp3_error *error) {
     *names = (fp3_names){.object = calloc(schedule->registers + 1u, sizeof *names->object),
                          .constant = calloc(c->code.constant_count + 2u, sizeof *names->constant)};
     if (!names->object || !names->constant)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    uint32_t temps = 0;
     for (uint32_t i = 0; i < schedule->registers; i++) {
         char *name = names->object[i], wanted[FP3_NAME_SIZE + 16];
-        const uint32_t param = i - step->variable_count;
-        if (i < step->variable_count && step->variables[i].role == ROLE_STATE)
-            memcpy(name, step->model->states[step->variables[i].state].name, FP3_NAME_SIZE);
-        else if (i < step->variable_count)
-            variable_name(step, names, i, name);
-        else if (param < c->code.param_count) {
-            wanted_name(step, c->params[param], "p", wanted);
+        const fp3_ref of = fp3_code_owner(&c->code, i);
+        if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role == ROLE_STATE)
+            memcpy(name, step->model->states[step->variables[of.index].state].name, FP3_NAME_SIZE);
+        else if (of.at == FP3_AT_VARIABLE)
+            variable_name(step, names, of.index, name);
+        else if (of.at == FP3_AT_PARAM) {
+            wanted_name(step, c->params[of.index], "p", wanted);
             name_it(names, step->model, wanted, name);
-        } else {
-            snprintf(wanted, sizeof wanted, "t%" PRIu32, param - c->code.param_count);
+        } else if (is_written(schedule,
+                              i)) { /* there may be gaps where sums and products are apart */
+            snprintf(wanted, sizeof wanted, "t%" PRIu32, temps++);
             name_it(names, step->model, wanted, name);
         }
         names->object_count++;

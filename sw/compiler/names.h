@@ -6,7 +6,7 @@
 #include "schedule/lines.h"
 
 typedef struct {
-    char (*object)[FP3_NAME_SIZE];   /* of each object register */
+    char (*object)[FP3_NAME_SIZE];   /* of each object register; "" of one that is not in use */
     char (*constant)[FP3_NAME_SIZE]; /* of each shared constant; a number stands for itself */
     uint32_t object_count, constant_count;
 } fp3_names;

@@ -51,7 +51,7 @@ static fp3_status try_policies(fp3_pipeline *p, const fp3_options *options, fp3_
     const int is_choice = !options->config->interleave && fp3_has_pass(options, FP3_PASS_CHAIN);
     fp3_chain_nodes chain = {FP3_NONE, FP3_NONE};
     fp3_status first = FP3_OK;
-    if (is_choice) {
+    if (is_choice || options->config->dual) {
         chain.one = fp3_dag_number(&p->step.values, 1);
         chain.minus_zero = fp3_dag_number(&p->step.values, -0.0);
     }

@@ -147,7 +147,7 @@ static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in
         (in->a & in_bank) >= config->registers || (in->b & in_bank) >= config->registers ||
         (in->c & in_bank) >= config->registers)
         return 0;
-    return fp3_operation_lacks(config, in->op) == FP3_KEY_NONE;
+    return fp3_operation_lacks(config, in->op) == FP3_KEY_NONE && !fp3_operation_mixes(config, in);
 }
 
 /* ---- an instruction ---- */

@@ -29,6 +29,13 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "word %" PRIu32 " is %s, which configuration '%s' does not have", i,
                             fp3_key_lack(key), engine->config->name);
+        const char *mixes = fp3_operation_mixes(engine->config, &instruction);
+        if (mixes)
+            return fp3_fail(
+                engine->def.error, FP3_E_PROGRAM,
+                "word %" PRIu32 " (%s) %s: configuration '%s' keeps sums in registers of "
+                "even number and products in those of odd number, and reads one of each",
+                i, fp3_operation_find(instruction.op)->name, mixes, engine->config->name);
     }
     return FP3_OK;
 }

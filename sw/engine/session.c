@@ -93,7 +93,8 @@ static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t
     return status;
 }
 
-/* docs/registers.md: every running cycle is an issue or a stall; all that was issued retires. */
+/* docs/registers.md: every running cycle is an issue, of one or two, or a stall; all that was issued
+ * retires. */
 static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const uint64_t *n,
                                  int is_done) {
     uint64_t issued = 0, stalled = 0;
@@ -101,9 +102,9 @@ static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const u
         stalled += fp3_counter_is_stall((fp3_counter)i) ? n[i] : 0;
         issued += strncmp(fp3_counter_name((fp3_counter)i), "issued_", 7) == 0 ? n[i] : 0;
     }
-    const uint64_t retired = n[FP3_COUNTER_RETIRED];
-    if (n[FP3_COUNTER_CYCLES] == issued + stalled &&
-        (is_done ? retired == issued : retired <= issued))
+    const uint64_t retired = n[FP3_COUNTER_RETIRED], paired = n[FP3_COUNTER_PAIRED];
+    if (n[FP3_COUNTER_CYCLES] + paired == issued + stalled &&
+        (is_done ? retired + paired == issued : retired <= issued))
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
                     "the hardware's counters do not add up: scheduler %" PRIu32 ", %" PRIu64

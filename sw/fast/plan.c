@@ -26,7 +26,8 @@ static fp3_status check(const fp3_fast_plan *plan, uint32_t pc, uint32_t in_fron
     const fp3_instruction *in = &plan->code[pc].in;
     const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1, most = config->registers;
     if (in->d >= most || (in->a & in_bank) >= most || (in->b & in_bank) >= most ||
-        (in->c & in_bank) >= most || fp3_operation_lacks(config, in->op) != FP3_KEY_NONE)
+        (in->c & in_bank) >= most || fp3_operation_lacks(config, in->op) != FP3_KEY_NONE ||
+        fp3_operation_mixes(config, in))
         return fp3_fail(error, FP3_E_PROGRAM,
                         "word %" PRIu32 " is no instruction of configuration '%s'", pc - in_front,
                         config->name);

@@ -40,6 +40,8 @@
 #define FP3_FEATURES_SUBNORMAL_LO       3
 #define FP3_FEATURES_NEAREST_HI         4
 #define FP3_FEATURES_NEAREST_LO         4
+#define FP3_FEATURES_DUAL_HI            5
+#define FP3_FEATURES_DUAL_LO            5
 #define FP3_FEATURES_ADD_LATENCY_HI     15
 #define FP3_FEATURES_ADD_LATENCY_LO     8
 #define FP3_FEATURES_MUL_LATENCY_HI     23
@@ -100,7 +102,7 @@
 #define FP3_STATUS_STEP_LO              5
 
 /* What register `features` must show for a configuration. */
-#define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO | (config)->round << FP3_FEATURES_ROUND_LO)
+#define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->dual << FP3_FEATURES_DUAL_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO | (config)->round << FP3_FEATURES_ROUND_LO)
 
 /* Counters: 64 bits in two words each, low word first. */
 #define FP3_ADDR_COUNTER_CYCLES           0x0080u
@@ -116,6 +118,7 @@
 #define FP3_ADDR_COUNTER_STALL_WRITEBACK  0x00d0u
 #define FP3_ADDR_COUNTER_STALL_ASLEEP     0x00d8u
 #define FP3_ADDR_COUNTER_STALL_DRAIN      0x00e0u
+#define FP3_ADDR_COUNTER_PAIRED           0x00e8u
 
 /* X(NAME, name, address) */
 #define FP3_COUNTERS(X)                              \
@@ -131,7 +134,8 @@
     X(STALL_UNIT,       "stall_unit",       0x00c8u) \
     X(STALL_WRITEBACK,  "stall_writeback",  0x00d0u) \
     X(STALL_ASLEEP,     "stall_asleep",     0x00d8u) \
-    X(STALL_DRAIN,      "stall_drain",      0x00e0u)
+    X(STALL_DRAIN,      "stall_drain",      0x00e0u) \
+    X(PAIRED,           "paired",           0x00e8u)
 
 /* Windows onto the memories. */
 #define FP3_ADDR_WINDOW_CONSTANTS 0x2000u

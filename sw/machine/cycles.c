@@ -3,6 +3,7 @@
 
 #include "gen/timing.h"
 #include "operation.h"
+#include "overlap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -160,6 +161,9 @@ static int is_shared(const fp3_config *config) { return config->schedulers > 1; 
 
 /* LATENCY, GAP and SETTLE of rtl/config/config.vh. */
 static uint32_t latency_of(const fp3_config *config) {
+    if (config->dual)
+        return config->mul_latency > config->add_latency ? config->mul_latency
+                                                         : config->add_latency;
     return config->mul_latency + config->add_latency + (is_shared(config) ? FP3_TIMING_SHARE : 0);
 }
 
@@ -191,18 +195,46 @@ uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant)
 
 uint32_t fp3_cycles_waiting(const fp3_config *config) { return gap_of(config) - grant_of(config); }
 
-uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, uint64_t instructions) {
+static uint64_t instructions_of(const fp3_swept *visit) {
+    const uint64_t in_step = visit->last - visit->step;
+    return visit->count - in_step + visit->steps * in_step;
+}
+
+/* Of all batches of a round, from the first issue on. */
+static uint64_t overlapped(const fp3_config *config, uint32_t rows, const fp3_swept *visit) {
+    fp3_overlap now = {0};
+    for (uint32_t left = rows, n; left; left -= n) {
+        n = left < config->contexts ? left : config->contexts;
+        fp3_overlap_visit(&now, visit, n, gap_of(config));
+    }
+    return fp3_overlap_end(&now);
+}
+
+uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swept *visit) {
     const uint32_t n = config->contexts;
     const uint64_t sweeps = rows / n * fp3_cycles_sweep(config, n, FP3_GRANTED) +
                             fp3_cycles_sweep(config, rows % n, FP3_GRANTED);
-    return rows ? instructions * sweeps + settle_of(config) + FP3_TIMING_ROUND : 0;
+    if (!rows)
+        return 0;
+    const uint64_t issues =
+        config->dual ? overlapped(config, rows, visit) : instructions_of(visit) * sweeps;
+    return issues + settle_of(config) + FP3_TIMING_ROUND;
 }
 
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,
-                                uint64_t instructions) {
+                                const fp3_swept *visit) {
     /* A pause stands before a sweep, and there is none before the first of a round. */
     const uint32_t first = rows < config->contexts ? rows : config->contexts;
-    const uint64_t unpaused = fp3_cycles_sweep(config, first, FP3_UNGRANTED) - first;
-    return rounds * (fp3_cycles_round(config, rows, instructions) - unpaused) + settle_of(config) +
+    const uint64_t unpaused =
+        config->dual ? 0 : fp3_cycles_sweep(config, first, FP3_UNGRANTED) - first;
+    return rounds * (fp3_cycles_round(config, rows, visit) - unpaused) + settle_of(config) +
            FP3_TIMING_RUN;
+}
+
+double fp3_cycles_swept_step(const fp3_config *config, const fp3_swept *visit) {
+    const uint32_t n = config->contexts;
+    const double cycles = config->dual ? fp3_overlap_step(visit, n, gap_of(config))
+                                       : (double)(visit->last - visit->step) *
+                                             (double)fp3_cycles_sweep(config, n, FP3_UNGRANTED);
+    return cycles / n;
 }

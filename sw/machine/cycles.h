@@ -6,12 +6,14 @@
  * result. That covers the adder, too: a sum and a chained product that met there would be written
  * in one cycle.
  *
- * The machine with contexts has no timing that depends on the instructions: it sweeps.
+ * The machine with contexts has no timing that depends on the instructions: it sweeps. With `dual` it
+ * depends on their order: overlap.h.
  */
 #ifndef FP3_CYCLES_H
 #define FP3_CYCLES_H
 
 #include "config.h"
+#include "overlap.h"
 #include <stdint.h>
 
 /* An instruction as the busy flags see it. Slots are registers, or whatever stands for them. */
@@ -52,13 +54,16 @@ uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant)
 /* Up to so many contexts, a sweep with a grant takes equally long. At least 1. */
 uint32_t fp3_cycles_waiting(const fp3_config *config);
 
-/* A round in which the fullest lane has so many rows, each visited with so many instructions: loads,
- * first part, steps, last part, stores. Each is granted as soon as it can be, and each sweep pauses.
- * 0 for no rows. */
-uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, uint64_t instructions);
+/* A round in which the fullest lane has so many rows, each visited in this way. Each instruction is
+ * granted as soon as it can be, and each sweep pauses. 0 for no rows. */
+uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swept *visit);
 
 /* One scheduler per arithmetic unit: the counter CYCLES of a run of such rounds. */
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,
-                                uint64_t instructions);
+                                const fp3_swept *visit);
+
+/* What a step adds to it in the long run, with full contexts, for each context. One scheduler per
+ * arithmetic unit, again. */
+double fp3_cycles_swept_step(const fp3_config *config, const fp3_swept *visit);
 
 #endif

@@ -24,6 +24,33 @@ fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code) {
     return operation->needs;
 }
 
+static int is_sum(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && !(operand & 1); }
+static int is_product(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && operand & 1; }
+
+static int scales(uint32_t code) {
+    return code == FP3_OP_ADDH || code == FP3_OP_SUBH || code == FP3_OP_ADDT || code == FP3_OP_SUBT;
+}
+
+const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *in) {
+    const fp3_operation *of = fp3_operation_find(in->op);
+    if (!config->dual || !of || !fp3_operation_is_arithmetic(of))
+        return NULL;
+    const int adds = (of->path & FP3_UNIT_ADDER) != 0;
+    if (adds && is_product(in->d))
+        return "writes a sum to a register of odd number";
+    if (!adds && is_sum(in->d))
+        return "writes a product to a register of even number";
+    if (is_sum(in->a) && is_sum(in->b))
+        return "reads two registers of even number";
+    if (is_product(in->a) && is_product(in->b))
+        return "reads two registers of odd number";
+    if (scales(in->op) && is_sum(in->b))
+        return "scales a register of even number";
+    if (scales(in->op) && is_product(in->a))
+        return "adds what it scales to a register of odd number";
+    return NULL;
+}
+
 /* ---- words ---- */
 
 #define MASK(field) ((2u << (FP3_FIELD_##field##_HI - FP3_FIELD_##field##_LO)) - 1)

@@ -45,6 +45,10 @@ int fp3_operation_is_arithmetic(const fp3_operation *operation);
 /* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it. */
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 
+/* Where a configuration keeps sums and products apart (`dual`): what this instruction does that it must
+ * not, or NULL. As in rtl/front/decode.v. */
+const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *word);
+
 /* The operand that a letter of `operands` stands for. */
 static inline uint32_t fp3_operand(const fp3_instruction *word, char letter) {
     return letter == 'd' ? word->d : letter == 'a' ? word->a : letter == 'b' ? word->b : word->c;

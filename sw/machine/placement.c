@@ -43,10 +43,12 @@ uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint3
 /* In a visit of one object: instructions, and how often it needs each unit. */
 typedef struct {
     uint64_t issues, adds, muls;
+    fp3_swept visit;
 } uses;
 
 static uses uses_of(const fp3_code *program, uint32_t visit) {
-    uses sum = {0};
+    uses sum = {.visit = {program->code, program->count, program->step, program->last,
+                          visit ? visit : ALL_STEPS}};
     for (uint32_t pc = 0; pc < program->count; pc++) {
         const uint64_t times = pc < program->step || pc >= program->last ? 1
                                : visit                                   ? visit
@@ -64,7 +66,7 @@ static uses uses_of(const fp3_code *program, uint32_t visit) {
 static uint64_t cycles_of(const fp3_config *config, const uses *of, uint32_t rows) {
     if (!config->interleave)
         return of->issues;
-    return fp3_cycles_round(config, rows, of->issues);
+    return fp3_cycles_round(config, rows, &of->visit);
 }
 
 uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,

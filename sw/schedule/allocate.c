@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <fp3/isa.h>
+#include <machine/operation.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +16,8 @@ typedef struct {
 typedef struct {
     const fp3_block *block;
     uint32_t gaps;
-    uint32_t lowest;    /* the first register that is nobody's */
+    uint32_t banks;     /* register r belongs to bank r % banks; a value to that of what makes it */
+    uint32_t lowest[2]; /* of each bank: the first register that is nobody's */
     uint32_t registers; /* that busy knows */
     char *busy;         /* [register * gaps + gap] */
     arc *arcs;
@@ -105,11 +107,19 @@ static uint32_t idle_before(const work *w, uint32_t reg, uint32_t gap) {
     return w->gaps;
 }
 
-static uint32_t best_fit(const work *w, const arc *a, uint32_t used, fp3_borrow borrow) {
+/* Where there are two: sums, and products. */
+static uint32_t bank_of(const work *w, uint32_t node) {
+    const unsigned path = fp3_operation_find(w->block->nodes[node].op.op)->path;
+    return w->banks == 2 && !(path & FP3_UNIT_ADDER);
+}
+
+static uint32_t best_fit(const work *w, const arc *a, uint32_t bank, uint32_t used,
+                         fp3_borrow borrow) {
     uint32_t best = used, least = UINT32_MAX;
     if (a->end - a->begin >= w->gaps)
         return FP3_NONE_INDEX;
-    for (uint32_t reg = borrow == FP3_BORROW_VARIABLES ? 0 : w->lowest; reg < used; reg++)
+    for (uint32_t reg = borrow == FP3_BORROW_VARIABLES ? bank : w->lowest[bank]; reg < used;
+         reg += w->banks)
         if (is_free(w, reg, a->begin, a->end)) {
             const uint32_t idle = idle_before(w, reg, a->begin);
             if (idle < least) {
@@ -150,25 +160,28 @@ static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *erro
         uint32_t end = w->reads[x];
         if (!is_written && (is_state || block->is_cyclic))
             end = w->gaps - 1;
-        if (is_loaded && !take(w, x, 0, end))
+        if (is_loaded && !take(w, fp3_code_variable(code, x), 0, end))
             return is_no_order(error);
     }
     for (uint32_t p = 0; p < code->param_count; p++)
-        take(w, code->variable_count + p, 0, w->gaps - 1);
+        take(w, fp3_code_param(code, p), 0, w->gaps - 1);
     return FP3_OK;
 }
 
 static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *places,
                              fp3_error *error) {
     const fp3_block *block = w->block;
-    uint32_t used = w->lowest > places->registers ? w->lowest : places->registers;
+    uint32_t used[2] = {w->lowest[0], w->lowest[1]}; /* of each bank: the first that is not */
+    while (w->banks == 1 && used[0] < places->registers)
+        used[0]++;
     qsort(w->arcs, block->count, sizeof *w->arcs, by_begin);
     for (int crossing = 1; crossing >= 0; crossing--)
         for (uint32_t i = 0; i < block->count; i++) {
             const arc *a = &w->arcs[i];
             if (block->nodes[a->node].fixed != FP3_NONE_INDEX || (a->end >= w->gaps) != crossing)
                 continue;
-            const uint32_t reg = best_fit(w, a, used, borrow);
+            const uint32_t bank = bank_of(w, a->node);
+            const uint32_t reg = best_fit(w, a, bank, used[bank], borrow);
             if (reg != FP3_NONE_INDEX && reg >= FP3_REGISTERS_CEILING) {
                 places->registers = FP3_REGISTERS_CEILING;
                 return FP3_OK;
@@ -176,9 +189,9 @@ static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *place
             if (reg == FP3_NONE_INDEX || !take(w, reg, a->begin, a->end))
                 return is_no_order(error);
             places->reg[a->node] = reg;
-            raise_to(&used, reg + 1);
+            raise_to(&used[bank], reg + w->banks);
+            raise_to(&places->registers, reg + 1);
         }
-    places->registers = used;
     return FP3_OK;
 }
 
@@ -187,11 +200,18 @@ static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *place
 static fp3_status open_work(work *w, const fp3_block *block, const uint32_t *order,
                             fp3_error *error) {
     const fp3_step_code *code = block->code;
-    *w = (work){.block = block, .lowest = code->variable_count + code->param_count};
+    *w = (work){.block = block, .banks = code->param_registers ? 2 : 1, .lowest = {0, 1}};
+    for (uint32_t x = 0; x < code->variable_count; x++)
+        raise_to(&w->lowest[0], fp3_code_variable(code, x) + w->banks);
+    for (uint32_t p = 0; p < code->param_count; p++) {
+        const uint32_t reg = fp3_code_param(code, p);
+        raise_to(&w->lowest[reg % w->banks], reg + w->banks);
+    }
     w->gaps = block->count + !block->is_cyclic;
     w->registers = FP3_REGISTERS_CEILING + FP3_BANK_OBJECT_COUNT;
-    if (w->registers < w->lowest + FP3_BANK_OBJECT_COUNT)
-        w->registers = w->lowest + FP3_BANK_OBJECT_COUNT;
+    const uint32_t lowest = w->lowest[0] > w->lowest[1] ? w->lowest[0] : w->lowest[1];
+    if (w->registers < lowest + FP3_BANK_OBJECT_COUNT)
+        w->registers = lowest + FP3_BANK_OBJECT_COUNT;
     w->arcs = calloc(block->count + 1, sizeof *w->arcs);
     w->position = calloc(block->count + 1, sizeof *w->position);
     w->reads = calloc(code->variable_count + 1, sizeof *w->reads);
@@ -225,7 +245,9 @@ fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borro
     }
     if (!status && w.gaps)
         status = place_rest(&w, borrow, places, error);
-    raise_to(&places->registers, w.lowest);
+    for (uint32_t bank = 0; bank < w.banks; bank++)
+        if (w.lowest[bank] > bank)
+            raise_to(&places->registers, w.lowest[bank] - w.banks + 1);
     close_work(&w);
     if (status)
         fp3_places_free(places);
@@ -288,9 +310,9 @@ static uint32_t code_of(const fp3_block *block, const fp3_places *places, fp3_re
     case FP3_AT_OP:
         return places->reg[operand.index];
     case FP3_AT_VARIABLE:
-        return operand.index;
+        return fp3_code_variable(block->code, operand.index);
     case FP3_AT_PARAM:
-        return block->code->variable_count + operand.index;
+        return fp3_code_param(block->code, operand.index);
     case FP3_AT_CONSTANT:
         return FP3_BANK_SHARED_BASE + operand.index;
     default:

@@ -48,7 +48,7 @@ static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
     stored |= written(s->step, s->step_count) | written(s->last, s->last_count);
     for (uint32_t x = 0; x < code->variable_count; x++)
         if (code->variables[x].first.at == FP3_AT_NOWHERE)
-            states |= BIT(x);
+            states |= BIT(fp3_code_variable(code, x));
     stored &= states;
     const uint64_t loaded =
         live(s->first, s->first_count,
@@ -58,6 +58,30 @@ static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
 }
 
 /* ---- cycles and bounds ---- */
+
+/* The words of a visit with its loads and stores, of which only the operations count. The caller frees
+ * visit->code; 0: out of memory. */
+static int sweep(const fp3_schedule *s, uint64_t steps, fp3_swept *visit) {
+    uint32_t *code =
+        calloc((size_t)s->loads + s->first_count + s->step_count + s->last_count + s->stores + 1,
+               sizeof *code);
+    const fp3_line *const parts[] = {s->first, s->step, s->last};
+    const uint32_t counts[] = {s->first_count, s->step_count, s->last_count};
+    uint32_t at[3], count = 0;
+    if (!code)
+        return 0;
+    for (uint32_t i = 0; i < s->loads; i++)
+        code[count++] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_LD});
+    for (int part = 0; part < 3; part++) {
+        at[part] = count;
+        for (uint32_t i = 0; i < counts[part]; i++)
+            code[count++] = fp3_word_encode(&(fp3_instruction){.op = parts[part][i].op});
+    }
+    for (uint32_t i = 0; i < s->stores; i++)
+        code[count++] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_ST});
+    *visit = (fp3_swept){code, count, at[1], at[2], steps};
+    return 1;
+}
 
 /* A load or a store needs no grant, so this is a bound where schedulers share units, too. */
 static double per_sweep(const fp3_config *config) {
@@ -72,9 +96,14 @@ static double parts(const fp3_config *config) {
 static fp3_status find_cycles(const fp3_config *config, fp3_schedule *made, fp3_error *error) {
     fp3_timed *code;
     fp3_timed_program program;
+    fp3_swept visit;
+    if (config->interleave && config->schedulers > 1)
+        return FP3_OK;
     if (config->interleave) {
-        if (config->schedulers == 1)
-            made->cycles = made->step_count * per_sweep(config) / parts(config);
+        if (!sweep(made, 1, &visit))
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        made->cycles = fp3_cycles_swept_step(config, &visit) / parts(config);
+        free((void *)visit.code);
         return FP3_OK;
     }
     if (!fp3_time_schedule(made, config, &code, &program))
@@ -97,6 +126,8 @@ static double issue_bound(const fp3_step_code *code, const fp3_config *config) {
     }
     const double issue = count * per_sweep(config) / parts(config);
     const double use = (adds > muls ? adds : muls) / (double)config->tiles;
+    if (config->dual)
+        return use / config->lanes;
     return config->schedulers > 1 && use > issue ? use : issue;
 }
 
@@ -118,10 +149,12 @@ uint64_t fp3_cost_cycles(const fp3_schedule *schedule, const fp3_config *config,
     fp3_timed *code;
     fp3_timed_program program;
     if (config->interleave) {
-        const uint64_t once = (uint64_t)s->loads + s->first_count + s->last_count + s->stores;
-        if (config->schedulers > 1 || !steps)
+        fp3_swept visit;
+        if (config->schedulers > 1 || !steps || !sweep(s, steps, &visit))
             return 0;
-        return fp3_cycles_interleaved(config, config->contexts, 1, once + s->step_count * steps);
+        const uint64_t run = fp3_cycles_interleaved(config, config->contexts, 1, &visit);
+        free((void *)visit.code);
+        return run;
     }
     if (!fp3_time_schedule(s, config, &code, &program))
         return 0;

@@ -2,6 +2,7 @@
 #include "order.h"
 
 #include "machine/cycles.h"
+#include "machine/operation.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,7 @@ typedef struct {
     uint32_t ready_count;
     uint64_t now;
     uint32_t count;
+    unsigned units; /* of what was issued last */
 } list;
 
 static int is_within(const fp3_edge *e, const fp3_block *block) {
@@ -60,6 +62,10 @@ static void prepare(list *l) {
 
 /* ---- how good a choice is ---- */
 
+static unsigned units_of(const list *l, uint32_t i) {
+    return fp3_operation_find(l->block->nodes[i].op.op)->path;
+}
+
 /* Values that are no longer waited for after node i, less the one that it makes. */
 static int releases(const list *l, uint32_t i) {
     const fp3_node *node = &l->block->nodes[i];
@@ -100,11 +106,13 @@ static rank rank_of(const list *l, fp3_next next, uint32_t i) {
     rank r = {0, 0};
     if (next == FP3_NEXT_SOON)
         r.main = -(int64_t)soonest;
+    else if (next == FP3_NEXT_TURN)
+        r.main = !(units_of(l, i) & l->units);
     else if (next != FP3_NEXT_GIVEN)
         r.main = releases(l, i);
     if (next == FP3_NEXT_DEEP)
         r.minor = newest_operand(l, i);
-    else if (next == FP3_NEXT_LONG || next == FP3_NEXT_SOON)
+    else if (next == FP3_NEXT_LONG || next == FP3_NEXT_SOON || next == FP3_NEXT_TURN)
         r.minor = l->height[i];
     return r;
 }
@@ -122,6 +130,7 @@ static void issue(list *l, uint32_t i) {
     if (l->soonest[i] > l->now)
         l->now = l->soonest[i];
     l->issued[i] = ++l->count;
+    l->units = units_of(l, i);
     for (uint32_t k = 0; k < 3; k++) {
         const fp3_ref ref = fp3_node_operand(&l->block->nodes[i], k);
         if (ref.at == FP3_AT_OP)

@@ -10,6 +10,7 @@ typedef enum {
     FP3_NEXT_FEWEST, /* what leaves the fewest values that are waited for; then that order */
     FP3_NEXT_DEEP,   /* likewise; then what uses the newest value */
     FP3_NEXT_LONG,   /* likewise; then what most depends on */
+    FP3_NEXT_TURN,   /* for the unit that the one before does not need; then what most depends on */
     FP3_NEXT_SOON,   /* what can issue first (solo machine); then what most depends on */
     FP3_NEXT_COUNT
 } fp3_next;

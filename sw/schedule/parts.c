@@ -65,7 +65,8 @@ static fp3_status write_variable(fp3_block *block, uint32_t variable, fp3_ref va
         writer = fp3_block_add_copy(block, value);
     if (writer == FP3_NONE_INDEX)
         return no_memory(error);
-    block->nodes[writer].writes = block->nodes[writer].fixed = variable;
+    block->nodes[writer].writes = variable;
+    block->nodes[writer].fixed = fp3_code_variable(block->code, variable);
     block->writer[variable] = writer;
     return FP3_OK;
 }

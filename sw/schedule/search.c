@@ -3,6 +3,7 @@
 
 #include "interval.h"
 #include "loop.h"
+#include "machine/operation.h"
 #include "order.h"
 #include "path.h"
 #include "polish.h"
@@ -99,6 +100,8 @@ static uint32_t orders_for(const search *m, uint32_t nodes) {
 static fp3_status propose_lists(search *m, uint32_t *order, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (int next = 0; !status && next < FP3_NEXT_COUNT; next++) {
+        if (next == FP3_NEXT_TURN && !m->config->dual)
+            continue;
         status = fp3_order_list(m->block, &m->graph, (fp3_next)next, order, error);
         if (!status)
             status = propose(m, order, NULL, error);
@@ -260,6 +263,19 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     return status;
 }
 
+/* Sums and products at once: the best order so far, with moves by which fewer wait for their unit. */
+static fp3_status propose_turns(search *m, uint32_t *order, fp3_error *error) {
+    const uint32_t moves = orders_for(m, NODES_MOVED);
+    uint32_t units[2] = {0};
+    for (uint32_t i = 0; i < m->block->count; i++)
+        units[fp3_operation_find(m->block->nodes[i].op.op)->path == FP3_UNIT_MULTIPLIER]++;
+    const double least = units[0] > units[1] ? units[0] : units[1];
+    memcpy(order, m->best->order, m->block->count * sizeof *order);
+    const fp3_status status = fp3_polish(m->block, &m->graph, least,
+                                         moves < MOVES_MOST ? moves : MOVES_MOST, order, error);
+    return status ? status : propose(m, order, NULL, error);
+}
+
 static fp3_status propose_all(search *m, fp3_error *error) {
     uint32_t *order = malloc((m->block->count + 1) * sizeof *order);
     fp3_status status = order ? FP3_OK : no_memory(error);
@@ -267,6 +283,8 @@ static fp3_status propose_all(search *m, fp3_error *error) {
         status = propose_lists(m, order, error);
     if (!status && !m->config->interleave && m->block->count)
         status = propose_loops(m, order, error);
+    if (!status && m->config->dual && m->best->places.reg)
+        status = propose_turns(m, order, error);
     free(order);
     return status;
 }

@@ -42,6 +42,12 @@ static const char *while_multiplied(const fp3_config *config, unsigned path) {
                                                               : "Wa";
 }
 
+/* From operands to results. */
+static uint64_t arithmetic_of(const fp3_config *config) {
+    const uint64_t mul = config->mul_latency, add = config->add_latency;
+    return !config->dual ? mul + add : mul > add ? mul : add;
+}
+
 static const char *while_added(const fp3_config *config, unsigned path) {
     return path & FP3_UNIT_ADDER || !is_shared(config) ? "Ad" : "Wa";
 }
@@ -51,7 +57,7 @@ static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path
     const uint64_t write = fp3_cycles_write(config);
     const uint64_t chosen = t->ended - write; /* the result is chosen, then written */
     const uint64_t late = t->ended - t->issued;
-    const uint64_t arithmetic = config->mul_latency + config->add_latency;
+    const uint64_t arithmetic = arithmetic_of(config);
     const uint64_t operands = late > arithmetic + write ? chosen - arithmetic : t->issued;
     const uint64_t reading = fp3_cycles_operands(config);
     const uint64_t read = operands > t->issued + reading ? operands - reading : t->issued;
@@ -59,6 +65,8 @@ static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path
     add(s, "Rd", read, operands);
     if (path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON)) {
         add(s, path & FP3_UNIT_STORE ? "Me" : "Cm", operands, chosen);
+    } else if (config->dual) {
+        add(s, path & FP3_UNIT_ADDER ? "Ad" : "Mu", operands, chosen);
     } else {
         add(s, while_multiplied(config, path), operands, chosen);
         add(s, while_added(config, path), operands + config->mul_latency, chosen);

@@ -94,11 +94,32 @@ static inline int lacks_arithmetic(const fp3_config *config) {
     return 0;
 }
 
-static inline uint32_t arithmetic_word(chance *c, stream *s) {
+/* An operation and its operands; d is 0, or 1 where a product may not be written to an even register. */
+static inline uint32_t operation_word(chance *c, stream *s) {
     const uint32_t op = random_op(c, s->config, 1), sources = stream_sources(op);
     const uint32_t x = stream_source(c, s), y = sources > 1 ? stream_source(c, s) : 0;
     const uint32_t z = sources > 2 ? stream_source(c, s) : 0;
-    return stream_word(op, stream_destination(c, s), x, y, z);
+    return stream_word(op, s->config->dual && op == FP3_OP_MUL, x, y, z);
+}
+
+static inline int stream_is_legal(const stream *s, uint32_t word) {
+    fp3_instruction in;
+    return !fp3_word_decode(word, &in, NULL) && !fp3_operation_mixes(s->config, &in);
+}
+
+/* Where sums and products are apart, until one fits. */
+static inline uint32_t arithmetic_word(chance *c, stream *s) {
+    uint32_t word, d;
+    do
+        word = operation_word(c, s);
+    while (!stream_is_legal(s, word));
+    const uint32_t odd = word >> FP3_FIELD_D_LO & 1;
+    const stream before = *s;
+    do {
+        *s = before; /* what is not taken is not written */
+        d = stream_destination(c, s);
+    } while (s->config->dual && (d & 1) != odd);
+    return (word & ~(UINT32_C(63) << FP3_FIELD_D_LO)) | d << FP3_FIELD_D_LO;
 }
 
 static inline uint32_t sleep_word(chance *c, stream *s, int is_last) {
@@ -147,6 +168,14 @@ static inline uint32_t stream_turned(uint32_t word, uint32_t op) {
     return op << FP3_FIELD_OP_LO | (word & fields[stream_sources(op) - 1]);
 }
 
+/* Written to the other bank, or reads one twice, where it reads a register. */
+static inline uint32_t mixed_word(chance *c, uint32_t word) {
+    const uint32_t first = word >> FP3_FIELD_A_LO & 127;
+    if (first >= FP3_BANK_SHARED_BASE || below(c, 2))
+        return word ^ UINT32_C(1) << FP3_FIELD_D_LO;
+    return (word & ~(UINT32_C(127) << FP3_FIELD_B_LO)) | first << FP3_FIELD_B_LO;
+}
+
 /* Begins another field than word's, so that nothing else is wrong with it. */
 static inline uint32_t illegal_word(chance *c, stream *s) {
     const fp3_config *config = s->config;
@@ -175,6 +204,8 @@ static inline uint32_t illegal_word(chance *c, stream *s) {
             /* The composer takes these for the program's own loads and stores. */
             if (!config->interleave)
                 return (FP3_OP_SLEEP + below(c, 4)) << FP3_FIELD_OP_LO;
+            if (config->dual) /* a sum among the products, or two of them read, or the reverse */
+                return mixed_word(c, word);
             break;
         default:
             if (beyond < REGISTERS_MAX) {
@@ -233,7 +264,7 @@ static inline void make_stream(chance *c, stream *s, const fp3_config *config, u
     s->make = config->interleave ? (make_of)below(c, 3) : RAW;
     s->pool = words < config->registers ? words : config->registers;
     if (config->interleave && below(c, 4))
-        s->pool = 1 + below(c, s->pool);
+        s->pool = 1 + config->dual + below(c, s->pool - config->dual);
     /* Loads and stores of all registers may come around it, and an lds. */
     if (config->interleave && 2 * s->pool + 8 > config->program_words)
         s->pool = (config->program_words - 8) / 2;

@@ -64,9 +64,9 @@ def split(number, line):
 class Reader:
     """A method for each command; what it returns is why the command is refused."""
 
-    def __init__(self, schedulers, contexts):
-        self.schedulers, self.contexts = schedulers, contexts
-        self.instructions, self.retired, self.cycle, self.started = [], 0, None, set()
+    def __init__(self, schedulers, contexts, at_once):
+        self.schedulers, self.contexts, self.at_once = schedulers, contexts, at_once
+        self.instructions, self.retired, self.cycle, self.started = [], 0, None, []
 
     def read(self, text):
         if not text.startswith("Kanata\t0004\n"):
@@ -101,7 +101,7 @@ class Reader:
         if cycles == 0:
             return "no cycle elapses"
         self.cycle += cycles
-        self.started = set()
+        self.started = []
         return None
 
     def start(self, i, _, thread):
@@ -110,9 +110,9 @@ class Reader:
         if self.schedulers and thread >= self.schedulers * self.contexts:
             return f"thread {thread} of {self.schedulers * self.contexts}"
         scheduler = thread // self.contexts if self.schedulers else None
-        if self.schedulers and scheduler in self.started:
+        if self.schedulers and self.started.count(scheduler) == self.at_once:
             return f"scheduler {scheduler} starts a second instruction in cycle {self.cycle}"
-        self.started.add(scheduler)
+        self.started.append(scheduler)
         self.instructions.append(Instruction(thread, self.cycle))
         return None
 
@@ -188,9 +188,9 @@ class Reader:
         return None
 
 
-def read(text, schedulers=0, contexts=0):
-    """The instructions of a log, or Refused. schedulers = 0: threads may have any number."""
-    reader = Reader(schedulers, contexts)
+def read(text, schedulers=0, contexts=0, at_once=1):
+    """The instructions of a log, or Refused. schedulers = 0: threads may have any number. at_once: of a scheduler in a cycle."""
+    reader = Reader(schedulers, contexts, at_once)
     reader.read(text)
     return reader.instructions
 

@@ -209,9 +209,9 @@ def test_a_path_that_cannot_be_written_is_named(write, tmp_path):
     assert done.returncode != 0 and "none/x.kanata" in done.stderr
 
 
-# The counters in the order of docs/registers.md: cycles, 5 * issued, retired, 6 * stalls.
-def occupancy(build, *counters):
-    done = subprocess.run([build / "tests/kanata_log", "occupancy", *map(str, counters)], capture_output=True, text=True)
+# The counters in the order of docs/registers.md: cycles, 5 * issued, retired, 6 * stalls, paired.
+def occupancy(build, *counters, paired=0):
+    done = subprocess.run([build / "tests/kanata_log", "occupancy", *map(str, counters), str(paired)], capture_output=True, text=True)
     assert done.returncode == 0 and len(counters) == 13, done.stderr
     return done.stdout
 
@@ -229,6 +229,18 @@ occupancy of scheduler 0
   cycles                     1000  100.0 %
   adder in use                400   40.0 %  ################
   multiplier in use           500   50.0 %  ####################
+"""
+
+
+def test_cycles_of_two_instructions_are_counted_once(build):
+    assert occupancy(build, 1000, 666, 667, 0, 0, 0, 1000, 0, 0, 0, 0, 0, 0, paired=333) == """\
+occupancy of scheduler 0
+  issued_add                  666   66.6 %  ###########################
+  issued_mul                  667   66.7 %  ###########################
+  less paired                 333   33.3 %  #############
+  cycles                     1000  100.0 %
+  adder in use                666   66.6 %  ###########################
+  multiplier in use           667   66.7 %  ###########################
 """
 
 

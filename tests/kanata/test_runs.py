@@ -16,8 +16,9 @@ RUNS = [("ship", "paper", 1, 1, ["--steps", "20"]),
         ("ship", "many", 1, 24, ["--steps", "2", "--objects", "3"]),
         ("ship_madd", "shared", 2, 24, ["--steps", "2"]),
         ("ship_madd", "array", 4, 24, ["--steps", "2", "--objects", "50"]),
-        ("ship", "lanes", 1, 24, ["--steps", "2"])]
-UNIT_OF = {"add": "add", "sub": "add", "mul": "mul", "madd": "chain", "msub": "chain", "sleep": "sleep", "ld": "memory",
+        ("ship", "lanes", 1, 24, ["--steps", "2"]),
+        ("ship_dual", "dual", 1, 30, ["--steps", "2"])]
+UNIT_OF = {"add": "add", "sub": "add", "addh": "add", "addt": "add", "mul": "mul", "madd": "chain", "msub": "chain", "sleep": "sleep", "ld": "memory",
            "lds": "memory", "st": "memory"}
 
 
@@ -38,12 +39,14 @@ def run(root, fp3, tmp_path):
 
 def counters(done):
     return {name: int(number) for name, number in re.findall(
-        r"^(cycles|retired|issued_\w+|stall_\w+) +(\d+)$", done.stdout, re.M)}
+        r"^(cycles|retired|paired|issued_\w+|stall_\w+) +(\d+)$", done.stdout, re.M)}
 
 
 def compare(log, counted, schedulers, contexts):
-    found = check.read(log.read_text(), schedulers, contexts)
-    assert len(found) == counted["retired"] > 0
+    found = check.read(log.read_text(), schedulers, contexts, 2 if counted["paired"] else 1)
+    assert max(collections.Counter(one.issued for one in found).values()) <= schedulers + (counted["paired"] > 0)
+    assert len({one.issued for one in found}) == counted["retired"] or schedulers > 1
+    assert len(found) == counted["retired"] + counted["paired"] > 0
     issued = collections.Counter(UNIT_OF[one.label.split()[1]] for one in found)
     assert {name: issued[name] for name in set(UNIT_OF.values())} == {
         name: counted[f"issued_{name}"] for name in set(UNIT_OF.values())}

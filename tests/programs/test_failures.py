@@ -9,7 +9,8 @@ import tomllib
 import pytest
 
 ROOT = pathlib.Path(__file__).parents[2]
-CONFIGS = [row["name"] for row in tomllib.loads((ROOT / "isa/configs.toml").read_text())["config"]]
+# The program adds a product to itself: not where sums and products are apart.
+CONFIGS = [row["name"] for row in tomllib.loads((ROOT / "isa/configs.toml").read_text())["config"] if not row.get("dual")]
 # x doubles a times; t is no state; y has a part of its own in the last part.
 GROWS = ".state x y\n.param a\n.temp t\nfirst: add t, -0.0, -0.0\nstep: mul x, x, a\nlast: add y, x, x\n"
 

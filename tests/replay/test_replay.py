@@ -146,12 +146,13 @@ def test_all_are_asked_while_one_runs(root, fp3, icarus, tmp_path):
 def shape(root, config):
     """What the bench must be told of a configuration."""
     text = (root / f"rtl/gen/fp3_{config}.v").read_text()
-    tiles, schedulers, lanes = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
-                                for name in ("TILES", "SCHEDULERS", "LANES"))
-    return [f"-DTOP=fp3_{config}", f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
+    tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
+                                for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
+    return [f"-DTOP=fp3_{config}", f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}",
+            f"-DSTREAMS={1 + dual}"]
 
 
-@pytest.mark.parametrize("config", ["single", "lanes", "array"])
+@pytest.mark.parametrize("config", ["single", "lanes", "dual", "array"])
 def test_the_bench_compiles_without_a_warning(root, config):
     done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", *shape(root, config), "-s", "replay", "-t", "null",
                  "-c", "rtl/fp3.f", "sim/replay.v", f"rtl/gen/fp3_{config}.v", cwd=root)

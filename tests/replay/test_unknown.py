@@ -40,8 +40,9 @@ def undefined(root, to, fill="", bug=None):
 
 def parts(root, config):
     text = (root / f"rtl/gen/fp3_{config}.v").read_text()
-    tiles, schedulers, lanes = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1]) for name in ("TILES", "SCHEDULERS", "LANES"))
-    return [f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}"]
+    tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1]) for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
+    return [f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}",
+            f"-DSTREAMS={1 + dual}"]
 
 
 def compiled(tree, config, *more):

@@ -134,9 +134,9 @@ def configs_c(known, configs):
         *initialisers("FP3_KEY_ROWS", [
             [("name", quote(name)), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
              ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
-        "/* X(name, doc, schedulers of all tiles, lanes of each) */",
+        "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once) */",
         *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]), str(row["tiles"] * row["schedulers"]),
-                                  str(row["lanes"])) for row in configs]), "",
+                                  str(row["lanes"]), str(1 + row["dual"])) for row in configs]), "",
         "/* Of fp3_configs. */",
         *initialisers("FP3_CONFIG_ROWS", [
             [("name", quote(row["name"])), ("doc", quote(row["doc"]))]

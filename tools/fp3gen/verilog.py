@@ -81,10 +81,12 @@ def registers_verilog(regs):
 def ports(row, regs):
     """The bus and the trace of a configuration: direction, width, name; None is a blank line.
 
-    The trace has one part for each scheduler (issue) and for each lane (retire), the first in the low bits.
+    The trace has one part for each scheduler (issue) and for each lane (retire), the first in the low bits; with
+    `dual` two, that of sums and that of products.
     """
     schedulers = row["tiles"] * row["schedulers"]
-    lanes = schedulers * row["lanes"]
+    issues = schedulers * (1 + row["dual"])
+    lanes = issues * row["lanes"]
     address = regs["address"]["scheduler"][1] + (schedulers.bit_length() if schedulers > 1 else 0)
     return [("input", 1, "s_axi_aclk"), ("input", 1, "s_axi_aresetn"), None,
             ("input", address, "s_axi_awaddr"), ("input", 3, "s_axi_awprot"), ("input", 1, "s_axi_awvalid"),
@@ -95,8 +97,8 @@ def ports(row, regs):
             ("output", 1, "s_axi_arready"), ("output", 32, "s_axi_rdata"), ("output", 2, "s_axi_rresp"),
             ("output", 1, "s_axi_rvalid"), ("input", 1, "s_axi_rready"), None,
             ("output", 1, "irq"), None,
-            ("output", schedulers, "issue_valid_o"), ("output", 16 * schedulers, "issue_pc_o"),
-            ("output", 16 * schedulers, "issue_context_o"), ("output", 32 * schedulers, "issue_word_o"), None,
+            ("output", issues, "issue_valid_o"), ("output", 16 * issues, "issue_pc_o"),
+            ("output", 16 * issues, "issue_context_o"), ("output", 32 * issues, "issue_word_o"), None,
             ("output", 2 * lanes, "retire_end_o"), ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
             ("output", 32 * lanes, "retire_object_o"), ("output", 6 * lanes, "retire_register_o"),
             ("output", 32 * lanes, "retire_value_o"), ("output", 5 * lanes, "retire_flags_o")]

@@ -1,0 +1,67 @@
+"""A lane that adds and multiplies at once: the bits of the same program elsewhere, in the cycles that were predicted."""
+
+import re
+import subprocess
+
+import pytest
+
+LANES, CONTEXTS = 4, 30
+
+
+@pytest.fixture
+def run(fp3, tmp_path):
+    def run(program, *options, status=0):
+        done = subprocess.run([fp3, "run", program, *map(str, options)], cwd=tmp_path, capture_output=True, text=True, timeout=600)
+        assert done.returncode == status, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    return run
+
+
+def states(out):
+    return re.findall(r"^\w+ +\S+ +0x\w{8}   object \d+$", out, re.MULTILINE)
+
+
+def cycles(out):
+    return int(re.search(r"^cycles +(\d+)$", out, re.MULTILINE)[1])
+
+
+def ship(root, run, program, *options):
+    return run(program, "--params", root / "programs/ship.cfg", "--spread", "C=30000:50000", "--all", *options)
+
+
+def test_the_ship_takes_fourteen_cycles_and_has_its_bits(root, run):
+    objects = LANES * CONTEXTS
+    full = [ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-o", objects, "-n", n) for n in (3, 8)]
+    assert cycles(full[1]) - cycles(full[0]) == 5 * 14 * CONTEXTS
+    other = ship(root, run, root / "programs/ship_scale.s", "-c", "shared", "-e", "isa", "-o", 64, "-n", 8)
+    assert len(states(other)) == 128
+    few = ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-o", 64, "-n", 8, "--visit", 3)
+    assert states(few) == states(other)
+
+
+@pytest.mark.parametrize("model", ["lorenz", "robertson", "double_spring"])
+def test_a_compiled_model_has_its_bits_and_its_cycles(root, fp3, run, model):
+    path = root / f"programs/{model}.ode"
+    text = subprocess.run([fp3, "compile", path, "-c", "dual"], capture_output=True, text=True, check=True).stdout
+    told = float(re.search(r"([\d.]+) cycles per object-step", text)[1])
+    full = [run(path, "-c", "dual", "-o", LANES * CONTEXTS, "-n", n) for n in (2, 5)]
+    assert (cycles(full[1]) - cycles(full[0])) / (3 * LANES * CONTEXTS) == pytest.approx(told, rel=1e-5)
+    few = [run(path, "-c", config, "-e", engine, "-o", 7, "-n", 9)
+           for config, engine in (("dual", "rtl"), ("dual", "isa"), ("dual", "fast"), ("shared", "isa"))]
+    assert len(states(few[0])) == 7 * len(set(re.findall(r"^\.state +(\w+)", text, re.MULTILINE)))
+    assert all(states(out) == states(few[0]) for out in few)
+
+
+@pytest.mark.parametrize("word, wrong", [
+    ("add r1, r2, k0", "word 0 (add) writes a sum to a register of odd number"),
+    ("mul r2, r2, k0", "word 0 (mul) writes a product to a register of even number"),
+    ("sub r0, r2, r4", "word 0 (sub) reads two registers of even number"),
+    ("mul r1, r3, r3", "word 0 (mul) reads two registers of odd number"),
+    ("addh r0, r1, k0", "word 0 (addh) adds what it scales to a register of odd number"),
+    ("subt r0, k0, r2", "word 0 (subt) scales a register of even number")])
+@pytest.mark.parametrize("engine", ["rtl", "isa", "fast"])
+def test_sums_and_products_are_apart(run, tmp_path, engine, word, wrong):
+    (tmp_path / "x.s").write_text(f"step:\n    {word}\n")
+    said = run("x.s", "-c", "dual", "-e", engine, status=2)
+    assert f"{wrong}: configuration 'dual' keeps sums in registers of even number" in said
