@@ -8,7 +8,7 @@
 //                                    sum      13 ........... 42 43 ...
 //
 // Promise   Between two sweeps' beginnings at least GAP cycles pass; no sweep begins while its unit is busy,
-//           and none waits longer than these two ask for.
+//           and none waits longer than these two ask for. Proved: tests/formal/dual_pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
 // Hazard    mask_i, adds_i and muls_i stay while valid_i is high. take_i comes with may_o and ends it: valid_i
 //           is low in the next cycle. The contexts of a mask are 0, 1, .. without a hole.

@@ -152,7 +152,7 @@ def gap(row):
     return latency(row, "add") + latency(row, "mul") + shared + TIMING["gap"]["cycles"]
 
 
-TAKES_TURNS = {(row["contexts"], gap(row)) for row in configurations(interleave=1)}
+TAKES_TURNS = {(row["contexts"], gap(row)) for row in configurations(interleave=1, dual=0)}
 FEW, MANY = pace(4, 6), pace(4, 3)
 
 PACE = Subject(
@@ -171,6 +171,24 @@ PACE = Subject(
         ("a mask that has gone is known", "age_q      <= valid_i && !rst_i ?", "age_q      <= !rst_i ?", FEW),
         ("the first sweep pauses", "else if (start_i)          since_q <= GAP_C;", "", FEW),
         ("nothing ever starts", "rested_q   <= (busy_i ? ZERO : since_q) + 1'b1 >= pause_q", "rested_q   <= 1'b0", FEW),
+    ])
+
+
+# A sum and a product are as late as the slower of the two.
+AT_ONCE = {(row["contexts"], max(latency(row, "add"), latency(row, "mul")) + TIMING["gap"]["cycles"]) for row in configurations(dual=1)}
+BRIEF, WIDE = pace(3, 10), pace(9, 6)
+
+DUAL_PACE = Subject(
+    "dual_pace_spec", ("dual_pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
+    [pace(*shape) for shape in sorted(AT_ONCE)] + [BRIEF, WIDE], [
+        ("sweeps a cycle too near", "since == GAP_C;", "since + 1'b1 >= GAP_C;", BRIEF),
+        ("sweeps as if there were no other unit", "known_o && rested_q &&", "known_o &&", BRIEF),
+        ("a sum while the adder is busy", "(!adds_i || adder_i)", "1'b1", WIDE),
+        ("a product while the multiplier is busy", "(!muls_i || multiplier_i)", "1'b1", WIDE),
+        ("the first sweep waits", "since_q  <= start_i ? GAP_C : since;", "since_q  <= since;", BRIEF),
+        ("half of all contexts counted", "count_q  <= low_q + high_q", "count_q  <= low_q", WIDE),
+        ("may before the size is known", "known_o = valid_i && age_q[4]", "known_o = valid_i && age_q[3]", BRIEF),
+        ("a size that has gone is known", "age_q    <= valid_i && !rst_i ?", "age_q    <= !rst_i ?", BRIEF),
     ])
 
 
@@ -254,5 +272,5 @@ EXECUTE = Subject(
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, AXI_LITE, RESPONSES, EXECUTE):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, EXECUTE):
         yield from subject.cases()
