@@ -32,12 +32,11 @@ module host_decode #(
     wire [31:0] word  = {12'd0, addr_i[ADDRESS_WORD_HI:ADDRESS_WORD_LO]};
     wire [31:0] index = {26'd0, addr_i[7:2]};
     wire        low   = part == 2'd0 && addr_i[21:16] == 6'd0;
-    wire [15:0] from_counters = addr_i[15:0] - ADDR_COUNTERS;
 
     // The bounds that are 0 where something is left out ask for <= and one more.
     wire whole = addr_i[1:0] == 2'd0;
     wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
-    wire counters_d  = low && addr_i[15:0] >= ADDR_COUNTERS && from_counters < 8 * COUNTERS;
+    wire counters_d  = low && addr_i[15:7] == ADDR_COUNTERS[15:7] && {28'd0, addr_i[6:3]} < COUNTERS;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
@@ -57,7 +56,7 @@ module host_decode #(
         memory_q    <= whole && (constants_d || awake_d || wake_d || objects_d || status_d);
         space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
                      : status_d ? HOST_STATUS : HOST_OBJECT;
-        counter_q   <= from_counters[6:3];
+        counter_q   <= addr_i[6:3];
         address_q   <= low ? {7'd0, addr_i[14:2]} : word[19:0];
     end
     assign {registers_o, counters_o, program_o, memory_o} = {registers_q, counters_q, program_q, memory_q};

@@ -3,7 +3,7 @@
 // Purpose   Loads programs, constants and objects, starts and stops
 //           runs, and shows how they went. isa/registers.toml is the map; every scheduler has one.
 // Latency   A request is decoded (host_decode), checked, and executed, a cycle each. A write is answered while it is
-//           executed, a read of a register or counter one cycle later, any other read MEMORY_LATENCY + 1 cycles later.
+//           executed, a read of a register or counter two cycles later, any other read MEMORY_LATENCY + 1 cycles later.
 // Promise   Every request is answered. What has no register, no such access or no sense is
 //           answered with an error and changes nothing.
 // Hazard    A request may come in every cycle. But one to a register, a counter or a constant is alone: none is
@@ -11,12 +11,12 @@
 //           and its address and data stand all the time.
 //           With start_o, step_o <= step_end_o <= end_o.
 //
-//     cycle           0     1     2     3    ..  3+M         M = MEMORY_LATENCY
-//     req_valid_i     1     0     0     0
-//     answer_wrote    0     0     1     0                    a write
-//     access_o        0     0     1     0                    of a memory; rdata_i is its word in 2+M
-//     answer_read     0     0     0     1         0          a register or counter
-//     answer_read     0     0     0     0         1          a memory
+//     cycle           0     1     2     3     4    ..  3+M   M = MEMORY_LATENCY
+//     req_valid_i     1     0     0     0     0
+//     answer_wrote    0     0     1     0     0              a write
+//     access_o        0     0     1     0     0              of a memory; rdata_i is its word in 2+M
+//     answer_read     0     0     0     0     1         0    a register or counter
+//     answer_read     0     0     0     0     0         1    a memory
 `default_nettype none
 `include "host/answer.vh"
 module host_port #(
@@ -73,7 +73,8 @@ module host_port #(
 
     // Decode a request, check it, execute it. What is alone stands until it is answered.
     reg         check_q, write_q, ok_q;
-    reg         writes_q, shows_q, fetches_q, access_q, load_q;     // executed: a write, a read of ours, any other; a memory, a program
+    reg         writes_q, ours_q, fetches_q, access_q, load_q;      // executed: a write, a read of ours, any other; a memory, a program
+    reg         shows_q;                                  // a cycle later
     reg  [4:0]  register_q;
     reg  [31:0] wdata_q, memory_wdata_q;
     reg  [2:0]  space_q;
@@ -81,18 +82,19 @@ module host_port #(
     wire        in_registers, in_counters, in_program, in_memory;
     wire [2:0]  space;
     wire [19:0] address;
-    reg         ok;                                       // this access has a meaning now
+    wire [3:0]  counter;
     wire        ours = in_registers || in_counters;
     host_decode #(.CONFIG(CONFIG)) u_decode (
         .clk_i(clk_i), .write_i(req_write_i), .addr_i(req_addr_i),
         .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
-        .counter_o(counters_index_o), .space_o(space), .address_o(address));
+        .counter_o(counter), .space_o(space), .address_o(address));
     always @(posedge clk_i) begin
-        if (rst_i) {check_q, writes_q, shows_q, fetches_q, access_q, load_q} <= 6'd0;
+        if (rst_i) {check_q, writes_q, ours_q, shows_q, fetches_q, access_q, load_q} <= 7'd0;
         else begin
             check_q   <= req_valid_i;
             writes_q  <= check_q && write_q;
-            shows_q   <= check_q && !write_q && ours;
+            ours_q    <= check_q && !write_q && ours;
+            shows_q   <= ours_q;
             fetches_q <= check_q && !write_q && !ours;
             access_q  <= check_q && ok && in_memory;
             load_q    <= check_q && ok && in_program;
@@ -111,11 +113,31 @@ module host_port #(
     reg [4:0]         flags_q;
     reg               irq_enable_q, ended_q;
 
+    // Whether an access to a register has a meaning is told of its address first, then of what happens now. That keeps
+    // the path short.
     reg  runnable, is_index, is_record;
+    reg  has_q;                                           // there is such an access
+    reg  starts_q, sets_q, sets_index_q, sets_record_q;   // it writes: a start, what describes a run; an index, a record
+    wire [4:0] register = req_addr_i[6:2];
+    wire starts = req_write_i && register == ADDR_CONTROL[6:2] && req_wdata_i[CONTROL_START_LO];
+    reg  has, sets, sets_index;
+    always @* begin
+        {has, sets, sets_index} = 3'b000;
+        case (register)
+            ADDR_CONTROL[6:2]:   has = req_write_i && !(starts && req_wdata_i[CONTROL_STOP_LO]);
+            ADDR_INTERRUPT[6:2]: has = 1'b1;
+            ADDR_STEPS[6:2]:     {has, sets} = {1'b1, req_write_i};
+            ADDR_VISIT[6:2], ADDR_CLOCK[6:2], ADDR_RECORD[6:2]: {has, sets} = {STORE_WORDS != 0, req_write_i};
+            ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: {has, sets, sets_index} = {1'b1, {2{req_write_i}}};
+            default:             has = !req_write_i && register <= ADDR_FLAGS[6:2];
+        endcase
+    end
     always @(posedge clk_i) begin
-        runnable  <= step_q < last_q && last_q <= size_q;
-        is_index  <= req_wdata_i <= PROGRAM_32;
-        is_record <= req_wdata_i >= 32'd3 && req_wdata_i <= 32'd6;
+        {has_q, starts_q, sets_q, sets_index_q} <= {has, starts, sets, sets_index};
+        sets_record_q <= req_write_i && register == ADDR_RECORD[6:2];
+        runnable      <= step_q < last_q && last_q <= size_q;
+        is_index      <= req_wdata_i <= PROGRAM_32;
+        is_record     <= req_wdata_i >= 32'd3 && req_wdata_i <= 32'd6;
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
@@ -124,20 +146,11 @@ module host_port #(
     // The outcome is known in the cycle after the end: until then the run goes on.
     wire busy = running_i || was_running_q;
 
-    always @* begin
-        ok = 1'b0;
-        if (in_registers) case (register_q)
-            ADDR_CONTROL[6:2]: ok = write_q && !(wants_start && (running_i || wants_stop || !runnable));
-            ADDR_VISIT[6:2], ADDR_CLOCK[6:2]: ok = STORE_WORDS != 0 && (!write_q || !running_i);
-            ADDR_RECORD[6:2]:  ok = STORE_WORDS != 0 && (!write_q || (!running_i && is_record));
-            ADDR_STEPS[6:2]:   ok = !write_q || !running_i;
-            ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: ok = !write_q || (!running_i && is_index);
-            ADDR_INTERRUPT[6:2]: ok = 1'b1;
-            default:           ok = !write_q && register_q <= ADDR_FLAGS[6:2];
-        endcase
-        else if (in_counters) ok = !write_q;
-        else ok = !running_i && (in_memory || (in_program && write_q));
-    end
+    wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable)
+                             && !(sets_index_q && !is_index) && !(sets_record_q && !is_record);
+    wire ok = in_registers ? register_ok                  // this access has a meaning now
+            : in_counters  ? !write_q
+            : !running_i && (in_memory || (in_program && write_q));
 
     // What a read shows, in parts: one mux would be the longest path of the whole.
     wire [31:0] third = {27'd0, register_q[0] ? {3'd0, ended_q, irq_enable_q} : flags_q};
@@ -168,9 +181,14 @@ module host_port #(
     end
 
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
-    // may change, so it still has its meaning.
+    // may change, so it still has its meaning. What is read stands a cycle longer.
     reg  [31:0] first_q, second_q, third_q;
-    always @(posedge clk_i) {first_q, second_q, third_q} <= {first, second, third};
+    reg         counters_high_q;
+    reg  [3:0]  counter_q;
+    always @(posedge clk_i) begin
+        {first_q, second_q, third_q} <= {first, second, third};
+        {counter_q, counters_high_q} <= {counter, register_q[0]};
+    end
     wire [31:0] shown = in_counters ? counters_value_i : register_q[4] ? third_q : register_q[3] ? second_q : first_q;
 
     // The answers
@@ -257,8 +275,9 @@ module host_port #(
     assign program_addr_o   = address_q[PROGRAM_W-1:0];
     assign wdata_o          = memory_wdata_q;
     assign counters_clear_o = clear_q;
-    assign counters_read_o  = check_q;
-    assign counters_high_o  = register_q[0];
+    assign counters_read_o  = ours_q;
+    assign counters_index_o = counter_q;
+    assign counters_high_o  = counters_high_q;
 
     assign irq_o       = irq_enable_q && ended_q;
 
@@ -268,7 +287,7 @@ module host_port #(
     reg  [4:0] alone_q;
     always @(posedge clk_i) begin
         alone_q <= rst_i ? 5'd0 : {alone_q[3:0], alone};
-        if (!rst_i && ((check_q && |alone_q) || (alone && (req_valid_i || writes_q || fetches_q || fetched)))) begin
+        if (!rst_i && ((check_q && |alone_q) || (alone && (req_valid_i || writes_q || ours_q || shows_q || fetches_q || fetched)))) begin
             $display("%m: a request beside one that has to be alone"); $stop;
         end
     end
