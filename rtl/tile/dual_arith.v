@@ -3,6 +3,7 @@
 // Purpose   The adder and the multiplier of a lane that issues to both at once; neither waits for the other.
 // Latency   LATENCY from the registered operands to both results, one more from those as they are read.
 // Flags     {NV, DZ, OF, UF, NX}; where y is scaled those of the product and of the sum.
+// Store     One operand of the sum is left out: the other, unchanged, is what is stored.
 //
 //     cycle    0                        1            1 + LATENCY
 //              x, y as they are read    registered   sum_o, product_o
@@ -16,10 +17,13 @@ module dual_arith #(
     input  wire        minus_y_i,
     input  wire        twice_i,
     input  wire        half_i,
+    input  wire        no_x_i,         // the operand is left out: a store
+    input  wire        no_y_i,
     input  wire [31:0] sum_x_i,
     input  wire [31:0] sum_y_i,
     input  wire [31:0] product_x_i,
     input  wire [31:0] product_y_i,
+    output wire [31:0] stored_o,       // a cycle after the operands
     output wire [31:0] sum_o,
     output wire [4:0]  sum_flags_o,
     output wire [31:0] product_o,
@@ -46,11 +50,13 @@ module dual_arith #(
     reg  [31:0] sum_x_q, sum_y_q, product_x_q, product_y_q;
     always @(posedge clk_i) begin
         minus_q     <= minus_y_i;
-        sum_x_q     <= {sum_x_i[31] ^ minus_x_i, sum_x_i[30:0]};
-        sum_y_q     <= scaled;
+        sum_x_q     <= no_x_i ? 32'd0 : {sum_x_i[31] ^ minus_x_i, sum_x_i[30:0]};
+        sum_y_q     <= no_y_i ? 32'd0 : scaled;
         product_x_q <= product_x_i;
         product_y_q <= product_y_i;
     end
+
+    assign stored_o = sum_x_q | sum_y_q;
 
     wire [31:0] sum, product;
     wire [4:0]  sum_flags, sum_flags_late, product_flags;

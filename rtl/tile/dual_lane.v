@@ -93,24 +93,24 @@ module dual_lane #(
         .write_addr_i(product_spot_q), .write_value_i(product_value_q),
         .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
 
-    wire        minus_x_i2, minus_y_i2, twice_i2, half_i2, st_y_i2;
+    wire        minus_x_i2, minus_y_i2, twice_i2, half_i2, st_x_i2, st_y_i2;
+    wire [31:0] stored;                                             // cycle 3
     wire [31:0] sum, product;                                       // W
     wire [4:0]  sum_flags, product_flags;
-    delay #(.W(5), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st_y}),
-        .q_o({minus_x_i2, minus_y_i2, twice_i2, half_i2, st_y_i2}));
+    delay #(.W(6), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st && !issue_st_y, issue_st && issue_st_y}),
+        .q_o({minus_x_i2, minus_y_i2, twice_i2, half_i2, st_x_i2, st_y_i2}));
     dual_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i),
         .minus_x_i(minus_x_i2), .minus_y_i(minus_y_i2), .twice_i(twice_i2), .half_i(half_i2),
+        .no_x_i(st_y_i2), .no_y_i(st_x_i2),
         .sum_x_i(sum_x), .sum_y_i(sum_y), .product_x_i(product_x), .product_y_i(product_y),
-        .sum_o(sum), .sum_flags_o(sum_flags), .product_o(product), .product_flags_o(product_flags));
+        .stored_o(stored), .sum_o(sum), .sum_flags_o(sum_flags), .product_o(product), .product_flags_o(product_flags));
 
     // The store ------------------------------------------------------------------------------------------
-    reg  [31:0] stored_q;                       // what is stored; cycle 3
     wire [31:0] word_w1;
-    always @(posedge clk_i) stored_q <= st_y_i2 ? sum_y : sum_x;
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(1'b1), .register_i(issue_register),
-        .row_i2_i(issue_st_row), .absent_i2_i({1'b0, issue_st_row} >= count_q), .asleep_i2_i(1'b0), .value_i3_i(stored_q),
+        .row_i2_i(issue_st_row), .absent_i2_i({1'b0, issue_st_row} >= count_q), .asleep_i2_i(1'b0), .value_i3_i(stored),
         .row_w3_i(retire_load_row), .register_w3_i(retire_load_register), .word_o(word_w1),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
         .host_word_i(data_i));
