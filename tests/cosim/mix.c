@@ -447,11 +447,11 @@ static fp3_image *assemble(const char *source) {
     return image;
 }
 
-/* So many instructions a step. */
+/* So many instructions a step, sums and products in registers of their own. */
 static fp3_image *work(uint32_t size) {
-    char source[4096] = ".state x\n.param y\nstep:\n";
+    char source[4096] = ".state x = r0\n.param y = r1\n.temp z = r3\nstep:\n";
     for (uint32_t i = 0; i < size; i++)
-        strcat(source, i % 2 ? "mul x, x, y\n" : "add x, x, y\n");
+        strcat(source, i % 2 ? "mul z, x, y\n" : "add x, x, y\n");
     return assemble(source);
 }
 
