@@ -148,12 +148,12 @@ module dual_sequencer #(
     wire [REGISTER_W-1:0] sum_register, product_register;
     wire [REGISTER_W:0]   sum_x, sum_y, product_x, product_y;
     dual_turn #(.CONFIG(CONFIG), .WHAT_W(SUM_W), .COUNT_W(COUNT_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort),
-        .load_i(d_take && !to_products), .mask_i(d_mask_q), .count_i(count), .base_i(d_base_q),
+        .load_i(d_take && !to_products), .count_i(count), .base_i(d_base_q),
         .what_i({d_trace_q, d_lasts_q, to_memory, to_add, to_memory && !st, subtract && turned, subtract && !turned,
                  twice, half, st, st && d[0], d, x, y}),
         .busy_o(sum_busy), .over_o(sum_over), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
     dual_turn #(.CONFIG(CONFIG), .WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort),
-        .load_i(d_take && to_products), .mask_i(d_mask_q), .count_i(count), .base_i(d_base_q),
+        .load_i(d_take && to_products), .count_i(count), .base_i(d_base_q),
         .what_i({d_trace_q, d_lasts_q, to_memory, d, x, y}),
         .busy_o(product_busy), .over_o(product_over), .valid_o(product_valid), .context_o(product_context),
         .what_o(product_what), .row_o(product_row));
