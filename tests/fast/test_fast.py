@@ -21,7 +21,7 @@ def run(fp3, root, tmp_path):
         start.how = re.search(r"^time .*; (.*)$", done.stdout, re.M)
         start.how = start.how and start.how[1]
         start.stderr = done.stderr
-        return re.sub(r"^(time|simulator|cycles|issued|retired|stall)\S* .*\n", "", done.stdout, flags=re.M)
+        return re.sub(r"^(time|simulator|cycles|issued|paired|retired|stall)\S* .*\n", "", done.stdout, flags=re.M)
 
     return start
 
