@@ -103,6 +103,7 @@ MISTAKES = [
     ("registers.toml", "at = 0x0024", "at = 0x0022", "'step': 0x0022 is not the address of a word"),
     ("registers.toml", "at = 0x0024", "at = 0x0084", "'step' and 'counter cycles' overlap at 0x0084"),
     ("registers.toml", "at = 0x0024", "at = 0x2800", "'step' at 0x2800 lies in the windows"),
+    ("registers.toml", "at = 0x0080", "at = 0x00a0", "a multiple of 128, for at most 16 counters"),
     ("registers.toml", "at = 0x2000", "at = 0x2f04", "window 'constants' has no room"),
     ("registers.toml", "constants = [15, 8]", "constants = [15, 7]", "fields 'registers' and 'constants' overlap in bit 7"),
     ("registers.toml", 'access = "wo"', 'access = "w"', "'control': access 'w' is not one of"),

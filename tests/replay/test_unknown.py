@@ -19,7 +19,7 @@ INITIAL = re.compile(r"\binitial\b|\breg\b[^;]*?=(?!=)")
 
 # What a test runs: configuration, objects, steps, resets.
 SHORT = {"single": (1, 1, 4), "many": (1, 1, 1)}
-LONG = {"single": (1, 20, 20), "many": (6, 1, 20), "lanes": (9, 1, 4), "array": (10, 1, 4), "shared": (6, 1, 8), "many_full": (3, 1, 8)}
+LONG = {"single": (1, 20, 20), "many": (6, 1, 20), "lanes": (9, 1, 4), "dual": (5, 1, 4), "array": (10, 1, 4), "shared": (6, 1, 8), "many_full": (3, 1, 8)}
 
 
 def start(*command, cwd=None):

@@ -66,6 +66,8 @@ def check_registers(regs, counted):
              f"window '{row['name']}' has no room: the next starts at 0x{above['at']:04x}")
     counters = [{"name": "counter " + row["name"], "at": regs["counters"]["at"] + 8 * i, "bytes": 8}
                 for i, row in enumerate(regs["counter"])]
+    need(regs["counters"]["at"] % 128 == 0 and len(counters) <= 16, file,
+         "[counters]: at is to be a multiple of 128, for at most 16 counters: rtl/host/host_decode.v takes a counter's number from address bits 6 to 3")
     owner = {}
     for row in regs["register"] + counters + windows:
         at, name = row["at"], row["name"]
