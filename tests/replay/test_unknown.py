@@ -53,10 +53,11 @@ def compiled(tree, config, *more):
 
 
 def record(root, fp3, at, config, objects, steps):
-    """A run of objects that fall asleep, where there is sleep."""
+    """A run of objects that fall asleep, where there is sleep; of sums and products kept apart, where they have to be."""
     image, session = at / "x.fp3", at / f"{config}.session"
-    sleeps = re.search(r"\.SLEEP +\(1\)", (root / f"rtl/gen/fp3_{config}.v").read_text())
-    program, *more = ("ship_sleep", "--set", "eps=1e9") if sleeps else ("ship_madd", )
+    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
+    program, *more = ("ship_sleep", "--set", "eps=1e9") if re.search(r"\.SLEEP +\(1\)", text) else \
+                     ("ship_dual", ) if re.search(r"\.DUAL +\(1\)", text) else ("ship_madd", )
     assert start(fp3, "asm", root / f"programs/{program}.s", "-o", image).returncode == 0
     done = start(fp3, "run", image, "-c", config, "-o", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
                  "--bus-log", session)
