@@ -1,6 +1,8 @@
 /* banks.c - see banks.h. */
 #include "banks.h"
 
+#include "machine/operation.h"
+
 #include <fp3/isa.h>
 #include <stdlib.h>
 
@@ -27,10 +29,6 @@ typedef struct {
 
 static int adds(uint32_t op) { return op != FP3_OP_MUL; }
 
-static int scales(uint32_t op) {
-    return op == FP3_OP_ADDH || op == FP3_OP_SUBH || op == FP3_OP_ADDT || op == FP3_OP_SUBT;
-}
-
 static bank bank_of(const part *p, fp3_ref ref) {
     if (ref.at == p->own)
         return adds(p->from[ref.index].op) ? SUM : PRODUCT;
@@ -56,7 +54,7 @@ static void vote(const part *p, const fp3_op *op, fp3_ref param, fp3_ref other, 
     const bank of = bank_of(p, other);
     if (param.at != FP3_AT_PARAM)
         return;
-    if (scales(op->op))
+    if (fp3_operation_scales(op->op))
         sums[param.index] += is_b ? -1 : 1;
     else if (other.at != FP3_AT_PARAM && of != EITHER)
         sums[param.index] += of == PRODUCT ? 1 : -1;
@@ -85,7 +83,7 @@ static fp3_status give_registers(const banks *b, fp3_error *error) {
 /* Which of a and b has to be moved: 0 none, 1 a, 2 b, 3 one of them. */
 static int conflict_of(const part *p, const fp3_op *op) {
     const bank a = bank_of(p, op->a), b = bank_of(p, op->b);
-    if (scales(op->op))
+    if (fp3_operation_scales(op->op))
         return (a == PRODUCT ? 1 : 0) + (b == SUM ? 2 : 0);
     return a != EITHER && a == b ? 3 : 0;
 }
@@ -120,14 +118,14 @@ static int chosen(const part *p, const fp3_op *op) {
 
 static void split(part *p) {
     for (uint32_t i = 0; i < p->from_count; i++)
-        if (conflict_of(p, &p->from[i]) == 3 && !scales(p->from[i].op)) {
+        if (conflict_of(p, &p->from[i]) == 3 && !fp3_operation_scales(p->from[i].op)) {
             p->wants[slot_of(p, p->from[i].a)]++;
             p->wants[slot_of(p, p->from[i].b)]++;
         }
     for (uint32_t i = 0; i < p->from_count; i++) {
         fp3_op op = p->from[i];
         int which = conflict_of(p, &op);
-        if (which == 3 && !scales(op.op))
+        if (which == 3 && !fp3_operation_scales(op.op))
             which = chosen(p, &op);
         const fp3_ref a = which & 1 ? move(p, op.a, op.note) : now(p, op.a);
         const fp3_ref b = which & 2 ? move(p, op.b, op.note) : now(p, op.b);

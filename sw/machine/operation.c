@@ -27,8 +27,9 @@ fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code) {
 static int is_sum(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && !(operand & 1); }
 static int is_product(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && operand & 1; }
 
-static int scales(uint32_t code) {
-    return code == FP3_OP_ADDH || code == FP3_OP_SUBH || code == FP3_OP_ADDT || code == FP3_OP_SUBT;
+int fp3_operation_scales(uint32_t code) {
+    const fp3_operation *operation = fp3_operation_find(code);
+    return operation && operation->needs == FP3_KEY_SCALE;
 }
 
 const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *in) {
@@ -44,9 +45,9 @@ const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction 
         return "reads two registers of even number";
     if (is_product(in->a) && is_product(in->b))
         return "reads two registers of odd number";
-    if (scales(in->op) && is_sum(in->b))
+    if (fp3_operation_scales(in->op) && is_sum(in->b))
         return "scales a register of even number";
-    if (scales(in->op) && is_product(in->a))
+    if (fp3_operation_scales(in->op) && is_product(in->a))
         return "adds what it scales to a register of odd number";
     return NULL;
 }

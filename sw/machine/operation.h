@@ -42,6 +42,9 @@ const fp3_operation *fp3_operation_find(uint32_t code);
  * beforehand. The others work with the store or put an object to sleep. */
 int fp3_operation_is_arithmetic(const fp3_operation *operation);
 
+/* Whether it adds b doubled or halved. */
+int fp3_operation_scales(uint32_t code);
+
 /* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it. */
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 
