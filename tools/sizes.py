@@ -28,6 +28,7 @@ NEEDS = [
     ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
     ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),
     ("the most steps of many objects that run one program of up to 16 registers; no sleep, no status", "lanes", "all"),
+    ("more steps still, of programs of sums and products alone", "dual", "all"),
     ("many objects of up to four programs at once; sleep, status", "array", "all"),
     ("the machine of the paper, for comparison", "paper", "step"),
 ]
