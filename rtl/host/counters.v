@@ -18,8 +18,9 @@ module counters #(
     input  wire               high_i,  // the high word of the count
     output wire [31:0]        value_o
 );
-    reg  [N-1:0]    event_q;
-    wire [N*64-1:0] values;
+    localparam FOURS = (N + 3) / 4;
+    reg  [N-1:0]         event_q;
+    wire [256*FOURS-1:0] values;
     always @(posedge clk_i) event_q <= clear_i ? {N{1'b0}} : event_i;
 
     genvar k;
@@ -31,11 +32,20 @@ module counters #(
                 else         count_q <= count_q + {{W-1{1'b0}}, event_q[k]};
             assign values[64*k +: 64] = {{64-W{1'b0}}, count_q};
         end
+        if (N % 4 != 0) begin : g_rest
+            assign values[64*N +: 64*(4*FOURS-N)] = {64*(4*FOURS-N){1'b0}};
+        end
     endgenerate
 
-    reg [31:0] value_q;
-    always @(posedge clk_i)
-        if (read_i) value_q <= values[64*index_i + 32*high_i +: 32];
-    assign value_o = value_q;
+    // A word of each four is taken in the cycle of read_i, one of these shown in the next: one mux of all is too slow.
+    reg [32*FOURS-1:0] taken_q;
+    reg [INDEX_W-3:0]  which_q;
+    integer            f;
+    always @(posedge clk_i) begin
+        for (f = 0; f < FOURS; f = f + 1) taken_q[32*f +: 32] <= values[256*f + 64*index_i[1:0] + 32*high_i +: 32];
+        which_q <= index_i[INDEX_W-1:2];
+    end
+    assign value_o = taken_q[32*which_q +: 32];
+    wire unused = read_i;
 endmodule
 `default_nettype wire

@@ -23,27 +23,31 @@ module host_decode #(
 `include "host/lane_host.vh"
     localparam [31:0] REGISTERS_32  = REGISTERS;
     localparam [31:0] PROGRAM_32    = PROGRAM_WORDS;
-    localparam [31:0] OBJECT_WORDS  = STORE_WORDS != 0 ? STORE_WORDS * LANES : REGISTERS;
-    localparam [31:0] STATUS_WORDS  = STATUS != 0 ? STORE_WORDS * LANES : 0;
-    localparam [31:0] LANES_32      = STORE_WORDS != 0 ? LANES : 0;
+    // Which lanes have a store, and which pieces of the objects' window there are: a lane's store, or the registers of the
+    // one object. Both lengths are powers of two. A table of 64 bits is shorter than a comparison's carries.
+    localparam integer STORES     = STORE_WORDS != 0 ? LANES : 0;
+    localparam integer PIECE_W    = STORE_WORDS != 0 ? STORE_W : REGISTER_W;
+    localparam [63:0]  HAS_STORE  = ~(~64'd0 << STORES);
+    localparam [63:0]  HAS_PIECE  = STORE_WORDS != 0 ? HAS_STORE : 64'd1;
+    localparam [63:0]  HAS_STATUS = STATUS != 0 ? HAS_STORE : 64'd0;
     localparam [1:0]  OBJECTS = SPACE_OBJECTS, STATUSES = SPACE_STATUS;
 
     wire [1:0]  part  = addr_i[ADDRESS_SPACE_HI:ADDRESS_SPACE_LO];
     wire [31:0] word  = {12'd0, addr_i[ADDRESS_WORD_HI:ADDRESS_WORD_LO]};
-    wire [31:0] index = {26'd0, addr_i[7:2]};
+    wire [5:0]  index = addr_i[7:2];
+    wire [31:0] piece = word >> PIECE_W;
+    wire        near  = piece[31:6] == 26'd0;
     wire        low   = part == 2'd0 && addr_i[21:16] == 6'd0;
 
-    // The bounds that are 0 where something is left out ask for <= and one more.
     wire whole = addr_i[1:0] == 2'd0;
     wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
     wire counters_d  = low && addr_i[15:7] == ADDR_COUNTERS[15:7] && {28'd0, addr_i[6:3]} < COUNTERS;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
-    wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && index < REGISTERS_32;
-    wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && index + 32'd1 <= LANES_32;
-    wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && index + 32'd1 <= LANES_32
-                    && write_i && SLEEP != 0;
-    wire objects_d   = part == OBJECTS && word < OBJECT_WORDS;
-    wire status_d    = part == STATUSES && word + 32'd1 <= STATUS_WORDS;
+    wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && {26'd0, index} < REGISTERS_32;
+    wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && HAS_STORE[index];
+    wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && HAS_STORE[index] && write_i && SLEEP != 0;
+    wire objects_d   = part == OBJECTS && near && HAS_PIECE[piece[5:0]];
+    wire status_d    = part == STATUSES && near && HAS_STATUS[piece[5:0]];
 
     reg        registers_q, counters_q, program_q, memory_q;
     reg [2:0]  space_q;

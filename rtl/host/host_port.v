@@ -208,33 +208,44 @@ module host_port #(
     assign {answer_read, answer_read_error, answer_rdata} = {read_q, read_error_q, rdata_q};
     assign answer_o = `ANSWER;
 
-    wire write   = writes_q && ok_q && in_registers;
-    wire control = write && register_q == ADDR_CONTROL[6:2];
-    wire to_interrupt = write && register_q == ADDR_INTERRUPT[6:2];
-    wire start   = control && wants_start;
-    reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
+    // Which register a write is for is told while it is checked; what enables that register then is that it may.
+    wire writes = check_q && write_q && in_registers && !rst_i;
+    reg  to_control_q, to_interrupt_q, to_record_q, to_steps_q, to_step_q, to_last_q, to_size_q, to_visit_q, to_clock_q;
     always @(posedge clk_i) begin
-        start_q <= start && steps_q != 32'd0 && !rst_i;
-        clear_q <= start;
+        to_control_q   <= writes && register_q == ADDR_CONTROL[6:2];
+        to_interrupt_q <= writes && register_q == ADDR_INTERRUPT[6:2];
+        to_record_q    <= writes && register_q == ADDR_RECORD[6:2];
+        to_steps_q     <= writes && register_q == ADDR_STEPS[6:2];
+        to_step_q      <= writes && register_q == ADDR_STEP[6:2];
+        to_last_q      <= writes && register_q == ADDR_LAST[6:2];
+        to_size_q      <= writes && register_q == ADDR_SIZE[6:2];
+        to_visit_q     <= writes && register_q == ADDR_VISIT[6:2];
+        to_clock_q     <= writes && register_q == ADDR_CLOCK[6:2];
+    end
+    wire start        = to_control_q && ok_q && wants_start;
+    wire to_interrupt = to_interrupt_q && ok_q;
+    reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
+    reg  no_steps_q;
+    always @(posedge clk_i) begin
+        no_steps_q <= steps_q == 32'd0;
+        start_q    <= start && !no_steps_q && !rst_i;
+        clear_q    <= start;
     end
     assign start_o = start_q;
-    assign stop_o  = control && wants_stop && running_i;
+    assign stop_o  = to_control_q && ok_q && wants_stop && running_i;
 
     always @(posedge clk_i)
         if (rst_i) begin
             {steps_q, visit_q, clock_q, record_q} <= 98'd0;
             {step_q, last_q, size_q}              <= {3*(PROGRAM_W+1){1'b0}};
-        end else if (write) begin
-            case (register_q)
-                ADDR_RECORD[6:2]: record_q <= wdata_q[1:0] + 2'd1;
-                ADDR_STEPS[6:2]:  steps_q  <= wdata_q;
-                ADDR_STEP[6:2]:   step_q   <= wdata_q[PROGRAM_W:0];
-                ADDR_LAST[6:2]:   last_q   <= wdata_q[PROGRAM_W:0];
-                ADDR_SIZE[6:2]:   size_q   <= wdata_q[PROGRAM_W:0];
-                ADDR_VISIT[6:2]:  visit_q  <= wdata_q;
-                ADDR_CLOCK[6:2]:  clock_q  <= wdata_q;
-                default: ;
-            endcase
+        end else if (ok_q) begin
+            if (to_record_q) record_q <= wdata_q[1:0] + 2'd1;
+            if (to_steps_q)  steps_q  <= wdata_q;
+            if (to_step_q)   step_q   <= wdata_q[PROGRAM_W:0];
+            if (to_last_q)   last_q   <= wdata_q[PROGRAM_W:0];
+            if (to_size_q)   size_q   <= wdata_q[PROGRAM_W:0];
+            if (to_visit_q)  visit_q  <= wdata_q;
+            if (to_clock_q)  clock_q  <= wdata_q;
         end
 
     always @(posedge clk_i)
@@ -245,7 +256,7 @@ module host_port #(
             was_running_q <= running_i;
             if (start) begin
                 {illegal_q, stopped_q, flags_q} <= 7'd0;
-                {done_q, ended_q} <= {2{steps_q == 32'd0}};
+                {done_q, ended_q} <= {2{no_steps_q}};
             end else begin
                 // The first reason to end is the one that counts.
                 if (stop_o && !illegal_i && !illegal_q) stopped_q <= 1'b1;

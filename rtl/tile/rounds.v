@@ -51,7 +51,9 @@ module rounds #(
     reg  [31:0]         left_q;        // steps after this round
     reg  [31:0]         steps_q, base_q, end_q;
     reg                 aborted_q;
-    wire                over = aborted_q || left_q == 32'd0 || count_i == {ROW_W+1{1'b0}};
+    // These stand while there is nothing to do but wait: what compares 32 bits need not be done in PLAN.
+    reg                 none_left_q, all_q;
+    wire                over = aborted_q || none_left_q || count_i == {ROW_W+1{1'b0}};
 
     reg                 stopping_q, stop_q;
     wire                stopping = running_o && !stop_q && (stop_i || stopping_q);
@@ -79,10 +81,12 @@ module rounds #(
         settle_q <= state_q == WAIT ? settle_q - 1'b1 : SETTLE[SETTLE_W-1:0];
         if (start_i) {left_q, base_q, steps_q} <= {steps_i, clock_i, 32'd0};
         else if (state_q == PLAN) begin
-            steps_q <= visit_i == 32'd0 || visit_i > left_q ? left_q : visit_i;
+            steps_q <= all_q ? left_q : visit_i;
             base_q  <= base_q + steps_q;
         end else if (open_o) left_q <= left_q - steps_q;
         end_q <= base_q + steps_q;
+        none_left_q <= left_q == 32'd0;
+        all_q       <= visit_i == 32'd0 || visit_i > left_q;
     end
     assign running_o = state_q != IDLE;
     assign open_o    = state_q == OPEN;
