@@ -1,12 +1,13 @@
 // dual_arith: a sum and a product in each cycle, both equally late.
 //
 // Purpose   The adder and the multiplier of a lane that issues to both at once; neither waits for the other.
-// Latency   LATENCY from the registered operands to both results, one more from those as they are read.
+// Latency   D, the latency of the slower of the two, from the registered operands to both results; one more from those as they
+//           are read.
 // Flags     {NV, DZ, OF, UF, NX}; where y is scaled those of the product and of the sum.
 // Store     One operand of the sum is left out: the other, unchanged, is what is stored.
 //
-//     cycle    0                        1            1 + LATENCY
-//              x, y as they are read    registered   sum_o, product_o
+//     cycle    -1      0                        1            1 + D
+//              sum_y   x, y as they are read    registered   sum_o, product_o
 `default_nettype none
 module dual_arith #(
 `include "config/config.vh"
@@ -15,7 +16,7 @@ module dual_arith #(
     // The sum: +/- x +/- y, where y may be scaled
     input  wire        minus_x_i,
     input  wire        minus_y_i,
-    input  wire        twice_i,
+    input  wire        twice_i,        // as sum_y_i: a cycle before the rest
     input  wire        half_i,
     input  wire        no_x_i,         // the operand is left out: a store
     input  wire        no_y_i,
@@ -29,20 +30,22 @@ module dual_arith #(
     output wire [31:0] product_o,
     output wire [4:0]  product_flags_o
 );
-    localparam MUL_WAITS = LATENCY - MUL_LATENCY + MUL_SPARE, ADD_WAITS = LATENCY - ADD_LATENCY + ADD_SPARE;
+    localparam D = LATENCY - TIMING_EARLY;
+    localparam MUL_WAITS = D - MUL_LATENCY + MUL_SPARE, ADD_WAITS = D - ADD_LATENCY + ADD_SPARE;
 
     wire [31:0] scaled;
     wire [4:0]  scale_flags, scale_flags_late;             // overflow or underflow, each of them inexact
     generate
         if (SCALE != 0) begin : g_scale
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(twice_i), .half_i(half_i),
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(1'b1)) u_scale (.clk_i(clk_i), .twice_i(twice_i), .half_i(half_i),
                 .d_i(sum_y_i), .z_o(scaled), .flags_o(scale_flags));
             wire of, uf;
-            delay #(.W(2), .N(LATENCY+1)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(scale_flags[2:1]), .q_o({of, uf}));
+            delay #(.W(2), .N(D+1)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(scale_flags[2:1]), .q_o({of, uf}));
             assign scale_flags_late = {2'b00, of, uf, of || uf};
         end else begin : g_no_scale
             wire unused = twice_i | half_i;
-            assign {scaled, scale_flags, scale_flags_late} = {sum_y_i, 10'd0};
+            assign {scale_flags, scale_flags_late} = 10'd0;
+            delay #(.W(32), .N(1)) u_plain (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_y_i), .q_o(scaled));
         end
     endgenerate
 

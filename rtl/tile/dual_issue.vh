@@ -8,7 +8,8 @@
 //     record, register            as in tile/issue.vh
 //     st_row                      the row that is stored; of the store of two cycles ago
 //     sum_x, sum_y                {context, half the register's number}: x from the bank of sums, y from
-//     product_x, product_y        that of products. Constants are in both, under the highest contexts
+//     product_x, product_y        that of products. Constants are in both, under the highest contexts.
+//                                 sum_y is that of the sum that comes two cycles later
 `define DUAL_ISSUE_W (8 + REGISTER_W + ROW_W + 4*BANK_W)
 `define DUAL_ISSUE_FIELDS \
     wire issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st, issue_st_y; \

@@ -5,9 +5,10 @@
 //           written to one bank, products to the other; every operation reads at most one register of each, so
 //           that four memories with one read and one write port are enough and no operand is chosen.
 //
-//           cycle    0           1, 2         3           .. W = LATENCY+3            W+1
+//           cycle    0           1, 2         3           .. W = LATENCY+2            W+1
 //           issue    operands    registers    operands    arithmetic, results         written, retired
 //                    named       read         registered
+//                    A sum's y was named two cycles before: its word waits a cycle, and is scaled in two.
 //           retire               named in W-4, the store's word there in W-1
 //
 // Latency   A register that is named GAP cycles after the issue of the instruction that writes it, or
@@ -79,13 +80,16 @@ module dual_lane #(
     reg               sum_write_q, product_write_q;                 // W+1
     reg  [BANK_W-1:0] sum_spot_q, product_spot_q;
     reg  [31:0]       sum_value_q, product_value_q;
-    wire [31:0]       sum_x, sum_y, product_x, product_y;           // cycle 2
+    wire [31:0]       sum_x, product_x, product_y;                  // cycle 2
+    wire [31:0]       sum_y_read;                                   // cycle 0
+    reg  [31:0]       sum_y_q;
+    always @(posedge clk_i) sum_y_q <= sum_y_read;
     ram_registered #(.ADDR_W(BANK_W)) u_sum_x (.clk_i(clk_i), .write_i(sum_write_q && !rst_i),
         .write_addr_i(sum_spot_q), .write_value_i(sum_value_q),
         .read_i(1'b1), .read_addr_i(issue_sum_x), .read_value_o(sum_x));
     ram_registered #(.ADDR_W(BANK_W)) u_sum_y (.clk_i(clk_i), .write_i(product_write_q && !rst_i),
         .write_addr_i(product_spot_q), .write_value_i(product_value_q),
-        .read_i(1'b1), .read_addr_i(issue_sum_y), .read_value_o(sum_y));
+        .read_i(1'b1), .read_addr_i(issue_sum_y), .read_value_o(sum_y_read));
     ram_registered #(.ADDR_W(BANK_W)) u_product_x (.clk_i(clk_i), .write_i(sum_write_q && !rst_i),
         .write_addr_i(sum_spot_q), .write_value_i(sum_value_q),
         .read_i(1'b1), .read_addr_i(issue_product_x), .read_value_o(product_x));
@@ -93,17 +97,18 @@ module dual_lane #(
         .write_addr_i(product_spot_q), .write_value_i(product_value_q),
         .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
 
-    wire        minus_x_i2, minus_y_i2, twice_i2, half_i2, st_x_i2, st_y_i2;
+    wire        minus_x_i2, minus_y_i2, twice_i1, half_i1, st_x_i2, st_y_i2;
     wire [31:0] stored;                                             // cycle 3
     wire [31:0] sum, product;                                       // W
     wire [4:0]  sum_flags, product_flags;
-    delay #(.W(6), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st && !issue_st_y, issue_st && issue_st_y}),
-        .q_o({minus_x_i2, minus_y_i2, twice_i2, half_i2, st_x_i2, st_y_i2}));
+    delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_half}), .q_o({twice_i1, half_i1}));
+    delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({issue_minus_x, issue_minus_y, issue_st && !issue_st_y, issue_st && issue_st_y}),
+        .q_o({minus_x_i2, minus_y_i2, st_x_i2, st_y_i2}));
     dual_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i),
-        .minus_x_i(minus_x_i2), .minus_y_i(minus_y_i2), .twice_i(twice_i2), .half_i(half_i2),
+        .minus_x_i(minus_x_i2), .minus_y_i(minus_y_i2), .twice_i(twice_i1), .half_i(half_i1),
         .no_x_i(st_y_i2), .no_y_i(st_x_i2),
-        .sum_x_i(sum_x), .sum_y_i(sum_y), .product_x_i(product_x), .product_y_i(product_y),
+        .sum_x_i(sum_x), .sum_y_i(sum_y_q), .product_x_i(product_x), .product_y_i(product_y),
         .stored_o(stored), .sum_o(sum), .sum_flags_o(sum_flags), .product_o(product), .product_flags_o(product_flags));
 
     // The store ------------------------------------------------------------------------------------------

@@ -10,8 +10,8 @@
 // Promise   Between two sweeps' beginnings at least GAP cycles pass; no sweep begins while its unit is busy,
 //           and none waits longer than these two ask for. Proved: tests/formal/dual_pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
-// Hazard    mask_i, adds_i and muls_i stay while valid_i is high. take_i comes with may_o and ends it: valid_i
-//           is low in the next cycle. The contexts of a mask are 0, 1, .. without a hole.
+// Hazard    mask_i, adds_i, muls_i and legal_i stay while valid_i is high. take_i comes with may_o and ends it:
+//           valid_i is low in the next cycle. The contexts of a mask are 0, 1, .. without a hole.
 //           start_i comes with valid_i low, when nothing has issued for GAP cycles.
 `default_nettype none
 module dual_pace #(
@@ -24,8 +24,9 @@ module dual_pace #(
     input  wire                start_i,
     input  wire                valid_i,
     input  wire [CONTEXTS-1:0] mask_i,
-    input  wire                adds_i,      // it needs the adder ...
+    input  wire                adds_i,      // it needs the adder, or both units are taken at once
     input  wire                muls_i,      // ... the multiplier
+    input  wire                legal_i,     // it may begin at all
     input  wire                take_i,
     output wire                known_o,
     output wire [COUNT_W-1:0]  count_o,
@@ -49,18 +50,20 @@ module dual_pace #(
     reg  [COUNT_W-1:0] low_q, high_q, count_q;
     reg  [COUNT_W-1:0] since_q;             // cycles since the last sweep began, GAP at most
     wire [COUNT_W-1:0] since = take_i ? ZERO + 1'b1 : since_q == GAP_C ? GAP_C : since_q + 1'b1;
-    reg                rested_q;
+    // All but the units is told a cycle ahead: may_o reaches far.
+    reg                ready_q, adds_q, muls_q;
     always @(posedge clk_i) begin
         age_q    <= valid_i && !rst_i ? {age_q[4] || age_q[3], age_q[2:0], 1'b1} : 5'd0;
         low_q    <= ones(mask_i & ~({CONTEXTS{1'b1}} << HALF));
         high_q   <= ones(mask_i >> HALF);
         count_q  <= low_q + high_q;
         since_q  <= start_i ? GAP_C : since;
-        rested_q <= start_i || since == GAP_C;
+        ready_q  <= valid_i && !rst_i && legal_i && (age_q[4] || age_q[3]) && since_q >= GAP_C - 1'b1;
+        {adds_q, muls_q} <= {adds_i, muls_i};
     end
     assign known_o = valid_i && age_q[4];
     assign count_o = count_q;
-    assign may_o   = known_o && rested_q && (!adds_i || adder_i) && (!muls_i || multiplier_i);
+    assign may_o   = valid_i && ready_q && (!adds_q || adder_i) && (!muls_q || multiplier_i);
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)

@@ -97,11 +97,10 @@ module dual_sequencer #(
     reg [TRACE_W-1:0]        d_trace_q;
     reg [CONTEXTS-1:0]       d_mask_q;
     reg [ROW_W-1:0]          d_base_q, next_base_q;          // the row of context 0; of the next batch
-    wire                     known, may;
+    wire                     known, d_take;
     wire [COUNT_W-1:0]       count;
     `DECODED_FIELDS
     assign `DECODED = d_decoded_q;
-    wire d_take = may && legal;
     assign d_ready = !d_valid_q;       // a sweep is long enough for a cycle without one
     always @(posedge clk_i) begin
         if (rst_i || abort || d_take) d_valid_q <= 1'b0;
@@ -130,15 +129,14 @@ module dual_sequencer #(
     localparam SUM_W = TRACE_W + 10 + REGISTER_W + 2 * (REGISTER_W + 1), PRODUCT_W = TRACE_W + 2 + REGISTER_W + 2 * (REGISTER_W + 1);
     reg                  memory_q;         // both units are taken
     wire                 to_products = to_mul || (to_memory && !st && d[0]);
-    wire                 sum_busy, sum_over, product_busy, product_over, sum_valid, product_valid;
-    wire                 sum_free = !sum_busy || sum_over, product_free = !product_busy || product_over;
+    wire                 sum_busy, sum_free, product_busy, product_free, sum_valid, product_valid;
     wire                 busy = sum_busy || product_busy;
     wire [CONTEXT_W-1:0] sum_context, product_context;
     wire [ROW_W-1:0]     sum_row, product_row;
     dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(open),
-        .valid_i(d_valid_q), .mask_i(d_mask_q), .adds_i(to_add || to_memory), .muls_i(to_mul || to_memory), .take_i(d_take),
-        .known_o(known), .count_o(count), .may_o(may),
-        .adder_i(sum_free && (!memory_q || product_free)), .multiplier_i(product_free && (!memory_q || sum_free)));
+        .valid_i(d_valid_q), .mask_i(d_mask_q), .adds_i(to_add || to_memory || memory_q), .muls_i(to_mul || to_memory || memory_q),
+        .legal_i(legal), .take_i(d_take), .known_o(known), .count_o(count), .may_o(d_take),
+        .adder_i(sum_free), .multiplier_i(product_free));
     always @(posedge clk_i) if (d_take) memory_q <= to_memory; else if (open) memory_q <= 1'b0;
 
     wire [SUM_W-1:0]      sum_what;
@@ -151,11 +149,11 @@ module dual_sequencer #(
         .load_i(d_take && !to_products), .count_i(count), .base_i(d_base_q),
         .what_i({d_trace_q, d_lasts_q, to_memory, to_add, to_memory && !st, subtract && turned, subtract && !turned,
                  twice, half, st, st && d[0], d, x, y}),
-        .busy_o(sum_busy), .over_o(sum_over), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
+        .busy_o(sum_busy), .free_o(sum_free), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
     dual_turn #(.CONFIG(CONFIG), .WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort),
         .load_i(d_take && to_products), .count_i(count), .base_i(d_base_q),
         .what_i({d_trace_q, d_lasts_q, to_memory, d, x, y}),
-        .busy_o(product_busy), .over_o(product_over), .valid_o(product_valid), .context_o(product_context),
+        .busy_o(product_busy), .free_o(product_free), .valid_o(product_valid), .context_o(product_context),
         .what_o(product_what), .row_o(product_row));
     assign {product_trace, product_lasts, product_loads, product_register, product_x, product_y} = product_what;
     assign issuing = !fetch_empty || d_valid_q || busy;
@@ -167,19 +165,21 @@ module dual_sequencer #(
     function [BANK_W-1:0] spot(input [REGISTER_W:0] of, input [CONTEXT_W-1:0] context_number);
         spot = of[REGISTER_W] ? {{CONTEXT_W-1{1'b1}}, of[REGISTER_W-1:0]} : {context_number, of[REGISTER_W-1:1]};
     endfunction
+    // A sum's y at once, the rest later.
     `DUAL_ISSUE_FIELDS
-    wire issue_st_now;
-    assign {sum_trace, sum_lasts, sum_memory, sum_adds, sum_loads, issue_minus_x, issue_minus_y, issue_twice, issue_half,
-            issue_st_now, issue_st_y, sum_register, sum_x, sum_y} = sum_what;
-    assign issue_st        = issue_st_now && sum_valid;
-    assign issue_record    = record_i;
-    assign issue_register  = sum_register;
-    assign issue_sum_x     = spot(sum_x, sum_context);
-    assign issue_sum_y     = spot(sum_y, sum_context);
-    assign issue_product_x = spot(product_x, product_context);
-    assign issue_product_y = spot(product_y, product_context);
-    delay #(.W(ROW_W), .N(1)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row), .q_o(issue_st_row));
-    assign issue_o = `DUAL_ISSUE;
+    wire [5:0] sum_kind;
+    wire       issue_st_now, valid_late;
+    assign {sum_trace, sum_lasts, sum_memory, sum_adds, sum_loads, sum_kind, sum_register, sum_x, sum_y} = sum_what;
+    delay #(.W(6+REGISTER_W+3*BANK_W), .N(TIMING_EARLY)) u_issue (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_kind, sum_register, spot(sum_x, sum_context), spot(product_x, product_context), spot(product_y, product_context)}),
+        .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st_now, issue_st_y, issue_register,
+              issue_sum_x, issue_product_x, issue_product_y}));
+    delay #(.W(1), .N(TIMING_EARLY)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(sum_valid), .q_o(valid_late));
+    delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row), .q_o(issue_st_row));
+    assign issue_st     = issue_st_now && valid_late;
+    assign issue_record = record_i;
+    assign issue_sum_y  = spot(sum_y, sum_context);
+    assign issue_o      = `DUAL_ISSUE;
 
     `DUAL_RETIRE_FIELDS
     delay #(.W(5), .N(LATENCY-1)) u_ends (.clk_i(clk_i), .rst_i(rst_i),
@@ -207,7 +207,7 @@ module dual_sequencer #(
     assign paired_o    = sum_busy && product_busy;
     delay #(.W(1), .N(LATENCY+6)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(busy), .q_o(retired_o));
     wire quiet = running_o && !busy;
-    assign stall_dependency_o = quiet && known && legal && !may;
+    assign stall_dependency_o = quiet && known && legal && !d_take;
     assign stall_fetch_o      = quiet && in_round && issuing && !stall_dependency_o;
     assign stall_drain_o      = quiet && !stall_dependency_o && !stall_fetch_o;
 

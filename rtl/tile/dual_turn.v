@@ -3,12 +3,12 @@
 // Purpose   Where sums and products have a turn each: the sweep of one of them, and what the lanes are told
 //           of it. Nothing stops a sweep.
 // Latency   The first context is said (valid_o) two cycles after load_i, its row three.
-// Hazard    load_i only while busy_o is low or over_o high. base_i is the row of context 0.
+// Hazard    load_i only while free_o is high. base_i is the row of context 0.
 //
 //     cycle     0     1      2        3
 //     load_i    1     0      0        0        count 2, base 48
 //     busy_o    0     1      1        0
-//     over_o    0     0      1        0
+//     free_o    1     0      1        1        from the cycle of the last context on
 //     valid_o   0     0      1        1        context_o 0, 1; row_o 48 in cycle 3, 49 in cycle 4
 `default_nettype none
 module dual_turn #(
@@ -23,22 +23,21 @@ module dual_turn #(
     input  wire [ROW_W-1:0]     base_i,
     input  wire [WHAT_W-1:0]    what_i,
     output wire                 busy_o,
-    output wire                 over_o,         // the last context issues
+    output wire                 free_o,         // the next sweep may be loaded
     output wire                 valid_o,
     output wire [CONTEXT_W-1:0] context_o,
     output wire [WHAT_W-1:0]    what_o,
     output wire [ROW_W-1:0]     row_o           // a cycle later
 );
-    reg                 busy_q, last_q;
+    reg                 busy_q, free_q;
     reg [CONTEXT_W-1:0] context_q;
     reg [COUNT_W-1:0]   left_q;                  // from this context on
     always @(posedge clk_i) begin
-        if (rst_i)       busy_q <= 1'b0;
-        else if (load_i) busy_q <= 1'b1;
-        else if (last_q) busy_q <= 1'b0;
+        if (rst_i)       {busy_q, free_q} <= 2'b01;
+        else if (load_i) {busy_q, free_q} <= {1'b1, count_i == 1};
+        else             {busy_q, free_q} <= {busy_q && !free_q, free_q || left_q == 2};
         context_q <= load_i ? {CONTEXT_W{1'b0}} : context_q + 1'b1;
         left_q    <= load_i ? count_i : left_q - 1'b1;
-        last_q    <= load_i ? count_i == 1 : left_q == 2;
     end
 
     reg                 valid_q;
@@ -55,7 +54,7 @@ module dual_turn #(
         row_q      <= base_now_q + context_wide[ROW_W-1:0];
     end
     assign busy_o    = busy_q;
-    assign over_o    = busy_q && last_q;
+    assign free_o    = free_q;
     assign valid_o   = valid_q;
     assign context_o = context_now_q;
     assign what_o    = what_now_q;

@@ -70,7 +70,7 @@ module shared_arith #(
     wire        subtract_late, chain_late;
     generate
         if (SCALE != 0) begin : g_scale
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(twice_q), .half_i(half_q),
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .half_i(half_q),
                 .d_i(add_x_q), .z_o(scaled), .flags_o(scale_flags));
         end else begin : g_no_scale
             wire unused = twice_q | half_q;

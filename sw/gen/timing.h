@@ -5,6 +5,7 @@
 
 /* In cycles. */
 #define FP3_TIMING_SHARE         1u  /* more latency where schedulers share the arithmetic: its operands are chosen and registered */
+#define FP3_TIMING_EARLY         2u  /* more latency where a sum and a product issue at once: a sum's y is read so much earlier, as it may have to be scaled */
 #define FP3_TIMING_GRANT         1u  /* from a sweep's request for a shared unit to its grant */
 #define FP3_TIMING_OPERANDS      3u  /* from the cycle in which a lane names an instruction's registers to its operands */
 #define FP3_TIMING_WRITE         1u  /* from a result to its write */

@@ -162,8 +162,9 @@ static int is_shared(const fp3_config *config) { return config->schedulers > 1; 
 /* LATENCY, GAP and SETTLE of rtl/config/config.vh. */
 static uint32_t latency_of(const fp3_config *config) {
     if (config->dual)
-        return config->mul_latency > config->add_latency ? config->mul_latency
-                                                         : config->add_latency;
+        return (config->mul_latency > config->add_latency ? config->mul_latency
+                                                          : config->add_latency) +
+               FP3_TIMING_EARLY;
     return config->mul_latency + config->add_latency + (is_shared(config) ? FP3_TIMING_SHARE : 0);
 }
 
@@ -180,7 +181,8 @@ static uint32_t grant_of(const fp3_config *config) {
 uint32_t fp3_cycles_operands(const fp3_config *config) {
     if (!config->interleave)
         return FP3_TIMING_SOLO_OPERANDS;
-    return FP3_TIMING_OPERANDS + (is_shared(config) ? FP3_TIMING_SHARE : 0);
+    return FP3_TIMING_OPERANDS + (is_shared(config) ? FP3_TIMING_SHARE : 0) +
+           (config->dual ? FP3_TIMING_EARLY : 0);
 }
 
 uint32_t fp3_cycles_write(const fp3_config *config) {

@@ -175,20 +175,22 @@ PACE = Subject(
 
 
 # A sum and a product are as late as the slower of the two.
-AT_ONCE = {(row["contexts"], max(latency(row, "add"), latency(row, "mul")) + TIMING["gap"]["cycles"]) for row in configurations(dual=1)}
+AT_ONCE = {(row["contexts"], max(latency(row, "add"), latency(row, "mul")) + TIMING["early"]["cycles"] + TIMING["gap"]["cycles"]) for row in configurations(dual=1)}
 BRIEF, WIDE = pace(3, 10), pace(9, 6)
 
 DUAL_PACE = Subject(
     "dual_pace_spec", ("dual_pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
     [pace(*shape) for shape in sorted(AT_ONCE)] + [BRIEF, WIDE], [
-        ("sweeps a cycle too near", "since == GAP_C;", "since + 1'b1 >= GAP_C;", BRIEF),
-        ("sweeps as if there were no other unit", "known_o && rested_q &&", "known_o &&", BRIEF),
-        ("a sum while the adder is busy", "(!adds_i || adder_i)", "1'b1", WIDE),
-        ("a product while the multiplier is busy", "(!muls_i || multiplier_i)", "1'b1", WIDE),
+        ("sweeps a cycle too near", "since_q >= GAP_C - 1'b1", "since_q >= GAP_C - 2'd2", BRIEF),
+        ("sweeps as if there were no other unit", "&& since_q >= GAP_C - 1'b1", "", BRIEF),
+        ("a sum while the adder is busy", "(!adds_q || adder_i)", "1'b1", WIDE),
+        ("a product while the multiplier is busy", "(!muls_q || multiplier_i)", "1'b1", WIDE),
         ("the first sweep waits", "since_q  <= start_i ? GAP_C : since;", "since_q  <= since;", BRIEF),
         ("half of all contexts counted", "count_q  <= low_q + high_q", "count_q  <= low_q", WIDE),
         ("may before the size is known", "known_o = valid_i && age_q[4]", "known_o = valid_i && age_q[3]", BRIEF),
         ("a size that has gone is known", "age_q    <= valid_i && !rst_i ?", "age_q    <= !rst_i ?", BRIEF),
+        ("what there is not is swept", "&& legal_i", "", BRIEF),
+        ("may before its size is known", "(age_q[4] || age_q[3])", "age_q[3:2] != 2'd0", BRIEF),
     ])
 
 

@@ -16,6 +16,7 @@ module dual_pace_spec #(
     input wire [$clog2(GAP+CONTEXTS+1)-1:0] size_i,
     input wire adds_i,
     input wire muls_i,
+    input wire legal_i,
     input wire other_i,
     input wire take_i,
     input wire [$clog2(GAP+CONTEXTS+1)-1:0] who_i
@@ -32,15 +33,14 @@ module dual_pace_spec #(
     wire         free0 = !busy0_q || over0, free1 = !busy1_q || over1;
     wire         issue0 = busy0_q && at0_q == who_i, issue1 = busy1_q && at1_q == who_i;
     wire         to1 = adds_i && muls_i ? other_i : muls_i;
-    wire         adder = free0 && (!both_q || free1), multiplier = free1 && (!both_q || free0);
     wire         known, may;
     wire [W-1:0] count;
     wire [CONTEXTS-1:0] mask = ~({CONTEXTS{1'b1}} << size_i);
     dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(start_i),
-        .valid_i(valid_i), .mask_i(mask), .adds_i(adds_i), .muls_i(muls_i), .take_i(take_i),
-        .known_o(known), .count_o(count), .may_o(may), .adder_i(adder), .multiplier_i(multiplier));
+        .valid_i(valid_i), .mask_i(mask), .adds_i(adds_i || both_q), .muls_i(muls_i || both_q), .legal_i(legal_i), .take_i(take_i),
+        .known_o(known), .count_o(count), .may_o(may), .adder_i(free0), .multiplier_i(free1));
 
-    reg          started_q = 1'b0, stopped_q, valid_q, take_q, adds_q, muls_q;
+    reg          started_q = 1'b0, stopped_q, valid_q, take_q, adds_q, muls_q, legal_q;
     reg          last_q;                       // the sweep that began last is of products
     reg  [W-1:0] size_q, who_q;
     reg  [W-1:0] age_q;                        // cycles since who_i was issued, GAP at most
@@ -48,7 +48,7 @@ module dual_pace_spec #(
     reg  [2:0]   seen_q;                       // cycles that the mask has been there, 5 at most
     always @(posedge clk_i) begin
         {started_q, valid_q, take_q} <= {1'b1, valid_i && !rst_i, take_i && !rst_i};
-        {size_q, who_q, adds_q, muls_q} <= {size_i, who_i, adds_i, muls_i};
+        {size_q, who_q, adds_q, muls_q, legal_q} <= {size_i, who_i, adds_i, muls_i, legal_i};
         seen_q <= rst_i || !valid_i ? 3'd0 : seen_q == 3'd5 ? 3'd5 : seen_q + 3'd1;
         if (rst_i || stop_i) stopped_q <= 1'b1;
         else if (start_i)    stopped_q <= 1'b0;
@@ -66,7 +66,7 @@ module dual_pace_spec #(
     always @* begin
         assume (started_q ? who_i == who_q : rst_i);
         assume (who_i < ALL && size_i != ZERO && size_i <= ALL && (adds_i || muls_i));
-        assume (!(valid_q && valid_i) || (!take_q && size_i == size_q && adds_i == adds_q && muls_i == muls_q));
+        assume (!(valid_q && valid_i) || (!take_q && size_i == size_q && adds_i == adds_q && muls_i == muls_q && legal_i == legal_q));
         assume (!take_i || may);
         assume (!take_i || !(stopped_q || stop_i || rst_i || start_i));
         assume (!start_i || (!busy0_q && !busy1_q && !valid_i && age_q >= GAP_W));
@@ -79,14 +79,16 @@ module dual_pace_spec #(
         assert (known == (valid_i && seen_q == 3'd5));
         if (valid_i && seen_q >= 3'd2) assert (count == size_i);
         // And none waits longer.
-        if (!stopped_q) assert (may == (known && since_q >= GAP_W && (!adds_i || adder) && (!muls_i || multiplier)));
+        if (!stopped_q) assert (may == (known && legal_i && since_q >= GAP_W && (both_q ? free0 && free1 : (!adds_i || free0) && (!muls_i || free1))));
     end
 
     (* hierconn *) wire [4:0]   \u_pace.age_q ;
     (* hierconn *) wire [W-1:0] \u_pace.low_q ;
     (* hierconn *) wire [W-1:0] \u_pace.high_q ;
     (* hierconn *) wire [W-1:0] \u_pace.since_q ;
-    (* hierconn *) wire         \u_pace.rested_q ;
+    (* hierconn *) wire         \u_pace.ready_q ;
+    (* hierconn *) wire         \u_pace.adds_q ;
+    (* hierconn *) wire         \u_pace.muls_q ;
     wire         young  = last_q ? busy1_q : busy0_q,   old    = last_q ? busy0_q : busy1_q;      // the sweep taken last, the other one
     wire [W-1:0] at     = last_q ? at1_q : at0_q,       before = last_q ? at0_q : at1_q;
     wire [W-1:0] size   = last_q ? size1_q : size0_q,   sized  = last_q ? size0_q : size1_q;
@@ -112,7 +114,9 @@ module dual_pace_spec #(
                 assert (seen_q <= 3'd5 && (valid_q || seen_q == 3'd0));
                 assert (!valid_q || seen_q != 3'd0);
                 assert (\u_pace.age_q == ~(5'h1f << seen_q));
-                if (!stopped_q) assert (\u_pace.since_q == since_q && \u_pace.rested_q == (since_q == GAP_W));
+                if (!stopped_q) assert (\u_pace.since_q == since_q);
+                if (!stopped_q && valid_i) assert (\u_pace.ready_q == (seen_q == 3'd5 && legal_i && since_q == GAP_W));
+                if (valid_i && seen_q != 3'd0) assert ({\u_pace.adds_q , \u_pace.muls_q } == {adds_i || both_q, muls_i || both_q});
                 if (valid_i) begin
                     if (seen_q >= 3'd1) assert (\u_pace.low_q == (size_i < HALF_W ? size_i : HALF_W)
                                                 && \u_pace.high_q == (size_i < HALF_W ? ZERO : size_i - HALF_W));

@@ -9,15 +9,13 @@ CASES = Path(__file__).with_name("scale_cases.v")
 
 BUGS = [
     Bug("scale", "a tie goes up", "fp_scale.v", "f[0] && f[1];", "f[0];"),
-    Bug("scale", "an exact half underflows", "fp_scale.v", "SUBNORMAL != 0 ? f[0] : !low", "1'b1"),
-    Bug("scale", "neither twice nor half, and flushed", "fp_scale.v", "scaled  = (twice_i || half_i) && !top;",
-        "scaled  = !top;"),
-    Bug("scale", "infinity is halved", "fp_scale.v", "top  = &e;", "top  = &e && |f;"),
-    Bug("scale", "a NaN is counted up", "fp_scale.v", "scaled  = (twice_i || half_i) && !top;",
-        "scaled  = (twice_i || half_i);"),
-    Bug("scale", "a fraction's top bit lost", "fp_scale.v", "low ? {{EXP-1{1'b0}}, f, 1'b0}", "low ? {{EXP{1'b0}}, f << 1}"),
-    Bug("scale", "the least normal number keeps its exponent", "fp_scale.v", "lowest = low || e == ONE", "lowest = low"),
-    Bug("scale", "overflow is not inexact", "fp_scale.v", "of, uf, of || uf", "of, uf, uf"),
+    Bug("scale", "an exact half underflows", "fp_scale.v", "SUBNORMAL != 0 ? f[0] : !low_1", "1'b1"),
+    Bug("scale", "halved unless doubled", "fp_scale.v", "halve   = half_i && !top;", "halve   = !twice_i && !top;"),
+    Bug("scale", "infinity is halved", "fp_scale.v", "top     = &e;", "top     = &e && |d_i[FRAC-1:0];"),
+    Bug("scale", "a NaN is counted up", "fp_scale.v", "double  = twice_i && !top;", "double  = twice_i;"),
+    Bug("scale", "a fraction's top bit lost", "fp_scale.v", "{{EXP-1{1'b0}}, f, 1'b0}", "{{EXP{1'b0}}, f << 1}"),
+    Bug("scale", "the least normal number keeps its exponent", "fp_scale.v", "(low || e == ONE)", "low"),
+    Bug("scale", "overflow is not inexact", "fp_scale.v", "over_1, uf, over_1 || uf", "over_1, uf, uf"),
 ]
 
 

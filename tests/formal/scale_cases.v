@@ -11,7 +11,7 @@ module scale_cases #(
 );
     wire [31:0] scaled, product;
     wire [4:0]  scaled_flags, product_flags;
-    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.twice_i(twice_i), .half_i(half_i),
+    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
         .d_i(d_i), .z_o(scaled), .flags_o(scaled_flags));
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_mul (.clk_i(1'b0), .a_i(d_i),
         .b_i(half_i ? 32'h3f000000 : 32'h40000000), .z_o(product), .flags_o(product_flags));
