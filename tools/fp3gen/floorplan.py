@@ -12,22 +12,33 @@ import re
 BLOCKS = (4, 13, 22, 31, 40, 49, 58, 69, 78, 87, 96, 105, 114)
 MULTIPLIERS = [(x + at, f"MULT18_{name}") for x in BLOCKS for at, name in ((0, 0), (1, 1), (4, 4), (5, 5))]
 MULTIPLIER_ROWS = (10, 34, 58)
-RAMS = [[(x + 2 * n, f"EBR{n}") for n in range(4)] for x in BLOCKS]
-RAM_ROWS = (22, 46, 70, 82)
+RAMS = [(x + 2 * n, f"EBR{n}") for x in BLOCKS for n in range(4)]
+# The chip in three bands, each with one row of multipliers: its rows of block RAMs, the middle of its cells, and its share of
+# the lanes.
+RAM_ROWS = ((22,), (46,), (70, 82))
+MIDDLES = (13, 40, 74)
+SHARES = (0.28, 0.28, 0.44)
+# The scheduler's block RAMs, where the ring of lanes begins; the first SPACE multipliers there have no lane beside them.
+SCHEDULER = [(x, 70, name) for x, name in RAMS[:4]]
+SPACE = 3
 LANES = 51                             # three multipliers of a row each
-LANES_OF_5 = 41                        # five block RAMs each, and some for the scheduler
-# Where the middle of a lane's cells is, if the lanes of each row of multipliers share a third of the chip.
-MIDDLES = (18, 46, 76)
+LANES_OF_5 = 40                        # five block RAMs each
 GROUP = 4                              # lanes that hear the same in the same cycle
 
 OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_(?:lane|dual)\[(\d+)\]|g_lane\[(\d+)\]\.u_arith")
 
 
 def spread(lanes):
-    """For each row of multipliers, the first of the three of each of its lanes, as even as can be."""
+    """For each band, the first of the three multipliers of each of its lanes, as even as can be."""
+    most = len(MULTIPLIERS) // 3
+    bands = [min(most, round(lanes * share)) for share in SHARES[:2]]
+    bands.append(min(most, lanes - sum(bands)))
+    bands[0] += (lanes - sum(bands) + 1) // 2
+    bands[1] += lanes - sum(bands)
     rows = []
-    for row, n in enumerate(lanes // 3 + (i < lanes % 3) for i in (1, 0, 2)):
-        rows.append([(row, round(i * (len(MULTIPLIERS) - 3) / max(1, n - 1))) for i in range(n)])
+    for band, n in enumerate(bands):
+        first = SPACE if band == 2 and n < most else 0
+        rows.append([(band, first + round(i * (len(MULTIPLIERS) - 3 - first) / max(1, n - 1))) for i in range(n)])
     return rows
 
 
@@ -45,15 +56,15 @@ def ring(lanes):
     return order
 
 
-def exchanged(places, sites, column):
+def exchanged(places, sites):
     """The sites in an order in which each place's, the first, are together nearest to it. Pairs are exchanged until that helps no more."""
     sites = list(sites)
 
     def distance(i, site):
         if i >= len(places):
             return 0
-        row, first = places[i]
-        return (MULTIPLIERS[first + 1][0] - column(site)) ** 2 + 1.5 * (MIDDLES[row] - site[1]) ** 2
+        band, first = places[i]
+        return (MULTIPLIERS[first + 1][0] - site[0]) ** 2 + 1.5 * (MIDDLES[band] - site[1]) ** 2
 
     better = True
     while better:
@@ -67,13 +78,26 @@ def exchanged(places, sites, column):
 
 
 def rams(places, each):
-    """For each place its block RAMs, four side by side; a fifth is in a block that no lane has as a whole."""
-    quads = exchanged(places, [(block, y) for y in RAM_ROWS for block in range(len(BLOCKS))], lambda quad: BLOCKS[quad[0]] + 3)
-    sites = [[(x, y, name) for x, name in RAMS[block]] for block, y in quads]
-    if each <= 4:
-        return sites[:len(places)]
-    rest = exchanged(places, [(x, y, name) for quad in sites[len(places):] for x, y, name in quad], lambda site: site[0])
-    return [[*quad, one] for quad, one in zip(sites[:len(places)], rest, strict=False)]
+    """For each place its block RAMs: those of its band from left to right, and what they lack where there are some left over."""
+    own = {place: [] for place in places}
+    free = []
+    for band, rows in enumerate(RAM_ROWS):
+        sites = [(x, y, name) for x, name in RAMS for y in rows if (x, y, name) not in SCHEDULER]
+        lanes = sorted(place for place in places if place[0] == band)
+        take = min(each, len(sites) // max(1, len(lanes)))
+        for i, place in enumerate(lanes):
+            at = round(i * (len(sites) - take) / max(1, len(lanes) - 1))
+            own[place] = sites[at:at + take]
+        used = {site for place in lanes for site in own[place]}
+        free += [site for site in sites if site not in used]
+    while True:
+        lacking = [place for place in places if len(own[place]) < each]
+        if not lacking:
+            return [own[place] for place in places]
+        found = exchanged(lacking, free)
+        for place, site in zip(lacking, found, strict=False):
+            own[place].append(site)
+        free = found[len(lacking):]
 
 
 def owner(cell):
@@ -97,12 +121,61 @@ def pin(netlist, lanes):
     if sorted(mine) != list(range(lanes)) or any(len(m["MULT18X18D"]) > 3 or len(m["DP16KD"]) > most for m in mine.values()):
         raise ValueError(f"the netlist does not have {lanes} lanes of at most three multipliers and {most} block RAMs")
     places = ring(lanes)
+    control = sorted(name for name in cells if cells[name]["type"] == "DP16KD" and owner(name) is None)
+    for name, (x, y, bel) in zip(control, SCHEDULER, strict=False):
+        cells[name]["attributes"]["BEL"] = f"X{x}/Y{y}/{bel}"
     for lane, ((row, first), near) in enumerate(zip(places, rams(places, each))):
         sites = [f"X{x}/Y{MULTIPLIER_ROWS[row]}/{name}" for x, name in MULTIPLIERS[first:first + 3]]
         own = sorted(mine[lane]["DP16KD"], key=lambda name: (".u_store" in name, name))     # the store's may be the fifth
         for name, site in [*zip(mine[lane]["MULT18X18D"], sites), *zip(own, [f"X{x}/Y{y}/{bel}" for x, y, bel in near])]:
             cells[name]["attributes"]["BEL"] = site
-    return sum(len(names) for m in mine.values() for names in m.values())
+    return sum("BEL" in cell["attributes"] for cell in cells.values())
+
+
+def is_control(name, cell):
+    """Whether a cell belongs to what all lanes have in common: the scheduler, its host port, the bus."""
+    return owner(name) is None and "g_group" not in name and cell["type"] != "$scopeinfo"
+
+
+def control(netlist):
+    """A netlist of the scheduler alone, with the cells of lanes that it speaks to, but not what is behind them."""
+    top = netlist["modules"]["top"]
+    own = {name for name, cell in top["cells"].items() if is_control(name, cell)}
+    clock = {bit for name in own for bit in top["cells"][name]["connections"].get("CLK", [])}
+    nets = {bit for name in own for bits in top["cells"][name]["connections"].values() for bit in bits if isinstance(bit, int)} - clock
+    near = {name for name, cell in top["cells"].items() if any(not nets.isdisjoint(bits) for bits in cell["connections"].values())}
+    cells = {name: cell for name, cell in top["cells"].items() if name in own | near}
+    return {**netlist, "modules": {**netlist["modules"], "top": {**top, "cells": cells}}}
+
+
+def settle(netlist, placed):
+    """Pins the scheduler's logic where it was placed alone (nextpnr's JSON). How many cells it pinned. What stays free: carries
+    and distributed memory, of which nextpnr makes cells that have no attributes here, and the flip-flops behind them; a LUT
+    with several flip-flops behind it, of which nextpnr joins any one to it, or with one of a lane."""
+    cells, there = netlist["modules"]["top"]["cells"], placed["modules"]["top"]["cells"]
+    driver, behind = {}, collections.defaultdict(list)
+    for name, cell in cells.items():
+        for port, bits in cell["connections"].items():
+            if cell["port_directions"][port] == "output":
+                driver |= dict.fromkeys(bits, name)
+        if cell["type"] == "TRELLIS_FF":
+            behind[cell["connections"]["DI"][0]].append(is_control(name, cell))
+
+    def can(name):
+        cell = cells[name]
+        return is_control(name, cell) and cell["type"] == "LUT4" and behind[cell["connections"]["Z"][0]] in ([], [True])
+
+    def is_settled(name):
+        cell = cells[name]
+        if cell["type"] != "TRELLIS_FF":
+            return can(name)
+        before = driver.get(cell["connections"]["DI"][0])
+        return is_control(name, cell) and (before is None or cells[before]["type"] not in ("LUT4", "CCU2C", "TRELLIS_DPR16X4") or can(before))
+
+    settled = [name for name in there if name in cells and is_settled(name)]
+    for name in settled:
+        cells[name]["attributes"]["BEL"] = there[name]["attributes"]["NEXTPNR_BEL"]
+    return len(settled)
 
 
 def trim(netlist):
