@@ -7,11 +7,12 @@ from families import DEVICES, FAMILIES
 from fp3gen import fusesoc
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+WITHOUT_REGISTERS = ("mux4.v",)  # where a family has its own, it pays in every configuration
 
 
 def has_own(family, row):
-    """Whether a configuration takes the family's own versions of modules. Registers inside an ECP5's multipliers pay where there
-    are cuts; the machine for one object has others."""
+    """Whether a configuration takes the family's own versions of modules that have registers. Those inside an ECP5's multipliers pay
+    where there are cuts; the machine for one object has others."""
     return family != "ecp5" or bool(row.get("interleave"))
 
 
@@ -27,7 +28,7 @@ def sources(family, own, board=False):
     if board:
         files |= {path.name: path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v"))}
     for path in sorted((ROOT / "rtl/fpga" / family).glob("*.v")):
-        if (own and path.name in files) or (board and path.name == "board_clock.v"):
+        if (path.name in files and (own or path.name in WITHOUT_REGISTERS)) or (board and path.name == "board_clock.v"):
             files[path.name] = path.relative_to(ROOT).as_posix()
     return list(files.values())
 

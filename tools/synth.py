@@ -10,7 +10,7 @@
 A core is placed with the cuts of each configuration, and with the best places found for each number of
 cuts (DEPTHS, as configurations cuts0, cuts1, ...). Where contexts are interleaved, processor and lane use
 the registers inside the device's multipliers and block RAM (rtl/fpga/ecp5/, the same modules on the device's primitives);
-a lane is also placed without them (configuration NAME-inferred).
+a lane is also placed without them (configuration NAME-inferred). What has no registers (mux4 there) is always used.
 
 The devices are in tools/families.py; without --device it is an LFE5U-85F. What cannot fit is not placed, and its row
 says so. Where a device has fewer pins than a top has ports, inputs are shifted in by one pin and the outputs leave as

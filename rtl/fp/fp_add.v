@@ -33,13 +33,13 @@ module fp_add #(
     localparam N = $clog2(S);          // bits of a shift amount
 
     wire [FRAC:0]   big1, little1;
-    wire [FRAC+1:0] lower1;
+    wire [FRAC+1:0] diff1;
     wire [N-1:0]    n1;
     wire [EXP-1:0]  e1;
     wire gone1, sign1, minus1, special1, nought1, invalid1;
     fp_add_swap #(.EXP(EXP), .FRAC(FRAC), .N(N), .SUBNORMAL(SUBNORMAL), .CUTS(CUTS[1:0])) u_swap (
         .clk_i(clk_i), .sub_i(sub_i), .a_i(a_i), .b_i(b_i), .big_o(big1), .little_o(little1),
-        .lower_o(lower1), .n_o(n1), .gone_o(gone1), .e_o(e1), .sign_o(sign1), .minus_o(minus1),
+        .diff_o(diff1), .n_o(n1), .gone_o(gone1), .e_o(e1), .sign_o(sign1), .minus_o(minus1),
         .special_o(special1), .nought_o(nought1), .invalid_o(invalid1));
 
     wire            close1 = minus1 && !gone1 && ~|n1[N-1:1];
@@ -47,7 +47,7 @@ module fp_add #(
     wire [EXP-1:0]  near_e5;
     wire            near_hidden5;
     fp_add_near #(.EXP(EXP), .FRAC(FRAC), .NEAREST(NEAREST), .CUTS(CUTS[5:2])) u_near (
-        .clk_i(clk_i), .big_i(big1), .little_i(lower1), .e_i(e1), .close_i(close1),
+        .clk_i(clk_i), .diff_i(diff1), .e_i(e1), .close_i(close1),
         .frac_o(near_frac5), .e_o(near_e5), .hidden_o(near_hidden5));
 
     // Align, by the low bits of the distance first: they are known first.

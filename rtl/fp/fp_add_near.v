@@ -15,20 +15,18 @@ module fp_add_near #(
     parameter [3:0] CUTS    = 0        // after: subtract, count, move by much, move by little
 ) (
     input  wire            clk_i,
-    input  wire [FRAC:0]   big_i,      // the greater significand
-    input  wire [FRAC+1:0] little_i,   // the smaller one, aligned, with one bit more
-    input  wire [EXP-1:0]  e_i,        // exponent field of big_i
+    input  wire [FRAC+1:0] diff_i,     // hidden bit, fraction, guard
+    input  wire [EXP-1:0]  e_i,        // exponent field of the big operand
     input  wire            close_i,
     output wire [FRAC-1:0] frac_o,
     output wire [EXP-1:0]  e_o,
     output wire            hidden_o
 );
-    localparam D = FRAC + 2;           // the difference: hidden bit, fraction, guard
+    localparam D = FRAC + 2;
     localparam N = $clog2(D);
     localparam [N-1:0] MUCH = {N{1'b1}} << (N - 2);
 
     // The difference may move left by e_i - 1 places: a marker stops the count there.
-    wire [D-1:0] diff = {big_i, 1'b0} - little_i;
     reg  [D-1:0] marker;
     integer      i;
     always @*
@@ -38,7 +36,7 @@ module fp_add_near #(
     wire [EXP-1:0] e0;
     wire           close0;
     cut #(.W(2*D + EXP + 1), .ON(CUTS[0])) u_subtract (.clk_i(clk_i),
-        .d_i({diff, diff | marker, e_i, close_i}), .q_o({diff0, counted, e0, close0}));
+        .d_i({diff_i, diff_i | marker, e_i, close_i}), .q_o({diff0, counted, e0, close0}));
 
     wire [N-1:0]   left;
     wire           unused_zero;

@@ -21,7 +21,7 @@ module fp_add_swap #(
     input  wire [EXP+FRAC:0] b_i,
     output wire [FRAC:0]     big_o,     // significands
     output wire [FRAC:0]     little_o,
-    output wire [FRAC+1:0]   lower_o,   // little, aligned for a distance of 0 or 1
+    output wire [FRAC+1:0]   diff_o,    // big - little with one bit more, right for a distance of 0 or 1
     output wire [N-1:0]      n_o,       // the distance
     output wire              gone_o,    // it is greater than n_o can say
     output wire [EXP-1:0]    e_o,       // exponent of big, 1 if it is subnormal
@@ -80,14 +80,28 @@ module fp_add_swap #(
                            : {x_some, x[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || x_some}}};
     wire [FRAC:0]   little = {y_some, y & {FRAC{SUBNORMAL != 0 || y_some}}};
     // Shifted before the choice, because the choice is late.
-    wire [FRAC+1:0] a_low  = one0 ? {1'b0, y_some, a0[FRAC-1:0]} : {y_some, a0[FRAC-1:0], 1'b0};
-    wire [FRAC+1:0] b_low  = one0 ? {1'b0, y_some, b0[FRAC-1:0]} : {y_some, b0[FRAC-1:0], 1'b0};
+    wire [FRAC+1:0] a_low  = (one0 ? {1'b0, y_some, a0[FRAC-1:0]} : {y_some, a0[FRAC-1:0], 1'b0})
+                           & {FRAC+2{SUBNORMAL != 0 || y_some}};
+    wire [FRAC+1:0] b_low  = (one0 ? {1'b0, y_some, b0[FRAC-1:0]} : {y_some, b0[FRAC-1:0], 1'b0})
+                           & {FRAC+2{SUBNORMAL != 0 || y_some}};
 
-    cut #(.W(3*FRAC + N + EXP + 10), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
-        .d_i({big, little, (swap0 ? a_low : b_low) & {FRAC+2{SUBNORMAL != 0 || y_some}},
-              less0 ? n_b0 : n_a0, less0 ? gone_b0 : gone_a0,
+    cut #(.W(2*FRAC + N + EXP + 8), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
+        .d_i({big, little, less0 ? n_b0 : n_a0, less0 ? gone_b0 : gone_a0,
               x[FRAC+1 +: EXP-1], x[FRAC] || !x_some, x[M] && !nan && !(nought && differ0),
               differ0 && !special, special, nought, invalid}),
-        .q_o({big_o, little_o, lower_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
+        .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
+
+    // Where no register is behind the choice, both differences are there before it is made.
+    generate
+        if (CUTS[1]) begin : g_after
+            wire [FRAC+1:0] lower;
+            cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(swap0 ? a_low : b_low), .q_o(lower));
+            assign diff_o = {big_o, 1'b0} - lower;
+        end else begin : g_before
+            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - b_low;
+            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - a_low;
+            assign diff_o = swap0 ? b_less_a : a_less_b;
+        end
+    endgenerate
 endmodule
 `default_nettype wire

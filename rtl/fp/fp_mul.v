@@ -1,6 +1,6 @@
 // fp_mul: floating-point multiplier, IEEE 754, subnormals and flags included.
 //
-// Purpose   z = a * b in any binary format with EXP >= 3; default binary32, round to nearest
+// Purpose   z = a * b in a binary format with EXP >= 3, FRAC <= 30; default binary32, round to nearest
 //           even, gradual underflow, tininess after rounding, every NaN result 7FC00000.
 // Latency   popcount(CUTS) cycles, one operation per cycle; CUTS = 0 is a function of a_i, b_i.
 //           There is no reset, enable or valid bit: a tag travels beside it.
@@ -27,7 +27,7 @@ module fp_mul #(
     output wire [EXP+FRAC:0]   z_o,
     output wire [4:0]          flags_o
 );
-    localparam SW = FRAC < 7 ? 5 : $clog2(2*FRAC + 3);      // shift amount
+    localparam SW = 6;                 // shift amount: less than 2*FRAC + 3
 
     // Operands.
     wire [EXP-1:0]  ae = a_i[EXP+FRAC-1:FRAC], be = b_i[EXP+FRAC-1:FRAC];
@@ -82,15 +82,15 @@ module fp_mul #(
         .d_i({shift_2, place_2, class_2}), .q_o({shift_3, side_3}));
 
     // Shift by sixteens, fours and ones; what falls off below is sticky.
-    wire [SW-1:0]      by_16 = {shift_3[SW-1:4], 4'd0};
-    wire [3:0]         by_4  = {shift_3[3:2], 2'd0};
-    wire [2*FRAC+18:0] wide  = {16'd0, p, 1'b0};
-    wire [FRAC+17:0]   sixteens;
-    wire [FRAC+5:0]    fours, fours_4;
-    wire [FRAC:0]      sixteens_unused;
-    wire [11:0]        fours_unused;
-    assign {sixteens_unused, sixteens} = wide >> by_16;
-    assign {fours_unused, fours} = sixteens >> by_4;
+    wire [2*FRAC+18:0] wide = {16'd0, p, 1'b0};
+    localparam W16 = FRAC + 18, W4 = FRAC + 6, W1 = FRAC + 3;
+    wire [W16+47:0] from = {{47-FRAC{1'b0}}, wide};
+    wire [W16-1:0]  sixteens;
+    wire [W4-1:0]   fours, fours_4;
+    mux4 #(.W(W16)) u_sixteens (.n_i(shift_3[5:4]), .q_o(sixteens),
+        .d0_i(from[0 +: W16]), .d1_i(from[16 +: W16]), .d2_i(from[32 +: W16]), .d3_i(from[48 +: W16]));
+    mux4 #(.W(W4)) u_fours (.n_i(shift_3[3:2]), .q_o(fours),
+        .d0_i(sixteens[0 +: W4]), .d1_i(sixteens[4 +: W4]), .d2_i(sixteens[8 +: W4]), .d3_i(sixteens[12 +: W4]));
     // A four of bits is lost if the shift goes beyond it: told beside the shift, not behind it.
     localparam FOURS = (2*FRAC + 6) / 4;
     localparam LOST  = (FOURS + 3) / 4;                  // fours of those
@@ -113,11 +113,11 @@ module fp_mul #(
     cut #(.W(FRAC+EXP+18+LOST), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
         .d_i({fours, lost, shift_3[1:0], side_3}), .q_o({fours_4, losts_4, by_1, side_4}));
 
-    wire [2:0]      ones_unused;
-    wire [FRAC+2:0] fine, t;
+    wire [W1-1:0]   fine, t;
     wire            lost_4 = |losts_4;
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
-    assign {ones_unused, fine} = fours_4 >> by_1;
+    mux4 #(.W(W1)) u_ones (.n_i(by_1), .q_o(fine),
+        .d0_i(fours_4[0 +: W1]), .d1_i(fours_4[1 +: W1]), .d2_i(fours_4[2 +: W1]), .d3_i(fours_4[3 +: W1]));
     wire            st;
     cut #(.W(FRAC+EXP+14), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
         .d_i({fine, stick, side_4}), .q_o({t, st, side_5}));
@@ -130,42 +130,56 @@ module fp_mul #(
     // bit. The top bit of t chooses, beside the adders. Exponent and fraction are one number,
     // so a carry out of the fraction needs no care, up to infinity itself.
     wire top   = t[FRAC+2];
-    wire right = top || low_5;
     localparam [0:0] HALF = NEAREST != 0;
     wire [EXP+FRAC:0] hi = {field_5, t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
     wire [EXP+FRAC:0] lo = {field_5, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
     wire hi_lo_unused = &{hi[0], lo[0]};
     wire hi_odd  = hi[1] && !(HALF && t[1:0] == 2'b10 && !st);
     wire lo_odd  = lo[1] && !(HALF && t[0] && !st);
-    wire tiny    = gone_5 || (low_5 && !top);
-    wire flush   = SUBNORMAL == 0 && tiny;
-    wire usual   = !nan_5 && !inf_5 && !zero_5;
-    wire beyond  = usual && !gone_5 && (over_5 || (by1_5 && top));
-    wire edge_5  = usual && !gone_5 && ((by1_5 && !right) || (by2_5 && top));
-    wire inexact = usual && (t[0] || st || (right && t[1]) || flush || beyond);
-    wire under_5 = usual && tiny && (inexact || flush);
-    wire near    = HALF && SUBNORMAL != 0 && t[0];    // rounds to normal with a finer last place
-    wire clear_5 = !usual || flush || (beyond && HALF);           // fraction bits
-    wire zeros_5 = zero_5 || (usual && flush);        // exponent bits
-    wire full_5  = nan_5 || inf_5 || beyond;
+
+    // What each bit of the result will be, in two bits (fp_mul_pack): 0, 1, lo's, hi's. The top bit of t is late,
+    // so the first index is that bit, and both answers wait for it.
+    localparam [1:0] ALL_0 = 2'd0, ALL_1 = 2'd1;
+    wire       usual = !nan_5 && !inf_5 && !zero_5;
+    wire [1:0] right  = {1'b1, low_5};
+    wire [1:0] tiny   = {gone_5, gone_5 || low_5};
+    wire [1:0] flush  = tiny & {2{SUBNORMAL == 0}};
+    wire [1:0] beyond = {over_5 || by1_5, over_5} & {2{usual && !gone_5}};
+    wire [1:0] brink  = {by2_5, by1_5 && !low_5} & {2{usual && !gone_5}};     // beyond if it carries
+    wire [11:0] early [0:1];
+    generate
+        for (i = 0; i < 2; i = i + 1) begin : g_top
+            wire [1:0] rounded  = {1'b1, right[i]};
+            wire [1:0] exponent = nan_5 || inf_5 || beyond[i] ? ALL_1 : zero_5 || flush[i] ? ALL_0 : rounded;
+            wire [1:0] lowest   = beyond[i] && !HALF ? ALL_0 : exponent;        // truncated: the largest finite number
+            wire [1:0] rest     = !usual || flush[i] || (beyond[i] && HALF) ? ALL_0 : beyond[i] ? ALL_1 : rounded;
+            wire [1:0] of       = beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0;
+            assign early[i] = {exponent, lowest, nan_5 ? ALL_1 : rest, rest, of,
+                               usual && tiny[i], usual && (flush[i] || beyond[i])};
+        end
+    endgenerate
+    wire [1:0] exponent_5, lowest_5, top_5, rest_5, of_5;
+    wire       tiny_5, lossy_5;                       // lossy: inexact whatever t is
+    assign {exponent_5, lowest_5, top_5, rest_5, of_5, tiny_5, lossy_5} = top ? early[1] : early[0];
+    wire       some_5 = usual && (t[0] || st || (t[1] && (top || low_5)));
+    wire       near   = HALF && SUBNORMAL != 0 && t[0];        // rounds to normal with a finer last place
+    wire [1:0] nx_5   = some_5 || lossy_5 ? ALL_1 : of_5;
+    wire [1:0] uf_5   = !tiny_5 || !(some_5 || lossy_5) ? ALL_0 : near ? {1'b1, top || low_5} : ALL_1;    // not of lo or hi
 
     wire [EXP+FRAC-1:0] hi_6, lo_6;
-    wire right_6, clear_6, zeros_6, full_6, nan_6, nv_6, sign_6, beyond_6, edge_6, under_6, near_6,
-         inexact_6;
-    cut #(.W(2*EXP+2*FRAC+12), .ON(CUTS[6])) u_6 (.clk_i(clk_i),
-        .d_i({hi[EXP+FRAC:2], hi_odd, lo[EXP+FRAC:2], lo_odd, right, clear_5, zeros_5, full_5, nan_5,
-              nv_5, sign_5, beyond, edge_5, under_5, near, inexact}),
-        .q_o({hi_6, lo_6, right_6, clear_6, zeros_6, full_6, nan_6,
-              nv_6, sign_6, beyond_6, edge_6, under_6, near_6, inexact_6}));
+    wire [1:0] exponent_6, lowest_6, top_6, rest_6, of_6, uf_6, nx_6;
+    wire nv_6, sign_6;
+    cut #(.W(2*EXP+2*FRAC+16), .ON(CUTS[6])) u_6 (.clk_i(clk_i),
+        .d_i({hi[EXP+FRAC:2], hi_odd, lo[EXP+FRAC:2], lo_odd, exponent_5, lowest_5, top_5, rest_5, of_5, uf_5, nx_5,
+              nv_5, sign_5}),
+        .q_o({hi_6, lo_6, exponent_6, lowest_6, top_6, rest_6, of_6, uf_6, nx_6, nv_6, sign_6}));
 
-    // Pack.
-    wire [EXP+FRAC-1:0] r = right_6 ? hi_6 : lo_6;
-    wire [EXP-1:0]  ez = (r[EXP+FRAC-1:FRAC] & {EXP{!zeros_6}}) | {EXP{full_6}};
-    wire [FRAC-1:0] fz = (r[FRAC-1:0] & {FRAC{!clear_6}});
-    wire            brim = full_6 && !clear_6;      // truncated overflow: the largest finite
-    assign z_o = {sign_6, ez[EXP-1:1], ez[0] && !brim,
-                  fz[FRAC-1] || nan_6 || brim, fz[FRAC-2:0] | {FRAC-1{brim}}};
-    wire of = beyond_6 || (edge_6 && r[FRAC]);
-    assign flags_o = {nv_6, 1'b0, of, under_6 && !(near_6 && r[FRAC]), inexact_6 || of};
+    wire of, uf, nx;
+    fp_mul_pack #(.W(EXP+FRAC+3), .INVERT(2)) u_pack (
+        .which_i({{EXP-1{exponent_6}}, lowest_6, top_6, {FRAC-1{rest_6}}, of_6, uf_6, nx_6}),
+        .hi_i({hi_6, {3{hi_6[FRAC]}}}), .lo_i({lo_6, {3{lo_6[FRAC]}}}),
+        .z_o({z_o[EXP+FRAC-1:0], of, uf, nx}));
+    assign z_o[EXP+FRAC] = sign_6;
+    assign flags_o = {nv_6, 1'b0, of, uf, nx};
 endmodule
 `default_nettype wire

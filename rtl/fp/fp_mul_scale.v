@@ -52,20 +52,21 @@ module fp_mul_scale #(
     wire [XW-1:0] sum_1;
     cut #(.W(SW+XW), .ON(CUTS[0])) u_1 (.clk_i(clk_i), .d_i({n, sum}), .q_o({n_1, sum_1}));
 
-    // n - room, but not by way of room.
+    // n - room, but not by way of room. Which of both is the shift, the exponent's sign says: asked behind
+    // the cut, where the product is not there yet.
     wire [XW-1:0] exponent = sum_1 + {{XW-SW{1'b0}}, n_1};
-    wire          under    = exponent[XW-1];
     wire [XW-1:0] room     = -sum_1;
     wire          beyond   = |room[XW-1:SW];    // then all ones: only sticky bits are left
-    wire [SW-1:0] shift    = SUBNORMAL == 0 ? FRAC[SW-1:0]
-                           : under ? room[SW-1:0] | {SW{beyond}} : n_1;
 
     wire [XW-1:0] exponent_2;
-    cut #(.W(SW+XW), .ON(CUTS[1])) u_2 (.clk_i(clk_i),
-        .d_i({shift, exponent}), .q_o({shift_o, exponent_2}));
-
-    // What the exponent says is asked behind the cut: nothing waits for it there.
+    wire [SW-1:0] n_2, room_2;
+    wire          beyond_2;
+    cut #(.W(2*SW+1+XW), .ON(CUTS[1])) u_2 (.clk_i(clk_i),
+        .d_i({n_1, room[SW-1:0], beyond, exponent}), .q_o({n_2, room_2, beyond_2, exponent_2}));
     wire           under_2 = exponent_2[XW-1];
+    assign shift_o = SUBNORMAL == 0 ? FRAC[SW-1:0] : under_2 ? room_2 | {SW{beyond_2}} : n_2;
+
+    // All that the exponent says is asked there: nothing waits for it.
     wire [EXP-1:0] field   = exponent_2[EXP-1:0] & {EXP{!under_2}};
     wire           low     = under_2 || exponent_2 == 0;
     wire           over    = !under_2 && exponent_2 >= TOP[XW-1:0];

@@ -11,6 +11,7 @@ rtl/fp/fp_add_swap.v
 rtl/fp/fp_estimate.v
 rtl/fp/fp_exponent.v
 rtl/fp/fp_mul.v
+rtl/fp/fp_mul_pack.v
 rtl/fp/fp_mul_product.v
 rtl/fp/fp_mul_scale.v
 rtl/fp/fp_rint.v
@@ -27,6 +28,7 @@ rtl/lib/cut.v
 rtl/lib/delay.v
 rtl/lib/lutram_1r1w.v
 rtl/lib/lzc.v
+rtl/lib/mux4.v
 rtl/lib/ram_1r1w.v
 rtl/lib/ram_forward.v
 rtl/lib/ram_registered.v

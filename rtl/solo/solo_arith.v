@@ -10,7 +10,8 @@
 //
 // Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. Initiation interval 1.
 // Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
-//           no addition may issue then (solo_scheduler checks it).
+//           no addition may issue then (solo_scheduler checks it), and the adder's operands are to be chain_c_o
+//           and the product.
 `default_nettype none
 module solo_arith #(
 `include "config/config.vh"
@@ -21,12 +22,13 @@ module solo_arith #(
     input  wire        chain_i,        // the product goes on to the adder: c +/- a * b
     input  wire        subtract_i,
     input  wire [CHOICE_W-1:0] choice_i, // gen/choices.vh: what is made of c, b, and of whether a is 0; chain_i is 1 then
-    input  wire [31:0] add_a_i,
+    input  wire [31:0] add_a_i,        // of a chain, too
     input  wire [31:0] add_b_i,
     input  wire [31:0] mul_a_i,
     input  wire [31:0] mul_b_i,
     input  wire [31:0] mul_c_i,
     output wire        chain_soon_o,
+    output wire [31:0] chain_c_o,      // the addend of the product that takes the adder in this cycle
     // Results, {NV, DZ, OF, UF, NX}
     output wire [31:0] add_value_o,
     output wire [4:0]  add_flags_o,
@@ -37,7 +39,6 @@ module solo_arith #(
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
-    wire [31:0] chain_c;
     wire [4:0]  chain_flags;
     wire        alone;                 // no product in the next cycle
     generate
@@ -51,13 +52,13 @@ module solo_arith #(
                 .d_i(subtract_i), .q_o(chain_subtract));
             fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
                 .choice_i(choice_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
-                .z_o(chain_c), .alone_o(alone));
+                .z_o(chain_c_o), .alone_o(alone));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
             wire unused = |{chain_i, choice_i, mul_c_i, rst_i};
-            assign {chain_soon_o, chained, chain_subtract, chain_c, chain_flags, alone} = 41'd0;
+            assign {chain_soon_o, chained, chain_subtract, chain_c_o, chain_flags, alone} = 41'd0;
         end
     endgenerate
 
@@ -67,8 +68,8 @@ module solo_arith #(
     fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
         .clk_i(clk_i),
         .sub_i(chained ? chain_subtract : subtract_i),
-        .a_i(chained ? chain_c : add_a_i),
-        .b_i(chained ? mul_value_o : add_b_i),
+        .a_i(add_a_i),
+        .b_i(add_b_i),
         .z_o(sum), .flags_o(sum_flags));
     delay #(.W(37), .N(ADD_SPARE)) u_sum (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_flags, sum}), .q_o({add_flags, add_value_o}));

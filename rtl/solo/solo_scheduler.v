@@ -41,10 +41,13 @@ module solo_scheduler #(
     output wire                            chain_o,
     output wire                            subtract_o,
     output wire [CHOICE_W-1:0]            choice_o,        // gen/choices.vh
+    output wire [31:0]                     add_a_o,         // the adder's, of a chained product, too
+    output wire [31:0]                     add_b_o,
     output wire [31:0]                     a_o,
     output wire [31:0]                     b_o,
     output wire [31:0]                     c_o,
     input  wire                            chain_soon_i,
+    input  wire [31:0]                     chain_c_i,
     input  wire [31:0]                     add_value_i,
     input  wire [4:0]                      add_flags_i,
     input  wire [31:0]                     mul_value_i,
@@ -135,6 +138,7 @@ module solo_scheduler #(
     wire [31:0] a_value, b_value, c_value;
     wire [31:0] result = write_mul ? mul_value_i : add_value_i;
     reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
+    reg  [1:0]  add_a_q, add_b_q;      // likewise; of add_a_q 3 is a chain's addend
     reg         chain_q, subtract_q;
     reg  [CHOICE_W-1:0] choice_q;
 
@@ -151,6 +155,8 @@ module solo_scheduler #(
         a_bypass_q <= a_bypass;
         b_bypass_q <= b_bypass;
         c_bypass_q <= c_bypass;
+        add_a_q    <= chain_soon_i ? 2'b11 : a_bypass;
+        add_b_q    <= chain_soon_i ? 2'b10 : b_bypass;
         subtract_q <= subtract;
         chain_q    <= !rst_i && issue && chains;
         choice_q   <= choice;
@@ -159,6 +165,8 @@ module solo_scheduler #(
     assign chain_o    = chain_q;
     assign subtract_o = subtract_q;
     assign choice_o   = choice_q;
+    assign add_a_o = add_a_q[1] ? (add_a_q[0] ? chain_c_i : mul_value_i) : add_a_q[0] ? add_value_i : a_value;
+    assign add_b_o = add_b_q[1] ? mul_value_i : add_b_q[0] ? add_value_i : b_value;
     assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
     assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
     assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;

@@ -13,6 +13,18 @@ module EHXPLLL #(
     output wire CLKOP, LOCK
 );
 endmodule
+module LUT4 #(
+    parameter [15:0] INIT = 0
+) (
+    input  wire A, B, C, D,
+    output wire Z
+);
+endmodule
+module PFUMX (
+    input  wire ALUT, BLUT, C0,
+    output wire Z
+);
+endmodule
 module SB_PLL40_PAD #(
     parameter       FEEDBACK_PATH = "SIMPLE",
     parameter [3:0] DIVR = 0,

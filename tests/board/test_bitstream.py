@@ -63,7 +63,7 @@ def test_a_wrong_file_is_told(tmp_path, text, message):
 # ---- the tops ------------------------------------------------------------------------------------
 
 def lint(name):
-    """With the machine for one object, where an ECP5 has no primitives but the PLL; tests/fpga is about the others."""
+    """With the machine for one object, where an ECP5 has no primitives but the PLL and a multiplexer's; tests/fpga is about the others."""
     row = BOARDS[name] | {"config": "small"}
     given = [f"-G{key}={value}" for key, value in bitstream.parameters(row, CONFIGS[row["config"]]).items()]
     files = bitstream.sources(row, CONFIGS[row["config"]])

@@ -55,7 +55,8 @@ def module(yosys, files, name, **parameters):
     """One module of ours as JSON, flattened down to the multiplier's product, if it has one."""
     chosen = "".join(f" -chparam {key} {value}" for key, value in parameters.items())
     return yosys.design(f"read_verilog {name}.v; hierarchy -check -libdir . -top {name}{chosen}; "
-                        f"rename -top {name}; setattr -mod -set keep_hierarchy 1 *fp_mul_product*; "
+                        f"rename -top {name}; setattr -mod -unset keep_hierarchy *; "
+                        f"setattr -mod -set keep_hierarchy 1 *fp_mul_product*; "
                         f"proc; flatten -noscopeinfo; opt_clean", files)
 
 

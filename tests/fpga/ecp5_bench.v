@@ -53,6 +53,22 @@ module ecp5_bench;
             end
         end
 
+        // One bit, and words of any width: every choice of every four bits comes up.
+        for (i = 0; i < 2; i = i + 1) begin : g_mux4
+            localparam W = i == 0 ? 1 : 26;
+            wire [4*W-1:0] words = {a, b, ~a, ~b, a, b};
+            wire [1:0]     n = a[4:3] ^ b[1:0];
+            wire [W-1:0]   generic, device;
+            mux4 #(.W(W)) u_generic (.n_i(n), .d0_i(words[0 +: W]), .d1_i(words[W +: W]),
+                .d2_i(words[2*W +: W]), .d3_i(words[3*W +: W]), .q_o(generic));
+            ecp5_mux4 #(.W(W)) u_device (.n_i(n), .d0_i(words[0 +: W]), .d1_i(words[W +: W]),
+                .d2_i(words[2*W +: W]), .d3_i(words[3*W +: W]), .q_o(device));
+            always @(posedge clk) if (settled && generic !== device) begin
+                errors = errors + 1;
+                $display("mux4 W %0d: %h, generic %h", W, device, generic);
+            end
+        end
+
         // Memories of every shape of block, one or several beside each other.
         for (i = 0; i < 9; i = i + 1) begin : g_ram
             localparam ADDR_W = i < 7 ? 8 + i : i == 7 ? 9 : 3;

@@ -1,4 +1,4 @@
-// ecp5_primitives: what rtl/fpga/ecp5 uses of an ECP5's block memory, multiplier and carry chain.
+// ecp5_primitives: what rtl/fpga/ecp5 uses of an ECP5's block memory, multiplier, carry chain and LUTs.
 //
 // Purpose   Lets a simulator run these files, and what yosys makes of the inferred modules. Written from the vendor's descriptions of the sysDSP and
 //           sysMEM blocks: function and registers, no delays; what is not used ends the simulation.
@@ -128,4 +128,22 @@ module CCU2C (
 
     initial if (INJECT1_0 != "NO" || INJECT1_1 != "NO") $fatal(1, "%m: not modelled");
 endmodule
+
+// yosys has models of these.
+`ifndef FP3_NETLIST
+module LUT4 (
+    input  wire A, B, C, D,
+    output wire Z
+);
+    parameter [15:0] INIT = 16'd0;
+    assign Z = INIT[{D, C, B, A}];
+endmodule
+
+module PFUMX (
+    input  wire ALUT, BLUT, C0,
+    output wire Z
+);
+    assign Z = C0 ? ALUT : BLUT;
+endmodule
+`endif
 `default_nettype wire

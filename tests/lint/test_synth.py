@@ -139,6 +139,7 @@ def test_interleaved_contexts_use_the_devices_registers_and_a_lane_is_placed_wit
         script = read[f"build/synth/{name}.json"]
         assert ("rtl/fpga/ecp5/ram_registered.v" in script) == device
         assert ("rtl/lib/ram_registered.v" in script) == (not device)
+        assert "rtl/fpga/ecp5/mux4.v" in script and "rtl/lib/mux4.v" not in script         # it has no registers
 
 
 def test_groups_of_lanes_elaborate(root, tree):
