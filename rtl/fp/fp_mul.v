@@ -28,6 +28,11 @@ module fp_mul #(
     output wire [4:0]          flags_o
 );
     localparam SW = 6;                 // shift amount: less than 2*FRAC + 3
+    generate
+        if (FRAC > 30) begin : g_frac
+            fp_mul_FRAC_must_be_at_most_30 u_error ();
+        end
+    endgenerate
 
     // Operands.
     wire [EXP-1:0]  ae = a_i[EXP+FRAC-1:FRAC], be = b_i[EXP+FRAC-1:FRAC];

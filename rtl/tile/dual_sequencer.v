@@ -8,7 +8,7 @@
 //                      batch: contexts   └► turn of products ──┘
 //                      pace: not yet
 //
-// Latency   From a turn to the lane two cycles.
+// Latency   From a turn to the lane two cycles for a sum's y, TIMING_EARLY more for all else.
 // Hazard    Nothing but dual_pace protects a context from itself: between two issues of one context
 //           at least GAP cycles pass.
 //           Every running cycle is an issue, of one or two instructions, or exactly one stall, and no other

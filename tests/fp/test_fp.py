@@ -162,3 +162,10 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
     replay = re.search(r"replay: +(.*)", done.stdout)[1]
     again = start(*shlex.split(replay))
     assert again.returncode == 1 and "FAIL" in again.stdout, f"{replay}\n{again.stdout}{again.stderr}"
+
+
+@pytest.mark.parametrize("frac, refused", [(30, False), (31, True)])
+def test_a_product_of_a_wider_format_is_refused(root, tmp_path, frac, refused):
+    done = subprocess.run(["iverilog", "-g2005", "-y", "rtl/fp", "-y", "rtl/lib", f"-Pfp_mul.FRAC={frac}", "-s", "fp_mul", "-o", tmp_path / "x",
+                           "rtl/fp/fp_mul.v"], cwd=root, capture_output=True, text=True)
+    assert (done.returncode != 0) == refused == ("fp_mul_FRAC_must_be_at_most_30" in done.stderr), done.stderr
