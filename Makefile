@@ -429,12 +429,13 @@ synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=
 	@$(PYTHON) tools/synth.py --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
 
+CHIP = $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(foreach key,$(SET),--set $(key))
 .PHONY: chip chip-run
-chip: | need-synth ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, GRADE=6, SEEDS=1, MHZ=
-	@$(PYTHON) tools/chip.py $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
+chip: | need-synth ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, SET="flags=0", GRADE=6, SEEDS=1, MHZ=
+	@$(PYTHON) tools/chip.py $(CHIP) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
 
-chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36
-	@$(PYTHON) tools/chip.py --run $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES))
+chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36, SET=
+	@$(PYTHON) tools/chip.py --run $(CHIP)
 
 .PHONY: sizes sizes-report
 sizes: | need-sizes ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1

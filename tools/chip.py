@@ -4,8 +4,9 @@
     tools/chip.py --lanes 36 --grade 6 --seeds 1       synthesis, floorplan, place and route, timing
     tools/chip.py --lanes 36 --run                     its cycles and its answers, against the engine isa
     tools/chip.py --config dual ...                    lanes that add and multiply at once
+    tools/chip.py --set flags=0 --set subnormal=0 ...  without what these keys of isa/configs.toml stand for
 
-The design is configuration `lanes` or `dual` with another number of lanes. A group of lanes and their arithmetic are each synthesised once;
+The design is configuration `lanes` or `dual` with another number of lanes, and perhaps other keys. A group of lanes and their arithmetic are each synthesised once;
 each lane's multipliers and block RAMs are pinned (tools/fp3gen/floorplan.py). Place and route takes half an hour and more.
 Ends with 1 where the clock is below --mhz, or a word differs.
 
@@ -26,21 +27,27 @@ import synth
 from families import FAMILIES
 from fp3gen import floorplan, fusesoc, verilog
 from fp3gen.check import Bad
+from fp3gen.configs import check_configs
 from fp3gen.read import load
 from one_config import LIBS, Failed, build, run
 
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
-
-
+# Settings of nextpnr: router2 then looks for the fastest way. With 1.25, its default, it is content with one that is found sooner, and some are 5 ns
+# between tiles that are near.
+ROUTING = {"router2/estimateWeight": "1.0"}
+FIXED = ("name", "doc", "interleave", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
 
 
 def array(args):
     """The configuration."""
-    base = next(row for row in load(ROOT).configs if row["name"] == args.config)
-    return {**base, "lanes": args.lanes, "name": f"{args.config}{args.lanes}", "doc": f"{args.lanes} lanes under one scheduler."}
+    machine = load(ROOT)
+    base = next(row for row in machine.configs if row["name"] == args.config)
+    name = f"{args.config}{args.lanes}" + "".join(f"_{key}{value}" for key, value in args.set)
+    row = {**base, "lanes": args.lanes, **dict(args.set), "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
+    return check_configs([row], machine.keys)[0]
 
 
 def netlist(tools, row):
@@ -77,6 +84,7 @@ def place(args, name, seed):
     started("alone", "--no-route", "--write", f"{stem}-alone-placed.json", mhz=ALONE * args.mhz)
     placed = json.loads((ROOT / f"{stem}-alone-placed.json").read_text(encoding="utf-8"))
     print(f"  the scheduler: {floorplan.settle(design, placed)} cells pinned", flush=True)
+    design["modules"]["top"]["settings"] = ROUTING
     (ROOT / f"{stem}-chip.json").write_text(json.dumps(design), encoding="utf-8")
     started("chip", "--router", "router2", mhz=args.mhz)
     report = json.loads((ROOT / f"{stem}-chip.report.json").read_text(encoding="utf-8"))
@@ -140,11 +148,21 @@ def keep(ran):
     synth.merge(results, [synth.timed(row, cycles) for row in rows if (row["top"], row["config"]) == ("chip", ran["config"])], None)
 
 
+def setting(text):
+    """KEY=VALUE"""
+    key, _, value = text.partition("=")
+    try:
+        return key, int(value, 0)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not KEY=VALUE") from None
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", choices=PROGRAMS, default="lanes", help="whose lanes (default: %(default)s)")
     parser.add_argument("--lanes", type=int, default=36,
                         help=f"1 to {floorplan.LANES}, of `dual` {floorplan.LANES_OF_5} (default: %(default)s)")
+    parser.add_argument("--set", metavar="KEY=VALUE", type=setting, action="append", default=[], help="a key of isa/configs.toml; may be repeated")
     parser.add_argument("--grade", type=int, choices=(6, 7, 8), default=6, help="speed grade (default: %(default)s)")
     parser.add_argument("--seeds", type=synth.numbers, default=[1], help="of the placement (default: 1)")
     parser.add_argument("--mhz", type=float, default=120, help="the clock that is wanted (default: %(default)s)")
@@ -157,6 +175,9 @@ def arguments():
     args = parser.parse_args()
     args.program = args.program or PROGRAMS[args.config]
     most = floorplan.LANES_OF_5 if args.config == "dual" else floorplan.LANES
+    for key, _ in args.set:
+        if key in FIXED:
+            parser.error(f"--set does not change '{key}': --config and --lanes say what the chip is full of")
     if not 1 <= args.lanes <= most:
         parser.error(f"an {DEVICE} has multipliers and block RAMs for 1 to {most} lanes of {args.config}")
     return args

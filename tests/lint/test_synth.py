@@ -4,6 +4,7 @@ The pretended nextpnr reports 10 * grade + seed MHz, so that every figure can be
 """
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -220,6 +221,26 @@ def test_a_chip_has_the_cycles_of_its_simulation(tree):
     kept, = json.loads((tree / "build/results/synth.json").read_text())["rows"]
     assert (before["cycles"], before["object_steps_per_second"]) == (None, None)
     assert after == kept and (after["cycles"], after["object_steps_per_second"]) == (2, 50000000)
+
+
+@pytest.mark.parametrize("given, code, words", [
+    ("flag=0", 1, "config 'dual36_flag0': unknown key 'flag' (known: name, doc, "),
+    ("flags=2", 1, "flags = 2 is not in 0 .. 1"),
+    ("status=1", 1, "dual = 1 needs status = 0"),
+    ("lanes=3", 2, "--set does not change 'lanes': --config and --lanes say what the chip is full of"),
+    ("flags", 2, "argument --set: 'flags' is not KEY=VALUE"),
+    ("flags=no", 2, "argument --set: 'flags=no' is not KEY=VALUE")])
+def test_a_chip_has_no_keys_that_do_not_exist(tree, given, code, words):
+    done = subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--set", given], cwd=tree, capture_output=True, text=True)
+    assert done.returncode == code and words in done.stderr, done.stderr
+
+
+def test_a_chip_has_the_keys_that_it_is_given(tree):
+    """In its netlist, and under a name of its own."""
+    subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--lanes", "2", "--set", "flags=0", "--set", "subnormal=0",
+                    "--tools", tree / "bin"], cwd=tree, capture_output=True, text=True)
+    made = (tree / "build/synth/chip-dual2_flags0_subnormal0.v").read_text()
+    assert all(re.search(rf"\b{key} *\({value}\)", made) for key, value in (("FLAGS", 0), ("SUBNORMAL", 0), ("LANES", 2)))
 
 
 def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):
