@@ -34,9 +34,6 @@ from one_config import LIBS, Failed, build, run
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
-# Settings of nextpnr: router2 then looks for the fastest way. With 1.25, its default, it is content with one that is found sooner, and some are 5 ns
-# between tiles that are near.
-ROUTING = {"router2/estimateWeight": "1.0"}
 FIXED = ("name", "doc", "interleave", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
 
@@ -84,7 +81,6 @@ def place(args, name, seed):
     started("alone", "--no-route", "--write", f"{stem}-alone-placed.json", mhz=ALONE * args.mhz)
     placed = json.loads((ROOT / f"{stem}-alone-placed.json").read_text(encoding="utf-8"))
     print(f"  the scheduler: {floorplan.settle(design, placed)} cells pinned", flush=True)
-    design["modules"]["top"]["settings"] = ROUTING
     (ROOT / f"{stem}-chip.json").write_text(json.dumps(design), encoding="utf-8")
     started("chip", "--router", "router2", mhz=args.mhz)
     report = json.loads((ROOT / f"{stem}-chip.report.json").read_text(encoding="utf-8"))
