@@ -150,7 +150,7 @@ def page(rows):
         "- An iCE40's multipliers are in the timing only where they have registers around them, so a configuration without is not placed there, and",
         "  `make bitstream` refuses it.",
         "- On LIFCL-40 nextpnr-nexus 0.11.1 places `small`, and then its router2 finds no way for the clock from the pin to the clock buffer; a register of eight",
-        "  bits with the same pins is routed. On GW2AR-18 `single` was placed with seed 1, but one of its arcs was not routed.",
+        "  bits with the same pins is routed. On GW2AR-18 `single` is not routed with seed 1: one arc finds no way.",
         "- What is not placed or not in the table was not measured. Each row is measured alone, and keeps its figures until it is measured again.", "",
         "## Devices", "", *devices(rows), "",
         "What a device has is from its data sheet; a Gowin or ECP5 slice's flip-flops and LUTs are not always usable together, so that",
