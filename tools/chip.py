@@ -42,8 +42,9 @@ def array(args):
     """The configuration."""
     machine = load(ROOT)
     base = next(row for row in machine.configs if row["name"] == args.config)
-    name = f"{args.config}{args.lanes}" + "".join(f"_{key}{value}" for key, value in args.set)
-    row = {**base, "lanes": args.lanes, **dict(args.set), "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
+    given = dict(sorted(args.set))
+    name = f"{args.config}{args.lanes}" + "".join(f"_{key}{value}" for key, value in given.items())
+    row = {**base, "lanes": args.lanes, **given, "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
     return check_configs([row], machine.keys)[0]
 
 
@@ -171,7 +172,9 @@ def arguments():
     args = parser.parse_args()
     args.program = args.program or PROGRAMS[args.config]
     most = floorplan.LANES_OF_5 if args.config == "dual" else floorplan.LANES
-    for key, _ in args.set:
+    for n, (key, _) in enumerate(args.set):
+        if key in dict(args.set[:n]):
+            parser.error(f"--set has '{key}' twice")
         if key in FIXED:
             parser.error(f"--set does not change '{key}': --config and --lanes say what the chip is full of")
     if not 1 <= args.lanes <= most:

@@ -224,6 +224,7 @@ def test_a_chip_has_the_cycles_of_its_simulation(tree):
 
 
 @pytest.mark.parametrize("given, code, words", [
+    ("flags=0 flags=1", 2, "--set has 'flags' twice"),
     ("flag=0", 1, "config 'dual36_flag0': unknown key 'flag' (known: name, doc, "),
     ("flags=2", 1, "flags = 2 is not in 0 .. 1"),
     ("status=1", 1, "dual = 1 needs status = 0"),
@@ -231,13 +232,14 @@ def test_a_chip_has_the_cycles_of_its_simulation(tree):
     ("flags", 2, "argument --set: 'flags' is not KEY=VALUE"),
     ("flags=no", 2, "argument --set: 'flags=no' is not KEY=VALUE")])
 def test_a_chip_has_no_keys_that_do_not_exist(tree, given, code, words):
-    done = subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--set", given], cwd=tree, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "tools/chip.py", "--config", "dual",
+                           *(word for key in given.split() for word in ("--set", key))], cwd=tree, capture_output=True, text=True)
     assert done.returncode == code and words in done.stderr, done.stderr
 
 
 def test_a_chip_has_the_keys_that_it_is_given(tree):
     """In its netlist, and under a name of its own."""
-    subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--lanes", "2", "--set", "flags=0", "--set", "subnormal=0",
+    subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--lanes", "2", "--set", "subnormal=0", "--set", "flags=0",
                     "--tools", tree / "bin"], cwd=tree, capture_output=True, text=True)
     made = (tree / "build/synth/chip-dual2_flags0_subnormal0.v").read_text()
     assert all(re.search(rf"\b{key} *\({value}\)", made) for key, value in (("FLAGS", 0), ("SUBNORMAL", 0), ("LANES", 2)))
