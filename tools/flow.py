@@ -1,13 +1,34 @@
 """How a netlist is made and placed, for tools/synth.py, tools/chip.py and tools/bitstream.py alike. What differs between families
 is in tools/families.py."""
 
+import importlib.metadata
 import pathlib
+import re
+import subprocess
 
 from families import DEVICES, FAMILIES
 from fp3gen import fusesoc
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+TOOLS = ROOT / ".venv/bin"       # where `make setup-fpga` and `make setup-boards` put the tools
 WITHOUT_REGISTERS = ("mux4.v",)  # where a family has its own, it pays in every configuration
+
+
+def tool(folder, name):
+    """A program's path: as YoWASP's package names it, else by its own name."""
+    packaged = folder / f"yowasp-{name}"
+    return packaged if packaged.exists() else folder / name
+
+
+def version(path):
+    """A program's name and version: of YoWASP's package as pip has it, else as it says itself."""
+    if path.name.startswith("yowasp-"):
+        for found in path.parent.parent.glob(f"lib/python3*/site-packages/{path.name.replace('-', '_')}-*.dist-info"):
+            return f"{path.name} {importlib.metadata.Distribution.at(found).version}"
+        return path.name
+    said = subprocess.run([str(path), "--version"], capture_output=True, text=True)
+    found = re.search(r"(?i)\bnextpnr-(\d\S*?)\)|^yosys (\S+)", said.stdout + said.stderr, re.M)
+    return f"{path.name} {found[1] or found[2]}" if found else path.name
 
 
 def has_own(family, row):

