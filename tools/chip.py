@@ -23,6 +23,7 @@ import sys
 import tempfile
 
 import flow
+import measured
 import synth
 from families import FAMILIES
 from fp3gen import floorplan, fusesoc, verilog
@@ -96,8 +97,8 @@ def make(args):
     name, used = netlist(args.tools, row)
     placed = [place(args, name, seed) for seed in args.seeds]
     tools = [flow.version(flow.tool(args.tools, name)) for name in ("yosys", "nextpnr-ecp5")]
-    result = synth.result("chip", row["name"], DEVICE, args.grade, args.seeds, None, used, placed, tools)
-    synth.merge(ROOT / "build/results/synth.json", [result], None)
+    result = synth.result("chip", row["name"], DEVICE, args.grade, args.seeds, None, used, placed, tools, args.mhz)
+    measured.add([result])
     print(json.dumps(result, indent=2))
     if result["fmax_best"] < args.mhz:
         sys.exit(f"chip.py: {result['fmax_best']} MHz, wanted {args.mhz}")
@@ -135,14 +136,13 @@ def simulate(args):
 
 def keep(ran):
     """Adds the run to build/results/chip.json, and its cycles to the rows of that chip."""
-    path, results = ROOT / "build/results/chip.json", ROOT / "build/results/synth.json"
+    path = ROOT / "build/results/chip.json"
     runs = json.loads(path.read_text(encoding="utf-8"))["runs"] if path.exists() else []
     runs = [old for old in runs if (old["config"], old["program"]) != (ran["config"], ran["program"])] + [ran]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps({"runs": runs}, indent=2) + "\n", encoding="utf-8")
-    rows = json.loads(results.read_text(encoding="utf-8"))["rows"] if results.exists() else []
-    cycles = synth.cycles_per_step(ran["config"])
-    synth.merge(results, [synth.timed(row, cycles) for row in rows if (row["top"], row["config"]) == ("chip", ran["config"])], None)
+    cycles = measured.cycles_per_step(ran["config"])
+    measured.add([measured.timed(row, cycles) for row in measured.known()["rows"] if (row["top"], row["config"]) == ("chip", ran["config"])])
 
 
 def setting(text):

