@@ -65,7 +65,8 @@ def netlist(tools, row):
     for module in design["modules"].values():                       # places in the sources are most of the file
         for part in (*module["cells"].values(), *module["netnames"].values()):
             part["attributes"].pop("src", None)
-    print(f"  {floorplan.trim(design)} carries that nobody reads, {floorplan.pin(design, row['lanes'])} cells pinned", flush=True)
+    print(f"  {floorplan.trim(design)} carries that nobody reads, {floorplan.pin(design, row['lanes'])} cells pinned, "
+          f"{floorplan.ground(design)} zeros from the lane itself", flush=True)
     (ROOT / WORK / f"{name}-pinned.json").write_text(json.dumps(design), encoding="utf-8")
     return name, synth.figures(name, FAMILIES["ecp5"])
 

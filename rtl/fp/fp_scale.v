@@ -18,6 +18,7 @@ module fp_scale #(
     parameter FRAC       = 23,
     parameter SUBNORMAL  = 1,
     parameter NEAREST    = 1,
+    parameter SUM_LAST   = 0,          // 1: nothing is chosen behind the sum, so that a register may be in its cells; slower without CUTS
     parameter [0:0] CUTS = 1'b0        // a register between what kind of number it is and the result
 ) (
     input  wire              clk_i,
@@ -28,37 +29,62 @@ module fp_scale #(
     output wire [4:0]        flags_o   // {NV, DZ, OF, UF, NX}
 );
     localparam [EXP-1:0] ONE = 1;
+    localparam [1:0] SAME = 2'd0, MOVED = 2'd1, OVER = 2'd2, ZERO = 2'd3;       // what the fraction becomes
+
     wire [EXP-1:0] e       = d_i[EXP+FRAC-1:FRAC];
     wire           top     = &e;                          // infinity or NaN
     wire           low     = e == {EXP{1'b0}};            // zero or subnormal
-    wire           double  = twice_i && !top;
-    wire           halve   = half_i && !top;
-    wire [EXP-1:0] next    = double ? e + 1'b1 : halve ? e - 1'b1 : e;
-    wire           over    = double && e == {{EXP-1{1'b1}}, 1'b0};
-    wire           up      = double && low;
-    wire           down    = halve && (low || e == ONE);  // is or becomes subnormal
-    wire           flushed = SUBNORMAL == 0 && (down || up);
+    wire           over    = twice_i && e == {{EXP-1{1'b1}}, 1'b0};
+    wire           up      = twice_i && low;
+    wire           down    = half_i && (low || e == ONE); // is or becomes subnormal
+    wire [1:0]     kind    = over ? OVER : SUBNORMAL == 0 && (down || up) ? ZERO : down ? MOVED : SAME;
+    wire [EXP-1:0] next;                                  // the exponent of a normal number moves by one
+    generate
+        if (SUM_LAST != 0) begin : g_one_sum
+            wire normal = !top && !low;
+            wire more_e = twice_i && normal && (NEAREST != 0 || !over);
+            wire less_e = half_i && normal;
+            wire unused_carry;
+            assign {next, unused_carry} = {e, 1'b1} + {{EXP{less_e}}, more_e};
+        end else begin : g_two_sums
+            assign next = top ? e : twice_i ? e + 1'b1 : half_i ? e - 1'b1 : e;
+        end
+    endgenerate
 
-    wire            sign_1, low_1, over_1, up_1, down_1, flushed_1;
+    wire            sign_1, low_1, up_1, tie;
+    wire [1:0]      kind_1;
     wire [EXP-1:0]  next_1;
     wire [FRAC-1:0] f;
     cut #(.W(EXP+FRAC+6), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
-        .d_i({low, over, up, down, flushed, d_i[EXP+FRAC], next, d_i[FRAC-1:0]}),
-        .q_o({low_1, over_1, up_1, down_1, flushed_1, sign_1, next_1, f}));
+        .d_i({low, up && SUBNORMAL != 0, kind, d_i[EXP+FRAC], &d_i[1:0], next, d_i[FRAC-1:0]}),
+        .q_o({low_1, up_1, kind_1, sign_1, tie, next_1, f}));
 
-    // Twice: a subnormal's fraction moves, its top bit into the exponent; the largest overflow.
-    wire [EXP+FRAC-1:0] moved_up = {{EXP-1{1'b0}}, f, 1'b0};
-    wire [EXP+FRAC-1:0] most     = NEAREST != 0 ? {{EXP{1'b1}}, {FRAC{1'b0}}} : {{EXP-1{1'b1}}, 1'b0, {FRAC{1'b1}}};
+    // Twice a subnormal is f + f; half of a number is rounded up where two ones would be cut.
+    wire [FRAC-1:0] moved = {!low_1, f[FRAC-1:1]};
+    wire            round = NEAREST != 0 && tie;
+    wire [EXP+FRAC-1:0] z;
+    generate
+        if (SUM_LAST != 0) begin : g_sum_last
+            reg [FRAC-1:0] x;
+            always @* case (kind_1)
+                SAME:    x = f;
+                MOVED:   x = moved;
+                OVER:    x = {FRAC{NEAREST == 0}};
+                default: x = {FRAC{1'b0}};
+            endcase
+            wire [FRAC-1:0] more = {f[FRAC-1:1] & {FRAC-1{up_1}}, up_1 ? f[0] : round && kind_1 == MOVED};
+            assign z = {next_1, x} + {{EXP{1'b0}}, more};
+        end else begin : g_choice_last
+            wire [FRAC:0]       tiny = {1'b0, moved} + {{FRAC{1'b0}}, round};
+            wire [EXP+FRAC-1:0] most = NEAREST != 0 ? {{EXP{1'b1}}, {FRAC{1'b0}}} : {{EXP-1{1'b1}}, 1'b0, {FRAC{1'b1}}};
+            assign z = kind_1 == ZERO ? {EXP+FRAC{1'b0}} : kind_1 == OVER ? most : up_1 ? {{EXP-1{1'b0}}, f, 1'b0}
+                     : kind_1 == MOVED ? {{EXP-1{1'b0}}, tiny} : {next_1, f};
+        end
+    endgenerate
 
-    // Half: what is or becomes subnormal moves and is rounded.
-    wire [FRAC:0] moved = {1'b0, !low_1, f[FRAC-1:1]};
-    wire          round = NEAREST != 0 && f[0] && f[1];
-    wire [FRAC:0] tiny  = moved + {{FRAC{1'b0}}, round};
-
-    wire [EXP+FRAC-1:0] z = flushed_1 ? {EXP+FRAC{1'b0}} : over_1 ? most : up_1 ? moved_up
-                          : down_1 ? {{EXP-1{1'b0}}, tiny} : {next_1, f};
-    wire uf = down_1 && (SUBNORMAL != 0 ? f[0] : !low_1);
+    wire is_over = kind_1 == OVER;
+    wire uf      = SUBNORMAL != 0 ? kind_1 == MOVED && f[0] : kind_1 == ZERO && !low_1;
     assign z_o     = {sign_1, z};
-    assign flags_o = {2'b00, over_1, uf, over_1 || uf};
+    assign flags_o = {2'b00, is_over, uf, is_over || uf};
 endmodule
 `default_nettype wire

@@ -37,7 +37,7 @@ module dual_arith #(
     wire [4:0]  scale_flags, scale_flags_late;             // overflow or underflow, each of them inexact
     generate
         if (SCALE != 0) begin : g_scale
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(1'b1)) u_scale (.clk_i(clk_i), .twice_i(twice_i), .half_i(half_i),
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .SUM_LAST(1), .CUTS(1'b1)) u_scale (.clk_i(clk_i), .twice_i(twice_i), .half_i(half_i),
                 .d_i(sum_y_i), .z_o(scaled), .flags_o(scale_flags));
             wire of, uf;
             delay #(.W(2), .N(D+1)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(scale_flags[2:1]), .q_o({of, uf}));

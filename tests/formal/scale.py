@@ -8,14 +8,16 @@ MODES = [(1, 1), (1, 0), (0, 1), (0, 0)]  # subnormal, nearest
 CASES = Path(__file__).with_name("scale_cases.v")
 
 BUGS = [
-    Bug("scale", "a tie goes up", "fp_scale.v", "f[0] && f[1];", "f[0];"),
-    Bug("scale", "an exact half underflows", "fp_scale.v", "SUBNORMAL != 0 ? f[0] : !low_1", "1'b1"),
-    Bug("scale", "halved unless doubled", "fp_scale.v", "halve   = half_i && !top;", "halve   = !twice_i && !top;"),
+    Bug("scale", "a tie goes up", "fp_scale.v", "&d_i[1:0]", "d_i[0]"),
+    Bug("scale", "an exact half underflows", "fp_scale.v", "kind_1 == MOVED && f[0]", "kind_1 == MOVED"),
+    Bug("scale", "halved unless doubled", "fp_scale.v", "down    = half_i &&", "down    = !twice_i &&"),
     Bug("scale", "infinity is halved", "fp_scale.v", "top     = &e;", "top     = &e && |d_i[FRAC-1:0];"),
-    Bug("scale", "a NaN is counted up", "fp_scale.v", "double  = twice_i && !top;", "double  = twice_i;"),
-    Bug("scale", "a fraction's top bit lost", "fp_scale.v", "{{EXP-1{1'b0}}, f, 1'b0}", "{{EXP{1'b0}}, f << 1}"),
+    Bug("scale", "a NaN is counted up", "fp_scale.v", "normal = !top && !low;", "normal = !low;"),
+    Bug("scale", "a fraction's top bit lost", "fp_scale.v", "{next_1, x} + {{EXP{1'b0}}, more}", "{next_1, x + more}"),
+    Bug("scale", "a rounded half loses its top bit", "fp_scale.v", "{{EXP-1{1'b0}}, tiny}", "{{EXP{1'b0}}, tiny[FRAC-1:0]}"),
+    Bug("scale", "a NaN is counted up, too", "fp_scale.v", "next = top ? e : twice_i", "next = twice_i"),
     Bug("scale", "the least normal number keeps its exponent", "fp_scale.v", "(low || e == ONE)", "low"),
-    Bug("scale", "overflow is not inexact", "fp_scale.v", "over_1, uf, over_1 || uf", "over_1, uf, uf"),
+    Bug("scale", "overflow is not inexact", "fp_scale.v", "is_over, uf, is_over || uf", "is_over, uf, uf"),
 ]
 
 

@@ -9,16 +9,19 @@ module scale_cases #(
     input  wire [31:0] d_i,
     output wire        wrong_o
 );
-    wire [31:0] scaled, product;
-    wire [4:0]  scaled_flags, product_flags;
+    wire [31:0] scaled, scaled_too, product;
+    wire [4:0]  scaled_flags, scaled_too_flags, product_flags;
     fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
         .d_i(d_i), .z_o(scaled), .flags_o(scaled_flags));
+    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .SUM_LAST(1)) u_scale_too (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
+        .d_i(d_i), .z_o(scaled_too), .flags_o(scaled_too_flags));
     fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_mul (.clk_i(1'b0), .a_i(d_i),
         .b_i(half_i ? 32'h3f000000 : 32'h40000000), .z_o(product), .flags_o(product_flags));
     wire nan = &d_i[30:23] && |d_i[22:0];
     // The adder behind makes a NaN quiet, and reads a subnormal as zero where SUBNORMAL = 0.
     wire same = nan || !(twice_i || half_i);
     assign wrong_o = !(twice_i && half_i) && (same ? scaled != d_i || scaled_flags != 5'd0
-                                                   : scaled != product || scaled_flags != product_flags);
+                                                   : scaled != product || scaled_flags != product_flags)
+                  || !(twice_i && half_i) && (scaled_too != scaled || scaled_too_flags != scaled_flags);
 endmodule
 `default_nettype wire

@@ -108,3 +108,20 @@ def test_only_idle_carries_are_cut(floorplan):
     assert floorplan.trim(design) == 1
     cells = design["modules"]["top"]["cells"]
     assert (cells["a"]["connections"]["COUT"], cells["b"]["connections"]["COUT"]) == ([5], ["x"])
+
+
+def test_each_lane_has_a_zero_of_its_own(floorplan):
+    """For what nextpnr would lead there from one cell; the scheduler's zeros and other inputs stay as they are."""
+    def cell(kind, **connections):
+        return {"type": kind, "connections": {port: list(bits) for port, bits in connections.items()}, "attributes": {},
+                "port_directions": {port: "output" if port == "Z" else "input" for port in connections}}
+    lane = "u.g_group[1].u_group.g_dual[2].u_lane"
+    cells = {f"{lane}.carry": cell("CCU2C", CIN="0", A0=[7], B0="0"), f"{lane}.m": cell("MULT18X18D", A1="0", SIGNEDA="0", SIGNEDB=[7]),
+             f"{lane.replace('[2]', '[0]')}.q": cell("TRELLIS_FF", DI="0", LSR="0"), "u.u_hub.carry": cell("CCU2C", CIN="0", Z=[9])}
+    before = {name: dict(row["connections"]) for name, row in cells.items()}
+    assert floorplan.ground({"modules": {"top": {"cells": cells}}}) == 3
+    assert set(cells) - set(before) == {"u.g_group[1].u_group.g_dual[2].zero", "u.g_group[1].u_group.g_dual[0].zero"}
+    first, second = (cells[name]["connections"]["Z"] for name in sorted(set(cells) - set(before), reverse=True))
+    assert first != second and all(floorplan.owner(name) is not None for name in cells if "zero" in name)
+    changed = {f"{lane}.carry": {"CIN": first}, f"{lane}.m": {"SIGNEDA": first}, f"{lane.replace('[2]', '[0]')}.q": {"DI": second}}
+    assert {name: cells[name]["connections"] for name in before} == {name: {**row, **changed.get(name, {})} for name, row in before.items()}

@@ -25,6 +25,9 @@ LANES = 51                             # three multipliers of a row each
 LANES_OF_5 = 40                        # five block RAMs each
 GROUP = 4                              # lanes that hear the same in the same cycle
 
+# Inputs to which nextpnr leads a zero by wire; that of others is a setting of the cell.
+ZEROS = {"CCU2C": re.compile("CIN|D[01]"), "MULT18X18D": re.compile("SIGNED[AB]|SOURCE[AB]|RST[0-3]"), "TRELLIS_FF": re.compile("DI|M")}
+
 OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_(?:lane|dual)\[(\d+)\]|g_lane\[(\d+)\]\.u_arith")
 
 
@@ -176,6 +179,28 @@ def settle(netlist, placed):
     for name in settled:
         cells[name]["attributes"]["BEL"] = there[name]["attributes"]["NEXTPNR_BEL"]
     return len(settled)
+
+
+def ground(netlist):
+    """Gives each lane a LUT for the zeros that nextpnr would lead there from one cell of the chip: those of multipliers and flip-flops,
+    and where carries begin. router1 rips that net up, which goes everywhere, again and again. How many inputs were changed."""
+    top = netlist["modules"]["top"]
+    bit = 1 + max(bit for cell in top["cells"].values() for bits in cell["connections"].values() for bit in bits if isinstance(bit, int))
+    zeros, changed = {}, 0
+    for name, cell in top["cells"].items():
+        found = OWNER.search(name)
+        if not found or cell["type"] not in ZEROS:
+            continue
+        for port, bits in cell["connections"].items():
+            if "0" in bits and ZEROS[cell["type"]].fullmatch(port):
+                mine = zeros.setdefault(name[:found.end()] + ".zero", bit + len(zeros))
+                cell["connections"][port] = [mine if b == "0" else b for b in bits]
+                changed += bits.count("0")
+    inputs = dict.fromkeys("ABCD", "input")
+    for name, mine in zeros.items():
+        top["cells"][name] = {"hide_name": 0, "type": "LUT4", "parameters": {"INIT": "0" * 16}, "attributes": {},
+                              "port_directions": {**inputs, "Z": "output"}, "connections": {**{port: ["0"] for port in inputs}, "Z": [mine]}}
+    return changed
 
 
 def trim(netlist):
