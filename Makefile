@@ -446,7 +446,7 @@ sizes: | $(call need_tools,sizes) ## The same on devices of several families, of
 	@$(PYTHON) tools/synth.py $(WITH) --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
-sizes-report: ## Write docs/sizes.md and the table of docs/integration.md from build/results/synth.json
+sizes-report: ## Take what was measured into docs/synth.json, and write docs/sizes.md, the tables of docs/integration.md and docs/chip.md from it
 	@$(PYTHON) tools/sizes.py
 
 .PHONY: bitstream
@@ -454,7 +454,7 @@ bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met
 	@$(PYTHON) tools/bitstream.py $(WITH) $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
 
 .PHONY: report
-report: ## Write docs/results.md and README's table from build/results/
+report: ## Write docs/results.md and README's tables from build/results/ and docs/synth.json
 	@$(PYTHON) tools/report.py
 
 # ---- for other tools ----------------------------------------------------------------------------

@@ -98,7 +98,8 @@ def cases(args):
         rest += [("control", name, partial(action, yosys, files)) for name, action in control.cases()]
     if "scale" in args.only:
         rest += [("scale", name, partial(action, yosys, files)) for name, action in scale.cases()]
-        rest += [("scale", "cuts 0x1", partial(equal.cut, yosys, files, fmt, "scale", 1))]
+        for name, own in (("cuts 0x1", files), ("cuts 0x1, the sum last", scale.sum_last(files))):
+            rest += [("scale", name, partial(equal.cut, yosys, own, fmt, "scale", 1))]
     yield from ((core, name, action) for core, name, action in rest if wanted(args.case, name))
 
 
