@@ -1,7 +1,7 @@
 """What synthesis, place and route have measured, for tools/synth.py, tools/chip.py and the pages that come from it.
 
 build/results/synth.json has what was measured in this folder, docs/synth.json what the pages of docs/ show. Whoever writes
-a page takes the former into the latter first, row by row: a part that is measured again renews its rows alone.
+a page takes the former into the latter, row by row: a part that is measured again renews its rows alone.
 """
 
 import json
@@ -53,11 +53,9 @@ def known():
 
 
 def keep():
-    """All there is, from now on in docs/synth.json."""
-    results = known()
+    """Puts all there is into docs/synth.json."""
     if HERE.exists():
-        write(KEPT, **results)
-    return results
+        write(KEPT, **known())
 
 
 def cycles_per_step(config):

@@ -188,7 +188,9 @@ def pages(rows):
 
 
 def main():
-    for name, text in pages(measured.keep()["rows"]).items():
+    texts = pages(measured.known()["rows"])
+    measured.keep()
+    for name, text in texts.items():
         (ROOT / "docs" / name).write_text(text, encoding="utf-8")
         print(f"wrote docs/{name}")
 
