@@ -54,6 +54,7 @@ FAMILIES = {
         "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--vopt cst={limits}", None, True,
         Bitstream("+/gowin/cells_sim.v", "--write {routed}", "gowin_pack -d GW2A-18C -o {out} {routed}", ".fs"),
         'IO_LOC "{port}" {site};'),
+    # router2 finds no way for the clock from its pin to the clock buffer; router1 does.
     # Of each carry chain the first cell's CIN comes without a driver from the family's map, gets a 0 in abc9, and is
     # refused by nextpnr with that (YosysHQ/yosys, issue 5639): `loose` takes it away again.
     "nexus": Family(
@@ -62,7 +63,7 @@ FAMILIES = {
          "dsp": {"MULT18X18": 1, "MULTADDSUB18X18": 1, "MULT9X9": 0.5, "MULTADDSUB9X9WIDE": 2, "MULT18X36": 2, "MULTADDSUB18X36": 2, "MULT36X36": 4},
          "ebr": {"PDP(SC)?16K(_MODE)?": 1, "DP16K(_MODE)?": 1}},
         "OXIDE_COMB", "nextpnr-nexus",
-        "--seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pdc {limits}", None, True, None,
+        "--router router1 --seed {seed} --freq {mhz} --timing-allow-fail --json {json} --report {report}", "--pdc {limits}", None, True, None,
         "ldc_set_location -site {{{site}}} [get_ports {port}]", ("CCU2", "CIN", "VLO", "Z")),
     "xc7": Family(
         "AMD 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -top {top} -json {json}",
