@@ -138,7 +138,7 @@ def page(rows):
         "  An iCE40 has no distributed RAM, and yosys makes none on Cyclone V here: registers of objects and constants become flip-flops there.",
         "- Each processor has registers around its ports, which are counted: 138 for one scheduler on ECP5, 7 series and Cyclone V. The others have three pins, into which",
         "  inputs are shifted and from which the outputs' parity comes.",
-        "- Seeds are those of the placement. One seed says little about the best one: on ECP5 they differ by some 5 %. Cycles and steps are those of the ship,",
+        "- Seeds are those of the placement. One seed says little about the best one: on ECP5 they differ by 10 % and more. Cycles and steps are those of the ship,",
         "  by its cheapest program there ([results.md](results.md)), the speed that of the best seed.",
         "- The clock is nextpnr's estimate, with no device behind it. That of Gowin is too good: its author found it about 20 % above the vendor's tool",
         "  (nextpnr, pull request 1345, 2024), and its multipliers and memories have no delay there ([board.md](board.md)). No clock is known where the family has no open placer.",
