@@ -46,8 +46,9 @@ module fp_add #(
     wire [FRAC-1:0] near_frac5;
     wire [EXP-1:0]  near_e5;
     wire            near_hidden5;
+    wire [EXP-1:0]  e3;
     fp_add_near #(.EXP(EXP), .FRAC(FRAC), .NEAREST(NEAREST), .CUTS(CUTS[5:2])) u_near (
-        .clk_i(clk_i), .diff_i(diff1), .e_i(e1), .close_i(close1),
+        .clk_i(clk_i), .diff_i(diff1), .e_i(e1), .e1_i(e3), .close_i(close1),
         .frac_o(near_frac5), .e_o(near_e5), .hidden_o(near_hidden5));
 
     // Align, by the low bits of the distance first: they are known first.
@@ -76,7 +77,6 @@ module fp_add #(
 
     wire [FRAC:0]  big3;
     wire [S-2:0]   other3;
-    wire [EXP-1:0] e3;
     wire sticky3, close3, minus3, made3, sign3, invalid3;
     cut #(.W(FRAC + S + EXP + 6), .ON(CUTS[3])) u_align (.clk_i(clk_i),
         .d_i({big2, other2, e2 & {EXP{!zero2}}, sticky2, close2, minus2, made2, sign2, invalid2}),

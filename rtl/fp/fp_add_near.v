@@ -17,6 +17,7 @@ module fp_add_near #(
     input  wire            clk_i,
     input  wire [FRAC+1:0] diff_i,     // hidden bit, fraction, guard
     input  wire [EXP-1:0]  e_i,        // exponent field of the big operand
+    input  wire [EXP-1:0]  e1_i,       // e_i two cuts later; it counts with close_i only
     input  wire            close_i,
     output wire [FRAC-1:0] frac_o,
     output wire [EXP-1:0]  e_o,
@@ -33,10 +34,9 @@ module fp_add_near #(
         for (i = 0; i < D; i = i + 1) marker[i] = {{32-EXP{1'b0}}, e_i} == D - i;
 
     wire [D-1:0]   diff0, counted;
-    wire [EXP-1:0] e0;
     wire           close0;
-    cut #(.W(2*D + EXP + 1), .ON(CUTS[0])) u_subtract (.clk_i(clk_i),
-        .d_i({diff_i, diff_i | marker, e_i, close_i}), .q_o({diff0, counted, e0, close0}));
+    cut #(.W(2*D + 1), .ON(CUTS[0])) u_subtract (.clk_i(clk_i),
+        .d_i({diff_i, diff_i | marker, close_i}), .q_o({diff0, counted, close0}));
 
     wire [N-1:0]   left;
     wire           unused_zero;
@@ -44,17 +44,16 @@ module fp_add_near #(
 
     wire [D-1:0]   diff1;
     wire [N-1:0]   left1;
-    wire [EXP-1:0] e1;
     wire           close1;
-    cut #(.W(D + N + EXP + 1), .ON(CUTS[1])) u_count (.clk_i(clk_i),
-        .d_i({diff0, left, e0, close0}), .q_o({diff1, left1, e1, close1}));
+    cut #(.W(D + N + 1), .ON(CUTS[1])) u_count (.clk_i(clk_i),
+        .d_i({diff0, left, close0}), .q_o({diff1, left1, close1}));
 
     wire [D-1:0]   diff2;
     wire [N-1:0]   left2;
     wire [EXP-1:0] e2;
     wire           close2;
     cut #(.W(D + N + EXP + 1), .ON(CUTS[2])) u_much (.clk_i(clk_i),
-        .d_i({diff1 << (left1 & MUCH), left1 & ~MUCH, e1 - {{EXP-N{1'b0}}, left1}, close1}),
+        .d_i({diff1 << (left1 & MUCH), left1 & ~MUCH, e1_i - {{EXP-N{1'b0}}, left1}, close1}),
         .q_o({diff2, left2, e2, close2}));
 
     // Stopped by the marker, the exponent is 1 and the field 0.

@@ -37,7 +37,10 @@ module fp_add_swap #(
     wire a_zero = ea == 0, b_zero = eb == 0, a_ones = &ea, b_ones = &eb;
     wire a_some = |a_i[FRAC-1:0], b_some = |b_i[FRAC-1:0];
     wire differ = a_i[M] ^ b_i[M] ^ sub_i;
-    wire same   = a_i[M-1:0] == b_i[M-1:0];
+    // Whether both magnitudes are the same is asked a quarter at a time, and of the quarters behind the cut.
+    localparam Q = (M + 3) / 4;
+    wire [4*Q-1:0] unlike = {{4*Q-M{1'b0}}, a_i[M-1:0] ^ b_i[M-1:0]};
+    wire [3:0]     same   = {~|unlike[3*Q +: Q], ~|unlike[2*Q +: Q], ~|unlike[Q +: Q], ~|unlike[0 +: Q]};
     wire swap;                          // a sum bit is ready a LUT sooner than a comparison
     wire [M-1:0] unused_difference;
     assign {swap, unused_difference} = {1'b0, a_i[M-1:0]} - {1'b0, b_i[M-1:0]};
@@ -57,9 +60,10 @@ module fp_add_swap #(
 
     wire [M:0]   a0, b0;
     wire [N-1:0] n_a0, n_b0;
-    wire gone_a0, gone_b0, less0, one0, same0, swap0;
+    wire gone_a0, gone_b0, less0, one0, swap0;
+    wire [3:0]   same0;
     wire a_zero0, b_zero0, a_ones0, b_ones0, a_some0, b_some0, differ0;
-    cut #(.W(2*M + 2*N + 15), .ON(CUTS[0])) u_compare (.clk_i(clk_i),
+    cut #(.W(2*M + 2*N + 18), .ON(CUTS[0])) u_compare (.clk_i(clk_i),
         .d_i({a_i[M], b_i[M] ^ sub_i, a_i[M-1:0], b_i[M-1:0], n_a, n_b, gone_a, gone_b, less, one,
               same, swap, a_zero, b_zero, a_ones, b_ones, a_some, b_some, differ}),
         .q_o({a0[M], b0[M], a0[M-1:0], b0[M-1:0], n_a0, n_b0, gone_a0, gone_b0, less0, one0,
@@ -75,15 +79,10 @@ module fp_add_swap #(
     wire [FRAC-1:0] y = swap0 ? a0[FRAC-1:0] : b0[FRAC-1:0];
     wire            x_some = !a_zero0 || !b_zero0;      // the exponent of x is not 0
     wire            y_some = !a_zero0 && !b_zero0;
-    wire            nought = (same0 && differ0) || (SUBNORMAL == 0 && !x_some);
+    wire            nought = (&same0 && differ0) || (SUBNORMAL == 0 && !x_some);
     wire [FRAC:0]   big    = special ? {nan, {FRAC{1'b0}}}
                            : {x_some, x[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || x_some}}};
     wire [FRAC:0]   little = {y_some, y & {FRAC{SUBNORMAL != 0 || y_some}}};
-    // Shifted before the choice, because the choice is late.
-    wire [FRAC+1:0] a_low  = (one0 ? {1'b0, y_some, a0[FRAC-1:0]} : {y_some, a0[FRAC-1:0], 1'b0})
-                           & {FRAC+2{SUBNORMAL != 0 || y_some}};
-    wire [FRAC+1:0] b_low  = (one0 ? {1'b0, y_some, b0[FRAC-1:0]} : {y_some, b0[FRAC-1:0], 1'b0})
-                           & {FRAC+2{SUBNORMAL != 0 || y_some}};
 
     cut #(.W(2*FRAC + N + EXP + 8), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
         .d_i({big, little, less0 ? n_b0 : n_a0, less0 ? gone_b0 : gone_a0,
@@ -91,15 +90,17 @@ module fp_add_swap #(
               differ0 && !special, special, nought, invalid}),
         .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
 
-    // Where no register is behind the choice, both differences are there before it is made.
+    // A distance of 0 or 1 is its last bit. Where no register is behind the choice, which is late, both differences are
+    // there before it is made.
     generate
         if (CUTS[1]) begin : g_after
-            wire [FRAC+1:0] lower;
-            cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(swap0 ? a_low : b_low), .q_o(lower));
-            assign diff_o = {big_o, 1'b0} - lower;
+            assign diff_o = {big_o, 1'b0} - (n_o[0] ? {1'b0, little_o} : {little_o, 1'b0});
+            wire unused = one0;
         end else begin : g_before
-            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - b_low;
-            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - a_low;
+            wire [FRAC:0]   a_known = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+            wire [FRAC:0]   b_known = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, b_known} : {b_known, 1'b0});
+            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, a_known} : {a_known, 1'b0});
             assign diff_o = swap0 ? b_less_a : a_less_b;
         end
     endgenerate

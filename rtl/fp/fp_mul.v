@@ -132,15 +132,19 @@ module fp_mul #(
         = side_5;
 
     // Both places of the leading one are rounded, by half a unit; a tie then clears the last
-    // bit. The top bit of t chooses, beside the adders. Exponent and fraction are one number,
+    // bit. The top bit of t chooses, beside the adders; from a register it is early enough to
+    // choose in front of them, and both are one. Exponent and fraction are one number,
     // so a carry out of the fraction needs no care, up to infinity itself.
     wire top   = t[FRAC+2];
-    localparam [0:0] HALF = NEAREST != 0;
-    wire [EXP+FRAC:0] hi = {field_5, t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
-    wire [EXP+FRAC:0] lo = {field_5, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
+    localparam [0:0] HALF = NEAREST != 0, ONE = CUTS[5];
+    wire lower = ONE && !top && !low_5;                 // hi is in lo's place
+    wire [EXP+FRAC:0] hi = {field_5, lower ? t[FRAC:0] : t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
+    wire [EXP+FRAC:0] lo = ONE ? hi : {field_5, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
     wire hi_lo_unused = &{hi[0], lo[0]};
-    wire hi_odd  = hi[1] && !(HALF && t[1:0] == 2'b10 && !st);
-    wire lo_odd  = lo[1] && !(HALF && t[0] && !st);
+    wire lo_tie  = HALF && t[0] && !st;
+    wire hi_tie  = lower ? lo_tie : HALF && t[1:0] == 2'b10 && !st;
+    wire hi_odd  = hi[1] && !hi_tie;
+    wire lo_odd  = ONE ? hi_odd : lo[1] && !lo_tie;
 
     // What each bit of the result will be, in two bits (fp_mul_pack): 0, 1, lo's, hi's. The top bit of t is late,
     // so the first index is that bit, and both answers wait for it.

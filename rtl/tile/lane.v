@@ -136,7 +136,7 @@ module lane #(
     // A result: written in W+1 ------------------------------------------------------------------------
     wire writes   = (executed && (arithmetic_w0 || load_w0)) || sleeps;
     wire raises   = FLAGS != 0 && executed && arithmetic_w0;
-    wire constant = write && access_space == HOST_CONSTANT;
+    wire constant = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
     reg  retired_q, raises_q;
     reg  [1:0] end_q;
     reg  [4:0] value_flags_q;
