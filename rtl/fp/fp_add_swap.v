@@ -45,28 +45,25 @@ module fp_add_swap #(
     wire [M-1:0] unused_difference;
     assign {swap, unused_difference} = {1'b0, a_i[M-1:0]} - {1'b0, b_i[M-1:0]};
 
-    // The distance is the difference of the exponents, but one less when exactly one of
-    // them is 0, whose weight is that of 1: x - y - 1 = ~(y - x).
+    // The distance is the difference of the exponents, but one less when exactly one of them is 0, whose weight is that of
+    // 1: x - y - 1 = ~(y - x). Which of the two it is, is asked behind the cut.
     wire [EXP-1:0] d_ba = eb - ea;
     wire [EXP-1:0] d_ab;
     wire           less;                // in exponent: known before swap
     assign {less, d_ab} = {1'b0, ea} - {1'b0, eb};
-    wire           odd = a_zero ^ b_zero;
-    wire           one = ea[0] ^ eb[0] ^ odd;           // the distance if it is 0 or 1
-    wire [N-1:0]   n_a = odd ? ~d_ba[N-1:0] : d_ab[N-1:0];
-    wire [N-1:0]   n_b = odd ? ~d_ab[N-1:0] : d_ba[N-1:0];
-    wire           gone_a = a_ones || b_ones || |d_ab[EXP-1:N];
-    wire           gone_b = a_ones || b_ones || |d_ba[EXP-1:N];
+    wire           one = ea[0] ^ eb[0] ^ a_zero ^ b_zero;       // the distance if it is 0 or 1
+    wire           gone_a = |d_ab[EXP-1:N];
+    wire           gone_b = |d_ba[EXP-1:N];
 
     wire [M:0]   a0, b0;
-    wire [N-1:0] n_a0, n_b0;
+    wire [N-1:0] d_ab0, d_ba0;
     wire gone_a0, gone_b0, less0, one0, swap0;
     wire [3:0]   same0;
     wire a_zero0, b_zero0, a_ones0, b_ones0, a_some0, b_some0, differ0;
     cut #(.W(2*M + 2*N + 18), .ON(CUTS[0])) u_compare (.clk_i(clk_i),
-        .d_i({a_i[M], b_i[M] ^ sub_i, a_i[M-1:0], b_i[M-1:0], n_a, n_b, gone_a, gone_b, less, one,
+        .d_i({a_i[M], b_i[M] ^ sub_i, a_i[M-1:0], b_i[M-1:0], d_ab[N-1:0], d_ba[N-1:0], gone_a, gone_b, less, one,
               same, swap, a_zero, b_zero, a_ones, b_ones, a_some, b_some, differ}),
-        .q_o({a0[M], b0[M], a0[M-1:0], b0[M-1:0], n_a0, n_b0, gone_a0, gone_b0, less0, one0,
+        .q_o({a0[M], b0[M], a0[M-1:0], b0[M-1:0], d_ab0, d_ba0, gone_a0, gone_b0, less0, one0,
               same0, swap0, a_zero0, b_zero0, a_ones0, b_ones0, a_some0, b_some0, differ0}));
 
     wire a_nan   = a_ones0 && a_some0, b_nan = b_ones0 && b_some0;
@@ -75,6 +72,8 @@ module fp_add_swap #(
     wire nan     = a_nan || b_nan || clash;
     wire invalid = (a_nan && !a0[FRAC-1]) || (b_nan && !b0[FRAC-1]) || (clash && !a_some0 && !b_some0);
 
+    wire            odd = a_zero0 ^ b_zero0;
+    wire [N-1:0]    n   = (less0 ^ odd ? d_ba0 : d_ab0) ^ {N{odd}};
     wire [M:0]      x = swap0 ? b0 : a0;
     wire [FRAC-1:0] y = swap0 ? a0[FRAC-1:0] : b0[FRAC-1:0];
     wire            x_some = !a_zero0 || !b_zero0;      // the exponent of x is not 0
@@ -85,17 +84,17 @@ module fp_add_swap #(
     wire [FRAC:0]   little = {y_some, y & {FRAC{SUBNORMAL != 0 || y_some}}};
 
     cut #(.W(2*FRAC + N + EXP + 8), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
-        .d_i({big, little, less0 ? n_b0 : n_a0, less0 ? gone_b0 : gone_a0,
+        .d_i({big, little, n, special || (less0 ? gone_b0 : gone_a0),
               x[FRAC+1 +: EXP-1], x[FRAC] || !x_some, x[M] && !nan && !(nought && differ0),
               differ0 && !special, special, nought, invalid}),
         .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
 
-    // A distance of 0 or 1 is its last bit. Where no register is behind the choice, which is late, both differences are
-    // there before it is made.
+    // Where no register is behind the choice, which is late, both differences are there before it is made.
     generate
         if (CUTS[1]) begin : g_after
-            assign diff_o = {big_o, 1'b0} - (n_o[0] ? {1'b0, little_o} : {little_o, 1'b0});
-            wire unused = one0;
+            wire [FRAC+1:0] lower;
+            cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(one0 ? {1'b0, little} : {little, 1'b0}), .q_o(lower));
+            assign diff_o = {big_o, 1'b0} - lower;
         end else begin : g_before
             wire [FRAC:0]   a_known = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
             wire [FRAC:0]   b_known = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};

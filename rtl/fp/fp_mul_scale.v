@@ -46,8 +46,13 @@ module fp_mul_scale #(
     // Both n are found before it is known which one counts. A zero exponent counts as 1.
     wire both = a_normal_i && b_normal_i;
     wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? last(bf_i) : last(af_i);
-    wire [XW-1:0] sum = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i}
-                      + {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i} - MID[XW-1:0];
+    wire [XW-1:0] a = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i};
+    wire [XW-1:0] b = {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i};
+    // a + b - MID: the three bits of a place become two, so that one carry goes through, not two.
+    localparam [XW-1:0] K = -MID;
+    wire [XW-1:0] carry = (a & b) | (K & (a | b));
+    wire [XW-1:0] sum   = (a ^ b ^ K) + {carry[XW-2:0], 1'b0};
+    wire unused_carry = carry[XW-1];
     wire [SW-1:0] n_1;
     wire [XW-1:0] sum_1;
     cut #(.W(SW+XW), .ON(CUTS[0])) u_1 (.clk_i(clk_i), .d_i({n, sum}), .q_o({n_1, sum_1}));

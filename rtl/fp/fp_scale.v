@@ -41,23 +41,20 @@ module fp_scale #(
     wire [EXP-1:0] next;                                  // the exponent of a normal number moves by one
     generate
         if (SUM_LAST != 0) begin : g_one_sum
-            wire normal = !top && !low;
-            wire more_e = twice_i && normal && (NEAREST != 0 || !over);
-            wire less_e = half_i && normal;
             wire unused_carry;
-            assign {next, unused_carry} = {e, 1'b1} + {{EXP{less_e}}, more_e};
+            assign {next, unused_carry} = {e, 1'b1} + {{EXP{half_i}}, twice_i};
         end else begin : g_two_sums
             assign next = top ? e : twice_i ? e + 1'b1 : half_i ? e - 1'b1 : e;
         end
     endgenerate
 
-    wire            sign_1, low_1, up_1, tie;
+    wire            sign_1, top_1, low_1, up_1, tie;
     wire [1:0]      kind_1;
     wire [EXP-1:0]  next_1;
     wire [FRAC-1:0] f;
-    cut #(.W(EXP+FRAC+6), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
-        .d_i({low, up && SUBNORMAL != 0, kind, d_i[EXP+FRAC], &d_i[1:0], next, d_i[FRAC-1:0]}),
-        .q_o({low_1, up_1, kind_1, sign_1, tie, next_1, f}));
+    cut #(.W(EXP+FRAC+7), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
+        .d_i({top, low, up && SUBNORMAL != 0, kind, d_i[EXP+FRAC], &d_i[1:0], next, d_i[FRAC-1:0]}),
+        .q_o({top_1, low_1, up_1, kind_1, sign_1, tie, next_1, f}));
 
     // Twice a subnormal is f + f; half of a number is rounded up where two ones would be cut.
     wire [FRAC-1:0] moved = {!low_1, f[FRAC-1:1]};
@@ -73,12 +70,15 @@ module fp_scale #(
                 default: x = {FRAC{1'b0}};
             endcase
             wire [FRAC-1:0] more = {f[FRAC-1:1] & {FRAC-1{up_1}}, up_1 ? f[0] : round && kind_1 == MOVED};
-            assign z = {next_1, x} + {{EXP{1'b0}}, more};
+            wire           lesser = NEAREST == 0 && kind_1 == OVER;     // the largest finite number
+            wire [EXP-1:0] y = top_1 ? {EXP{1'b1}} : low_1 ? {EXP{1'b0}} : {next_1[EXP-1:1], next_1[0] && !lesser};
+            assign z = {y, x} + {{EXP{1'b0}}, more};
         end else begin : g_choice_last
             wire [FRAC:0]       tiny = {1'b0, moved} + {{FRAC{1'b0}}, round};
             wire [EXP+FRAC-1:0] most = NEAREST != 0 ? {{EXP{1'b1}}, {FRAC{1'b0}}} : {{EXP-1{1'b1}}, 1'b0, {FRAC{1'b1}}};
             assign z = kind_1 == ZERO ? {EXP+FRAC{1'b0}} : kind_1 == OVER ? most : up_1 ? {{EXP-1{1'b0}}, f, 1'b0}
                      : kind_1 == MOVED ? {{EXP-1{1'b0}}, tiny} : {next_1, f};
+            wire unused = top_1;
         end
     endgenerate
 

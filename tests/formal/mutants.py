@@ -29,7 +29,7 @@ BUGS = [
     Bug("add", "overflow at rounding missed", "fp_add_round.v", "over1 || rounded_over, tiny1", "over1, tiny1"),
     Bug("add", "sign of an exact zero", "fp_add_swap.v", "&& !(nought && differ0)", ""),
     Bug("add", "inf - inf is valid", "fp_add_swap.v", "|| (clash && !a_some0 && !b_some0)", ""),
-    Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero ^ b_zero", "odd = 1'b0"),
+    Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero0 ^ b_zero0", "odd = 1'b0"),
     Bug("mul", "sticky dropped", "fp_mul.v", "stick = lost_4 ||", "stick ="),
     Bug("mul", "ties away from zero", "fp_mul.v", "lo[1] && !lo_tie", "lo[1]"),
     Bug("mul", "tininess before rounding", "fp_mul.v", "near ? {1'b1, top || low_5} : ALL_1", "ALL_1"),
