@@ -96,10 +96,10 @@ module fp_add_swap #(
             cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(one0 ? {1'b0, little} : {little, 1'b0}), .q_o(lower));
             assign diff_o = {big_o, 1'b0} - lower;
         end else begin : g_before
-            wire [FRAC:0]   a_known = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
-            wire [FRAC:0]   b_known = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
-            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, b_known} : {b_known, 1'b0});
-            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, a_known} : {a_known, 1'b0});
+            wire [FRAC:0]   a_little = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+            wire [FRAC:0]   b_little = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, b_little} : {b_little, 1'b0});
+            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, a_little} : {a_little, 1'b0});
             assign diff_o = swap0 ? b_less_a : a_less_b;
         end
     endgenerate

@@ -123,21 +123,23 @@ module fp_mul #(
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
     mux4 #(.W(W1)) u_ones (.n_i(by_1), .q_o(fine),
         .d0_i(fours_4[0 +: W1]), .d1_i(fours_4[1 +: W1]), .d2_i(fours_4[2 +: W1]), .d3_i(fours_4[3 +: W1]));
-    wire            st;
-    cut #(.W(FRAC+EXP+14), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
-        .d_i({fine, stick, side_4}), .q_o({t, st, side_5}));
+    // From a register the top bit is early enough to choose in front of the adders: what it chooses is asked here.
+    localparam [0:0] ONE = CUTS[5];
+    wire            low_4 = side_4[9];                   // low_5, earlier
+    wire            lower, st;
+    cut #(.W(FRAC+EXP+15), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
+        .d_i({fine, stick, ONE && !fine[FRAC+2] && !low_4, side_4}), .q_o({t, st, lower, side_5}));
     wire [EXP-1:0]  field_5;
     wire            low_5, over_5, by1_5, by2_5, gone_5, nv_5, nan_5, inf_5, zero_5, sign_5;
     assign {field_5, low_5, over_5, by1_5, by2_5, gone_5, nv_5, nan_5, inf_5, zero_5, sign_5}
         = side_5;
 
     // Both places of the leading one are rounded, by half a unit; a tie then clears the last
-    // bit. The top bit of t chooses, beside the adders; from a register it is early enough to
-    // choose in front of them, and both are one. Exponent and fraction are one number,
-    // so a carry out of the fraction needs no care, up to infinity itself.
+    // bit. The top bit of t chooses, beside the adders; or lower in front of them, and both are one.
+    // Exponent and fraction are one number, so a carry out of the fraction needs no care, up to
+    // infinity itself.
     wire top   = t[FRAC+2];
-    localparam [0:0] HALF = NEAREST != 0, ONE = CUTS[5];
-    wire lower = ONE && !top && !low_5;                 // hi is in lo's place
+    localparam [0:0] HALF = NEAREST != 0;
     wire [EXP+FRAC:0] hi = {field_5, lower ? t[FRAC:0] : t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
     wire [EXP+FRAC:0] lo = ONE ? hi : {field_5, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
     wire hi_lo_unused = &{hi[0], lo[0]};

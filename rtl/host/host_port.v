@@ -115,7 +115,7 @@ module host_port #(
 
     // Whether an access to a register has a meaning is told of its address first, then of what happens now. That keeps
     // the path short.
-    reg  runnable, is_index, is_record;
+    reg  runnable, is_index, is_small, is_record;          // is_record of the low bits, the others are zero: is_small
     reg  has_q;                                           // there is such an access
     reg  starts_q, sets_q, sets_index_q, sets_record_q;   // it writes: a start, what describes a run; an index, a record
     wire [4:0] register = req_addr_i[6:2];
@@ -137,7 +137,8 @@ module host_port #(
         sets_record_q <= req_write_i && register == ADDR_RECORD[6:2];
         runnable      <= step_q < last_q && last_q <= size_q;
         is_index      <= req_wdata_i <= PROGRAM_32;
-        is_record     <= req_wdata_i >= 32'd3 && req_wdata_i <= 32'd6;
+        is_small      <= req_wdata_i[31:3] == 29'd0;
+        is_record     <= req_wdata_i[2:0] >= 3'd3 && req_wdata_i[2:0] <= 3'd6;
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
@@ -147,7 +148,7 @@ module host_port #(
     wire busy = running_i || was_running_q;
 
     wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable)
-                             && !(sets_index_q && !is_index) && !(sets_record_q && !is_record);
+                             && !(sets_index_q && !is_index) && !(sets_record_q && !(is_small && is_record));
     wire ok = in_registers ? register_ok                  // this access has a meaning now
             : in_counters  ? !write_q
             : !running_i && (in_memory || (in_program && write_q));

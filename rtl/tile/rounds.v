@@ -48,11 +48,14 @@ module rounds #(
 
     reg  [2:0]          state_q;
     reg  [SETTLE_W-1:0] settle_q;
-    reg  [31:0]         left_q;        // steps after this round
+    reg  [31:0]         left_q;        // steps after the rounds that have ended
+    reg  [31:0]         rest_q;        // likewise, and after this round
     reg  [31:0]         steps_q, base_q, end_q;
     reg                 aborted_q;
-    // These stand while there is nothing to do but wait: what compares 32 bits need not be done in PLAN.
+    // These stand while there is nothing to do but wait, in which there is time for two registers: what compares 32 bits
+    // need not be done in PLAN.
     reg                 none_left_q, all_q;
+    reg                 no_visit_q, high_more_q, high_same_q, low_more_q;
     wire                over = aborted_q || none_left_q || count_i == {ROW_W+1{1'b0}};
 
     reg                 stopping_q, stop_q;
@@ -83,10 +86,15 @@ module rounds #(
         else if (state_q == PLAN) begin
             steps_q <= all_q ? left_q : visit_i;
             base_q  <= base_q + steps_q;
-        end else if (open_o) left_q <= left_q - steps_q;
-        end_q <= base_q + steps_q;
+        end else if (round_o && !issuing_i) left_q <= rest_q;
+        rest_q <= left_q - steps_q;
+        end_q  <= base_q + steps_q;
         none_left_q <= left_q == 32'd0;
-        all_q       <= visit_i == 32'd0 || visit_i > left_q;
+        no_visit_q  <= visit_i == 32'd0;
+        high_more_q <= visit_i[31:16] > left_q[31:16];
+        high_same_q <= visit_i[31:16] == left_q[31:16];
+        low_more_q  <= visit_i[15:0] > left_q[15:0];
+        all_q       <= no_visit_q || high_more_q || (high_same_q && low_more_q);
     end
     assign running_o = state_q != IDLE;
     assign open_o    = state_q == OPEN;
