@@ -17,7 +17,7 @@ module fp_add_near #(
     input  wire            clk_i,
     input  wire [FRAC+1:0] diff_i,     // hidden bit, fraction, guard
     input  wire [EXP-1:0]  e_i,        // exponent field of the big operand
-    input  wire [EXP-1:0]  e1_i,       // e_i two cuts later; it counts with close_i only
+    input  wire [EXP-1:0]  e1_i,       // e_i two cuts later, or 0 where the result is zero; it counts with close_i only
     input  wire            close_i,
     output wire [FRAC-1:0] frac_o,
     output wire [EXP-1:0]  e_o,

@@ -38,7 +38,7 @@ module fp_add_swap #(
     wire a_some = |a_i[FRAC-1:0], b_some = |b_i[FRAC-1:0];
     wire differ = a_i[M] ^ b_i[M] ^ sub_i;
     // Whether both magnitudes are the same is asked a quarter at a time, and of the quarters behind the cut.
-    localparam Q = (M + 3) / 4;
+    localparam Q = M / 4 + 1;
     wire [4*Q-1:0] unlike = {{4*Q-M{1'b0}}, a_i[M-1:0] ^ b_i[M-1:0]};
     wire [3:0]     same   = {~|unlike[3*Q +: Q], ~|unlike[2*Q +: Q], ~|unlike[Q +: Q], ~|unlike[0 +: Q]};
     wire swap;                          // a sum bit is ready a LUT sooner than a comparison
@@ -46,7 +46,7 @@ module fp_add_swap #(
     assign {swap, unused_difference} = {1'b0, a_i[M-1:0]} - {1'b0, b_i[M-1:0]};
 
     // The distance is the difference of the exponents, but one less when exactly one of them is 0, whose weight is that of
-    // 1: x - y - 1 = ~(y - x). Which of the two it is, is asked behind the cut.
+    // 1: x - y - 1 = ~(y - x). Which difference it is, and whether it is inverted, is decided behind the cut.
     wire [EXP-1:0] d_ba = eb - ea;
     wire [EXP-1:0] d_ab;
     wire           less;                // in exponent: known before swap
@@ -89,17 +89,21 @@ module fp_add_swap #(
               differ0 && !special, special, nought, invalid}),
         .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
 
-    // Where no register is behind the choice, which is late, both differences are there before it is made.
+    // Without a register in front of it the choice is late: both are shifted before it is made, and subtracted if no register
+    // is behind it either.
+    wire [FRAC:0]   a_little = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+    wire [FRAC:0]   b_little = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
+    wire [FRAC+1:0] a_low    = one0 ? {1'b0, a_little} : {a_little, 1'b0};
+    wire [FRAC+1:0] b_low    = one0 ? {1'b0, b_little} : {b_little, 1'b0};
     generate
         if (CUTS[1]) begin : g_after
+            wire [FRAC+1:0] low = CUTS[0] ? (one0 ? {1'b0, little} : {little, 1'b0}) : swap0 ? a_low : b_low;
             wire [FRAC+1:0] lower;
-            cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(one0 ? {1'b0, little} : {little, 1'b0}), .q_o(lower));
+            cut #(.W(FRAC + 2), .ON(1)) u_lower (.clk_i(clk_i), .d_i(low), .q_o(lower));
             assign diff_o = {big_o, 1'b0} - lower;
         end else begin : g_before
-            wire [FRAC:0]   a_little = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
-            wire [FRAC:0]   b_little = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
-            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, b_little} : {b_little, 1'b0});
-            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - (one0 ? {1'b0, a_little} : {a_little, 1'b0});
+            wire [FRAC+1:0] a_less_b = {x_some, a0[FRAC-1:0], 1'b0} - b_low;
+            wire [FRAC+1:0] b_less_a = {x_some, b0[FRAC-1:0], 1'b0} - a_low;
             assign diff_o = swap0 ? b_less_a : a_less_b;
         end
     endgenerate

@@ -123,9 +123,10 @@ module fp_mul #(
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
     mux4 #(.W(W1)) u_ones (.n_i(by_1), .q_o(fine),
         .d0_i(fours_4[0 +: W1]), .d1_i(fours_4[1 +: W1]), .d2_i(fours_4[2 +: W1]), .d3_i(fours_4[3 +: W1]));
-    // From a register the top bit is early enough to choose in front of the adders: what it chooses is asked here.
+    // ONE adder rounds: the top bit, from a register, chooses in front of it, and what it chooses (lower) is asked in front
+    // of the register.
     localparam [0:0] ONE = CUTS[5];
-    wire            low_4 = side_4[9];                   // low_5, earlier
+    wire            low_4 = side_4[9];                   // low of place_2: low_5, earlier
     wire            lower, st;
     cut #(.W(FRAC+EXP+15), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
         .d_i({fine, stick, ONE && !fine[FRAC+2] && !low_4, side_4}), .q_o({t, st, lower, side_5}));
@@ -134,8 +135,8 @@ module fp_mul #(
     assign {field_5, low_5, over_5, by1_5, by2_5, gone_5, nv_5, nan_5, inf_5, zero_5, sign_5}
         = side_5;
 
-    // Both places of the leading one are rounded, by half a unit; a tie then clears the last
-    // bit. The top bit of t chooses, beside the adders; or lower in front of them, and both are one.
+    // Both places of the leading one are rounded, by half a unit, and the top bit of t chooses beside
+    // the adders; with ONE, lower chooses in front of one adder. A tie then clears the last bit.
     // Exponent and fraction are one number, so a carry out of the fraction needs no care, up to
     // infinity itself.
     wire top   = t[FRAC+2];

@@ -115,7 +115,7 @@ module host_port #(
 
     // Whether an access to a register has a meaning is told of its address first, then of what happens now. That keeps
     // the path short.
-    reg  runnable, is_index, is_small, is_record;          // is_record of the low bits, the others are zero: is_small
+    reg  runnable, is_index, is_small, is_record;          // a record: its low bits say is_record, the others are zero, is_small
     reg  has_q;                                           // there is such an access
     reg  starts_q, sets_q, sets_index_q, sets_record_q;   // it writes: a start, what describes a run; an index, a record
     wire [4:0] register = req_addr_i[6:2];

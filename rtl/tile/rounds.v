@@ -49,7 +49,7 @@ module rounds #(
     reg  [2:0]          state_q;
     reg  [SETTLE_W-1:0] settle_q;
     reg  [31:0]         left_q;        // steps after the rounds that have ended
-    reg  [31:0]         rest_q;        // likewise, and after this round
+    reg  [31:0]         rest_q;        // what left_q becomes at the end of this round: known in RUN
     reg  [31:0]         steps_q, base_q, end_q;
     reg                 aborted_q;
     // These stand while there is nothing to do but wait, in which there is time for two registers: what compares 32 bits

@@ -37,6 +37,7 @@ BUGS = [
     Bug("mul", "0 * inf is valid", "fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
     Bug("mul", "a tile forgotten", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),
     Bug("mul", "a carry between tiles lost", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c + hl_c}"),
+    Bug("mul", "a tie forgotten where one adder rounds", "fp_mul.v", "lower ? lo_tie : ", "", 0x20),
     Bug("add", "a register left out on one path", "fp_add_round.v", "over = last1 &&", "over = last0 &&", 0x40),
     Bug("add", "a register with an enable", "cut.v", "d_q <= d_i;", "if (d_i[0]) d_q <= d_i;", 0x40),
     Bug("mul", "a register that inverts a bit", "cut.v", "d_q <= d_i;", "d_q <= d_i ^ 1'b1;", 0x20),

@@ -17,6 +17,8 @@ SHORT = {
     "mul in 12 bits": ["mul", "--exp", "5", "--frac", "6"],
     "product": ["mul", "--case", "^(?!all pairs)"],
     "cuts": ["cuts", "--case", "0x(04|4|7f)$"],
+    **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
+       for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
     "scale": ["scale"],
 }
 
