@@ -175,10 +175,8 @@ module fp_mul #(
     assign {exponent_5, lowest_5, top_5, rest_5, of_5, tiny_5, lossy_5} = top ? early[1] : early[0];
     wire       some_5 = usual && (t[0] || st || (t[1] && (top || low_5)));
     wire       near   = HALF && SUBNORMAL != 0 && t[0];        // rounds to normal with a finer last place
-    // As gates: a tool would make the last condition of a choice a reset, whose wire is long.
-    wire       less_5 = some_5 || lossy_5;            // inexact before it is rounded
-    wire [1:0] nx_5   = {of_5[1] && !less_5, of_5[0] || less_5};                              // less_5 ? ALL_1 : of_5
-    wire [1:0] uf_5   = {near, !near || top || low_5} & {2{tiny_5 && less_5}};                // of lo or hi only where near
+    wire [1:0] nx_5   = some_5 || lossy_5 ? ALL_1 : of_5;
+    wire [1:0] uf_5   = !tiny_5 || !(some_5 || lossy_5) ? ALL_0 : near ? {1'b1, top || low_5} : ALL_1;    // not of lo or hi
 
     wire [EXP+FRAC-1:0] hi_6, lo_6;
     wire [1:0] exponent_6, lowest_6, top_6, rest_6, of_6, uf_6, nx_6;

@@ -107,7 +107,7 @@ BUGS = [
     Bug("difference zero keeps its sign", "sub", 3, SWAP, "&& !(nought && differ0)", ""),
     Bug("difference moved too far", "sub", 3, NEAR, "== D - i", "== D - 1 - i"),
     Bug("product sticky forgets a shift", "mul", 3, MUL, "stick = lost_4 ||", "stick ="),
-    Bug("product tiny before rounding", "mul", 3, MUL, "{near, !near || top || low_5} &", "2'd1 &"),
+    Bug("product tiny before rounding", "mul", 3, MUL, "near ? {1'b1, top || low_5} : ALL_1", "ALL_1"),
     Bug("product overflows unseen at rounding", "mul", 3, MUL, "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0",
         "beyond[i] ? ALL_1 : ALL_0"),
     Bug("product truncated to no number", "mul", 2, MUL, "lowest   = beyond[i] && !HALF ? ALL_0 : exponent", "lowest   = exponent"),
