@@ -52,7 +52,7 @@ module dual_lane #(
     assign `DUAL_ISSUE  = issue_i;      // cycle 0
     assign `DUAL_RETIRE = retire_i;     // cycle W-4
     assign `ACCESS      = access_i;
-    wire mine  = access_valid && (access_lane == index_i || access_space == HOST_CONSTANT);
+    wire mine  = access_valid && access_lane == index_i;
     wire write = mine && access_write;
 
     // How many objects: those of the rows below
@@ -132,7 +132,7 @@ module dual_lane #(
     reg  [1:0]       retired_q, raises_q;
     reg  [9:0]       value_flags_q;
     always @(posedge clk_i) begin
-        constant_q      <= !rst_i && write && access_space == HOST_CONSTANT;
+        constant_q      <= !rst_i && access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
         constant_spot_q <= {{CONTEXT_W-1{1'b1}}, access_address[REGISTER_W-1:0]};
         other_q         <= loads_w1 ? word_w1 : data_i;
         sum_write_q     <= !rst_i && (sum_writes || constant_q);

@@ -66,7 +66,7 @@ module lane #(
     assign `ISSUE  = issue_i;           // cycle 0
     assign `RETIRE = retire_i;          // cycle W-6
     assign `ACCESS = access_i;
-    wire mine  = access_valid && (access_lane == index_i || access_space == HOST_CONSTANT);
+    wire mine  = access_valid && access_lane == index_i;
     wire write = mine && access_write;
 
     // The end of the instruction, later

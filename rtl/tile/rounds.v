@@ -48,8 +48,8 @@ module rounds #(
 
     reg  [2:0]          state_q;
     reg  [SETTLE_W-1:0] settle_q;
-    reg  [31:0]         left_q;        // steps after the rounds that have ended
-    reg  [31:0]         rest_q;        // what left_q becomes at the end of this round: known in RUN
+    reg  [31:0]         left_q;        // steps after the rounds that have begun
+    reg  [31:0]         rest_q;        // what left_q becomes as this round begins
     reg  [31:0]         steps_q, base_q, end_q;
     reg                 aborted_q;
     // These stand while there is nothing to do but wait, in which there is time for two registers: what compares 32 bits
@@ -86,8 +86,8 @@ module rounds #(
         else if (state_q == PLAN) begin
             steps_q <= all_q ? left_q : visit_i;
             base_q  <= base_q + steps_q;
-        end else if (round_o && !issuing_i) left_q <= rest_q;
-        rest_q <= left_q - steps_q;
+        end else if (round_o) left_q <= rest_q;
+        if (open_o) rest_q <= left_q - steps_q;
         end_q  <= base_q + steps_q;
         none_left_q <= left_q == 32'd0;
         no_visit_q  <= visit_i == 32'd0;
