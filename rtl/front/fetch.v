@@ -45,7 +45,7 @@ module fetch #(
     output wire              empty_o    // nothing left to deliver
 );
     reg [ADDR_W-1:0] pc_q;
-    reg [31:0]       steps_q;           // step parts left to begin, after this one; with pending_q one less
+    reg [31:0]       steps_q;           // step parts left to end, this one too; with pending_q one less
     reg              pending_q;         // so that a late advance_i enables no 32 flip-flops
     reg              none_q;            // none left
     reg              active_q;          // pc_q points to a word to be fetched
@@ -65,14 +65,14 @@ module fetch #(
                                                                     : {pc_q == before_step_end_q, pc_q == before_end_q};
     end
     wire [31:0] fewer = steps_q - 1'b1;
-    wire one        = steps_q == (pending_q ? 32'd2 : 32'd1);
+    wire one        = steps_q == (pending_q ? 32'd3 : 32'd2);   // the next is the last
     wire again      = steps_over && !none_q && !skip_i;
     wire anew       = start_i || (advance_i && active_q && ends && !again && more_i);
     assign again_o  = anew && !start_i;
 
     always @(posedge clk_i) begin
         pending_q <= advance_i && active_q && again && !start_i;
-        if (anew)           steps_q <= steps_i - 1'b1;
+        if (anew)           steps_q <= steps_i;
         else if (pending_q) steps_q <= fewer;
     end
 
