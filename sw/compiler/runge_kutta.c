@@ -45,6 +45,13 @@ static term coefficient(const runge_kutta *r, double c) {
     return fp3_advance_scaled_step(r->a, c, is_folded(r) ? 1 : 0);
 }
 
+/* Whether a state gets its slopes one by one. Not where steps are chosen, whose h is outside the sum, nor where
+ * what an update loses is kept: it is that of the whole increment. */
+static int has_own_weights(const runge_kutta *r) {
+    return fp3_has_pass(r->a->options, FP3_PASS_OWN_WEIGHTS) && !r->a->is_adaptive &&
+           !r->a->options->is_compensated;
+}
+
 /* ---- sums of slopes ---- */
 
 static term sum_of(const runge_kutta *r, const summand *list, unsigned count, int is_scaled) {
@@ -75,7 +82,7 @@ static double common_factor(const runge_kutta *r, summand *list, unsigned count)
     for (unsigned i = 0; i < count; i++)
         if (list[i].c != 0 && fabs(list[i].c) < unit)
             unit = fabs(list[i].c);
-    if (count < 2 || !isfinite(unit))
+    if (count < 2 || !isfinite(unit) || fp3_has_pass(r->a->options, FP3_PASS_OWN_WEIGHTS))
         return 0;
     for (unsigned i = 0; i < count; i++)
         if (fabs(list[i].c / unit - round(list[i].c / unit)) > 1e-9)
@@ -114,12 +121,24 @@ static term increment(const runge_kutta *r, summand *list, unsigned count) {
     return fp3_term_mul(values(r), coefficient(r, unit), sum_of(r, list, count, 1));
 }
 
-/* base + c1 k1 + c2 k2 + ..., from the left, or with the common factor taken out. */
+/* base + c1 k1 + c2 k2 + ..., from the left; the last sum has the note `whole`. */
+static term added(const runge_kutta *r, uint32_t state, const summand *list, unsigned count,
+                  uint32_t whole) {
+    dag *g = values(r);
+    term sum = held(r, state);
+    for (unsigned i = 0; i < count; i++) {
+        if (i + 1 == count)
+            g->note = whole;
+        sum = fp3_term_add(g, sum, fp3_term_mul(g, coefficient(r, list[i].c), list[i].slope));
+    }
+    return sum;
+}
+
+/* Likewise, or with the common factor taken out. */
 static term stage_sum(const runge_kutta *r, uint32_t state, uint32_t place, summand *list,
                       unsigned count) {
     dag *g = values(r);
     const char *name = name_of(r, state);
-    term sum = held(r, state);
     summand copy[FP3_STAGES_MAX];
     memcpy(copy, list, count * sizeof *list);
     const int has_factor = r->a->is_adaptive || common_factor(r, copy, count) != 0;
@@ -130,14 +149,9 @@ static term stage_sum(const runge_kutta *r, uint32_t state, uint32_t place, summ
     if (has_factor) {
         const term d = increment(r, list, count);
         g->note = whole;
-        return fp3_term_add(g, sum, d);
+        return fp3_term_add(g, held(r, state), d);
     }
-    for (unsigned i = 0; i < count; i++) {
-        if (i + 1 == count)
-            g->note = whole;
-        sum = fp3_term_add(g, sum, fp3_term_mul(g, coefficient(r, list[i].c), list[i].slope));
-    }
-    return sum;
+    return added(r, state, list, count, whole);
 }
 
 /* ---- stages ---- */
@@ -205,9 +219,14 @@ static void advance_early(runge_kutta *r, uint32_t s) {
     const fp3_integrator *integrator = r->a->integrator;
     summand list[FP3_STAGES_MAX];
     const unsigned n = row(r, integrator->b, integrator->stages, s, list);
+    const uint32_t new_state = fp3_note(notes(r), "new %s", name_of(r, s));
     values(r)->note = fp3_note(notes(r), "what is added to %s", name_of(r, s));
+    if (has_own_weights(r)) {
+        r->a->now[s] = added(r, s, list, n, new_state);
+        return;
+    }
     const term d = increment(r, list, n);
-    values(r)->note = fp3_note(notes(r), "new %s", name_of(r, s));
+    values(r)->note = new_state;
     r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
 }
 

@@ -16,7 +16,7 @@ BUILD = os.environ["FP3_BUILD"]
 FP3 = os.path.join(BUILD, "fp3")
 PROGRAMS = os.path.join(ROOT, "programs")
 KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "ahead", "share", "zero"]
-CHANGING = ["fold-step", "fold-product", "small-angles", "exact-division"]
+CHANGING = ["fold-step", "fold-product", "own-weights", "small-angles", "exact-division"]
 
 
 def fp3(*arguments, check=True):
@@ -104,12 +104,53 @@ def test_every_pass_saves_something_somewhere():
                           ("ship", ["-i", "rk4", "--observe", "v"]), ("lorenz", ["-i", "rk38"]),
                           ("ship", ["-i", "rk4_paper", "-c", "single"]),
                           ("ship", ["-i", "rk4", "--with", "fold-step", "--with", "fold-product"]),
+                          ("ship", ["-i", "rk4_paper", "--with", "fold-step", "--with", "fold-product", "--with", "own-weights"]),
                           ("pendulum", ["-i", "rk4", "--with", "small-angles"])]:
         numbers = report(model(name), *options)
         for p in saved:
             saved[p] += numbers.get(f"pass {p}", 0)
     saved.pop("exact-division")  # which is for accuracy
     assert all(saved.values()), saved
+
+
+def rounded(value):
+    """To a float, ties to even; right for a sum or a product of two floats."""
+    return struct.unpack("f", struct.pack("f", value))[0]
+
+
+@pytest.mark.smoke
+@pytest.mark.parametrize("config", ["single", "many", "dual"])
+def test_with_own_weights_each_slope_goes_to_the_state_by_itself(tmp_path, config):
+    """x + k1/6 + k2/3 + k3/3 + k4/6, from the left: for x' = -x by rk4, in FP32 as Python has it."""
+    path, x, h = written(tmp_path, "state x = 1", "x' = -x"), 1.0, 0.125
+    def stage(c, k):
+        return rounded(h * rounded(x - c * k))
+    for _ in range(5):
+        k = [h * x]                     # of the opposite sign
+        k.append(stage(0.5, k[0]))
+        k.append(stage(0.5, k[1]))
+        k.append(stage(1, k[2]))
+        for weight, slope in zip((1 / 6, 1 / 3, 1 / 3, 1 / 6), k):
+            x = rounded(x - rounded(rounded(weight) * slope))
+    options = ["-i", "rk4", "-c", config]
+    bits = struct.unpack("I", struct.pack("f", x))[0]
+    assert final(*compiled(tmp_path, str(path)[:-4], *options, "--with", "own-weights"), 5, config)["x", 0] == f"0x{bits:08x}"
+    assert final(*compiled(tmp_path, str(path)[:-4], *options), 5, config)["x", 0] != f"0x{bits:08x}"
+
+
+@pytest.mark.smoke
+def test_the_folded_ship_with_own_weights_has_no_product_too_many():
+    """24 operations: each of the four slopes has a product and a sum for T - C v, one for the state; s has one; and 3 stages."""
+    ship = [model("ship"), "-i", "rk4_paper", "--with", "fold-step", "--with", "fold-product", "--with", "own-weights"]
+    took = {config: report(*ship, "-c", config) for config in ("single", "many", "lanes", "dual")}
+    assert [took[config]["cycles per object-step"] for config in took] == [32, 12, 1.5, 3]
+    assert all(row["operations"] == 24 for row in took.values())
+
+
+def test_own_weights_are_not_for_steps_that_are_chosen(tmp_path):
+    texts = [fp3("compile", model("kepler"), *tolerance, *own).stdout.replace(" own-weights", "")
+             for tolerance in (["--tolerance", "1e-4"], []) for own in ([], ["--with", "own-weights"])]
+    assert texts[0] == texts[1] and texts[2] != texts[3]
 
 
 def test_what_nobody_observes_costs_nothing():

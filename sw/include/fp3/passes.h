@@ -19,6 +19,7 @@ FP3_API_BEGIN
     X(ZERO, "zero", 0, "a coefficient 0 of an integrator's table has no term")                     \
     X(FOLD_STEP, "fold-step", 1, "h times a coefficient is one number: y + (h a_ij) f")            \
     X(FOLD_PRODUCT, "fold-product", 1, "known factors of a product are one number: x (h/m)")       \
+    X(OWN_WEIGHTS, "own-weights", 1, "each slope goes to the state by itself: y + b1 k1 + b2 k2")  \
     X(SMALL_ANGLES, "small-angles", 1, "sine and cosine of |x| <= pi/2 alone, NaN beyond")         \
     X(EXACT_DIVISION, "exact-division", 1, "quotients and roots, not powers, are correctly rounded")
 
