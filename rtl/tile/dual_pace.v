@@ -38,11 +38,18 @@ module dual_pace #(
     localparam [31:0] GAP_32 = GAP;
     localparam [COUNT_W-1:0] GAP_C = GAP_32[COUNT_W-1:0], ZERO = {COUNT_W{1'b0}};
 
-    function [COUNT_W-1:0] ones(input [CONTEXTS-1:0] mask);
-        integer i;
+    // A mask has no hole, so it has one last context: its number and 1 is their count, which takes no sum of bits.
+    wire [CONTEXTS-1:0] last = mask_i & ~(mask_i >> 1);
+    wire [CONTEXTS-1:0] low  = ~({CONTEXTS{1'b1}} << HALF);
+    function [COUNT_W-1:0] count(input [CONTEXTS-1:0] one);
+        integer           i;
+        reg [COUNT_W-1:0] n;
         begin
-            ones = ZERO;
-            for (i = 0; i < CONTEXTS; i = i + 1) ones = ones + {{COUNT_W-1{1'b0}}, mask[i]};
+            {count, n} = {ZERO, ZERO};
+            for (i = 0; i < CONTEXTS; i = i + 1) begin
+                n     = n + 1'b1;
+                count = count | (n & {COUNT_W{one[i]}});
+            end
         end
     endfunction
 
@@ -54,9 +61,9 @@ module dual_pace #(
     reg                ready_q, adds_q, muls_q;
     always @(posedge clk_i) begin
         age_q    <= valid_i && !rst_i ? {age_q[4] || age_q[3], age_q[2:0], 1'b1} : 5'd0;
-        low_q    <= ones(mask_i & ~({CONTEXTS{1'b1}} << HALF));
-        high_q   <= ones(mask_i >> HALF);
-        count_q  <= low_q + high_q;
+        low_q    <= count(last & low);
+        high_q   <= count(last & ~low);
+        count_q  <= low_q | high_q;
         since_q  <= start_i ? GAP_C : since;
         ready_q  <= valid_i && !rst_i && legal_i && (age_q[4] || age_q[3]) && since_q >= GAP_C - 1'b1;
         {adds_q, muls_q} <= {adds_i, muls_i};

@@ -186,7 +186,7 @@ DUAL_PACE = Subject(
         ("a sum while the adder is busy", "(!adds_q || adder_i)", "1'b1", WIDE),
         ("a product while the multiplier is busy", "(!muls_q || multiplier_i)", "1'b1", WIDE),
         ("the first sweep waits", "since_q  <= start_i ? GAP_C : since;", "since_q  <= since;", BRIEF),
-        ("half of all contexts counted", "count_q  <= low_q + high_q", "count_q  <= low_q", WIDE),
+        ("half of all contexts counted", "count_q  <= low_q | high_q", "count_q  <= low_q", WIDE),
         ("may before the size is known", "known_o = valid_i && age_q[4]", "known_o = valid_i && age_q[3]", BRIEF),
         ("a size that has gone is known", "age_q    <= valid_i && !rst_i ?", "age_q    <= !rst_i ?", BRIEF),
         ("what there is not is swept", "&& legal_i", "", BRIEF),

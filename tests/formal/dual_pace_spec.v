@@ -118,8 +118,8 @@ module dual_pace_spec #(
                 if (!stopped_q && valid_i) assert (\u_pace.ready_q == (seen_q == 3'd5 && legal_i && since_q == GAP_W));
                 if (valid_i && seen_q != 3'd0) assert ({\u_pace.adds_q , \u_pace.muls_q } == {adds_i || both_q, muls_i || both_q});
                 if (valid_i) begin
-                    if (seen_q >= 3'd1) assert (\u_pace.low_q == (size_i < HALF_W ? size_i : HALF_W)
-                                                && \u_pace.high_q == (size_i < HALF_W ? ZERO : size_i - HALF_W));
+                    if (seen_q >= 3'd1) assert (\u_pace.low_q == (size_i <= HALF_W ? size_i : ZERO)
+                                                && \u_pace.high_q == (size_i <= HALF_W ? ZERO : size_i));
                     if (seen_q >= 3'd2) assert (count == size_i);
                 end
             end
