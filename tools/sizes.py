@@ -19,10 +19,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 UNTIMED = "no registers around its multipliers"
 FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
 
-# What somebody needs, the configuration for it, and whether the time of one step counts there or the steps of all objects.
+# What somebody needs, the configuration for it, whether the time of one step counts there or the steps of all objects, and
+# the device if it is for one.
 NEEDS = [
+    ("one object, its time counts, the clock may be slow", "uncut", "step"),
     ("one object, its time counts", "single", "step"),
-    ("one object, on the smallest device", "small", "step"),
+    ("one object, on the smallest device", "small", "step", "iCE40UP5K"),
     ("one object of a model with divisions, roots, functions or conditions", "single_full", "step"),
     ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
     ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),
@@ -107,11 +109,11 @@ def commands(rows):
 
 
 def choose(rows):
-    """For each need the configuration, what it takes and gives on the first device where it was measured, and where it has room."""
+    """For each need the configuration, what it takes and gives on its device, or else the first where it was measured, and where it has room."""
     lines = []
-    for need, config, counts in NEEDS:
+    for need, config, counts, *wanted in NEEDS:
         mine = [row for row in rows if row["config"] == config]
-        first = min(mine, key=lambda row: (row["fmax_best"] is None, bool(row["over"])), default=None)
+        first = min(mine, key=lambda row: (row["device"] not in (wanted or [row["device"]]), row["fmax_best"] is None, bool(row["over"])), default=None)
         room = {row["device"]: row["device"] + f": {obstacle(row)}" * bool(obstacle(row)) for row in mine if DEVICES[row["device"]].has}
         speed = None if first is None else first["fmax_best"] and (
             f"{first['latency_ns']:,.0f} ns a step" if counts == "step" else f"{first['object_steps_per_second'] / 1e6:.1f} million object-steps/s")

@@ -65,7 +65,7 @@ CORES = ("fp_add", "fp_mul")
 LANES = {"lane": 1, "group": 4}
 TOPS = (*CORES, *LANES, "fp3", "trim")
 # What a user chooses between, from the cheapest.
-SIZES = ("small", "single", "many", "paper", "single_full", "many_full", "lanes", "dual", "array")
+SIZES = ("small", "uncut", "single", "many", "paper", "single_full", "many_full", "lanes", "dual", "array")
 
 # Of a configuration, with a store of 1,024 words: the base, and against it what is left out, one at a time, and what is
 # put in.

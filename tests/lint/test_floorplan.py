@@ -30,6 +30,15 @@ def test_neighbours_are_near(floorplan):
     assert max(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(groups, groups[1:])) <= 80
 
 
+@pytest.mark.parametrize("lanes", [8, 36, 38, 40])
+def test_no_block_ram_is_far_from_its_lane(floorplan, lanes):
+    """One that is far is the worst path that nextpnr expects, and so the only one that it cares for."""
+    places = floorplan.ring(lanes)
+    far = [abs(x - floorplan.MULTIPLIERS[first + 1][0]) + abs(y - floorplan.MIDDLES[band])
+           for (band, first), own in zip(places, floorplan.rams(places, 5)) for x, y, _ in own]
+    assert max(far) <= 40 and sum(far) / len(far) < 20
+
+
 def netlist(lanes, multipliers=3, rams=4):
     cells = {}
     for lane in range(lanes):
@@ -49,7 +58,7 @@ def test_a_netlist_is_pinned_lane_by_lane(floorplan, rams):
     assert floorplan.pin(design, 6) == 6 * (3 + rams) + 1
     cells = design["modules"]["top"]["cells"]
     sites = [cell["attributes"]["BEL"] for cell in cells.values() if cell["attributes"]]
-    assert len(set(sites)) == len(sites) and cells["u.u_program"]["attributes"]["BEL"] == "X4/Y70/EBR0"
+    assert len(set(sites)) == len(sites) and cells["u.u_program"]["attributes"]["BEL"] == "X{}/Y{}/{}".format(*floorplan.SCHEDULER[0])
     for lane in range(6):
         own = [cell["attributes"]["BEL"] for name, cell in cells.items() if floorplan.owner(name) == lane]
         columns = [int(site[1:site.index("/")]) for site in own]

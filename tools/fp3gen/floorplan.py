@@ -17,10 +17,12 @@ RAMS = [(x + 2 * n, f"EBR{n}") for x in BLOCKS for n in range(4)]
 # the lanes.
 RAM_ROWS = ((22,), (46,), (70, 82))
 MIDDLES = (13, 40, 74)
-SHARES = (0.28, 0.28, 0.44)
-# The scheduler's block RAMs, where the ring of lanes begins; the first SPACE multipliers there have no lane beside them.
-SCHEDULER = [(x, 70, name) for x, name in RAMS[:4]]
-SPACE = 3
+SHARES = (0.30, 0.26, 0.44)
+MOST = len(MULTIPLIERS) // 3           # lanes of a band, three multipliers each
+# The scheduler is between the two lower bands, where the ring of lanes begins and ends: its block RAMs, and the multipliers of
+# each band that have no lane beside them, if there is room for the lanes elsewhere.
+SCHEDULER = [(x, y, name) for x, name in RAMS[3:5] for y in (46, 22)]
+SPACES = (4, 8, 0)
 LANES = 51                             # three multipliers of a row each
 LANES_OF_5 = 40                        # five block RAMs each
 GROUP = 4                              # lanes that hear the same in the same cycle
@@ -33,14 +35,12 @@ OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_(?:lane|dual)\[(\d+)\]|g_lane\
 
 def spread(lanes):
     """For each band, the first of the three multipliers of each of its lanes, as even as can be."""
-    most = len(MULTIPLIERS) // 3
-    bands = [min(most, round(lanes * share)) for share in SHARES[:2]]
-    bands.append(min(most, lanes - sum(bands)))
-    bands[0] += (lanes - sum(bands) + 1) // 2
-    bands[1] += lanes - sum(bands)
+    bands = [0, 0, 0]
+    for _ in range(lanes):
+        bands[min((band for band in range(3) if bands[band] < MOST), key=lambda band: (bands[band] + 0.5) / SHARES[band])] += 1
     rows = []
     for band, n in enumerate(bands):
-        first = SPACE if band == 2 and n < most else 0
+        first = SPACES[band] if 3 * n <= len(MULTIPLIERS) - SPACES[band] else 0
         rows.append([(band, first + round(i * (len(MULTIPLIERS) - 3 - first) / max(1, n - 1))) for i in range(n)])
     return rows
 
@@ -59,48 +59,25 @@ def ring(lanes):
     return order
 
 
-def exchanged(places, sites):
-    """The sites in an order in which each place's, the first, are together nearest to it. Pairs are exchanged until that helps no more."""
-    sites = list(sites)
+def rams(places, each):
+    """For each place its block RAMs, the nearest first. Pairs are exchanged until that helps no more; far ones count so much that none is far: nextpnr
+    gives its care to the worst path that it expects, and to no other if that is much worse."""
+    sites = [(x, y, name) for y in sorted(sum(RAM_ROWS, ())) for x, name in RAMS if (x, y, name) not in SCHEDULER]
+    middles = [(MULTIPLIERS[first + 1][0], MIDDLES[band]) for band, first in sorted(places) for _ in range(each)]
 
-    def distance(i, site):
-        if i >= len(places):
-            return 0
-        band, first = places[i]
-        return (MULTIPLIERS[first + 1][0] - site[0]) ** 2 + 1.5 * (MIDDLES[band] - site[1]) ** 2
+    def cost(i, site):
+        return (abs(middles[i][0] - site[0]) + abs(middles[i][1] - site[1])) ** 4 if i < len(middles) else 0
 
     better = True
     while better:
         better = False
-        for a in range(len(places)):
+        for a in range(len(middles)):
             for b in range(a + 1, len(sites)):
-                if distance(a, sites[b]) + distance(b, sites[a]) < distance(a, sites[a]) + distance(b, sites[b]) - 1e-9:
+                if cost(a, sites[b]) + cost(b, sites[a]) < cost(a, sites[a]) + cost(b, sites[b]):
                     sites[a], sites[b] = sites[b], sites[a]
                     better = True
-    return sites
-
-
-def rams(places, each):
-    """For each place its block RAMs: those of its band from left to right, and what they lack where there are some left over."""
-    own = {place: [] for place in places}
-    free = []
-    for band, rows in enumerate(RAM_ROWS):
-        sites = [(x, y, name) for x, name in RAMS for y in rows if (x, y, name) not in SCHEDULER]
-        lanes = sorted(place for place in places if place[0] == band)
-        take = min(each, len(sites) // max(1, len(lanes)))
-        for i, place in enumerate(lanes):
-            at = round(i * (len(sites) - take) / max(1, len(lanes) - 1))
-            own[place] = sites[at:at + take]
-        used = {site for place in lanes for site in own[place]}
-        free += [site for site in sites if site not in used]
-    while True:
-        lacking = [place for place in places if len(own[place]) < each]
-        if not lacking:
-            return [own[place] for place in places]
-        found = exchanged(lacking, free)
-        for place, site in zip(lacking, found, strict=False):
-            own[place].append(site)
-        free = found[len(lacking):]
+    own = {place: sorted(sites[each * i:each * (i + 1)], key=lambda site, i=i: cost(each * i, site)) for i, place in enumerate(sorted(places))}
+    return [own[place] for place in places]
 
 
 def owner(cell):
