@@ -244,6 +244,34 @@ def test_a_chip_has_the_cycles_of_its_simulation(tree):
     assert after == kept and (after["cycles"], after["object_steps_per_second"]) == (2, 50000000)
 
 
+PLACED = """
+import json, pathlib, sys, types
+import chip
+def run(tool, words, log, made_of):
+    value = dict(zip(words, words[1:]))
+    seed = int(value["--seed"])
+    if "--no-route" in words:
+        cell = {"attributes": {"NEXTPNR_BEL": f"X{seed}/Y1/SLICEA.LUT0"}}
+        pathlib.Path(value["--write"]).write_text(json.dumps({"modules": {"top": {"cells": {"u.lut": cell}}}}))
+    told = "".join(f"Info: Max frequency for clock 'clk_i': {mhz} MHz (FAIL at 150.00 MHz)\\n" for mhz in (900 + seed, 100 + 7 * seed % 13))
+    pathlib.Path(log).write_text(told)
+    report = {"fmax": {"clk_i": {"achieved": 99.5}}, "utilization": {"TRELLIS_COMB": {"used": 7}}}
+    pathlib.Path(value["--report"]).write_text(json.dumps(report))
+chip.synth.run = run
+chip.WORK.mkdir(parents=True)
+lut = {"type": "LUT4", "attributes": {}, "connections": {"A": [2], "Z": [3]}, "port_directions": {"A": "input", "Z": "output"}}
+(chip.WORK / "x-pinned.json").write_text(json.dumps({"modules": {"top": {"cells": {"u.lut": lut}}}}))
+print(chip.place(types.SimpleNamespace(grade=6, mhz=100, tools=pathlib.Path("bin")), "x", 1))
+print(json.loads((chip.WORK / "x-6-1-chip.json").read_text())["modules"]["top"]["cells"]["u.lut"]["attributes"]["BEL"])
+"""
+
+
+def test_the_best_placement_of_a_scheduler_is_taken(tree):
+    """By the clock that was expected last, of seeds that belong to the chip's own."""
+    done = subprocess.run([sys.executable, "-c", PLACED], cwd=tree, env={"PYTHONPATH": str(tree / "tools")}, capture_output=True, text=True)
+    assert done.stdout.splitlines()[-2:] == ["(7, 99.5)", "X24/Y1/SLICEA.LUT0"], done.stderr
+
+
 @pytest.mark.parametrize("given, code, words", [
     ("flags=0 flags=1", 2, "--set has 'flags' twice"),
     ("flag=0", 1, "config 'dual36_flag0': unknown key 'flag' (known: name, doc, "),
