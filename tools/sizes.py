@@ -146,7 +146,7 @@ def page(rows):
         "  (nextpnr, pull request 1345, 2024), and its multipliers and memories have no delay there ([board.md](board.md)). No clock is known where the family has no open placer.",
         "- An iCE40's multipliers are in the timing only where they have registers around them, so a configuration without is not placed there, and",
         "  `make bitstream` refuses it.",
-        "- On GW2AR-18 `single` is not routed with seed 1: one arc finds no way.",
+        "- On GW2AR-18 `single` has seed 2: with seed 1 an earlier netlist was not routed, as one arc found no way.",
         "- What is not placed or not in the table was not measured. Each row is measured alone, and keeps its figures until it is measured again.", "",
         "## Devices", "", *devices(rows), "",
         "What a device has is from its data sheet; a Gowin or ECP5 slice's flip-flops and LUTs are not always usable together, so that",
