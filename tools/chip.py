@@ -119,13 +119,16 @@ def simulate(args):
         build(row, tree, made)
         objects = [made / f"obj/sw/{room}/{path.stem}.o" for room in ("cli", "measure") for path in sorted((ROOT / "sw" / room).glob("*.c"))]
         run("gcc", "-o", tree / "fp3", *objects, tree / "own.o", made / "lib/libfp3.a", "-ljansson", *LIBS)
-        run(tree / "fp3", "asm", ROOT / f"programs/{args.program}.s", "-o", tree / "x.fp3")
+        is_file = args.program.endswith(".s")
+        source = pathlib.Path(args.program).resolve() if is_file else ROOT / f"programs/{args.program}.s"
+        params = source.with_suffix(".cfg") if is_file else ROOT / "programs/ship.cfg"
+        run(tree / "fp3", "asm", source, "-o", tree / "x.fp3")
         count = args.lanes * row["contexts"]
 
         def ran(engine, steps):
             """What a run printed, and all states at its end."""
             told = run("env", f"FP3_RTL_DIR={tree}", tree / "fp3", "run", tree / "x.fp3", "-c", row["name"], "--engine", engine, "-o", count,
-                       "--steps", steps, "--params", ROOT / "programs/ship.cfg", "--spread", "T=1e6:2e6", "--every", steps,
+                       "--steps", steps, "--params", params, "--spread", "T=1e6:2e6", "--every", steps,
                        "--output", tree / f"{engine}.csv", timeout=3600)
             return told, (tree / f"{engine}.csv").read_text().splitlines()
 
@@ -138,7 +141,8 @@ def simulate(args):
               f"{wrong} of {len(rtl[1])} lines of states differ from those of isa")
         if wrong:
             sys.exit(1)
-        keep({"config": row["name"], "program": args.program, "objects": count, "next_cycles": (second - first) / args.steps})
+        if not is_file:
+            keep({"config": row["name"], "program": args.program, "objects": count, "next_cycles": (second - first) / args.steps})
 
 
 def keep(ran):
@@ -172,7 +176,8 @@ def arguments():
     parser.add_argument("--mhz", type=float, default=120, help="the clock that is wanted (default: %(default)s)")
     parser.add_argument("--tools", type=pathlib.Path, default=flow.TOOLS, help="where yosys and nextpnr-ecp5 are (default: %(default)s)")
     parser.add_argument("--run", action="store_true", help="simulate instead")
-    parser.add_argument("--program", help="of programs/, for --run (default: ship_madd, of `dual` ship_dual)")
+    parser.add_argument("--program", help="for --run: of programs/ (default: ship_madd, of `dual` ship_dual), or a file.s of a ship "
+                        "with its params in file.cfg beside it, whose cycles are told and not kept")
     parser.add_argument("--steps", type=int, default=100, help="for --run (default: %(default)s)")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="what make has built (default: %(default)s)")
     args = parser.parse_args()
