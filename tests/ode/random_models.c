@@ -62,6 +62,8 @@ static int compile(bench *b, fp3_error *error) {
     def.passes = b->j->passes | FP3_PASS(FP3_PASS_ZERO); /* 0 k is not 0 where k is infinite */
     def.is_compensated = b->j->arithmetic == 1;
     def.is_double_single = b->j->arithmetic == 2;
+    if (def.is_double_single)
+        def.passes &= ~FP3_PASS(FP3_PASS_EXACT_DIVISION); /* is of floats */
     strcpy(names, b->j->observed);
     if (strcmp(names, "all") != 0) {
         def.observed = observed;

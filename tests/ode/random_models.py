@@ -1,8 +1,10 @@
 """Random models, integrators and ways to compile them, for random_models.c."""
 import random
+import re
+from pathlib import Path
 
-PASSES = 12  # as in fp3/compile.h; the first KEEPING keep the bits
-KEEPING = 8
+CHANGES_BITS = re.findall(r'^    X\(\w+, "[a-z-]+", ([01]),', (Path(__file__).parents[2] / "sw/include/fp3/passes.h").read_text(encoding="utf-8"), re.M)
+PASSES, KEEPING = len(CHANGES_BITS), CHANGES_BITS.index("1")  # those that keep the bits come first
 INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6", "rk4_paper", "semi_implicit_euler",
                "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]
 CONFIGS = ["single_full", "many_full", "sixteen"]
