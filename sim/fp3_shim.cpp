@@ -141,13 +141,6 @@ unsigned patience(fp3_rtl *rtl) {
     return static_cast<unsigned>(rtl->noise >> 62);
 }
 
-/* Whether the bus leads an address to the processor, whose window has ADDRESS_BITS. The last scheduler that the window
- * has room for stands for all. */
-bool is_in_window(uint32_t address) {
-    const uint32_t scheduler = address >> FP3_ADDRESS_SCHEDULER_LO;
-    return scheduler < SHAPE.schedulers ||
-           (SHAPE.schedulers > 1 && scheduler == FP3_ADDRESS_BROADCAST);
-}
 constexpr unsigned address_bits() {
     unsigned bits = FP3_ADDRESS_SCHEDULER_LO;
     for (unsigned n = SHAPE.schedulers; SHAPE.schedulers > 1 && n; n >>= 1)
@@ -155,6 +148,12 @@ constexpr unsigned address_bits() {
     return bits;
 }
 constexpr uint32_t WINDOW = static_cast<uint32_t>((uint64_t{1} << address_bits()) - 1);
+
+/* Whether the bus leads an address to the processor. The engine's name for all schedulers is longer than the window. */
+bool is_in_window(uint32_t address) {
+    return address <= WINDOW ||
+           (SHAPE.schedulers > 1 && address >> FP3_ADDRESS_SCHEDULER_LO == FP3_ADDRESS_BROADCAST);
+}
 
 const unsigned OKAY = 0;
 

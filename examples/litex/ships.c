@@ -25,8 +25,9 @@ static volatile int is_ended;
 static volatile fp3_status handled; /* how the handler of the interrupt fared */
 
 void ships_interrupt(void) {
-    handled = fp3_bare_interrupt(&fp3, FP3_ALL, 0);
-    is_ended = 1;
+    fp3_bare_outcome outcome = FP3_BARE_NONE;
+    handled = fp3_bare_handle(&fp3, FP3_ALL, &outcome);
+    is_ended = handled || outcome != FP3_BARE_RUNNING;
 }
 
 static int has_ended(void) { return is_ended; }

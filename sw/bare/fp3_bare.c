@@ -26,9 +26,15 @@ fp3_bare_bus fp3_bare_memory(volatile uint32_t *base) {
     return bus;
 }
 
-/* One scheduler has no bits of the address, so its number is 0 however it is called. */
+/* One scheduler has no bits of the address, so its number is 0 however it is called. Several have as many as hold how
+ * many they are, and all ones are all of them: FP3_ALL itself would be far beyond the window. */
 static uint32_t of(const fp3_bare *fp3, uint32_t scheduler, uint32_t address) {
-    return fp3->schedulers == 1 ? address : scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
+    uint32_t all = 1;
+    if (fp3->schedulers == 1)
+        return address;
+    while (all < fp3->schedulers)
+        all = 2 * all + 1;
+    return (scheduler == FP3_ALL ? all : scheduler) << FP3_ADDRESS_SCHEDULER_LO | address;
 }
 
 static fp3_status answer(fp3_bare *fp3, int is_refused, uint32_t address) {
@@ -346,6 +352,16 @@ fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, int is_enabled)
                ? put(fp3, scheduler, FP3_ADDR_INTERRUPT,
                      BIT(INTERRUPT_ENDED) | (is_enabled ? BIT(INTERRUPT_ENABLE) : 0))
                : FP3_E_ARGUMENT;
+}
+
+/* Taken back before the status is read: who ends after that raises it again. */
+fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome) {
+    fp3_status status = fp3_bare_interrupt(fp3, scheduler, 1);
+    if (!status)
+        status = fp3_bare_poll(fp3, scheduler, outcome);
+    if (!status && *outcome != FP3_BARE_RUNNING)
+        status = fp3_bare_interrupt(fp3, scheduler, 0);
+    return status;
 }
 
 /* ---- how it went ---- */

@@ -122,8 +122,11 @@ fp3_status fp3_bare_wait(fp3_bare *fp3, uint32_t scheduler, uint32_t polls,
                          fp3_bare_outcome *outcome);
 /* Ends a run early; wait for it. All that is in flight retires first. */
 fp3_status fp3_bare_stop(fp3_bare *fp3, uint32_t scheduler);
-/* Takes the interrupt back, and lets the next end of a run raise it or not. Before start, and when it came. */
+/* Takes the interrupt back, and lets the next end of a run raise it or not. Before start. */
 fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, int is_enabled);
+/* What a handler of the interrupt calls: takes it back and reads the status. The first scheduler that ends raises it:
+ * while *outcome is FP3_BARE_RUNNING the end of another one will raise it again, else nothing does until the next start. */
+fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 
 /* A register by its address, FP3_ADDR_FLAGS or FP3_ADDR_FAULT; of FP3_ALL the OR. */
 fp3_status fp3_bare_register(fp3_bare *fp3, uint32_t scheduler, uint32_t address, uint32_t *word);

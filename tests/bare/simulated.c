@@ -1,8 +1,9 @@
 /* simulated.c - the driver and the example of docs/integration.md on the simulated hardware.
  *
- *     simulated LIBRARY SEED SHIPS STEPS     prints "v s" of each ship, as bits
- *     simulated LIBRARY 0 latency            prints the cycles of transfers
+ *     simulated LIBRARY BITS SEED SHIPS STEPS     prints "v s" of each ship, as bits
+ *     simulated LIBRARY BITS 0 latency            prints the cycles of transfers
  *
+ * BITS: of the bus's addresses. A window of that size is all that a processor gives FP3.
  * ships.c and ship.h are made by the test.
  */
 #include "ships.c"
@@ -17,24 +18,6 @@
 #define SHIPS_MAX 4096
 #define STREAM 1000 /* words */
 
-typedef struct {
-    const fp3_rtl_ops *ops;
-    fp3_rtl *rtl;
-    uint64_t transfers;
-    uint64_t broken_at; /* the transfer that the bus answers with an error; 0: none */
-} board;
-
-static int read_word(void *user, uint32_t address, uint32_t *word) {
-    board *b = user;
-    return ++b->transfers == b->broken_at || fp3_rtl_transfer_one(b->ops, b->rtl, 0, address, word);
-}
-
-static int write_word(void *user, uint32_t address, uint32_t word) {
-    board *b = user;
-    return ++b->transfers == b->broken_at ||
-           fp3_rtl_transfer_one(b->ops, b->rtl, 1, address, &word);
-}
-
 #define EXPECT(what)                                                                               \
     do {                                                                                           \
         if (!(what)) {                                                                             \
@@ -42,6 +25,27 @@ static int write_word(void *user, uint32_t address, uint32_t word) {
             exit(1);                                                                               \
         }                                                                                          \
     } while (0)
+
+typedef struct {
+    const fp3_rtl_ops *ops;
+    fp3_rtl *rtl;
+    uint64_t window; /* bytes */
+    uint64_t transfers;
+    uint64_t broken_at; /* the transfer that the bus answers with an error; 0: none */
+} board;
+
+static int read_word(void *user, uint32_t address, uint32_t *word) {
+    board *b = user;
+    EXPECT(address < b->window);
+    return ++b->transfers == b->broken_at || fp3_rtl_transfer_one(b->ops, b->rtl, 0, address, word);
+}
+
+static int write_word(void *user, uint32_t address, uint32_t word) {
+    board *b = user;
+    EXPECT(address < b->window);
+    return ++b->transfers == b->broken_at ||
+           fp3_rtl_transfer_one(b->ops, b->rtl, 1, address, &word);
+}
 
 /* A run that has no end in sight: what the driver refuses by itself costs no transfer, what the hardware refuses
  * comes back, and the run goes on until it is stopped. */
@@ -70,6 +74,32 @@ static void refuse_while_running(fp3_bare *fp3, board *b) {
     EXPECT(fp3_bare_load(&other, FP3_ALL, &ship_program) == FP3_E_ARGUMENT);
     EXPECT(!fp3_bare_stop(fp3, FP3_ALL) && !fp3_bare_wait(fp3, FP3_ALL, POLLS, &outcome));
     EXPECT(outcome == FP3_BARE_STOPPED);
+}
+
+static int is_interrupted(const fp3_bare *fp3, board *b) {
+    const uint32_t both = 1u << FP3_INTERRUPT_ENDED_LO | 1u << FP3_INTERRUPT_ENABLE_LO;
+    for (uint32_t i = 0; i < fp3->schedulers; i++) {
+        uint32_t word = 0;
+        EXPECT(!read_word(b, i << FP3_ADDRESS_SCHEDULER_LO | FP3_ADDR_INTERRUPT, &word));
+        if ((word & both) == both)
+            return 1;
+    }
+    return 0;
+}
+
+/* One ship: the schedulers without one end at once, and the end of the last is not missed. */
+static void take_interrupts(fp3_bare *fp3, board *b) {
+    fp3_bare_outcome outcome = FP3_BARE_RUNNING;
+    unsigned times = 0;
+    EXPECT(!fp3_bare_list(fp3, FP3_ALL, 1) && !fp3_bare_interrupt(fp3, FP3_ALL, 1));
+    EXPECT(!fp3_bare_start(fp3, FP3_ALL, 1000, 0, 0));
+    for (; outcome == FP3_BARE_RUNNING; times++) {
+        for (unsigned polls = 0; !is_interrupted(fp3, b); polls++)
+            EXPECT(polls < POLLS);
+        EXPECT(!fp3_bare_handle(fp3, FP3_ALL, &outcome));
+    }
+    EXPECT(outcome == FP3_BARE_DONE && !is_interrupted(fp3, b));
+    EXPECT(times == (fp3->schedulers > 1 ? 2 : 1));
 }
 
 static void refuse_nonsense(fp3_bare *fp3, board *b) {
@@ -186,26 +216,28 @@ static void print_latency(board *b) {
 
 int main(int argc, char **argv) {
     static uint32_t v[SHIPS_MAX], s[SHIPS_MAX];
-    EXPECT(argc >= 4);
+    EXPECT(argc >= 5);
     void *library = dlopen(argv[1], RTLD_NOW);
-    board b = {.ops = library ? dlsym(library, "fp3_rtl_table") : NULL};
+    board b = {.ops = library ? dlsym(library, "fp3_rtl_table") : NULL,
+               .window = (uint64_t)1 << strtoul(argv[2], NULL, 10)};
     EXPECT(b.ops);
     const fp3_rtl_watch watch = {NULL, NULL, NULL};
-    b.rtl = b.ops->open(&watch, strtoull(argv[2], NULL, 10));
+    b.rtl = b.ops->open(&watch, strtoull(argv[3], NULL, 10));
     EXPECT(b.rtl);
     const fp3_bare_bus bus = {read_word, write_word, &b};
-    const uint32_t ships = (uint32_t)strtoul(argv[3], NULL, 10);
+    const uint32_t ships = (uint32_t)strtoul(argv[4], NULL, 10);
     if (ships == 0) {
         print_latency(&b);
     } else {
         fp3_bare fp3;
-        EXPECT(argc == 5 && ships <= SHIPS_MAX);
-        const uint32_t steps = (uint32_t)strtoul(argv[4], NULL, 10);
+        EXPECT(argc == 6 && ships <= SHIPS_MAX);
+        const uint32_t steps = (uint32_t)strtoul(argv[5], NULL, 10);
         EXPECT(!fly(&fp3, &bus, ships, steps, v, s));
+        take_interrupts(&fp3, &b);
         refuse_while_running(&fp3, &b);
         refuse_nonsense(&fp3, &b);
         meet_an_illegal_word(&fp3);
-        if (strcmp(argv[2], "0") == 0)
+        if (strcmp(argv[3], "0") == 0)
             break_each_transfer(&b, &bus);
         look_at_memory();
         memset(v, 0, sizeof v);
