@@ -1,8 +1,8 @@
 """A master of AXI4-Lite that is not ours (cocotbext-axi) attacks the processor: legal and illegal transfers, several under way, reads and writes
 at once, with pauses at random in every channel. test_bus.py starts it inside the simulator.
 
-FP3_TRANSFERS: how many. FP3_SEED: of the chance. FP3_MAP: isa/registers.toml. FP3_RUN: a file of a program, its start and
-what it ends with, as JSON.
+FP3_TRANSFERS: how many. FP3_SEED: of the chance. FP3_MAP: isa/registers.toml. FP3_RUN: a file of what there is, of the writes
+before a run, and of what it ends with, as JSON.
 """
 
 import json
@@ -23,6 +23,7 @@ AT = {row["name"]: row["at"] for row in MAP["register"] + MAP["window"]}
 RUN = json.loads(Path(os.environ["FP3_RUN"]).read_text())
 OBJECTS = next(row["at"] for row in MAP["space"] if row["name"] == "objects") << MAP["address"]["space"][1]
 REGISTERS, WORDS = RUN["registers"], RUN["memory"]
+NOWHERE = 0x200000                                         # from here on no lane has words, of objects or their status
 HANG = 60_000                                              # ns; an access takes some 300, and a dozen may be before it
 
 
@@ -65,25 +66,30 @@ def kept(chance):
     """An address that keeps what is written, and a value that it takes."""
     kind = chance.randrange(5)
     if kind == 0:
-        return AT["steps"], chance.getrandbits(32)
+        return AT[chance.choice(("steps", "visit", "clock") if RUN["store"] else ("steps",))], chance.getrandbits(32)
     if kind == 1:
         return AT[chance.choice(("step", "last", "size"))], chance.randrange(WORDS + 1)
     if kind == 2:
         return AT["constants"] + 4 * chance.randrange(REGISTERS), chance.getrandbits(32)
     if kind == 3:
         return AT["interrupt"], chance.randrange(2)
-    return OBJECTS + 4 * chance.randrange(REGISTERS), chance.getrandbits(32)
+    return of_an_object(chance), chance.getrandbits(32)
+
+
+def of_an_object(chance):
+    return OBJECTS + 4 * chance.randrange(RUN["words"])
 
 
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
-                          OBJECTS + 4 * REGISTERS, 0x48 + 4 * chance.randrange(14), 0x400000 + 4 * chance.randrange(1 << 20)))
+                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x48 + 4 * chance.randrange(14), 0x400000 + 4 * chance.randrange(1 << 20)))
 
 
 def never_written(chance):
     return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], 0x80 + 4 * chance.randrange(26),
                           AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + 0x10000 * chance.randrange(1, 32),
-                          AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)))
+                          AT["constants"] + 4 * REGISTERS, 0xc00000 + NOWHERE + 4 * chance.randrange(1 << 19),
+                          *([] if RUN["store"] else [AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)])))
 
 
 async def together(transfers):
@@ -94,7 +100,8 @@ async def together(transfers):
 async def several(cpu):
     """Many transfers under way, some of them illegal: each gets its own response."""
     chance = cpu.chance
-    where = [chance.choice((OBJECTS, AT["constants"])) + 4 * r for r in chance.sample(range(REGISTERS), chance.randrange(2, 12))]
+    all_of_them = [AT["constants"] + 4 * r for r in range(REGISTERS)] + list({of_an_object(chance) for _ in range(REGISTERS)})
+    where = chance.sample(all_of_them, chance.randrange(2, 12))
     legal = [chance.random() < 0.8 for _ in where]
     values = [chance.getrandbits(32) for _ in where]
     done = await together(cpu.write(at if good else never_written(chance), value) for at, good, value in zip(where, legal, values))
@@ -142,14 +149,8 @@ async def reader(cpu, left):
 
 
 async def load(cpu):
-    for i, word in enumerate(RUN["code"]):
-        await cpu.put(AT["program"] + 4 * i, word)
-    for name in ("step", "last", "size"):
-        await cpu.put(AT[name], RUN[name])
-    for k, bits in enumerate(RUN["constants"]):
-        await cpu.put(AT["constants"] + 4 * k, bits)
-    for r, bits in enumerate(RUN["start"]):
-        await cpu.put(OBJECTS + 4 * r, bits)
+    for address, word in RUN["setup"]:
+        await cpu.put(address, word)
 
 
 async def refused_while_running(cpu, transfers):
@@ -177,7 +178,6 @@ async def right_run(cpu, dut, quiet):
     """The processor is what it was: the program ends with the bits that it ends with elsewhere, and says so by its interrupt.
     quiet: nobody wants the interrupt until the end has been read."""
     await load(cpu)
-    await cpu.put(AT["steps"], RUN["steps"])
     await cpu.put(AT["interrupt"], 2 if quiet else 3)
     assert dut.irq.value == 0
     await cpu.put(AT["control"], 1)
@@ -192,8 +192,8 @@ async def right_run(cpu, dut, quiet):
             break
         await ClockCycles(dut.s_axi_aclk, 100)
     assert dut.irq.value == 1 and await cpu.get(AT["status"]) == 2 and await cpu.get(AT["interrupt"]) == 3
-    for r, bits in RUN["end"]:
-        assert await cpu.get(OBJECTS + 4 * r) == bits, f"r{r}"
+    for address, bits in RUN["end"]:
+        assert await cpu.get(address) == bits, f"{address:#x}"
     await cpu.put(AT["interrupt"], 2)
     await ClockCycles(dut.s_axi_aclk, 3)
     assert dut.irq.value == 0 and await cpu.get(AT["interrupt"]) == 0

@@ -19,38 +19,37 @@ def python(root):
     return path
 
 
-@pytest.fixture(scope="module")
-def run_file(root, fp3, tmp_path_factory):
-    """A run of the ship as the engine isa has it: words, start, and the words that it ends with."""
+@pytest.fixture(scope="module", params=["single", "many"])
+def run_file(request, root, fp3, tmp_path_factory):
+    """A run of the ship as the hardware has it elsewhere: what is written before, and the words that it ends with."""
     at = tmp_path_factory.mktemp("run")
     image, session = at / "x.fp3", at / "x.session"
     subprocess.run([fp3, "asm", root / "programs/ship.s", "-o", image], check=True)
-    subprocess.run([fp3, "run", image, "-c", "single", "--steps", str(STEPS), "--params", root / "programs/ship.cfg", "--bus-log", session],
+    subprocess.run([fp3, "run", image, "-c", request.param, *(["--objects", "4"] if request.param == "many" else []), "--steps", str(STEPS), "--params", root / "programs/ship.cfg", "--bus-log", session],
                    check=True, capture_output=True)
     rows = [line.split() for line in session.read_text().splitlines()]
-    writes = {int(at, 16): int(data, 16) for kind, at, data in rows if kind == "w"}
+    writes = [(int(at, 16), int(data, 16)) for kind, at, data in rows if kind == "w"]
     reads = {int(at, 16): int(data, 16) for kind, at, data in rows if kind == "r"}
-    window = lambda words, first: [words.get(first + 4 * i, 0) for i in range(32)]
-    size = writes[0x2c]
+    registers, store, lanes = reads[0x04] & 0xff, reads[0x34], reads[0x30] >> 16
+    assert writes[-1] == (0x10, 1)                         # the start
     (at / "run.json").write_text(json.dumps({
-        "registers": 32, "memory": reads[0x08], "steps": STEPS, "step": writes[0x24], "last": writes[0x28], "size": size,
-        "code": [writes[0x8000 + 4 * i] for i in range(size)], "constants": window(writes, 0x2000), "start": window(writes, 0x800000),
-        "end": [(at - 0x800000 >> 2, bits) for at, bits in reads.items() if at >= 0x800000]}))
+        "config": request.param, "registers": registers, "memory": reads[0x08], "store": store, "words": store * lanes or registers,
+        "setup": writes[:-1], "end": [(at, bits) for at, bits in reads.items() if at >= 0x800000]}))
     return at / "run.json"
 
 
 def attack(root, python, run_file, tmp_path, transfers, seed, tree=None):
     tree = tree or root
-    bench, clock = tmp_path / "bus.vvp", tmp_path / "clock.f"
+    bench, clock, top = tmp_path / "bus.vvp", tmp_path / "clock.f", f"fp3_{json.loads(run_file.read_text())['config']}"
     clock.write_text("+timescale+1ns/1ps\n")
-    built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-s", "fp3_single", "-c", "rtl/fp3.f", "-c", clock, "-o", bench, "rtl/gen/fp3_single.v"],
+    built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-s", top, "-c", "rtl/fp3.f", "-c", clock, "-o", bench, f"rtl/gen/{top}.v"],
                            cwd=tree, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr
     libs = subprocess.run([python, "-m", "cocotb.config", "--lib-dir"], capture_output=True, text=True, check=True).stdout.strip()
     name = subprocess.run([python, "-m", "cocotb.config", "--lib-name", "vpi", "icarus"], capture_output=True, text=True, check=True).stdout.strip()
     libpython = subprocess.run([python, "-m", "cocotb.config", "--libpython"], capture_output=True, text=True, check=True).stdout.strip()
     results = tmp_path / "results.xml"
-    env = {**os.environ, "MODULE": "attack", "TOPLEVEL": "fp3_single", "TOPLEVEL_LANG": "verilog", "PYTHONPATH": str(root / "tests/bus"),
+    env = {**os.environ, "MODULE": "attack", "TOPLEVEL": top, "TOPLEVEL_LANG": "verilog", "PYTHONPATH": str(root / "tests/bus"),
            "LIBPYTHON_LOC": libpython, "VIRTUAL_ENV": str(python.parents[1]), "COCOTB_RESULTS_FILE": str(results), "FP3_TRANSFERS": str(transfers),
            "FP3_SEED": str(seed), "FP3_MAP": str(root / "isa/registers.toml"), "FP3_RUN": str(run_file), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(["vvp", "-n", "-M", libs, "-m", name, bench], cwd=tmp_path, env=env, capture_output=True, text=True)
