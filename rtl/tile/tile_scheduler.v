@@ -74,7 +74,7 @@ module tile_scheduler #(
     wire [3:0]           counters_index;
     wire [31:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5)) u_host_port (
+    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5 + DUAL)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
