@@ -71,7 +71,7 @@ module fp3 #(
     // requests may be under way as fill the path to the lanes and back; of one object, few.
     localparam STREAM = 1 << ADDRESS_SPACE_HI | {16'd0, ADDR_WINDOW_PROGRAM | (ADDR_WINDOW_AWAKE & ~ADDR_WINDOW_CONSTANTS)};
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
-    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 15 + DUAL) : 2;
+    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 13 + DUAL) : 2;
     wire                 asks, may, taken, write;
     wire [ADDRESS_W-1:0] address;
     wire [31:0]          wdata;

@@ -141,6 +141,13 @@ module host_port #(
         is_record     <= req_wdata_i[2:0] >= 3'd3 && req_wdata_i[2:0] <= 3'd6;
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
+    // A list is told of objects that the lane has rows for, a power of two. A list of numbers is only emptied.
+    wire [31:0] rows = STORE_32 >> record;
+    reg  is_row, is_count;
+    always @(posedge clk_i) begin
+        is_row   <= (req_wdata_i & ~(rows - 32'd1)) == 32'd0;
+        is_count <= req_wdata_i == 32'd0 || (SLEEP == 0 && ((req_wdata_i & ~(rows - 32'd1)) == 32'd0 || req_wdata_i == rows));
+    end
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
     wire wants_start = wdata_q[CONTROL_START_LO];
 
@@ -149,9 +156,10 @@ module host_port #(
 
     wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable)
                              && !(sets_index_q && !is_index) && !(sets_record_q && !(is_small && is_record));
+    wire beyond = (space == HOST_AWAKE && !is_count) || (space == HOST_WAKE && !is_row);
     wire ok = in_registers ? register_ok                  // this access has a meaning now
             : in_counters  ? !write_q
-            : !running_i && (in_memory || (in_program && write_q));
+            : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
 
     // What a read shows, in parts: one mux would be the longest path of the whole.
     wire [31:0] third = {27'd0, register_q[0] ? {3'd0, ended_q, irq_enable_q} : flags_q};
@@ -295,12 +303,17 @@ module host_port #(
 
 `ifdef FP3_CHECK
     // A register, counter or constant is alone.
-    wire       alone = check_q && (ours || (in_memory && space == HOST_CONSTANT));
-    reg  [4:0] alone_q;
+    wire        alone = check_q && (ours || (in_memory && space == HOST_CONSTANT));
+    reg  [4:0]  alone_q;
+    reg  [56:0] stood_q;
     always @(posedge clk_i) begin
         alone_q <= rst_i ? 5'd0 : {alone_q[3:0], alone};
         if (!rst_i && ((check_q && |alone_q) || (alone && (req_valid_i || writes_q || ours_q || shows_q || fetches_q || fetched)))) begin
             $display("%m: a request beside one that has to be alone"); $stop;
+        end
+        stood_q <= {req_write_i, req_addr_i, req_wdata_i};
+        if (!rst_i && (alone || |alone_q[3:0]) && {req_write_i, req_addr_i, req_wdata_i} != stood_q) begin
+            $display("%m: the address or the data of a request change that is alone"); $stop;
         end
     end
     always @(posedge clk_i)

@@ -122,6 +122,8 @@ async def writer(cpu, left):
             cpu.words[address] = value
         elif kind == 3:                                    # an index that the program has no room for
             assert await cpu.write(AT[chance.choice(("step", "last", "size"))], WORDS + 1 + chance.getrandbits(30)) == AxiResp.SLVERR
+            if RUN["store"]:                               # an object that has no row
+                assert await cpu.write(AT[chance.choice(("awake", "wake"))], RUN["store"] + chance.getrandbits(31)) == AxiResp.SLVERR
         elif kind == 4:                                    # some bytes of a word
             size = chance.randrange(1, 4)
             assert await cpu.write(address + chance.randrange(5 - size), value, size) == AxiResp.SLVERR

@@ -137,13 +137,20 @@ static int access_to_window(const fp3_config *c, uint32_t address) {
     return 0;
 }
 
+/* All ones, in 8 bits or in the window's, which hold the number of schedulers. */
+static int is_all(uint32_t schedulers, uint32_t scheduler) {
+    return scheduler == FP3_ADDRESS_BROADCAST ||
+           (scheduler >= schedulers && (scheduler & (scheduler + 1)) == 0 &&
+            scheduler / 2 < schedulers);
+}
+
 static int access_to(const bench *b, uint32_t address) {
     const fp3_config *c = b->config;
     const uint32_t scheduler = address >> FP3_ADDRESS_SCHEDULER_LO;
     const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
     const uint32_t word = address >> FP3_ADDRESS_WORD_LO & 0xfffff;
     if (address % 4 ||
-        (scheduler >= b->schedulers && (b->schedulers == 1 || scheduler != FP3_ADDRESS_BROADCAST)))
+        (scheduler >= b->schedulers && (b->schedulers == 1 || !is_all(b->schedulers, scheduler))))
         return 0;
     if (space == FP3_SPACE_OBJECTS)
         return word < object_words(c) ? READ | WRITE | IDLE_ONLY : 0;
@@ -365,6 +372,26 @@ static void all_units_are_one(bench *b) {
         want(b, "written to all schedulers", of_scheduler(scheduler, FP3_ADDR_STEPS), 77);
 }
 
+/* No list is told of an object that has no row. What is refused leaves the list as it is. */
+static void lists_end_at_their_rows(bench *b, uint32_t lane, uint32_t log2) {
+    const uint32_t awake = FP3_ADDR_WINDOW_AWAKE + 4 * lane, wake = FP3_ADDR_WINDOW_WAKE + 4 * lane;
+    const uint32_t rows = b->config->store_words >> log2;
+    const uint32_t beyond[] = {rows + 1, 2 * rows, 0x10000, 0x80000000u, UINT32_MAX};
+    must(b, "a record", FP3_ADDR_RECORD, log2);
+    must(b, "a list", awake, b->config->sleep ? 0 : rows);
+    if (b->config->sleep)
+        must(b, "the last object", wake, rows - 1);
+    const uint32_t count = get(b, awake);
+    if (count != (b->config->sleep ? 1 : rows))
+        fail(b, "a list", awake, count, rows);
+    for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++)
+        if (put(b, awake, beyond[i]) != 1 || put(b, wake, beyond[i]) != 1)
+            fail(b, "an object without a row", awake, beyond[i], rows);
+    if (put(b, wake, rows) != 1 || (b->config->sleep && put(b, awake, 1) != 1))
+        fail(b, "an object without a row", wake, rows, rows);
+    want(b, "a refused write changes nothing:", awake, count);
+}
+
 static void lists_count_their_objects(bench *b) {
     const fp3_config *c = b->config;
     for (uint32_t lane = 0; c->interleave && lane < c->lanes; lane++) {
@@ -380,6 +407,8 @@ static void lists_count_their_objects(bench *b) {
             must(b, "one more object", FP3_ADDR_WINDOW_WAKE + 4 * lane, n);
             want(b, "so many objects", awake, n + 1);
         }
+        for (uint32_t log2 = 3; log2 <= 6; log2++)
+            lists_end_at_their_rows(b, lane, log2);
         must(b, "an empty list", awake, 0);
     }
 }
