@@ -3,7 +3,7 @@
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
 //           the answer of the lane that the host asked. The sequencer hears the last lane.
 // Latency   One cycle from report_i for the count, none for the others: lane_group registers them. A lane
-//           answers the host three cycles after mine_i, one of DUAL four; valid_o comes two cycles after valid_i.
+//           answers the host three cycles after mine_i, a lane of DUAL four; valid_o comes two cycles after valid_i.
 // Hazard    Lanes are in step: what the lane before reports, this one reports in the same cycle.
 //           The answers of lanes that are not asked are 0.
 //

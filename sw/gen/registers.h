@@ -104,7 +104,7 @@
 /* What register `features` must show for a configuration. */
 #define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->dual << FP3_FEATURES_DUAL_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO | (config)->round << FP3_FEATURES_ROUND_LO)
 
-/* Counters: 64 bits in two words each, low word first. */
+/* Counters: 48 bits in two words each, low word first. */
 #define FP3_ADDR_COUNTER_CYCLES           0x0080u
 #define FP3_ADDR_COUNTER_ISSUED_ADD       0x0088u
 #define FP3_ADDR_COUNTER_ISSUED_MUL       0x0090u

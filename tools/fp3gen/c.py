@@ -103,7 +103,7 @@ def registers_c(regs):
         "/* What register `features` must show for a configuration. */",
         "#define FP3_FEATURES_OF(config) ("
         + " | ".join(f"(config)->{name} << FP3_FEATURES_{name.upper()}_LO" for name in features) + ")", "",
-        "/* Counters: 64 bits in two words each, low word first. */",
+        "/* Counters: 48 bits in two words each, low word first. */",
         *defines([(f"FP3_ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]), "",
         "/* X(NAME, name, address) */",
         *x_macro("FP3_COUNTERS", [(row["name"].upper(), quote(row["name"]), at(a))

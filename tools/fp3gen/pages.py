@@ -81,7 +81,7 @@ def registers_page(regs):
             "else those that hold the number of schedulers. All ones there stand for all of them.", "",
             "A write of all four bytes and a read are answered with OKAY, or with SLVERR where there is no such register, no such access,",
             "or no sense in it now. What is refused changes nothing. A write of some bytes of a word is refused; one of no byte does nothing.", "",
-            "A reset sets the registers and ends a run; memories keep what they have. A word of program, constants, objects or status that",
+            "A reset sets the registers, empties the lists of objects and ends a run; memories keep what they have. A word of program, constants, objects or status that",
             "nobody wrote reads as what the memory has: 0 after the configuration of an FPGA, anything on other devices, and after a reset",
             "what was there before. So a host writes what a run needs, and the status of an object, before it starts.", "",
             "Each scheduler has all of the following.", "", "## Registers", "",
@@ -91,7 +91,8 @@ def registers_page(regs):
                                   for name, pair in row.get("fields", {}).items()), row["doc"]]
                        for row in regs["register"]]), "",
             "## Counters", "",
-            "Counters of the last run: 64 bits in two words, low word first, read only. Every running cycle",
+            "Counters of the last run: 48 bits in two words, low word first, read only; they wrap. While a program runs the two words may",
+            "not belong together: read the high one, the low one and the high one again, until that is the same. Every running cycle",
             "either issues an instruction or is counted as one of the stalls.", "",
             *markdown(["address", "name", "counts"],
                       [[f"0x{a:04x}", f"`{row['name']}`", row["doc"]] for row, a in counter_rows(regs)]), "",
