@@ -71,8 +71,8 @@ module fp3 #(
     // requests may be under way as fill the path to the lanes and back; of one object, few.
     localparam STREAM = 1 << ADDRESS_SPACE_HI | {16'd0, ADDR_WINDOW_PROGRAM | (ADDR_WINDOW_AWAKE & ~ADDR_WINDOW_CONSTANTS)};
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
-    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 13 + DUAL) : 2;
-    wire                 asks, may, taken, write;
+    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 13) : 2;
+    wire                 asks, taken, write;
     wire [ADDRESS_W-1:0] address;
     wire [31:0]          wdata;
     `ANSWER_FIELDS
@@ -83,7 +83,7 @@ module fp3 #(
         .s_axi_bvalid(s_axi_bvalid), .s_axi_bready(s_axi_bready), .s_axi_bresp(s_axi_bresp),
         .s_axi_arvalid(s_axi_arvalid), .s_axi_arready(s_axi_arready), .s_axi_araddr(s_axi_araddr),
         .s_axi_rvalid(s_axi_rvalid), .s_axi_rready(s_axi_rready), .s_axi_rdata(s_axi_rdata), .s_axi_rresp(s_axi_rresp),
-        .req_valid_o(asks), .req_may_o(may), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
+        .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
         .wrote_i(answer_wrote), .write_error_i(answer_write_error),
         .read_i(answer_read), .read_error_i(answer_read_error), .rdata_i(answer_rdata));
 
@@ -102,7 +102,7 @@ module fp3 #(
     wire [`ANSWER_W*N-1:0] answers;
     hub #(.N(N)) u_hub (
         .clk_i(clk), .rst_i(rst),
-        .req_valid_i(asks), .req_may_i(may), .req_ready_o(taken), .req_write_i(write),
+        .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),
         .answer_o(`ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
         .answer_i(answers));

@@ -8,9 +8,7 @@
 //           is alone: all before it are answered, and those after it wait until it is.
 // Latency   One cycle from the handshakes of the address (and the data) to the request, one from the answer
 //           to bvalid or rvalid.
-// Promise   No request comes without req_may_o, which is known early in a cycle; from a request that is alone until it is
-//           answered it is 0.
-//           Every transfer gets one response, in its channel's order. A read is answered although nobody takes
+// Promise   Every transfer gets one response, in its channel's order. A read is answered although nobody takes
 //           the response to a write, and a write although nobody takes that to a read. Of both, they take turns.
 // Hazard    A read that is to come after a write has to wait for bvalid. A request that is not taken may give
 //           way to another one. Answers come in the order of their kind's requests, and do not wait.
@@ -50,7 +48,6 @@ module axi_lite #(
     output wire [1:0]           s_axi_rresp,
     // The host port
     output wire                 req_valid_o,
-    output wire                 req_may_o,      // one may come: nothing that is alone is under way
     input  wire                 req_ready_i,
     output wire                 req_write_o,
     output wire [ADDRESS_W-1:0] req_addr_o,
@@ -78,7 +75,6 @@ module axi_lite #(
     wire write_may     = write_turn && (idle_q || (write_streams && !alone_q));
     wire read_may      = read_turn && (idle_q || (read_streams && !alone_q));
     assign req_valid_o = (write_may && whole) || read_may;
-    assign req_may_o   = idle_q || !alone_q;
     assign req_write_o = write_turn;
     assign req_addr_o  = write_turn ? awaddr_q : araddr_q;
     assign req_wdata_o = wdata_q;

@@ -5,8 +5,7 @@
 // Latency   One cycle on the way there, one back.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error: scheduler 0 is asked, for an
 //           address that nothing has.
-// Hazard    A request comes only with req_may_i. Schedulers that are asked the same answer in the same cycle; one that is
-//           not asked answers 0.
+// Hazard    Schedulers that are asked the same answer in the same cycle; one that is not asked answers 0.
 `default_nettype none
 `include "host/answer.vh"
 module hub #(
@@ -16,13 +15,12 @@ module hub #(
     input  wire                   rst_i,
     // The host
     input  wire                   req_valid_i,
-    input  wire                   req_may_i,
     output wire                   req_ready_o,
     input  wire                   req_write_i,
     input  wire [31:0]            req_addr_i,
     input  wire [31:0]            req_wdata_i,
     output wire [`ANSWER_W-1:0]   answer_o,
-    // The schedulers; address and data stand while req_may_i is 0
+    // The schedulers; address and data stand until the next request
     output wire [N-1:0]           req_valid_o,
     output wire                   req_write_o,
     output wire [23:0]            req_addr_o,
@@ -59,8 +57,7 @@ module hub #(
     always @(posedge clk_i) begin
         ask_q    <= (nobody ? FIRST : whom) & {N{req_valid_i && !rst_i}};
         answer_q <= answer;
-        // What stands may change as soon as a request may come: whether one comes is known late in a cycle.
-        if (req_may_i) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
+        if (req_valid_i) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
     end
     assign req_ready_o = !rst_i;
     assign req_valid_o = ask_q;
@@ -79,9 +76,6 @@ module hub #(
         end
     endgenerate
     always @(posedge clk_i) begin
-        if (!rst_i && req_valid_i && !req_may_i) begin
-            $display("%m: a request for %h comes where none may", req_addr_i); $stop;
-        end
         writes_q <= rst_i ? {2*N{1'b0}} : {writes_q[N-1:0], ask_q & {N{write_q}}};
         if (!rst_i && wrote != writes_q[N +: N]) begin
             $display("%m: the schedulers %b were asked to write, %b answer", writes_q[N +: N], wrote); $stop;

@@ -62,7 +62,7 @@ module dual_lane #(
         else if (write && access_space == HOST_AWAKE) count_q <= data_i[ROW_W:0];
 
     // The ends of the instructions, later ----------------------------------------------------------------
-    wire sum_valid_w0, adds_w0, sum_loads_w0, product_valid_w0, product_loads_w0, sum_there_w0, product_there_w0;
+    wire sum_valid_w0, adds_w0, sum_loads_w0, product_valid_w0, product_loads_w0, sum_there_w0, product_there_w0, loads_w1;
     wire sum_there_w4     = {1'b0, retire_sum_row} < count_q;
     wire product_there_w4 = {1'b0, retire_product_row} < count_q;
     wire [REG_W-1:0] sum_register_w0, product_register_w0;
@@ -71,6 +71,7 @@ module dual_lane #(
         .q_o({sum_valid_w0, adds_w0, sum_loads_w0, product_valid_w0, product_loads_w0}));
     delay #(.W(2), .N(4)) u_there (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_there_w4, product_there_w4}), .q_o({sum_there_w0, product_there_w0}));
+    delay #(.W(1), .N(3)) u_loads (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_sum_loads || retire_product_loads), .q_o(loads_w1));
     delay #(.W(2*REG_W), .N(4)) u_registers (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_sum_context, retire_sum_register, retire_product_context, retire_product_register}),
         .q_o({sum_register_w0, product_register_w0}));
@@ -120,10 +121,9 @@ module dual_lane #(
         .host_word_i(data_i));
 
     // Results: written in W+1 ------------------------------------------------------------------------------
-    wire             constant = access_valid && access_space == HOST_CONSTANT;      // the host's, for all lanes
-    reg              constant_q;                // is written
+    reg              constant_q;                // the host's
     reg [BANK_W-1:0] constant_spot_q;
-    reg [31:0]       other_q;                   // W: no result; what the host reads
+    reg [31:0]       other_q;                   // W: no result
     wire             sum_writes     = sum_there_w0 && (adds_w0 || sum_loads_w0);
     wire             product_writes = product_there_w0 && product_valid_w0;
     wire             sum_raises     = FLAGS != 0 && sum_there_w0 && adds_w0;
@@ -132,9 +132,9 @@ module dual_lane #(
     reg  [1:0]       retired_q, raises_q;
     reg  [9:0]       value_flags_q;
     always @(posedge clk_i) begin
-        constant_q      <= !rst_i && constant && access_write;
+        constant_q      <= !rst_i && access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
         constant_spot_q <= {{CONTEXT_W-1{1'b1}}, access_address[REGISTER_W-1:0]};
-        other_q         <= constant ? data_i : word_w1;
+        other_q         <= loads_w1 ? word_w1 : data_i;
         sum_write_q     <= !rst_i && (sum_writes || constant_q);
         product_write_q <= !rst_i && (product_writes || constant_q);
         sum_spot_q      <= constant_q ? constant_spot_q : sum_register_w0[REG_W-1:1];
@@ -154,7 +154,7 @@ module dual_lane #(
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
         .count_i(count_q), .flags_i(flags[9:5] | flags[4:0]), .asleep_i(1'b0),
         .valid_i(1'b0), .batch_i(1'b0), .context_i({CONTEXT_W{1'b0}}),
-        .mine_i(mine), .space_i(access_space), .stored_i(other_q), .status_i(32'd0),
+        .mine_i(mine), .space_i(access_space), .stored_i(word_w1), .status_i(32'd0),
         .count_o(report_count), .flags_o(report_flags), .answer_o(report_answer), .valid_o(report_valid),
         .asleep_o(report_asleep), .batch_o(report_batch), .context_o(report_context));
     assign report_o = `REPORT;

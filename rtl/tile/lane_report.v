@@ -3,7 +3,7 @@
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
 //           the answer of the lane that the host asked. The sequencer hears the last lane.
 // Latency   One cycle from report_i for the count, none for the others: lane_group registers them. A lane
-//           answers the host three cycles after mine_i, a lane of DUAL four; valid_o comes two cycles after valid_i.
+//           answers the host three cycles after mine_i; valid_o comes two cycles after valid_i.
 // Hazard    Lanes are in step: what the lane before reports, this one reports in the same cycle.
 //           The answers of lanes that are not asked are 0.
 //
@@ -25,7 +25,7 @@ module lane_report #(
     input  wire                 asleep_i,       // two cycles after valid_i
     input  wire                 mine_i,         // the host asks this lane
     input  wire [2:0]           space_i,        // for what: lane_host.vh
-    input  wire [31:0]          stored_i,       // when the lane answers
+    input  wire [31:0]          stored_i,       // three cycles later
     input  wire [31:0]          status_i,
     // The fields of the report that goes on
     output wire [ROW_W:0]       count_o,
@@ -42,7 +42,7 @@ module lane_report #(
     wire [2:0]      space;
     wire            mine;
     reg [ROW_W:0]   count_q;
-    delay #(.W(4), .N(3 + DUAL)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
+    delay #(.W(4), .N(3)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
     delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_o));
     delay #(.W(1+CONTEXT_W), .N(2)) u_context (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({batch_i, context_i}), .q_o({batch_o, context_o}));

@@ -74,7 +74,7 @@ module tile_scheduler #(
     wire [3:0]           counters_index;
     wire [31:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5 + DUAL)) u_host_port (
+    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -93,15 +93,11 @@ module tile_scheduler #(
     // nothing else until it is there.
     wire [31:0] constant, lanes_answer;
     reg  [31:0] word_q;
-    reg         constant_q;            // the last access was to a constant: space_o may already be of a request to come
     ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
         .write_i(access && host_write && space == HOST_CONSTANT && !rst_i),
         .write_addr_i(address[REGISTER_W-1:0]), .write_value_i(host_wdata),
         .read_i(1'b1), .read_addr_i(address[REGISTER_W-1:0]), .read_value_o(constant));
-    always @(posedge clk_i) begin
-        if (access) constant_q <= space == HOST_CONSTANT;
-        word_q <= constant_q ? constant : lanes_answer;
-    end
+    always @(posedge clk_i) word_q <= space == HOST_CONSTANT ? constant : lanes_answer;
     assign word = word_q;
 
     `ACCESS_FIELDS

@@ -22,7 +22,7 @@ module axi_lite_spec #(
     localparam W = 3;
     localparam ADDRESS_W = 2;
 
-    wire        awready, wready, arready, bvalid, rvalid, req_valid, req_may, req_write;
+    wire        awready, wready, arready, bvalid, rvalid, req_valid, req_write;
     wire [1:0]  bresp, rresp, req_addr;
     wire [31:0] rdata, req_wdata;
     axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(2), .WRITES_W(1), .READS_W(1)) u_axi (.clk_i(clk_i), .rst_i(rst_i),
@@ -31,7 +31,7 @@ module axi_lite_spec #(
         .s_axi_bvalid(bvalid), .s_axi_bready(bready_i), .s_axi_bresp(bresp),
         .s_axi_arvalid(arvalid_i), .s_axi_arready(arready), .s_axi_araddr(araddr_i),
         .s_axi_rvalid(rvalid), .s_axi_rready(rready_i), .s_axi_rdata(rdata), .s_axi_rresp(rresp),
-        .req_valid_o(req_valid), .req_may_o(req_may), .req_ready_i(req_ready_i), .req_write_o(req_write), .req_addr_o(req_addr),
+        .req_valid_o(req_valid), .req_ready_i(req_ready_i), .req_write_o(req_write), .req_addr_o(req_addr),
         .req_wdata_o(req_wdata), .wrote_i(wrote_i), .write_error_i(write_error_i), .read_i(read_i),
         .read_error_i(read_error_i), .rdata_i(rdata_i));
 
@@ -157,9 +157,8 @@ module axi_lite_spec #(
             assert (r_free != 0 && req_addr == next_from);
         if (req_valid) begin                                      // alone: none before it is due; then a rest
             assert (req_addr[1] || (w_due == 0 && r_due == 0));
-            assert (!alone && !rest_q && req_may);
+            assert (!alone && !rest_q);
         end
-        if (alone || rest_q) assert (!req_may);                   // what is alone keeps its address and data
         // They take turns: not twice the same kind, where the other one had waited and had nothing under way
         if (req_valid && req_write == last_q && !unseen_q && !(|(written & ~whole))) assert (!(last_q ? r_free != 0 && read_waited_q : w_free != 0 && write_waited_q));
         if (bvalid)                                               // one response for each, and the right one

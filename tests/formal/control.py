@@ -217,8 +217,6 @@ AXI_LITE = Subject(
         ("what is alone does not wait", "write_turn && (idle_q || (write_streams && !alone_q))", "write_turn", SLOW),
         ("write beside what is alone", "(write_streams && !alone_q)", "write_streams", SLOW),
         ("read beside what is alone", "(read_streams && !alone_q)", "read_streams", SLOW),
-        ("what is alone does not stand", "req_may_o   = idle_q || !alone_q", "req_may_o   = 1'b1", SLOW),
-        ("no request may follow", "req_may_o   = idle_q || !alone_q", "req_may_o   = idle_q", SLOW),
         ("reads are never alone", " || (read_goes && !read_streams)", "", SLOW),
         ("idle while a read is under way", "write_idle && read_idle && !write_goes", "write_idle && !write_goes", SLOW),
         ("idle when a request goes", "read_idle && !write_goes && !read_goes", "read_idle", QUICK),
