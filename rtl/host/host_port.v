@@ -142,11 +142,12 @@ module host_port #(
     end
     wire [2:0] record = {1'b0, record_q} + 3'd3;
     // A list is told of objects that the lane has rows for, a power of two. A list of numbers is only emptied.
-    wire [31:0] rows = STORE_32 >> record;
-    reg  is_row, is_count;
+    wire [31:0] rows   = STORE_32 >> record;
+    wire        in_row = (req_wdata_i & ~(rows - 32'd1)) == 32'd0;
+    reg         is_row, is_count;
     always @(posedge clk_i) begin
-        is_row   <= (req_wdata_i & ~(rows - 32'd1)) == 32'd0;
-        is_count <= req_wdata_i == 32'd0 || (SLEEP == 0 && ((req_wdata_i & ~(rows - 32'd1)) == 32'd0 || req_wdata_i == rows));
+        is_row   <= in_row;
+        is_count <= SLEEP != 0 ? req_wdata_i == 32'd0 : in_row || req_wdata_i == rows;
     end
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
     wire wants_start = wdata_q[CONTROL_START_LO];

@@ -82,7 +82,8 @@ def of_an_object(chance):
 
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
-                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x48 + 4 * chance.randrange(14), 0x400000 + 4 * chance.randrange(1 << 20)))
+                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x48 + 4 * chance.randrange(14),
+                          0x400000 + 4 * chance.randrange(1 << 20)))
 
 
 def never_written(chance):

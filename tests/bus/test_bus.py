@@ -25,8 +25,9 @@ def run_file(request, root, fp3, tmp_path_factory):
     at = tmp_path_factory.mktemp("run")
     image, session = at / "x.fp3", at / "x.session"
     subprocess.run([fp3, "asm", root / "programs/ship.s", "-o", image], check=True)
-    subprocess.run([fp3, "run", image, "-c", request.param, *(["--objects", "4"] if request.param == "many" else []), "--steps", str(STEPS), "--params", root / "programs/ship.cfg", "--bus-log", session],
-                   check=True, capture_output=True)
+    objects = ["--objects", "4"] if request.param == "many" else []
+    subprocess.run([fp3, "run", image, "-c", request.param, *objects, "--steps", str(STEPS), "--params", root / "programs/ship.cfg",
+                    "--bus-log", session], check=True, capture_output=True)
     rows = [line.split() for line in session.read_text().splitlines()]
     writes = [(int(at, 16), int(data, 16)) for kind, at, data in rows if kind == "w"]
     reads = {int(at, 16): int(data, 16) for kind, at, data in rows if kind == "r"}

@@ -63,7 +63,7 @@ static int compile(bench *b, fp3_error *error) {
     def.is_compensated = b->j->arithmetic == 1;
     def.is_double_single = b->j->arithmetic == 2;
     if (def.is_double_single)
-        def.passes &= ~FP3_PASS(FP3_PASS_EXACT_DIVISION); /* is of floats */
+        def.passes &= ~FP3_PASS(FP3_PASS_EXACT_DIVISION); /* is refused there */
     strcpy(names, b->j->observed);
     if (strcmp(names, "all") != 0) {
         def.observed = observed;
