@@ -60,7 +60,7 @@ CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many
-RTL_ROOMS := bus config fp front host lib solo tile
+RTL_ROOMS := bus config fp front host lane lib sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
 LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c))

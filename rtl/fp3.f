@@ -8,7 +8,9 @@
 -y rtl/fp
 -y rtl/front
 -y rtl/host
+-y rtl/lane
 -y rtl/lib
+-y rtl/sequence
 -y rtl/solo
--y rtl/tile
+-y rtl/unit
 +libext+.v

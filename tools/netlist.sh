@@ -36,7 +36,7 @@ units) top=units source=tests/fpga/units.v
 esac
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v
-"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lib,solo,tile}/*.v) $source;
+"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lane,lib,sequence,solo,unit}/*.v) $source;
     hierarchy -top $top; $synth -top $top; rename $top ${top}_netlist; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
     { tail -5 "$stem.log" >&2 && exit 1; }
 # A block RAM that begins with zeros needs no contents; the model has no others.

@@ -144,12 +144,12 @@ def core(top, row, around):
 
 
 # Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
-GROUP = """`include "tile/issue.vh"
-`include "tile/retire.vh"
-`include "tile/dual_issue.vh"
-`include "tile/dual_retire.vh"
-`include "tile/access.vh"
-`include "tile/report.vh"
+GROUP = """`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
 module top #(
 {parameters}) (
     input  wire                 clk_i,

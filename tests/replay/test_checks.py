@@ -7,9 +7,9 @@ import pytest
 
 BUGS = {
     # what is wrong: (file, right, wrong, what the check says)
-    "asleep in the last part": ("tile/visits.v", "!(asleep && !lasts_i)", "!asleep",
+    "asleep in the last part": ("lane/visits.v", "!(asleep && !lasts_i)", "!asleep",
                                 "u_visits: context 0, there 1, asleep 1, in the last part 1: executed 0"),
-    "executed though asleep": ("tile/visits.v", "&& !(asleep && !lasts_i)", "",
+    "executed though asleep": ("lane/visits.v", "&& !(asleep && !lasts_i)", "",
                                "u_visits: context 0, there 1, asleep 1, in the last part 0: executed 1"),
 }
 

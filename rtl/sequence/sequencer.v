@@ -17,10 +17,10 @@
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
 `include "front/decoded.vh"
-`include "tile/marks.vh"
-`include "tile/issue.vh"
-`include "tile/retire.vh"
-`include "tile/report.vh"
+`include "sequence/marks.vh"
+`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/report.vh"
 module sequencer #(
 `include "config/config.vh"
 ) (

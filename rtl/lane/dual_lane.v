@@ -16,10 +16,10 @@
 // Hazard    Nothing is interlocked here: one context does not come twice within GAP cycles (checked in
 //           dual_sequencer). The host's accesses come when no instruction is in the lane.
 `default_nettype none
-`include "tile/dual_issue.vh"
-`include "tile/dual_retire.vh"
-`include "tile/access.vh"
-`include "tile/report.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
 module dual_lane #(
 `include "config/config.vh"
 ) (

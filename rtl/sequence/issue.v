@@ -13,9 +13,9 @@
 //               issue_i    issue_o     retire_o        step_o
 `default_nettype none
 `include "front/decoded.vh"
-`include "tile/marks.vh"
-`include "tile/issue.vh"
-`include "tile/retire.vh"
+`include "sequence/marks.vh"
+`include "lane/issue.vh"
+`include "lane/retire.vh"
 module issue #(
 `include "config/config.vh"
 ) (

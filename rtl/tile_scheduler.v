@@ -14,12 +14,12 @@
 //           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
 `include "host/answer.vh"
-`include "tile/issue.vh"
-`include "tile/retire.vh"
-`include "tile/dual_issue.vh"
-`include "tile/dual_retire.vh"
-`include "tile/access.vh"
-`include "tile/report.vh"
+`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
 module tile_scheduler #(
 `include "config/config.vh"
 ) (

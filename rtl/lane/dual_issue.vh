@@ -5,7 +5,7 @@
 //     minus_x, minus_y            of the sum: +/- x +/- y
 //     twice, half                 what y is multiplied with
 //     st, st_y                    not a sum: x is stored, or y
-//     record, register            as in tile/issue.vh
+//     record, register            as in lane/issue.vh
 //     st_row                      the row that is stored; of the store of two cycles ago
 //     sum_x, sum_y                {context, half the register's number}: x from the bank of sums, y from
 //     product_x, product_y        that of products. Constants are in both, under the highest contexts.

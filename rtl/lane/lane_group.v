@@ -12,12 +12,12 @@
 //           takes a cycle for each lane: it is read when nothing moves.
 // Reset     Goes from group to group as an instruction does; the lanes have it with what they hear.
 `default_nettype none
-`include "tile/issue.vh"
-`include "tile/retire.vh"
-`include "tile/dual_issue.vh"
-`include "tile/dual_retire.vh"
-`include "tile/access.vh"
-`include "tile/report.vh"
+`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
 module lane_group #(
     parameter N = 1,                   // lanes
 `include "config/config.vh"

@@ -15,10 +15,10 @@
 //           cycle is either. Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
 `include "front/decoded.vh"
-`include "tile/marks.vh"
-`include "tile/dual_issue.vh"
-`include "tile/dual_retire.vh"
-`include "tile/report.vh"
+`include "sequence/marks.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/report.vh"
 module dual_sequencer #(
 `include "config/config.vh"
 ) (

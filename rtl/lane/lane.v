@@ -18,10 +18,10 @@
 //           retire_i is about the instruction of LATENCY - 3 cycles ago; data_i, of LATENCY + 3 (checked in issue).
 //           The host's accesses come when no instruction is in the lane.
 `default_nettype none
-`include "tile/issue.vh"
-`include "tile/retire.vh"
-`include "tile/access.vh"
-`include "tile/report.vh"
+`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
 module lane #(
 `include "config/config.vh"
 ) (

@@ -9,7 +9,7 @@
 //
 //     counts of three lanes 5, 7, 6:     report_count of the last is 7
 `default_nettype none
-`include "tile/report.vh"
+`include "lane/report.vh"
 module lane_report #(
 `include "config/config.vh"
 ) (
