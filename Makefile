@@ -63,7 +63,7 @@ BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
-LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 MEASURE_C := $(wildcard sw/measure/*.c)
 CLI_C   := $(wildcard sw/cli/*.c) $(MEASURE_C)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The polynomials of sw/compiler/exponential.c and logarithm.c: minimax by Remez' exchange, coefficients rounded to FP32;
+"""The polynomials of sw/compiler/functions/ and pairs/: minimax by Remez' exchange, coefficients rounded to FP32;
 and those of double-single (pair_*.c): by Chebyshev's nodes, in fractions, coefficients as doubles.
 
     tools/polynomials.py       prints the coefficients, highest power first, and two errors of each: before and
@@ -153,7 +153,7 @@ def error(p, coefficients):
 
 def in_c(name):
     """The coefficients that the compiler has, highest power first."""
-    for path in ("exponential.c", "logarithm.c", "pair_circular.c", "pair_exponential.c"):
+    for path in ("functions/exponential.c", "functions/logarithm.c", "pairs/pair_circular.c", "pairs/pair_exponential.c"):
         text = (ROOT / "sw/compiler" / path).read_text(encoding="utf-8")
         found = re.search(rf"static const double {name}\[\] = {{(.*?)}};", text, re.S)
         if found:

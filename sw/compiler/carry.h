@@ -6,7 +6,7 @@
 #ifndef FP3_CARRY_H
 #define FP3_CARRY_H
 
-#include "step.h"
+#include "compiler/step/step.h"
 
 /* Adds variables of ROLE_CARRIED. */
 fp3_status fp3_carry(fp3_step *step, fp3_error *error);

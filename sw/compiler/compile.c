@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "compiled.h"
+#include "compiler/integrate/integrate.h"
 #include "emit.h"
 #include "inputs.h"
-#include "integrate.h"
 #include "savings.h"
 #include "schedule/cost.h"
 #include "schedule/schedule.h"

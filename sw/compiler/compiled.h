@@ -2,7 +2,7 @@
 #ifndef FP3_COMPILED_H
 #define FP3_COMPILED_H
 
-#include "derivative.h"
+#include "compiler/integrate/derivative.h"
 #include "names.h"
 #include "pipeline.h"
 

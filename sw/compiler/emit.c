@@ -1,7 +1,7 @@
 /* emit.c - head, declarations, lines, comments. */
 #include "emit.h"
 
-#include "formula.h"
+#include "compiler/value/formula.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* inputs.c - names and formulas. */
 #include "inputs.h"
 
-#include "formula.h"
+#include "compiler/value/formula.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef FP3_NAMES_H
 #define FP3_NAMES_H
 
-#include "convert.h"
+#include "compiler/code/convert.h"
 #include "schedule/lines.h"
 
 typedef struct {

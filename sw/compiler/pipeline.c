@@ -2,9 +2,9 @@
 #include "pipeline.h"
 
 #include "carry.h"
-#include "check.h"
-#include "double_step.h"
-#include "integrate.h"
+#include "compiler/code/check.h"
+#include "compiler/integrate/integrate.h"
+#include "compiler/pairs/double_step.h"
 #include "rest.h"
 #include "schedule/schedule.h"
 

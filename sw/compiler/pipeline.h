@@ -7,8 +7,8 @@
 
 #include <fp3/integrator.h>
 
-#include "convert.h"
-#include "fit.h"
+#include "compiler/code/convert.h"
+#include "compiler/step/fit.h"
 #include "schedule/lines.h"
 
 typedef struct {

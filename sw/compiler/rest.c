@@ -1,7 +1,7 @@
 /* rest.c - see rest.h. */
 #include "rest.h"
 
-#include "adaptive.h"
+#include "compiler/adaptive/adaptive.h"
 #include "schedule/cost.h"
 
 #include <fp3/isa.h>

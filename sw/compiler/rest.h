@@ -2,7 +2,7 @@
 #ifndef FP3_REST_H
 #define FP3_REST_H
 
-#include "convert.h"
+#include "compiler/code/convert.h"
 #include "schedule/lines.h"
 
 /* Puts `sleep` behind the step part, where the configuration has it and step->tested says what it

@@ -1,4 +1,4 @@
-/* adaptive_image.c - see adaptive_image.h. The compiler checks those of a model (sw/compiler/adapted.c). */
+/* adaptive_image.c - see adaptive_image.h. The compiler checks those of a model (sw/compiler/adaptive/adapted.c). */
 #include "adaptive_image.h"
 
 #include "values.h"

@@ -2,7 +2,7 @@
 #ifndef FP3_BEFORE_H
 #define FP3_BEFORE_H
 
-#include "compiler/step.h"
+#include "compiler/step/step.h"
 
 /* start: of each variable, carried ones excepted. A state one step before the start is where the
  * truth says that it was at -h. */

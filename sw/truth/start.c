@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "before.h"
-#include "compiler/adapted.h"
+#include "compiler/adaptive/adapted.h"
 #include "compiler/compiled.h"
 #include "compiler/inputs.h"
 #include "text/number.h"

@@ -7,7 +7,7 @@
  */
 #include "executed_pairs.h"
 
-#include <compiler/pair_functions.h>
+#include <compiler/pairs/pair_functions.h>
 
 typedef long double real; /* 64 bits: 2^16 times as fine */
 typedef fp3_pair unary(dag *g, fp3_pair x);

@@ -9,7 +9,7 @@
  */
 #include "executed_pairs.h"
 
-#include <compiler/double_step.h>
+#include <compiler/pairs/double_step.h>
 
 /* Any finite number; half of the time one that is near another, of few bits, or at an end. */
 static float any(float near) {

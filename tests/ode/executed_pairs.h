@@ -3,7 +3,7 @@
 #ifndef EXECUTED_PAIRS_H
 #define EXECUTED_PAIRS_H
 
-#include <compiler/double_single.h>
+#include <compiler/pairs/double_single.h>
 #include <fp3/isa.h>
 #include <machine/execute.h>
 

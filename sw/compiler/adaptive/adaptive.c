@@ -1,0 +1,307 @@
+/* adaptive.c - the step that is made, whether it is good, and the one that follows. */
+#include "adaptive.h"
+
+#include "compiler/value/ops.h"
+#include "locate.h"
+
+#include <fp3/adaptive.h>
+#include <math.h>
+
+#define SAFETY 0.75 /* of the step that would have just the error that is allowed */
+#define SHRINK 0.2  /* the next step is this much shorter at most, */
+#define GROW 5.0    /* this much longer at most, */
+#define SHARE 0.25  /* and of what it may grow by it takes this share */
+#define HALVE 0.5   /* of a step within which an event happens */
+
+/* Of a model's own states, by the order of fp3_model_adapt. */
+enum { T, H, ACCEPTED, REJECTED, SMALLEST, LARGEST };
+
+static uint32_t state_of(const fp3_advance *a, uint32_t which) {
+    return fp3_model_adapted(a->step->model) + which;
+}
+
+static uint32_t old(const fp3_advance *a, uint32_t which) {
+    return fp3_advance_held(a, &a->step->values, ROLE_STATE, state_of(a, which)).node;
+}
+
+static void put(const fp3_advance *a, uint32_t which, uint32_t value) {
+    a->now[state_of(a, which)] = fp3_term(value);
+}
+
+static int is_live(const fp3_advance *a, uint32_t which) {
+    return fp3_fit_is_live(a->fit, state_of(a, which));
+}
+
+static void note(const fp3_advance *a, const char *text) {
+    a->step->values.note = fp3_note(&a->step->notes, "%s", text);
+}
+
+static uint32_t low_of_time(const fp3_advance *a) {
+    return fp3_advance_held(a, &a->step->values, ROLE_LOW, state_of(a, T)).node;
+}
+
+static uint32_t until(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    return fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(&a->step->known, "until")));
+}
+
+/* A tolerance times a number that the host multiplies it with. */
+static uint32_t allowed(const fp3_advance *a, const char *name, double share) {
+    known_table *known = &a->step->known;
+    return fp3_dag_known(&a->step->values,
+                         fp3_known_make(known, KNOWN_MUL, fp3_known_number(known, share),
+                                        fp3_known_param(known, name)));
+}
+
+/* ---- the step ---- */
+
+/* Until the end, from the time t + low. */
+static uint32_t left_of(const fp3_advance *a, uint32_t t, uint32_t low) {
+    dag *g = &a->step->values;
+    return sub(g, sub(g, until(a), t), low);
+}
+
+/* What is added to t in place of low: h more, or what leads to the end itself. */
+static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h) {
+    dag *g = &a->step->values;
+    return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, until(a), t));
+}
+
+/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first, and what that
+ * loses is the second. The first is until where by is until - t, whatever that difference has lost. */
+static void find_end(fp3_advance *a, uint32_t by) {
+    dag *g = &a->step->values;
+    const uint32_t t = a->begin.node;
+    note(a, "t at the end of the step");
+    a->end = fp3_term(op2(g, FP3_OP_MIN, add(g, t, by), until(a)));
+    note(a, "second word of t at the end of the step");
+    a->end_low = sub(g, by, sub(g, a->end.node, t));
+}
+
+/* In double-single t is a pair as states are, and so is the step. The end is `until` itself where that comes
+ * first. */
+typedef struct {
+    uint32_t h, end, gain;
+} move;
+
+static move move_in_pairs(const fp3_advance *a, uint32_t t, uint32_t h) {
+    dag *g = &a->step->values;
+    const uint32_t left = sub(g, until(a), t), is_within = op2(g, FP3_OP_LT, h, left);
+    const uint32_t step = sel(g, is_within, h, left);
+    const uint32_t end = sel(g, is_within, add(g, t, step), until(a));
+    return (move){step, end, fp3_dag_first(g, sub(g, end, t))};
+}
+
+static void begin_in_pairs(fp3_advance *a) {
+    note(a, "t at the end of the step, and the step that is tried");
+    const move m = move_in_pairs(a, old(a, T), old(a, H));
+    a->begin = fp3_term(old(a, T));
+    a->h = fp3_term(m.h);
+    a->end = fp3_term(m.end);
+    a->gain = m.gain;
+}
+
+fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
+    const fp3_config *config = a->options->config;
+    dag *g = &a->step->values;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    if (config->interleave && !config->sleep)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "adaptive steps need `sleep`, which configuration '%s' does not have",
+                        config->name);
+    if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (g->is_abstract) {
+        begin_in_pairs(a);
+        return FP3_OK;
+    }
+    const uint32_t t = old(a, T), low = low_of_time(a), h = old(a, H);
+    a->begin = fp3_term(t);
+    a->begin_low = fp3_term(low);
+    note(a, "the step that is tried");
+    a->h = fp3_term(op2(g, FP3_OP_MIN, left_of(a, t, low), h));
+    note(a, "how t moves");
+    const uint32_t by = moved_by(a, t, low, h);
+    find_end(a, by);
+    note(a, "what t gains");
+    a->gain = sub(g, by, low);
+    return FP3_OK;
+}
+
+/* ---- its error ---- */
+
+static uint32_t count_moved(const fp3_advance *a) {
+    uint32_t count = 0;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++)
+        count += (uint32_t)fp3_fit_is_moved(a->fit, s);
+    return count;
+}
+
+/* A state's error over what is allowed, times the root of SAFETY^-8/n. */
+static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
+    dag *g = &a->step->values;
+    const uint32_t y = fp3_dag_first(g, fp3_advance_held(a, g, ROLE_STATE, s).node);
+    g->note = fp3_note(&a->step->notes, "allowed error of %s", fp3_advance_name(a, s));
+    const uint32_t size = mul(g, allowed(a, "tolerance", share), op1(g, FP3_OP_ABS, y));
+    const uint32_t scale = add(g, size, allowed(a, "absolute", share));
+    g->note = fp3_note(&a->step->notes, "error of %s, relative", fp3_advance_name(a, s));
+    uint32_t weight = op1(g, FP3_OP_RCP, scale);
+    if (a->error_scale.node != FP3_NONE)
+        weight = mul(g, weight, fp3_dag_first(g, a->error_scale.node));
+    return mul(g, fp3_dag_first(g, a->error[s].node), weight);
+}
+
+/* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it. */
+static uint32_t squares(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    const double share = sqrt(count_moved(a)) * pow(SAFETY, 4);
+    uint32_t sum = FP3_NONE;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        const uint32_t r = ratio(a, s, share), square = mul(g, r, r);
+        note(a, "error of the step, squared");
+        sum = sum == FP3_NONE ? square : add(g, sum, square);
+    }
+    return sum;
+}
+
+/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their second
+ * operand where one is a NaN: so a NaN asks for SHRINK. */
+static uint32_t factor(const fp3_advance *a, uint32_t x) {
+    dag *g = &a->step->values;
+    note(a, "what the next step is longer by");
+    for (int i = 0; i < 3; i++)
+        x = op1(g, FP3_OP_RSQRT, x);
+    const uint32_t damped = add(g, num(g, 1 - SHARE), mul(g, num(g, SHARE), x));
+    const uint32_t most = op2(g, FP3_OP_MIN, damped, num(g, GROW));
+    return op2(g, FP3_OP_MIN, op2(g, FP3_OP_MAX, x, num(g, SHRINK)), most);
+}
+
+fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    uint32_t is_late = FP3_NONE;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    if (!count_moved(a))
+        return fp3_fail(error, FP3_E_PROGRAM, "adaptive steps need a state that is observed");
+    const uint32_t x = squares(a);
+    note(a, "is the error small enough");
+    uint32_t is_good = op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
+    const fp3_status status = fp3_locate(a, &is_late, error);
+    if (status)
+        return status;
+    if (is_late != FP3_NONE) {
+        note(a, "an event happens too early in the step");
+        is_good = sel(g, is_late, num(g, 0), is_good);
+    }
+    a->by = factor(a, x);
+    if (is_late != FP3_NONE)
+        a->by = sel(g, is_late, op2(g, FP3_OP_MIN, a->by, num(g, HALVE)), a->by);
+    note(a, "is there a step at all");
+    a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
+    note(a, "is the step accepted");
+    a->is_good = mul(g, is_good, a->is_attempt);
+    return FP3_OK;
+}
+
+/* ---- the new states ---- */
+
+static void select_states(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    for (uint32_t s = 0; s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        g->note = fp3_note(&a->step->notes, "%s, if the step is accepted", fp3_advance_name(a, s));
+        const uint32_t y = fp3_advance_held(a, g, ROLE_STATE, s).node;
+        a->now[s] = fp3_term(sel(g, a->is_good, fp3_term_value(g, a->now[s]), y));
+        if (!a->options->is_compensated)
+            continue;
+        g->note = fp3_note(&a->step->notes, "what is lost of %s", fp3_advance_name(a, s));
+        const uint32_t lost = fp3_advance_held(a, g, ROLE_LOST, s).node;
+        a->lost[s] = fp3_term(sel(g, a->is_good, fp3_term_value(g, a->lost[s]), lost));
+    }
+}
+
+static int is_first_of_any(const fp3_step *step, uint32_t node) {
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        if (step->variables[i].first == node)
+            return 1;
+    return 0;
+}
+
+static fp3_status keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error) {
+    if (!fp3_step_add(step, ROLE_CARRIED, FP3_NONE))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    step->variables[step->variable_count - 1].first = first;
+    step->variables[step->variable_count - 1].next = next;
+    return FP3_OK;
+}
+
+/* The slopes at the new states are the first ones of the next step; after a rejected step the old ones
+ * are. In double-single they would be two variables each. Where an event may change the new states, they are computed again. */
+static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    fp3_status status = FP3_OK;
+    if (!a->has_slope || g->is_abstract || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
+        fp3_fit_has_events(a->fit, a->step->model))
+        return FP3_OK;
+    for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
+        if (!fp3_fit_is_moved(a->fit, s))
+            continue;
+        const term f = fp3_lower(&a->places[0], a->step->model->states[s].derivative);
+        const term to = f.is_negative ? fp3_term_negated(a->slope[s]) : a->slope[s];
+        if (fp3_dag_is_leaf(g, f.node) || is_first_of_any(a->step, f.node))
+            continue;
+        g->note = fp3_note(&a->step->notes, "first slope of %s for the next step",
+                           fp3_advance_name(a, s));
+        status = keep(a->step, f.node, sel(g, a->is_good, fp3_term_value(g, to), f.node), error);
+    }
+    return status;
+}
+
+static void count(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    note(a, "steps and attempts so far");
+    if (is_live(a, ACCEPTED))
+        put(a, ACCEPTED, add(g, old(a, ACCEPTED), a->is_good));
+    if (is_live(a, REJECTED))
+        put(a, REJECTED, add(g, old(a, REJECTED), sub(g, a->is_attempt, a->is_good)));
+    if (is_live(a, SMALLEST)) {
+        const uint32_t so_far = old(a, SMALLEST);
+        const uint32_t meant = sel(g, a->is_good, old(a, H), so_far);
+        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, meant));
+    }
+    if (is_live(a, LARGEST))
+        put(a, LARGEST,
+            op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, fp3_dag_first(g, a->h.node))));
+}
+
+fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
+    dag *g = &a->step->values;
+    if (!a->is_adaptive)
+        return FP3_OK;
+    select_states(a);
+    note(a, "new t");
+    const uint32_t t = sel(g, a->is_good, a->end.node, a->begin.node);
+    put(a, T, t);
+    note(a, "the second word of the new t");
+    const uint32_t low =
+        g->is_abstract ? num(g, 0) : sel(g, a->is_good, a->end_low, a->begin_low.node);
+    note(a, "the next step; one that the end cut off says nothing about it");
+    const uint32_t left =
+        g->is_abstract ? fp3_dag_first(g, sub(g, until(a), t)) : left_of(a, t, low);
+    const uint32_t h = sel(g, left, mul(g, fp3_dag_first(g, a->h.node), a->by), old(a, H));
+    put(a, H, h);
+    if (!g->is_abstract)
+        a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
+    count(a);
+    note(a, "what t gains by the step that is tried next");
+    const uint32_t next =
+        g->is_abstract ? move_in_pairs(a, t, h).gain : sub(g, moved_by(a, t, low, h), low);
+    a->step->tested = a->step->variable_count;
+    a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
+    fp3_status status = keep(a->step, a->gain, next, error);
+    return status ? status : keep_slopes(a, error);
+}

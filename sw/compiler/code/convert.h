@@ -1,0 +1,34 @@
+/* convert.h - a step to code: operations whose operands name values, for one configuration. */
+#ifndef FP3_CONVERT_H
+#define FP3_CONVERT_H
+
+#include "choose.h"
+#include "compiler/step/step.h"
+#include "schedule/code.h"
+
+/* Where a known value is kept. */
+typedef struct {
+    fp3_place at; /* PARAM or CONSTANT; NOWHERE: it is not needed */
+    uint32_t index;
+} known_slot;
+
+typedef struct {
+    fp3_step_code code;
+    known_slot *slots; /* of each known value */
+    uint32_t *params;  /* which known value each is */
+    uint32_t *constants;
+    uint32_t operations; /* of the step part; a chained one is two */
+} conversion;
+
+/* Nodes of the step, or FP3_NONE: what sums and products need to go the chain's way, or moves where they
+ * are apart. */
+typedef struct {
+    uint32_t one, minus_zero;
+} fp3_chain_nodes;
+
+/* The caller closes, after a failure too. */
+fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
+                       fp3_chain_nodes chain, conversion *made, fp3_error *error);
+void fp3_convert_close(conversion *made);
+
+#endif

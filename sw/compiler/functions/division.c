@@ -1,0 +1,37 @@
+/* division.c - a series makes an estimate of 9 bits a quotient or root of 24. */
+#include "division.h"
+
+#include "compiler/value/ops.h"
+
+/* With e = 1 - b y, x/b is x y / (1 - e), and 1/(1 - e) = 1 + e + e^2 + O(e^3), where e^3 is below
+ * half a unit in the last place. y is never too large, so b y is in [1/2, 1]: rounding changes it by
+ * at most 2^-25, and 1 - b y is exact. */
+fp3_series fp3_reciprocal(dag *g, uint32_t b) {
+    const uint32_t y = op1(g, FP3_OP_RCP, b);
+    const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
+    return (fp3_series){y, add(g, e, mul(g, e, e))};
+}
+
+/* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
+fp3_series fp3_inverse_root(dag *g, uint32_t b) {
+    const uint32_t y = op1(g, FP3_OP_RSQRT, b);
+    const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
+    return (fp3_series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
+}
+
+term fp3_corrected(dag *g, term x, fp3_series s) {
+    const uint32_t q = fp3_dag_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
+    return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
+}
+
+fp3_series fp3_inverse_root_or_one(dag *g, uint32_t b) {
+    return fp3_inverse_root(g, sel(g, b, b, num(g, 1)));
+}
+
+uint32_t fp3_root(dag *g, uint32_t b) {
+    return fp3_corrected(g, fp3_term(b), fp3_inverse_root_or_one(g, b)).node;
+}
+
+uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
+    return sel(g, b, fp3_corrected(g, fp3_term(b), fp3_inverse_root(g, b)).node, b);
+}

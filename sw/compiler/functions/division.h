@@ -1,0 +1,26 @@
+/* division.h - quotients and roots from the machine's estimates. */
+#ifndef FP3_DIVISION_H
+#define FP3_DIVISION_H
+
+#include "compiler/value/term.h"
+
+/* An estimate y and a small t, so that x/b or x/sqrt(b) is x y (1 + t). Two of the same b share both. */
+typedef struct {
+    uint32_t estimate, correction;
+} fp3_series;
+
+fp3_series fp3_reciprocal(dag *g, uint32_t b);
+fp3_series fp3_inverse_root(dag *g, uint32_t b);
+
+/* x y (1 + t) */
+term fp3_corrected(dag *g, term x, fp3_series s);
+
+/* Where b is 0, that of 1: 0 times it is 0, and nothing is raised. */
+fp3_series fp3_inverse_root_or_one(dag *g, uint32_t b);
+
+/* sqrt(b) is b/sqrt(b), and 0 for 0. The second shares what x/sqrt(b) has, and raises invalid for 0 as
+ * that does. */
+uint32_t fp3_root(dag *g, uint32_t b);
+uint32_t fp3_root_beside_inverse(dag *g, uint32_t b);
+
+#endif

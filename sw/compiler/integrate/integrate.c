@@ -1,0 +1,127 @@
+/* integrate.c - the variables of a step, and what becomes of them. */
+#include "integrate.h"
+
+#include "chebyshev.h"
+#include "compiler/adaptive/adaptive.h"
+#include "compiler/pairs/double_step.h"
+#include "compiler/step/advance.h"
+#include "events.h"
+#include "rosenbrock.h"
+#include "runge_kutta.h"
+#include "splitting.h"
+#include "stoermer.h"
+
+#include <fp3/adaptive.h>
+#include <stdlib.h>
+
+static fp3_status no_memory(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+static int add_variables(const fp3_advance *a, role role, int positions, int others) {
+    for (uint32_t s = 0; s < a->step->model->state_count; s++)
+        if ((role == ROLE_STATE ? fp3_fit_is_live : fp3_fit_is_moved)(a->fit, s) &&
+            (fp3_fit_is_position(a->fit, s) ? positions : others) &&
+            !fp3_step_add(a->step, role, s))
+            return 0;
+    return 1;
+}
+
+/* States first: the host finds them where the model has them. */
+static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
+    const int is_stoermer = a->integrator->kind == FP3_STOERMER;
+    const int has_lost = a->options->is_compensated;
+    if (!add_variables(a, ROLE_STATE, 1, 1) ||
+        !add_variables(a, ROLE_LOST, has_lost, has_lost && !is_stoermer) ||
+        !add_variables(a, ROLE_BEFORE, is_stoermer, 0) ||
+        !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0) ||
+        (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)) ||
+        (a->is_adaptive && !a->options->is_double_single &&
+         !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))))
+        return no_memory(error);
+    for (uint32_t i = 0; i < a->step->variable_count; i++) {
+        const variable *v = &a->step->variables[i];
+        if (v->role == ROLE_STATE)
+            a->now[v->state] = fp3_advance_held(a, &a->step->values, v->role, v->state);
+        if (v->role == ROLE_LOST)
+            a->lost[v->state] = fp3_advance_held(a, &a->step->values, v->role, v->state);
+    }
+    return FP3_OK;
+}
+
+static term next_of(const fp3_advance *a, const variable *v) {
+    dag *g = &a->step->values;
+    switch (v->role) {
+    case ROLE_STATE:
+        return a->now[v->state];
+    case ROLE_LOST:
+        return a->lost[v->state];
+    case ROLE_STEPS:
+        g->note = fp3_note(&a->step->notes, "steps made");
+        return fp3_term_add(g, fp3_advance_held(a, g, v->role, v->state),
+                            fp3_term(fp3_dag_number(g, 1)));
+    case ROLE_SLEPT:
+        return fp3_advance_held(a, g, v->role, v->state);
+    default:
+        return fp3_advance_held(a, g, v->role == ROLE_BEFORE ? ROLE_STATE : ROLE_LOST, v->state);
+    }
+}
+
+static fp3_status advance(fp3_advance *a, fp3_error *error) {
+    switch (a->integrator->kind) {
+    case FP3_RUNGE_KUTTA:
+        return fp3_runge_kutta(a, error);
+    case FP3_SPLITTING:
+        return fp3_splitting(a, error);
+    case FP3_ROSENBROCK:
+        return fp3_rosenbrock(a, a->options->partial, error);
+    case FP3_CHEBYSHEV:
+        return fp3_chebyshev(a, error);
+    default:
+        return fp3_stoermer(a, error);
+    }
+}
+
+fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrator,
+                         const fp3_options *options, const fp3_fit *fit, fp3_step *step,
+                         fp3_error *error) {
+    fp3_advance a = {.step = step, .integrator = integrator, .options = options, .fit = fit};
+    a.now = calloc(model->state_count + 1u, sizeof *a.now);
+    a.lost = calloc(model->state_count + 1u, sizeof *a.lost);
+    a.error = calloc(model->state_count + 1u, sizeof *a.error);
+    a.slope = calloc(model->state_count + 1u, sizeof *a.slope);
+    a.is_adaptive = fit->control != 0;
+    a.error_scale = fp3_term(FP3_NONE);
+    fp3_status status = fp3_step_open(step, model, options, error);
+    if (!status && (!a.now || !a.lost || !a.error || !a.slope))
+        status = no_memory(error);
+    if (!status)
+        status = make_variables(&a, error);
+    if (!status)
+        status = fp3_adaptive_begin(&a, error);
+    if (!status)
+        status = advance(&a, error);
+    if (!status)
+        status = fp3_adaptive_judge(&a, error);
+    if (!status)
+        status = fp3_events(&a, error);
+    if (!status)
+        status = fp3_adaptive_accept(&a, error);
+    for (uint32_t i = 0; !status && i < step->variable_count; i++)
+        if (step->variables[i].next == FP3_NONE) /* else fp3_adaptive_accept has made it */
+            step->variables[i].next =
+                fp3_term_value(&step->values, next_of(&a, &step->variables[i]));
+    for (uint32_t i = 0; i < a.place_count; i++)
+        fp3_lower_close(&a.places[i]);
+    free(a.places);
+    free(a.now);
+    free(a.lost);
+    free(a.error);
+    free(a.slope);
+    if (!status)
+        status = fp3_step_check(step, error);
+    if (status || !options->is_double_single)
+        return status;
+    status = fp3_double_step(step, error);
+    return status ? status : fp3_step_check(step, error);
+}

@@ -1,0 +1,373 @@
+/* lower.c - expressions to operations of the machine, functions to those of the files that make them. */
+#include "lower.h"
+
+#include "compiler/functions/arc.h"
+#include "compiler/functions/circular.h"
+#include "compiler/functions/division.h"
+#include "compiler/functions/exact.h"
+#include "compiler/functions/exponential.h"
+#include "compiler/functions/logarithm.h"
+#include "compiler/value/ops.h"
+
+#include <fp3/passes.h>
+#include <math.h>
+#include <stdlib.h>
+
+fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error) {
+    *l = (lowering){.model = model, .g = g};
+    l->value = calloc(model->expr_count + 1, sizeof *l->value);
+    l->is_made = calloc(model->expr_count + 1, 1);
+    l->is_wanted = calloc(model->expr_count + 1, 1);
+    l->is_inverted = calloc(model->expr_count + 1, 1);
+    return l->value && l->is_made && l->is_wanted && l->is_inverted
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void fp3_lower_close(lowering *l) {
+    free(l->value);
+    free(l->is_made);
+    free(l->is_wanted);
+    free(l->is_inverted);
+    l->value = NULL;
+    l->is_made = l->is_wanted = l->is_inverted = NULL;
+}
+
+/* ---- powers ---- */
+
+/* x^n, n >= 0, by squares: x^3 is (x x) x. */
+static term power(dag *g, term x, unsigned n) {
+    term result = one(g);
+    int is_one = 1;
+    for (; n; n >>= 1) {
+        if (n & 1) {
+            result = is_one ? x : fp3_term_mul(g, x, result);
+            is_one = 0;
+        }
+        if (n > 1)
+            x = fp3_term_mul(g, x, x);
+    }
+    return result;
+}
+
+/* ---- expressions ---- */
+
+static uint32_t inverse_root_node(dag *g, uint32_t b) { return op1(g, NODE_INVERSE_ROOT, b); }
+
+static term at(const lowering *l, uint32_t expr) { return l->value[expr]; }
+
+static uint32_t value(lowering *l, uint32_t expr) { return fp3_term_value(l->g, at(l, expr)); }
+
+static const fp3_expr *expr_of(const lowering *l, uint32_t expr) { return &l->model->exprs[expr]; }
+
+static int is_exact(const lowering *l) {
+    return (l->g->passes & FP3_PASS(FP3_PASS_EXACT_DIVISION)) != 0;
+}
+
+/* Of which a reciprocal is made without the root. */
+static int is_unknown_root(const lowering *l, uint32_t expr) {
+    return !is_exact(l) && expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
+}
+
+/* Integers up to here by products; of halves, those that products and a root leave within 4.2 units in the
+ * last place. All others by exponent and logarithm. */
+#define POWER_MAX 8
+#define HALF_LEAST (-1.5)
+#define HALF_MOST 3.5
+
+/* How a power is made. */
+typedef struct {
+    enum { BY_PRODUCTS, BY_ROOT, BY_LOGARITHM } way;
+    unsigned n; /* of products; of the root, if it is made of that */
+    int is_below;
+} way_of_power;
+
+/* Of a power, or of 1 over it. */
+static way_of_power way_of(const lowering *l, uint32_t expr, int is_denominator) {
+    double n;
+    if (!fp3_known_constant(l->g->known, expr_of(l, expr)->operand[1], &n))
+        return (way_of_power){.way = BY_LOGARITHM};
+    n = is_denominator ? -n : n;
+    const int is_whole = n == floor(n), is_half = 2 * n == floor(2 * n) && !is_whole;
+    if (is_whole && fabs(n) <= POWER_MAX)
+        return (way_of_power){BY_PRODUCTS, (unsigned)fabs(n), n < 0};
+    if (is_half && n >= HALF_LEAST && n <= HALF_MOST)
+        return (way_of_power){BY_ROOT, (unsigned)fabs(2 * n), n < 0};
+    return (way_of_power){.way = BY_LOGARITHM};
+}
+
+static int is_power(const lowering *l, uint32_t expr) {
+    return expr_of(l, expr)->op == FP3_EXPR_POWER && !expr_of(l, expr)->is_known;
+}
+
+/* The same as nodes that something else makes quotients of: x/b, x (1/b)^n, x (1/sqrt(b))^n. */
+static term divided_later(lowering *l, term x, uint32_t below, unsigned n, int is_root) {
+    dag *g = l->g;
+    const term b = at(l, below);
+    if (is_root)
+        return fp3_term_mul(g, x, power(g, fp3_term(inverse_root_node(g, value(l, below))), n));
+    const uint32_t above = n == 1 ? x.node : num(g, 1);
+    term result = fp3_term(op2(g, NODE_QUOTIENT, above, b.node));
+    result = n == 1 ? (term){result.node, x.is_negative} : fp3_term_mul(g, x, power(g, result, n));
+    result.is_negative ^= b.is_negative && n % 2;
+    return result;
+}
+
+/* x / base^n. A root in a denominator is never formed: the hardware estimates 1/sqrt(b). */
+static term divided(lowering *l, term x, uint32_t base, unsigned n) {
+    dag *g = l->g;
+    const int is_root = is_unknown_root(l, base);
+    const uint32_t below = is_root ? expr_of(l, base)->operand[0] : base;
+    if (g->is_abstract)
+        return divided_later(l, x, below, n, is_root);
+    if (is_root) {
+        const fp3_series s = fp3_inverse_root(g, value(l, below));
+        return n == 1 ? fp3_corrected(g, x, s)
+                      : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
+    }
+    const term b = at(l, below);
+    if (is_exact(l)) {
+        const term all = power(g, b, n);
+        return (term){fp3_exact_quotient(g, x.node, all.node), x.is_negative != all.is_negative};
+    }
+    const fp3_series s = fp3_reciprocal(g, b.node);
+    term result = n == 1 ? fp3_corrected(g, x, s)
+                         : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
+    result.is_negative ^= b.is_negative && n % 2;
+    return result;
+}
+
+static uint32_t root_of(lowering *l, uint32_t expr) {
+    const uint32_t b = value(l, expr_of(l, expr)->operand[0]);
+    if (l->g->is_abstract)
+        return op1(l->g, NODE_ROOT, b);
+    if (is_exact(l))
+        return fp3_exact_root(l->g, b);
+    return l->is_inverted[expr] ? fp3_root_beside_inverse(l->g, b) : fp3_root(l->g, b);
+}
+
+/* x^(n/2) for an odd n: powers of x times its root, or powers of the reciprocal root. */
+static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
+    dag *g = l->g;
+    const uint32_t b = value(l, base);
+    if (is_below)
+        return power(g,
+                     g->is_abstract ? fp3_term(inverse_root_node(g, b))
+                                    : fp3_corrected(g, one(g), fp3_inverse_root(g, b)),
+                     n);
+    const term root = fp3_term(g->is_abstract ? op1(g, NODE_ROOT, b) : fp3_root(g, b));
+    return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
+}
+
+static term by_logarithm(lowering *l, const fp3_expr *e, int is_denominator) {
+    known_table *known = l->g->known;
+    double number;
+    uint32_t n = fp3_known_constant(known, e->operand[1], &number)
+                     ? fp3_known_number(known, number)
+                     : fp3_known_model(known, e->operand[1]);
+    if (is_denominator)
+        n = fp3_known_make(known, KNOWN_NEGATE, n, 0);
+    const uint32_t x = value(l, e->operand[0]);
+    return fp3_term(l->g->is_abstract
+                        ? op2(l->g, NODE_FUNCTION + FP3_EXPR_POWER, x, fp3_dag_known(l->g, n))
+                        : fp3_power(l->g, x, n));
+}
+
+/* x times the power, or x over it. */
+static term times_power(lowering *l, term x, uint32_t expr, int is_denominator) {
+    const fp3_expr *e = expr_of(l, expr);
+    const way_of_power w = way_of(l, expr, is_denominator);
+    if (w.way == BY_PRODUCTS && w.is_below)
+        return divided(l, x, e->operand[0], w.n);
+    const term p = w.way == BY_PRODUCTS ? power(l->g, at(l, e->operand[0]), w.n)
+                   : w.way == BY_ROOT   ? root_power(l, e->operand[0], w.n, w.is_below)
+                                        : by_logarithm(l, e, is_denominator);
+    return fp3_dag_is_number(l->g, x.node, 1) && !x.is_negative ? p : fp3_term_mul(l->g, x, p);
+}
+
+static term divide(lowering *l, const fp3_expr *e) {
+    const uint32_t below = e->operand[1];
+    const term x = at(l, e->operand[0]);
+    if (expr_of(l, below)->is_known) {
+        known_table *known = l->g->known;
+        const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1),
+                                             fp3_known_model(known, below));
+        return fp3_term_mul(l->g, x, fp3_term(fp3_dag_known(l->g, over)));
+    }
+    return is_power(l, below) ? times_power(l, x, below, 1) : divided(l, x, below, 1);
+}
+
+/* Whether an expression is 0 or 1 and nothing else. */
+static int is_truth(const lowering *l, uint32_t expr) {
+    const fp3_expr_op op = expr_of(l, expr)->op;
+    return op == FP3_EXPR_LESS || op == FP3_EXPR_LESS_EQUAL || op == FP3_EXPR_EQUAL ||
+           op == FP3_EXPR_AND || op == FP3_EXPR_OR || op == FP3_EXPR_NOT;
+}
+
+static uint32_t truth(lowering *l, uint32_t expr) {
+    return is_truth(l, expr) ? value(l, expr)
+                             : sel(l->g, value(l, expr), num(l->g, 1), num(l->g, 0));
+}
+
+static term choose(lowering *l, const fp3_expr *e) {
+    dag *g = l->g;
+    const uint32_t *o = e->operand;
+    switch (e->op) {
+    case FP3_EXPR_MIN:
+        return fp3_term(op2(g, FP3_OP_MIN, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_MAX:
+        return fp3_term(op2(g, FP3_OP_MAX, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_ABS:
+        return fp3_term(op1(g, FP3_OP_ABS, at(l, o[0]).node));
+    case FP3_EXPR_LESS:
+        return fp3_term(op2(g, FP3_OP_LT, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_LESS_EQUAL:
+        return fp3_term(op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])));
+    case FP3_EXPR_EQUAL:
+        return fp3_term(mul(g, op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])),
+                            op2(g, FP3_OP_LE, value(l, o[1]), value(l, o[0]))));
+    case FP3_EXPR_AND:
+        return fp3_term(mul(g, truth(l, o[0]), truth(l, o[1])));
+    case FP3_EXPR_OR:
+        return fp3_term(sel(g, at(l, o[0]).node, num(g, 1), truth(l, o[1])));
+    case FP3_EXPR_NOT:
+        return fp3_term(sel(g, at(l, o[0]).node, num(g, 0), num(g, 1)));
+    default: /* SELECT */
+        return fp3_term(sel(g, at(l, o[0]).node, value(l, o[1]), value(l, o[2])));
+    }
+}
+
+/* Functions that are polynomials here. */
+static int has_constants(fp3_expr_op op) {
+    return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
+           op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
+           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS ||
+           op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
+}
+
+static term made_later(lowering *l, const fp3_expr *e) {
+    const uint32_t b = e->operand[1] == FP3_NONE ? FP3_NONE : value(l, e->operand[1]);
+    return fp3_term(op2(l->g, NODE_FUNCTION + (uint32_t)e->op, value(l, e->operand[0]), b));
+}
+
+static term lower(lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
+    dag *g = l->g;
+    if (e->is_known)
+        return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
+    if (g->is_abstract && has_constants(e->op) && e->op != FP3_EXPR_POWER)
+        return made_later(l, e);
+    switch (e->op) {
+    case FP3_EXPR_STATE:
+        return l->state(l, e->index);
+    case FP3_EXPR_TIME:
+        return l->time;
+    case FP3_EXPR_NEGATE:
+        return fp3_term_negated(at(l, e->operand[0]));
+    case FP3_EXPR_ADD:
+        return fp3_term_add(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_SUB:
+        return fp3_term_sub(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_MUL:
+        return fp3_term_mul(g, at(l, e->operand[0]), at(l, e->operand[1]));
+    case FP3_EXPR_DIV:
+        return divide(l, e);
+    case FP3_EXPR_POWER:
+        return times_power(l, one(g), expr, 0);
+    case FP3_EXPR_SQRT:
+        return fp3_term(root_of(l, expr));
+    case FP3_EXPR_SIN:
+        return fp3_sine(g, at(l, e->operand[0]));
+    case FP3_EXPR_COS:
+        return fp3_cosine(g, at(l, e->operand[0]));
+    case FP3_EXPR_TAN:
+        return fp3_tangent(g, at(l, e->operand[0]));
+    case FP3_EXPR_ATAN:
+        return fp3_term(fp3_atan(g, value(l, e->operand[0])));
+    case FP3_EXPR_ATAN2:
+        return fp3_term(fp3_atan2(g, value(l, e->operand[0]), value(l, e->operand[1])));
+    case FP3_EXPR_ASIN:
+        return fp3_term(fp3_asin(g, value(l, e->operand[0])));
+    case FP3_EXPR_ACOS:
+        return fp3_term(fp3_acos(g, value(l, e->operand[0])));
+    case FP3_EXPR_EXP:
+        return fp3_term(fp3_exp(g, value(l, e->operand[0])));
+    case FP3_EXPR_LOG:
+        return fp3_term(fp3_log(g, value(l, e->operand[0])));
+    case FP3_EXPR_SINH:
+        return fp3_term(fp3_sinh(g, value(l, e->operand[0])));
+    case FP3_EXPR_COSH:
+        return fp3_term(fp3_cosh(g, value(l, e->operand[0])));
+    case FP3_EXPR_TANH:
+        return fp3_term(fp3_tanh(g, value(l, e->operand[0])));
+    default:
+        return choose(l, e);
+    }
+}
+
+/* A function's own constants are no known factors: its error is that of these products. */
+static term lower_as_written(lowering *l, uint32_t expr) {
+    const fp3_expr_op op = expr_of(l, expr)->op;
+    const unsigned passes = l->g->passes;
+    if (has_constants(op))
+        l->g->passes &= ~FP3_PASS(FP3_PASS_FOLD_PRODUCT);
+    const term made = lower(l, expr);
+    l->g->passes = passes;
+    return made;
+}
+
+/* The base of a denominator, of which a root is never formed. */
+static void want_base(lowering *l, uint32_t base) {
+    l->is_inverted[base] = (char)is_unknown_root(l, base);
+    l->is_wanted[is_unknown_root(l, base) ? expr_of(l, base)->operand[0] : base] = 1;
+}
+
+static void want_power(lowering *l, uint32_t expr, int is_denominator) {
+    const way_of_power w = way_of(l, expr, is_denominator);
+    if (w.way == BY_PRODUCTS && w.is_below)
+        want_base(l, expr_of(l, expr)->operand[0]);
+    else
+        l->is_wanted[expr_of(l, expr)->operand[0]] = 1;
+}
+
+static void want_below(lowering *l, uint32_t below) {
+    if (expr_of(l, below)->is_known)
+        return;
+    if (is_power(l, below))
+        want_power(l, below, 1);
+    else
+        want_base(l, below);
+}
+
+static void want_operands(lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
+    if (e->is_known)
+        return;
+    if (e->op == FP3_EXPR_POWER) {
+        want_power(l, expr, 0);
+        return;
+    }
+    for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++)
+        if (e->op == FP3_EXPR_DIV && i == 1)
+            want_below(l, e->operand[i]);
+        else
+            l->is_wanted[e->operand[i]] = 1;
+}
+
+/* Marks what is wanted from the root down, then makes it from the leaves up: operands come first. */
+term fp3_lower(lowering *l, uint32_t root) {
+    const uint32_t outside = l->g->note;
+    l->is_wanted[root] = 1;
+    for (uint32_t i = root + 1; i-- > 0;)
+        if (l->is_wanted[i] && !l->is_made[i])
+            want_operands(l, i);
+    for (uint32_t i = 0; i <= root; i++) {
+        if (!l->is_wanted[i] || l->is_made[i])
+            continue;
+        l->g->note = fp3_note_expr(l->notes, l->model, i, l->place);
+        l->value[i] = lower_as_written(l, i);
+        l->is_made[i] = 1;
+    }
+    l->g->note = outside;
+    return at(l, root);
+}

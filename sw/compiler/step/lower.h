@@ -1,0 +1,34 @@
+/* lower.h - expressions of a model to operations that the machine has.
+ *
+ * It fixes, for every integrator and pass, what the machine computes and in which order it rounds;
+ * docs/compiler.md says the same in words.
+ */
+#ifndef FP3_LOWER_H
+#define FP3_LOWER_H
+
+#include "compiler/value/term.h"
+#include "notes.h"
+
+/* Expressions at one place: a stage or a substep of one step. */
+typedef struct lowering {
+    const fp3_model *model;
+    dag *g;
+    term (*state)(struct lowering *l, uint32_t state); /* the value of a state there */
+    void *user;                                        /* of the function above */
+    term time;                                         /* t there, if the model has it */
+    fp3_notes *notes;
+    char place[FP3_PLACE_SIZE]; /* as notes call it */
+    uint32_t index;
+    term *value; /* of each expression that is_made */
+    char *is_made, *is_wanted;
+    char *is_inverted; /* of each root: something is divided by it */
+} lowering;
+
+/* FP3_E_SYSTEM: out of memory. The caller sets state, user, notes and place, and closes, after a
+ * failure too. */
+fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error *error);
+void fp3_lower_close(lowering *l);
+
+term fp3_lower(lowering *l, uint32_t expr);
+
+#endif

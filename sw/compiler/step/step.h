@@ -1,0 +1,59 @@
+/* step.h - one step of an integrator on a model: its values, and the variables that it advances.
+ *
+ * integrate.h fills it, carry.h adds variables, convert.h reads it. The model must stay.
+ */
+#ifndef FP3_STEP_H
+#define FP3_STEP_H
+
+#include "compiler/value/term.h"
+#include "notes.h"
+#include "options.h"
+
+/* What a variable holds. */
+typedef enum {
+    ROLE_STATE,       /* a state of the model */
+    ROLE_LOST,        /* what its updates have rounded away */
+    ROLE_BEFORE,      /* the state one step ago */
+    ROLE_LOST_BEFORE, /* what was lost one step ago */
+    ROLE_STEPS,       /* how many steps were made: t is that times h */
+    ROLE_SLEPT,       /* adaptive steps: written by `sleep`; 0: awake */
+    ROLE_LOW, /* the second word of a state: of all in double-single, of t with adaptive steps */
+    ROLE_LOW_BEFORE, /* and of the state one step ago */
+    ROLE_CARRIED     /* a value that the next step needs again; the host does not see it */
+} role;
+
+typedef struct {
+    role role;
+    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE */
+    uint32_t next;  /* node: its value after the step */
+    uint32_t first; /* CARRIED: node that computes it when a visit begins */
+    uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */
+} variable;
+
+typedef struct {
+    const fp3_model *model;
+    known_table known;
+    dag values; /* of a step */
+    dag last;   /* of the last part: its variables are those after the step */
+    variable *variables;
+    uint32_t variable_count, variable_room;
+    uint32_t
+        tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: nobody sleeps */
+    uint32_t rest_note;
+    fp3_notes notes;
+} fp3_step;
+
+/* Empty. FP3_E_SYSTEM: out of memory. The caller closes, after a failure too. */
+fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_options *options,
+                         fp3_error *error);
+void fp3_step_close(fp3_step *step);
+
+/* A variable, whose nodes are FP3_NONE so far; 0: out of memory. */
+int fp3_step_add(fp3_step *step, role role, uint32_t state);
+/* Which variable has this role for a state of the model; FP3_NONE: none. */
+uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state);
+
+/* Whether all that was asked for since was made: FP3_E_SYSTEM, or FP3_E_LIMIT. */
+fp3_status fp3_step_check(const fp3_step *step, fp3_error *error);
+
+#endif
