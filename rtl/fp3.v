@@ -13,6 +13,7 @@
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
 `include "host/answer.vh"
+`include "lane/written.vh"
 module fp3 #(
 `include "gen/parameters.vh"
 ) (
@@ -124,6 +125,7 @@ module fp3 #(
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
         end else begin : g_many
             localparam S = SCHEDULERS, I = S * (DUAL + 1), L = I * LANES;
+            wire [`WRITTEN_W*TILES*L-1:0] written;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
@@ -131,11 +133,18 @@ module fp3 #(
                     .answer_o(answers[`ANSWER_W*S*t +: `ANSWER_W*S]), .irq_o(ended[S*t +: S]),
                     .issue_valid_o(issue_valid_o[I*t +: I]), .issue_pc_o(issue_pc_o[16*I*t +: 16*I]),
                     .issue_context_o(issue_context_o[16*I*t +: 16*I]), .issue_word_o(issue_word_o[32*I*t +: 32*I]),
-                    .retire_end_o(retire_end_o[2*L*t +: 2*L]),
-                    .retire_valid_o(retire_valid_o[L*t +: L]), .retire_context_o(retire_context_o[16*L*t +: 16*L]),
-                    .retire_object_o(retire_object_o[32*L*t +: 32*L]),
-                    .retire_register_o(retire_register_o[6*L*t +: 6*L]),
-                    .retire_value_o(retire_value_o[32*L*t +: 32*L]), .retire_flags_o(retire_flags_o[5*L*t +: 5*L]));
+                    .written_o(written[`WRITTEN_W*L*t +: `WRITTEN_W*L]));
+            end
+            for (t = 0; t < TILES * L; t = t + 1) begin : g_retire
+                `WRITTEN_FIELDS
+                assign `WRITTEN = written[`WRITTEN_W*t +: `WRITTEN_W];
+                assign retire_end_o[2*t +: 2]       = written_end;
+                assign retire_valid_o[t]            = written_valid;
+                assign retire_context_o[16*t +: 16] = written_context;
+                assign retire_object_o[32*t +: 32]  = written_object;
+                assign retire_register_o[6*t +: 6]  = written_register;
+                assign retire_value_o[32*t +: 32]   = written_value;
+                assign retire_flags_o[5*t +: 5]     = written_flags;
             end
         end
     endgenerate

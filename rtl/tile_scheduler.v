@@ -20,6 +20,8 @@
 `include "lane/dual_retire.vh"
 `include "lane/access.vh"
 `include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
 module tile_scheduler #(
 `include "config/config.vh"
 ) (
@@ -32,33 +34,21 @@ module tile_scheduler #(
     input  wire [31:0]         req_wdata_i,
     output wire [`ANSWER_W-1:0] answer_o,
     output wire                irq_o,
-    // Arithmetic, a part for each lane
+    // The units
     output wire                running_o,
     output wire                adds_o,
     output wire                muls_o,
     output wire                lasts_o,
     input  wire                grant_i,
-    output wire [LANES-1:0]    subtract_o,
-    output wire [LANES-1:0]    twice_o,
-    output wire [LANES-1:0]    half_o,
-    output wire [CHOICE_W*LANES-1:0] choice_o,
-    output wire [32*LANES-1:0] x_o,
-    output wire [32*LANES-1:0] y_o,
-    output wire [32*LANES-1:0] z_o,
-    input  wire [32*LANES-1:0] value_i,
-    input  wire [5*LANES-1:0]  value_flags_i,
-    // Trace, in STREAMS parts; of each lane likewise
+    // Arithmetic and trace, STREAMS parts for each lane
+    output wire [`OPERANDS_W*STREAMS*LANES-1:0] operands_o,
+    input  wire [`RESULT_W*STREAMS*LANES-1:0]   result_i,
+    output wire [`WRITTEN_W*STREAMS*LANES-1:0]  written_o,
+    // Trace, in STREAMS parts
     output wire [STREAMS-1:0]          issue_valid_o,
     output wire [16*STREAMS-1:0]       issue_pc_o,
     output wire [16*STREAMS-1:0]       issue_context_o,
-    output wire [32*STREAMS-1:0]       issue_word_o,
-    output wire [2*STREAMS*LANES-1:0]  retire_end_o,
-    output wire [STREAMS*LANES-1:0]    retire_valid_o,
-    output wire [16*STREAMS*LANES-1:0] retire_context_o,
-    output wire [32*STREAMS*LANES-1:0] retire_object_o,
-    output wire [6*STREAMS*LANES-1:0]  retire_register_o,
-    output wire [32*STREAMS*LANES-1:0] retire_value_o,
-    output wire [5*STREAMS*LANES-1:0]  retire_flags_o
+    output wire [32*STREAMS-1:0]       issue_word_o
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
@@ -124,7 +114,7 @@ module tile_scheduler #(
     wire [PROGRAM_W*STREAMS-1:0]   trace_pc;
     wire [CONTEXT_W*STREAMS-1:0]   trace_context;
     assign running_o = running;
-    genvar g, l, p;
+    genvar g, p;
     generate
         if (DUAL != 0) begin : g_dual
             dual_sequencer #(.CONFIG(CONFIG)) u_sequencer (
@@ -173,12 +163,8 @@ module tile_scheduler #(
     assign flags                   = report_flags;
     assign lanes_answer            = report_answer;
 
-    localparam S = STREAMS;
-    wire [2*S*LANES-1:0]          written_end;
-    wire [S*LANES-1:0]            written;
-    wire [CONTEXT_W*S*LANES-1:0]  written_context;
-    wire [ROW_W*S*LANES-1:0]      written_row;
-    wire [REGISTER_W*S*LANES-1:0] written_register;
+    wire [`WRITTEN_W*STREAMS*LANES-1:0] written;
+    assign written_o = written & {`WRITTEN_W*STREAMS*LANES{!rst_i}};     // nothing of lanes that the reset has not yet reached
     generate
         for (g = 0; g < GROUPS; g = g + 1) begin : g_group
             localparam F = GROUP * g;                             // its first lane
@@ -190,23 +176,9 @@ module tile_scheduler #(
                 .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
                 .data_i(data[32*g +: 32]), .data_o(data[32*(g+1) +: 32]),
                 .report_i(reports[`REPORT_W*g +: `REPORT_W]), .report_o(reports[`REPORT_W*(g+1) +: `REPORT_W]),
-                .subtract_o(subtract_o[F +: N]), .twice_o(twice_o[F +: N]), .half_o(half_o[F +: N]),
-                .choice_o(choice_o[CHOICE_W*F +: CHOICE_W*N]),
-                .x_o(x_o[32*F +: 32*N]), .y_o(y_o[32*F +: 32*N]), .z_o(z_o[32*F +: 32*N]),
-                .value_i(value_i[32*F +: 32*N]), .value_flags_i(value_flags_i[5*F +: 5*N]),
-                .written_end_o(written_end[2*S*F +: 2*S*N]), .written_o(written[S*F +: S*N]),
-                .written_context_o(written_context[CONTEXT_W*S*F +: CONTEXT_W*S*N]),
-                .written_row_o(written_row[ROW_W*S*F +: ROW_W*S*N]),
-                .written_register_o(written_register[REGISTER_W*S*F +: REGISTER_W*S*N]),
-                .written_value_o(retire_value_o[32*S*F +: 32*S*N]), .written_flags_o(retire_flags_o[5*S*F +: 5*S*N]));
-        end
-        // What ends in a lane that the reset has not yet reached is not shown.
-        assign retire_end_o   = written_end & {2*S*LANES{!rst_i}};
-        assign retire_valid_o = written & {S*LANES{!rst_i}};
-        for (l = 0; l < S * LANES; l = l + 1) begin : g_shown
-            assign retire_context_o[16*l +: 16] = {{16-CONTEXT_W{1'b0}}, written_context[CONTEXT_W*l +: CONTEXT_W]};
-            assign retire_object_o[32*l +: 32]  = {{32-ROW_W{1'b0}}, written_row[ROW_W*l +: ROW_W]};
-            assign retire_register_o[6*l +: 6]  = {{6-REGISTER_W{1'b0}}, written_register[REGISTER_W*l +: REGISTER_W]};
+                .operands_o(operands_o[`OPERANDS_W*STREAMS*F +: `OPERANDS_W*STREAMS*N]),
+                .result_i(result_i[`RESULT_W*STREAMS*F +: `RESULT_W*STREAMS*N]),
+                .written_o(written[`WRITTEN_W*STREAMS*F +: `WRITTEN_W*STREAMS*N]));
         end
     endgenerate
 

@@ -33,7 +33,7 @@ from fp3gen.read import load
 from one_config import LIBS, Failed, build, run
 
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
-ONCE = "*lane_group* *lane_arith*"     # modules that are synthesised once
+ONCE = "*lane_group* *unit"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
 TRIES = 16                             # placements of it, of which the fastest is taken
 FIXED = ("name", "doc", "interleave", "tiles", "schedulers", "lanes", "dual")  # what --set may not change

@@ -150,6 +150,8 @@ GROUP = """`include "lane/issue.vh"
 `include "lane/dual_retire.vh"
 `include "lane/access.vh"
 `include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
 module top #(
 {parameters}) (
     input  wire                 clk_i,
@@ -176,10 +178,8 @@ module top #(
     wire [`ACCESS_W-1:0] access_d;
     wire [`REPORT_W-1:0] report_d;
     wire [31:0]          data_d;
-    wire [32*{n}-1:0]       x, y, z, value;
-    wire [{n}-1:0]          subtract;
-    wire [CHOICE_W*{n}-1:0] choice;
-    wire [5*{n}-1:0]        flags;
+    wire [`OPERANDS_W*{n}*STREAMS-1:0] operands;
+    wire [`RESULT_W*{n}*STREAMS-1:0]   results;
     always @(posedge clk_i) begin
         {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
         {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
@@ -187,12 +187,12 @@ module top #(
     lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .first_i({{LANE_W{{1'b0}}}}), .rst_i(rst_q), .rst_o(),
         .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
         .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
-        .subtract_o(subtract), .choice_o(choice), .x_o(x), .y_o(y), .z_o(z), .value_i(value), .value_flags_i(flags));
-    genvar l;
+        .operands_o(operands), .result_i(results), .written_o());
+    genvar s;
     generate
-        for (l = 0; l < {n} && DUAL == 0; l = l + 1) begin : g_lane
-            lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .subtract_i(subtract[l]), .choice_i(choice[CHOICE_W*l +: CHOICE_W]),
-                .x_i(x[32*l +: 32]), .y_i(y[32*l +: 32]), .z_i(z[32*l +: 32]), .value_o(value[32*l +: 32]), .flags_o(flags[5*l +: 5]));
+        for (s = 0; s < {n} * STREAMS; s = s + 1) begin : g_socket
+            unit #(.STREAM(s % STREAMS), .CONFIG(CONFIG)) u_unit (.clk_i(clk_i),
+                .operands_i(operands[`OPERANDS_W*s +: `OPERANDS_W]), .result_o(results[`RESULT_W*s +: `RESULT_W]));
         end
     endgenerate
 endmodule

@@ -1,14 +1,11 @@
-// dual_lane: a lane that adds and multiplies at once: its registers in two banks, the store behind them, and
-// what becomes of each result.
+// dual_lane: a lane that adds and multiplies at once: its registers, the store behind them, and what becomes of each
+// result.
 //
-// Purpose   Does what its sequencer says: in each cycle a sum for one context and a product for another. Sums are
-//           written to one bank, products to the other; every operation reads at most one register of each, so
-//           that four memories with one read and one write port are enough and no operand is chosen.
+// Purpose   Does what its sequencer says: in each cycle a sum for one context and a product for another.
 //
-//           cycle    0           1, 2         3           .. W = LATENCY+2            W+1
+//           cycle    0           1, 2         3           .. W = 3 + UNIT_LATENCY     W+1
 //           issue    operands    registers    operands    arithmetic, results         written, retired
-//                    named       read         registered
-//                    A sum's y was named two cycles before: its word waits a cycle, and is scaled in two.
+//                    named       read         to it
 //           retire               named in W-4, the store's word there in W-1
 //
 // Latency   A register that is named GAP cycles after the issue of the instruction that writes it, or
@@ -20,6 +17,8 @@
 `include "lane/dual_retire.vh"
 `include "lane/access.vh"
 `include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
 module dual_lane #(
 `include "config/config.vh"
 ) (
@@ -34,14 +33,10 @@ module dual_lane #(
     // What they hear, gathered from lane to lane
     input  wire [`REPORT_W-1:0]      report_i,
     output wire [`REPORT_W-1:0]      report_o,
-    // Trace, as in lane: of sums, and of products
-    output wire [3:0]              written_end_o,
-    output wire [1:0]              written_o,
-    output wire [2*CONTEXT_W-1:0]  written_context_o,
-    output wire [2*ROW_W-1:0]      written_row_o,
-    output wire [2*REGISTER_W-1:0] written_register_o,
-    output wire [63:0]             written_value_o,
-    output wire [9:0]              written_flags_o
+    // The arithmetic and the trace: of sums, and of products in the high bits
+    output wire [2*`OPERANDS_W-1:0]  operands_o,
+    input  wire [2*`RESULT_W-1:0]    result_i,
+    output wire [2*`WRITTEN_W-1:0]   written_o
 );
 `include "host/lane_host.vh"
 
@@ -77,39 +72,17 @@ module dual_lane #(
         .q_o({sum_register_w0, product_register_w0}));
 
     // Operands -------------------------------------------------------------------------------------------
-    reg               sum_write_q, product_write_q;                 // W+1
-    reg  [BANK_W-1:0] sum_spot_q, product_spot_q;
-    reg  [31:0]       sum_value_q, product_value_q;
-    wire [31:0]       sum_x, product_x, product_y;                  // cycle 2
-    wire [31:0]       sum_y_read;                                   // cycle 0
-    reg  [31:0]       sum_y_q;
-    always @(posedge clk_i) sum_y_q <= sum_y_read;
-    ram_registered #(.ADDR_W(BANK_W)) u_sum_x (.clk_i(clk_i), .write_i(sum_write_q && !rst_i),
-        .write_addr_i(sum_spot_q), .write_value_i(sum_value_q),
-        .read_i(1'b1), .read_addr_i(issue_sum_x), .read_value_o(sum_x));
-    ram_registered #(.ADDR_W(BANK_W)) u_sum_y (.clk_i(clk_i), .write_i(product_write_q && !rst_i),
-        .write_addr_i(product_spot_q), .write_value_i(product_value_q),
-        .read_i(1'b1), .read_addr_i(issue_sum_y), .read_value_o(sum_y_read));
-    ram_registered #(.ADDR_W(BANK_W)) u_product_x (.clk_i(clk_i), .write_i(sum_write_q && !rst_i),
-        .write_addr_i(sum_spot_q), .write_value_i(sum_value_q),
-        .read_i(1'b1), .read_addr_i(issue_product_x), .read_value_o(product_x));
-    ram_registered #(.ADDR_W(BANK_W)) u_product_y (.clk_i(clk_i), .write_i(product_write_q && !rst_i),
-        .write_addr_i(product_spot_q), .write_value_i(product_value_q),
-        .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
-
-    wire        minus_x_i2, minus_y_i2, twice_i1, half_i1, st_x_i2, st_y_i2;
-    wire [31:0] stored;                                             // cycle 3
-    wire [31:0] sum, product;                                       // W
-    wire [4:0]  sum_flags, product_flags;
-    delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_half}), .q_o({twice_i1, half_i1}));
-    delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({issue_minus_x, issue_minus_y, issue_st && !issue_st_y, issue_st && issue_st_y}),
-        .q_o({minus_x_i2, minus_y_i2, st_x_i2, st_y_i2}));
-    dual_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i),
-        .minus_x_i(minus_x_i2), .minus_y_i(minus_y_i2), .twice_i(twice_i1), .half_i(half_i1),
-        .no_x_i(st_y_i2), .no_y_i(st_x_i2),
-        .sum_x_i(sum_x), .sum_y_i(sum_y_q), .product_x_i(product_x), .product_y_i(product_y),
-        .stored_o(stored), .sum_o(sum), .sum_flags_o(sum_flags), .product_o(product), .product_flags_o(product_flags));
+    wire             sum_write, product_write;                      // W+1
+    wire [REG_W-1:0] sum_register, product_register;
+    wire [31:0]      sum_value, product_value;
+    wire [31:0]      stored;                                        // cycle 3
+    wire [4:0]       scale_flags;                                   // W
+    dual_operands #(.CONFIG(CONFIG)) u_operands (.clk_i(clk_i),
+        .sum_write_i(sum_write), .sum_register_i(sum_register), .sum_value_i(sum_value),
+        .product_write_i(product_write), .product_register_i(product_register), .product_value_i(product_value),
+        .issue_i(issue_i), .operands_o(operands_o), .stored_o(stored), .scale_flags_o(scale_flags));
+    wire unused_issue = &{issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st_y,
+                          issue_sum_x, issue_sum_y, issue_product_x, issue_product_y};
 
     // The store ------------------------------------------------------------------------------------------
     wire [31:0] word_w1;
@@ -122,54 +95,40 @@ module dual_lane #(
 
     // Results: written in W+1 ------------------------------------------------------------------------------
     reg              constant_q;                // the host's
-    reg [BANK_W-1:0] constant_spot_q;
+    reg [BANK_W-1:0] constant_spot_q;           // in both banks
     reg [31:0]       other_q;                   // W: no result
-    wire             sum_writes     = sum_there_w0 && (adds_w0 || sum_loads_w0);
-    wire             product_writes = product_there_w0 && product_valid_w0;
-    wire             sum_raises     = FLAGS != 0 && sum_there_w0 && adds_w0;
-    wire             product_raises = FLAGS != 0 && product_writes && !product_loads_w0;
-    reg  [3:0]       end_q;
-    reg  [1:0]       retired_q, raises_q;
-    reg  [9:0]       value_flags_q;
     always @(posedge clk_i) begin
         constant_q      <= !rst_i && access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
         constant_spot_q <= {{CONTEXT_W-1{1'b1}}, access_address[REGISTER_W-1:0]};
         other_q         <= loads_w1 ? word_w1 : data_i;
-        sum_write_q     <= !rst_i && (sum_writes || constant_q);
-        product_write_q <= !rst_i && (product_writes || constant_q);
-        sum_spot_q      <= constant_q ? constant_spot_q : sum_register_w0[REG_W-1:1];
-        sum_value_q     <= adds_w0 ? sum : other_q;
-        product_spot_q  <= constant_q ? constant_spot_q : product_register_w0[REG_W-1:1];
-        product_value_q <= product_loads_w0 || constant_q ? other_q : product;
     end
-    always @(posedge clk_i) begin
-        end_q         <= {!rst_i && product_valid_w0 ? {product_there_w0, 1'b1} : 2'd0, !rst_i && sum_valid_w0 ? {sum_there_w0, 1'b1} : 2'd0};
-        retired_q     <= {product_writes, sum_writes} & {2{!rst_i}};
-        raises_q      <= {product_raises, sum_raises} & {2{!rst_i}};
-        value_flags_q <= {product_flags, sum_flags};
-    end
-    wire [9:0] flags = value_flags_q & {{5{raises_q[1]}}, {5{raises_q[0]}}};
+    wire [31:0]      sum, product;
+    wire [4:0]       sum_flags, product_flags, sum_raised, product_raised;
+    wire [ROW_W-1:0] sum_row, product_row;                          // W+1
+    assign {product_flags, product, sum_flags, sum} = result_i;
+    wire sum_writes     = sum_there_w0 && (adds_w0 || sum_loads_w0);
+    wire product_writes = product_there_w0 && product_valid_w0;
+    delay #(.W(2*ROW_W), .N(5)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({retire_product_row, retire_sum_row}), .q_o({product_row, sum_row}));
+    lane_result #(.CONFIG(CONFIG)) u_sum (.clk_i(clk_i), .rst_i(rst_i), .valid_i(sum_valid_w0),
+        .absent_i(!sum_there_w0), .executed_i(1'b1), .writes_i(sum_writes), .raises_i(FLAGS != 0 && sum_there_w0 && adds_w0),
+        .constant_i(constant_q), .register_i(constant_q ? {constant_spot_q, 1'b0} : sum_register_w0),
+        .value_i(adds_w0 ? sum : other_q), .flags_i(sum_flags | scale_flags), .row_late_i(sum_row),
+        .write_o(sum_write), .register_o(sum_register), .value_o(sum_value), .flags_o(sum_raised), .written_o(written_o[0 +: `WRITTEN_W]));
+    lane_result #(.CONFIG(CONFIG)) u_product (.clk_i(clk_i), .rst_i(rst_i), .valid_i(product_valid_w0),
+        .absent_i(!product_there_w0), .executed_i(1'b1), .writes_i(product_writes), .raises_i(FLAGS != 0 && product_writes && !product_loads_w0),
+        .constant_i(constant_q), .register_i(constant_q ? {constant_spot_q, 1'b0} : product_register_w0),
+        .value_i(product_loads_w0 || constant_q ? other_q : product), .flags_i(product_flags), .row_late_i(product_row),
+        .write_o(product_write), .register_o(product_register), .value_o(product_value), .flags_o(product_raised),
+        .written_o(written_o[`WRITTEN_W +: `WRITTEN_W]));
 
     // What the sequencer and the host hear -----------------------------------------------------------------
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
-        .count_i(count_q), .flags_i(flags[9:5] | flags[4:0]), .asleep_i(1'b0),
+        .count_i(count_q), .flags_i(sum_raised | product_raised), .asleep_i(1'b0),
         .valid_i(1'b0), .batch_i(1'b0), .context_i({CONTEXT_W{1'b0}}),
         .mine_i(mine), .space_i(access_space), .stored_i(word_w1), .status_i(32'd0),
         .count_o(report_count), .flags_o(report_flags), .answer_o(report_answer), .valid_o(report_valid),
         .asleep_o(report_asleep), .batch_o(report_batch), .context_o(report_context));
     assign report_o = `REPORT;
-
-    // Trace
-    wire [REG_W-1:0] sum_register_q, product_register_q;
-    delay #(.W(2*REG_W), .N(1)) u_shown (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({product_register_w0, sum_register_w0}), .q_o({product_register_q, sum_register_q}));
-    delay #(.W(2*ROW_W), .N(5)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({retire_product_row, retire_sum_row}), .q_o(written_row_o));
-    assign written_end_o      = end_q;
-    assign written_o          = retired_q;
-    assign written_context_o  = {product_register_q[REG_W-1:REGISTER_W], sum_register_q[REG_W-1:REGISTER_W]};
-    assign written_register_o = {product_register_q[REGISTER_W-1:0], sum_register_q[REGISTER_W-1:0]};
-    assign written_value_o    = {product_value_q, sum_value_q};
-    assign written_flags_o    = flags;
 endmodule
 `default_nettype wire

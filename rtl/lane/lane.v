@@ -5,7 +5,7 @@
 //
 //           cycle    0         1, 2       3         .. W = LATENCY+3     W+1
 //           issue    operands  registers  operands  arithmetic, result   written, retired
-//                    named     read       x_o ..
+//                    named     read       to it
 //           retire             named W-6, row W-3, store read from W-2   word there in W
 //
 //           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
@@ -22,6 +22,8 @@
 `include "lane/retire.vh"
 `include "lane/access.vh"
 `include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
 module lane #(
 `include "config/config.vh"
 ) (
@@ -36,25 +38,10 @@ module lane #(
     // What they hear, gathered from lane to lane
     input  wire [`REPORT_W-1:0] report_i,
     output wire [`REPORT_W-1:0] report_o,
-    // The arithmetic: z +/- x * y
-    output wire                 subtract_o,
-    output wire                 twice_o,        // what x is multiplied with, where y is not in the way
-    output wire                 half_o,
-    output wire [CHOICE_W-1:0]  choice_o,       // gen/choices.vh: z is what fp_value makes of z, x and y
-    output wire [31:0]          x_o,
-    output wire [31:0]          y_o,
-    output wire [31:0]          z_o,
-    input  wire [31:0]          value_i,
-    input  wire [4:0]           value_flags_i,
-    // Trace: an instruction ends, for its object: 1 there is none, 2 it sleeps, 3 executed ...
-    output wire [1:0]            written_end_o,
-    // ... and a register is written
-    output wire                  written_o,
-    output wire [CONTEXT_W-1:0]  written_context_o,
-    output wire [ROW_W-1:0]      written_row_o,
-    output wire [REGISTER_W-1:0] written_register_o,
-    output wire [31:0]           written_value_o,
-    output wire [4:0]            written_flags_o
+    // The arithmetic
+    output wire [`OPERANDS_W-1:0] operands_o,
+    input  wire [`RESULT_W-1:0]   result_i,
+    output wire [`WRITTEN_W-1:0]  written_o     // trace
 );
 `include "host/lane_host.vh"
     localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
@@ -63,6 +50,8 @@ module lane #(
     `RETIRE_FIELDS
     `ACCESS_FIELDS
     `REPORT_FIELDS
+    `RESULT_FIELDS
+    assign `RESULT = result_i;
     assign `ISSUE  = issue_i;           // cycle 0
     assign `RETIRE = retire_i;          // cycle W-6
     assign `ACCESS = access_i;
@@ -84,19 +73,17 @@ module lane #(
         .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
     // Operands: read, forced, compared -------------------------------------------------------------
-    reg              write_q;                   // W+1
-    reg  [REG_W-1:0] write_register_q;
-    reg  [31:0]      write_value_q;
+    wire             writes_now;                // W+1
+    wire [REG_W-1:0] write_register;
+    wire [31:0]      write_value, st_value_i3;
     wire             less_w0;
     lane_operands #(.CONFIG(CONFIG)) u_operands (.clk_i(clk_i),
-        .write_i(write_q && !rst_i), .write_register_i(write_register_q), .write_value_i(write_value_q),
-        .x_register_i(issue_x), .y_register_i(issue_y), .z_register_i(issue_z),
-        .twice_i(issue_twice), .half_i(issue_half), .one_i(issue_one), .zero_i(issue_zero),
-        .twice_o(twice_o), .half_o(half_o), .x_o(x_o), .y_o(y_o), .z_o(z_o), .less_o(less_w0));
-    delay #(.W(CHOICE_W+1), .N(TIMING_OPERANDS)) u_choice (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_choice, issue_subtract}), .q_o({choice_o, subtract_o}));
+        .write_i(writes_now), .write_register_i(write_register), .write_value_i(write_value),
+        .issue_i(issue_i), .operands_o(operands_o), .stored_o(st_value_i3), .less_o(less_w0));
+    wire unused_issue = &{issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_x, issue_y, issue_z};
 
     // Whose turn it is -----------------------------------------------------------------------------
-    wire [ROW_W-1:0] row_w3, st_row_i2;
+    wire [ROW_W-1:0] row_w3, row_late, st_row_i2;
     wire             executed, sleeps, absent, st_absent_i2, st_asleep_i2, asleep;
     wire [31:0]      stored_w0, status_w0;      // the store's word
     wire [ROW_W:0]   count;
@@ -107,7 +94,7 @@ module lane #(
             always @(posedge clk_i) nonzero_q <= |stored_w0;
             visits #(.CONFIG(CONFIG)) u_visits (
                 .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
-                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(row_w3), .row_late_o(written_row_o),
+                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(row_w3), .row_late_o(row_late),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
                 .lasts_i(lasts_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
                 .less_i(less_w0), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep),
@@ -117,7 +104,7 @@ module lane #(
             wire unused = &{issue_row, retire_row};
         end else begin : g_order
             visits_in_order #(.CONFIG(CONFIG)) u_visits (
-                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(row_w3), .row_late_o(written_row_o),
+                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(row_w3), .row_late_o(row_late),
                 .valid_i(valid_w0), .executed_o(executed), .absent_o(absent),
                 .st_row_i(issue_row), .st_row_o(st_row_i2), .st_absent_o(st_absent_i2),
                 .host_count_i(host_count), .host_data_i(data_i[ROW_W:0]), .count_o(count));
@@ -128,7 +115,7 @@ module lane #(
 
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(issue_lasts), .register_i(issue_register),
-        .row_i2_i(st_row_i2), .absent_i2_i(st_absent_i2), .asleep_i2_i(st_asleep_i2), .value_i3_i(y_o),
+        .row_i2_i(st_row_i2), .absent_i2_i(st_absent_i2), .asleep_i2_i(st_asleep_i2), .value_i3_i(st_value_i3),
         .row_w3_i(row_w3), .register_w3_i(register_w3), .word_o(stored_w0),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
         .host_word_i(data_i));
@@ -137,37 +124,25 @@ module lane #(
     wire writes   = (executed && (arithmetic_w0 || load_w0)) || sleeps;
     wire raises   = FLAGS != 0 && executed && arithmetic_w0;
     wire constant = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
-    reg  retired_q, raises_q;
-    reg  [1:0] end_q;
-    reg  [4:0] value_flags_q;
-    always @(posedge clk_i) begin
-        end_q            <= rst_i || !valid_w0 ? 2'd0 : absent ? 2'd1 : executed ? 2'd3 : 2'd2;
-        retired_q        <= !rst_i && writes;
-        write_q          <= !rst_i && (writes || constant);
-        write_register_q <= constant ? {SHARED, access_address[REGISTER_W-1:0]} : {context_w0, register_w0};
-        write_value_q    <= arithmetic_w0 ? value_i : load_w0 ? stored_w0 : data_i;
-        value_flags_q    <= value_flags_i;
-        raises_q         <= !rst_i && raises;
-    end
+    wire [4:0] flags;
+    lane_result #(.CONFIG(CONFIG)) u_result (.clk_i(clk_i), .rst_i(rst_i),
+        .valid_i(valid_w0), .absent_i(absent), .executed_i(executed), .writes_i(writes), .raises_i(raises), .constant_i(constant),
+        .register_i(constant ? {SHARED, access_address[REGISTER_W-1:0]} : {context_w0, register_w0}),
+        .value_i(arithmetic_w0 ? result_value : load_w0 ? stored_w0 : data_i), .flags_i(result_flags), .row_late_i(row_late),
+        .write_o(writes_now), .register_o(write_register), .value_o(write_value), .flags_o(flags), .written_o(written_o));
     lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
-        .row_w3_i(row_w3), .raises_i(raises), .flags_i(value_flags_i), .step_i(data_i[26:0]), .status_o(status_w0),
+        .row_w3_i(row_w3), .raises_i(raises), .flags_i(result_flags), .step_i(data_i[26:0]), .status_o(status_w0),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
         .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));
 
     // What the sequencer and the host hear ---------------------------------------------------------------
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
-        .count_i(count), .flags_i(written_flags_o), .asleep_i(asleep),
+        .count_i(count), .flags_i(flags), .asleep_i(asleep),
         .valid_i(valid_w0 && (sleep_w0 || lds_w0)), .batch_i(batch_w0), .context_i(context_w0),
         .mine_i(mine), .space_i(access_space), .stored_i(stored_w0), .status_i(status_w0),
         .count_o(report_count), .flags_o(report_flags), .answer_o(report_answer), .valid_o(report_valid),
         .asleep_o(report_asleep), .batch_o(report_batch), .context_o(report_context));
     assign report_o = `REPORT;
-
-    assign written_end_o   = end_q;
-    assign written_o       = retired_q;
-    assign written_value_o = write_value_q;
-    assign written_flags_o = value_flags_q & {5{raises_q}};
-    assign {written_context_o, written_register_o} = write_register_q;
 
 `ifdef FP3_CHECK
     wire [REG_W-1:0] named;                     // by the instruction of LATENCY - 3 cycles ago

@@ -18,6 +18,8 @@
 `include "lane/dual_retire.vh"
 `include "lane/access.vh"
 `include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
 module lane_group #(
     parameter N = 1,                   // lanes
 `include "config/config.vh"
@@ -36,24 +38,10 @@ module lane_group #(
     output wire [31:0]           data_o,
     input  wire [`REPORT_W-1:0]  report_i,
     output wire [`REPORT_W-1:0]  report_o,
-    // The arithmetic, a part for each lane
-    output wire [N-1:0]          subtract_o,
-    output wire [N-1:0]          twice_o,
-    output wire [N-1:0]          half_o,
-    output wire [CHOICE_W*N-1:0] choice_o,
-    output wire [32*N-1:0]       x_o,
-    output wire [32*N-1:0]       y_o,
-    output wire [32*N-1:0]       z_o,
-    input  wire [32*N-1:0]       value_i,
-    input  wire [5*N-1:0]        value_flags_i,
-    // Trace, likewise, or two parts for each
-    output wire [2*STREAMS*N-1:0]          written_end_o,
-    output wire [STREAMS*N-1:0]            written_o,
-    output wire [CONTEXT_W*STREAMS*N-1:0]  written_context_o,
-    output wire [ROW_W*STREAMS*N-1:0]      written_row_o,
-    output wire [REGISTER_W*STREAMS*N-1:0] written_register_o,
-    output wire [32*STREAMS*N-1:0]         written_value_o,
-    output wire [5*STREAMS*N-1:0]          written_flags_o
+    // The arithmetic and the trace, STREAMS parts for each lane
+    output wire [`OPERANDS_W*STREAMS*N-1:0] operands_o,
+    input  wire [`RESULT_W*STREAMS*N-1:0]   result_i,
+    output wire [`WRITTEN_W*STREAMS*N-1:0]  written_o
 );
     reg                 rst_q = 1'b1;  // at power-up, until the first reset arrives
     reg [`LANE_ISSUE_W-1:0]  issue_q;
@@ -73,37 +61,24 @@ module lane_group #(
     assign reports[0 +: `REPORT_W] = report_i;
     genvar l;
     generate
-        if (DUAL != 0) begin : g_no_operands               // the arithmetic is in the lane
-            assign {subtract_o, twice_o, half_o, choice_o} = {(3+CHOICE_W)*N{1'b0}};
-            assign {x_o, y_o, z_o} = {96*N{1'b0}};
-            wire unused = |{value_i, value_flags_i};
-        end
-        for (l = 0; l < N && DUAL != 0; l = l + 1) begin : g_dual
+        for (l = 0; l < N; l = l + 1) begin : g_lane
             localparam S = STREAMS;
             localparam [LANE_W-1:0] L = l;
-            dual_lane #(.CONFIG(CONFIG)) u_lane (
-                .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
-                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
-                .written_end_o(written_end_o[2*S*l +: 2*S]), .written_o(written_o[S*l +: S]),
-                .written_context_o(written_context_o[CONTEXT_W*S*l +: CONTEXT_W*S]),
-                .written_row_o(written_row_o[ROW_W*S*l +: ROW_W*S]),
-                .written_register_o(written_register_o[REGISTER_W*S*l +: REGISTER_W*S]),
-                .written_value_o(written_value_o[32*S*l +: 32*S]), .written_flags_o(written_flags_o[5*S*l +: 5*S]));
-        end
-        for (l = 0; l < N && DUAL == 0; l = l + 1) begin : g_lane
-            localparam [LANE_W-1:0] L = l;
-            lane #(.CONFIG(CONFIG)) u_lane (
-                .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
-                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
-                .subtract_o(subtract_o[l]), .twice_o(twice_o[l]), .half_o(half_o[l]), .choice_o(choice_o[CHOICE_W*l +: CHOICE_W]),
-                .x_o(x_o[32*l +: 32]), .y_o(y_o[32*l +: 32]), .z_o(z_o[32*l +: 32]),
-                .value_i(value_i[32*l +: 32]), .value_flags_i(value_flags_i[5*l +: 5]),
-                .written_end_o(written_end_o[2*l +: 2]), .written_o(written_o[l]),
-                .written_context_o(written_context_o[CONTEXT_W*l +: CONTEXT_W]), .written_row_o(written_row_o[ROW_W*l +: ROW_W]),
-                .written_register_o(written_register_o[REGISTER_W*l +: REGISTER_W]),
-                .written_value_o(written_value_o[32*l +: 32]), .written_flags_o(written_flags_o[5*l +: 5]));
+            if (DUAL != 0) begin : g_dual
+                dual_lane #(.CONFIG(CONFIG)) u_lane (
+                    .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
+                    .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                    .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
+                    .operands_o(operands_o[`OPERANDS_W*S*l +: `OPERANDS_W*S]), .result_i(result_i[`RESULT_W*S*l +: `RESULT_W*S]),
+                    .written_o(written_o[`WRITTEN_W*S*l +: `WRITTEN_W*S]));
+            end else begin : g_single
+                lane #(.CONFIG(CONFIG)) u_lane (
+                    .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
+                    .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                    .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
+                    .operands_o(operands_o[`OPERANDS_W*l +: `OPERANDS_W]), .result_i(result_i[`RESULT_W*l +: `RESULT_W]),
+                    .written_o(written_o[`WRITTEN_W*l +: `WRITTEN_W]));
+            end
         end
     endgenerate
 

@@ -8,49 +8,45 @@
 // Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
 //
 //     cycle        0              1, 2         3                         3 + LATENCY
-//                  x_register_i   memories     x_o = 40000000            less_o: |y| < x
-//                  one_i                       y_o = 3f800000
+//                  issue_x        memories     operands_x = 40000000     less_o: |y| < x
+//                  issue_one                   operands_y = 3f800000
 `default_nettype none
+`include "lane/issue.vh"
+`include "unit/socket.vh"
 module lane_operands #(
 `include "config/config.vh"
 ) (
-    input  wire             clk_i,
-    input  wire             write_i,
-    input  wire [REG_W-1:0] write_register_i,
-    input  wire [31:0]      write_value_i,
-    // Cycle 0
-    input  wire [REG_W-1:0] x_register_i,
-    input  wire [REG_W-1:0] y_register_i,
-    input  wire [REG_W-1:0] z_register_i,
-    input  wire             twice_i,    // y is 2
-    input  wire             half_i,     // y is 1/2
-    input  wire             one_i,      // y is 1, or one of these
-    input  wire             zero_i,     // z is -0
-    // Cycle 3
-    output wire             twice_o,
-    output wire             half_o,
-    output wire [31:0]      x_o,
-    output wire [31:0]      y_o,
-    output wire [31:0]      z_o,
-    // With the result
-    output wire             less_o      // |y| < x
+    input  wire                   clk_i,
+    input  wire                   write_i,
+    input  wire [REG_W-1:0]       write_register_i,
+    input  wire [31:0]            write_value_i,
+    input  wire [`ISSUE_W-1:0]    issue_i,        // cycle 0
+    output wire [`OPERANDS_W-1:0] operands_o,     // cycle 3
+    output wire [31:0]            stored_o,       // likewise: of a store
+    output wire                   less_o          // with the result: |y| < x
 );
 `include "gen/isa.vh"
+    `ISSUE_FIELDS
+    `OPERANDS_FIELDS
+    assign `ISSUE     = issue_i;
+    assign operands_o = `OPERANDS;
+    wire unused = &{issue_st, issue_lasts, issue_record, issue_context, issue_register, issue_row};
+
     wire [31:0] x_i2, y_i2, z_i2;
     ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),
         .write_addr_i(write_register_i), .write_value_i(write_value_i),
-        .read_i(1'b1), .read_addr_i(x_register_i), .read_value_o(x_i2));
+        .read_i(1'b1), .read_addr_i(issue_x), .read_value_o(x_i2));
     ram_registered #(.ADDR_W(REG_W)) u_y (.clk_i(clk_i), .write_i(write_i),
         .write_addr_i(write_register_i), .write_value_i(write_value_i),
-        .read_i(1'b1), .read_addr_i(y_register_i), .read_value_o(y_i2));
+        .read_i(1'b1), .read_addr_i(issue_y), .read_value_o(y_i2));
     generate
         if (CHAIN != 0) begin : g_z
             ram_registered #(.ADDR_W(REG_W)) u_z (.clk_i(clk_i), .write_i(write_i),
                 .write_addr_i(write_register_i), .write_value_i(write_value_i),
-                .read_i(1'b1), .read_addr_i(z_register_i), .read_value_o(z_i2));
+                .read_i(1'b1), .read_addr_i(issue_z), .read_value_o(z_i2));
         end else begin : g_no_z
             // No instruction has both: z is where y is.
-            wire unused = |z_register_i;
+            wire unused_z = |issue_z;
             assign z_i2 = y_i2;
         end
     endgenerate
@@ -58,8 +54,10 @@ module lane_operands #(
     wire       twice_i2, half_i2, one_i2, zero_i2;
     reg [31:0] x_q, y_q, z_q;           // cycle 3
     delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({twice_i, half_i, one_i, zero_i}), .q_o({twice_i2, half_i2, one_i2, zero_i2}));
-    delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, half_i2}), .q_o({twice_o, half_o}));
+        .d_i({issue_twice, issue_half, issue_one, issue_zero}), .q_o({twice_i2, half_i2, one_i2, zero_i2}));
+    delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, half_i2}), .q_o({operands_twice, operands_half}));
+    delay #(.W(CHOICE_W+1), .N(TIMING_OPERANDS)) u_choice (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({issue_choice, issue_subtract}), .q_o({operands_choice, operands_subtract}));
     always @(posedge clk_i) begin
         x_q <= x_i2;
         // 1 with its exponent as it is, one more or one less
@@ -69,7 +67,8 @@ module lane_operands #(
         if (zero_i2) z_q <= BITS_MINUS_ZERO;
         else         z_q <= z_i2;
     end
-    assign {x_o, y_o, z_o} = {x_q, y_q, z_q};
+    assign {operands_x, operands_y, operands_z} = {x_q, y_q, z_q};
+    assign stored_o = y_q;
 
     // sleep compares magnitudes as integers; a NaN is not less.
     generate

@@ -35,7 +35,6 @@ module solo_arith #(
     output wire [31:0] mul_value_o,
     output wire [4:0]  mul_flags_o
 );
-`include "gen/isa.vh"
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
@@ -62,31 +61,11 @@ module solo_arith #(
         end
     endgenerate
 
-    wire [31:0] sum, product, product_late;
-    wire [4:0]  sum_flags, product_flags, product_flags_late, add_flags;
-
-    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (
-        .clk_i(clk_i),
-        .sub_i(chained ? chain_subtract : subtract_i),
-        .a_i(add_a_i),
-        .b_i(add_b_i),
-        .z_o(sum), .flags_o(sum_flags));
-    delay #(.W(37), .N(ADD_SPARE)) u_sum (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({sum_flags, sum}), .q_o({add_flags, add_value_o}));
+    wire [4:0] add_flags;
+    adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : subtract_i),
+        .a_i(add_a_i), .b_i(add_b_i), .value_o(add_value_o), .flags_o(add_flags));
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(alone),
+        .a_i(mul_a_i), .b_i(mul_b_i), .value_o(mul_value_o), .flags_o(mul_flags_o));
     assign add_flags_o = add_flags | chain_flags;
-
-    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (
-        .clk_i(clk_i),
-        .a_i(mul_a_i),
-        .b_i(mul_b_i),
-        .z_o(product), .flags_o(product_flags));
-    delay #(.W(37), .N(MUL_SPARE - 1)) u_product (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({product_flags, product}), .q_o({product_flags_late, product_late}));
-    reg [31:0] product_q;
-    reg [4:0]  product_flags_q;
-    always @(posedge clk_i)
-        if (alone) {product_flags_q, product_q} <= {5'd0, BITS_MINUS_ZERO};
-        else       {product_flags_q, product_q} <= {product_flags_late, product_late};
-    assign {mul_flags_o, mul_value_o} = {product_flags_q, product_q};
 endmodule
 `default_nettype wire

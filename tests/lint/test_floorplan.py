@@ -42,11 +42,10 @@ def test_no_block_ram_is_far_from_its_lane(floorplan, lanes):
 def netlist(lanes, multipliers=3, rams=4):
     cells = {}
     for lane in range(lanes):
-        group = f"u.g_group[{lane // 4}].u_group.g_{'lane' if rams == 4 else 'dual'}[{lane % 4}].u_lane"
+        group = f"u.g_group[{lane // 4}].u_group.g_lane[{lane % 4}].u_lane"
         names = [f"ram{i}" for i in range(rams - 1)] + ["u_store.m"]
         cells |= {f"{group}.{name}": {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}} for name in names}
-        arith = f"u.g_own.g_lane[{lane}].u_arith" if rams == 4 else f"{group}.u_arith"
-        cells |= {f"{arith}.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
+        cells |= {f"u.u_units.g_own.g_lane[{lane}].g_stream[0].u_unit.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
                   for i in range(multipliers)}
     cells["u.u_program"] = {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}}
     return {"modules": {"top": {"cells": cells}}}
@@ -84,7 +83,7 @@ def cell(type, **bits):
 
 def scheduler():
     """A LUT and its flip-flop, which tell a lane and hear it; a LUT with two flip-flops, one with a lane's; a carry with one."""
-    lane = "u.g_group[0].u_group.g_dual[0].u_lane."
+    lane = "u.g_group[0].u_group.g_lane[0].u_lane."
     return {"modules": {"top": {"cells": {
         "u.lut": cell("LUT4", A=20, Z=2), "u.ff": cell("TRELLIS_FF", CLK=1, DI=2, Q=3),
         "u.both": cell("LUT4", A=3, Z=4), "u.ff1": cell("TRELLIS_FF", CLK=1, DI=4, Q=5), "u.ff2": cell("TRELLIS_FF", CLK=1, DI=4, Q=6),
@@ -96,7 +95,7 @@ def scheduler():
 
 def test_the_scheduler_alone(floorplan):
     cells = floorplan.control(scheduler())["modules"]["top"]["cells"]
-    assert set(scheduler()["modules"]["top"]["cells"]) - set(cells) == {"u.g_group[0].u_group.g_dual[0].u_lane.far"}
+    assert set(scheduler()["modules"]["top"]["cells"]) - set(cells) == {"u.g_group[0].u_group.g_lane[0].u_lane.far"}
 
 
 def test_what_nextpnr_may_join_otherwise_stays_free(floorplan):
@@ -124,12 +123,12 @@ def test_each_lane_has_a_zero_of_its_own(floorplan):
     def cell(kind, **connections):
         return {"type": kind, "connections": {port: list(bits) for port, bits in connections.items()}, "attributes": {},
                 "port_directions": {port: "output" if port == "Z" else "input" for port in connections}}
-    lane = "u.g_group[1].u_group.g_dual[2].u_lane"
+    lane = "u.g_group[1].u_group.g_lane[2].u_lane"
     cells = {f"{lane}.carry": cell("CCU2C", CIN="0", A0=[7], B0="0"), f"{lane}.m": cell("MULT18X18D", A1="0", SIGNEDA="0", SIGNEDB=[7]),
              f"{lane.replace('[2]', '[0]')}.q": cell("TRELLIS_FF", DI="0", LSR="0"), "u.u_hub.carry": cell("CCU2C", CIN="0", Z=[9])}
     before = {name: dict(row["connections"]) for name, row in cells.items()}
     assert floorplan.ground({"modules": {"top": {"cells": cells}}}) == 3
-    assert set(cells) - set(before) == {"u.g_group[1].u_group.g_dual[2].zero", "u.g_group[1].u_group.g_dual[0].zero"}
+    assert set(cells) - set(before) == {"u.g_group[1].u_group.g_lane[2].zero", "u.g_group[1].u_group.g_lane[0].zero"}
     first, second = (cells[name]["connections"]["Z"] for name in sorted(set(cells) - set(before), reverse=True))
     assert first != second and all(floorplan.owner(name) is not None for name in cells if "zero" in name)
     changed = {f"{lane}.carry": {"CIN": first}, f"{lane}.m": {"SIGNEDA": first}, f"{lane.replace('[2]', '[0]')}.q": {"DI": second}}

@@ -30,7 +30,7 @@ GROUP = 4                              # lanes that hear the same in the same cy
 # Inputs to which nextpnr leads a zero by wire; that of others is a setting of the cell.
 ZEROS = {"CCU2C": re.compile("CIN|D[01]"), "MULT18X18D": re.compile("SIGNED[AB]|SOURCE[AB]|RST[0-3]"), "TRELLIS_FF": re.compile("DI|M")}
 
-OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_(?:lane|dual)\[(\d+)\]|g_lane\[(\d+)\]\.u_arith")
+OWNER = re.compile(r"g_group\[(\d+)\]\.u_group\.g_lane\[(\d+)\]|g_own\.g_lane\[(\d+)\]")
 
 
 def spread(lanes):

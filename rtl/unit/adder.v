@@ -1,0 +1,26 @@
+// adder: fp_add as a configuration has it, and the registers behind it.
+//
+// Purpose   a + b or a - b, rounded, as late as the configuration says.
+// Latency   ADD_LATENCY + WAIT; new operands every cycle.
+//
+//     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(1'b1), .a_i(a), .b_i(b), .value_o(sum), .flags_o(flags));
+//     // a 40400000, b 3F800000  ->  sum 40000000, ADD_LATENCY edges later
+`default_nettype none
+module adder #(
+    parameter WAIT = 0,                // more registers
+`include "config/config.vh"
+) (
+    input  wire        clk_i,
+    input  wire        subtract_i,
+    input  wire [31:0] a_i,
+    input  wire [31:0] b_i,
+    output wire [31:0] value_o,
+    output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
+);
+    wire [31:0] sum;
+    wire [4:0]  flags;
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
+        .sub_i(subtract_i), .a_i(a_i), .b_i(b_i), .z_o(sum), .flags_o(flags));
+    delay #(.W(37), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}), .q_o({flags_o, value_o}));
+endmodule
+`default_nettype wire

@@ -1,0 +1,35 @@
+// multiplier: fp_mul as a configuration has it, and the registers behind it.
+//
+// Purpose   a * b, rounded, as late as the configuration says; or -0, to which an adder adds what fp_value made.
+// Latency   MUL_LATENCY + WAIT; new operands every cycle. none_i comes a cycle before the result that it replaces.
+//
+//     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(1'b0), .a_i(a), .b_i(b), .value_o(product), .flags_o(flags));
+//     // a 40400000, b 40000000  ->  product 40C00000, MUL_LATENCY edges later
+`default_nettype none
+module multiplier #(
+    parameter WAIT = 0,                // more registers
+`include "config/config.vh"
+) (
+    input  wire        clk_i,
+    input  wire        none_i,         // in the next cycle -0, without flags
+    input  wire [31:0] a_i,
+    input  wire [31:0] b_i,
+    output wire [31:0] value_o,
+    output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
+);
+`include "gen/isa.vh"
+    wire [31:0] product, product_late;
+    wire [4:0]  flags, flags_late;
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
+        .a_i(a_i), .b_i(b_i), .z_o(product), .flags_o(flags));
+    delay #(.W(37), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({flags, product}), .q_o({flags_late, product_late}));
+
+    reg [31:0] value_q;
+    reg [4:0]  flags_q;
+    always @(posedge clk_i)
+        if (none_i) {flags_q, value_q} <= {5'd0, BITS_MINUS_ZERO};
+        else        {flags_q, value_q} <= {flags_late, product_late};
+    assign {flags_o, value_o} = {flags_q, value_q};
+endmodule
+`default_nettype wire

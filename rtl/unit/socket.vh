@@ -1,0 +1,21 @@
+// socket.vh: the bundles OPERANDS and RESULT, what an arithmetic takes and what it gives: its socket.
+// front/decoded.vh shows how a bundle is used.
+//
+//     OPERANDS    choice                  what fp_value makes of z, x and of whether y is 0: gen/choices.vh
+//                 subtract                z - x * y
+//                 twice, half             x * 2, x * 1/2, where y is not in the way
+//                 z, x, y                 x and y are the lowest bits
+//     RESULT      flags, value            UNIT_LATENCY cycles later: {NV, DZ, OF, UF, NX}
+//
+// New operands come in every cycle, meant or not. There is no valid bit: whoever issues knows when the result comes.
+`define OPERANDS_W (CHOICE_W + 3 + 96)
+`define OPERANDS_FIELDS \
+    wire [CHOICE_W-1:0] operands_choice; \
+    wire operands_subtract, operands_twice, operands_half; \
+    wire [31:0] operands_z, operands_x, operands_y;
+`define OPERANDS {operands_choice, operands_subtract, operands_twice, operands_half, operands_z, operands_x, operands_y}
+`define RESULT_W 37
+`define RESULT_FIELDS \
+    wire [4:0] result_flags; \
+    wire [31:0] result_value;
+`define RESULT {result_flags, result_value}
