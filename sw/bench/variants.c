@@ -4,28 +4,9 @@
 #include <fp3/adaptive.h>
 #include <fp3/start.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define PARAM_APART 1e-3
 #define STATE_APART 2e-3
-
-const fp3_bench_arithmetic fp3_bench_arithmetics[FP3_BENCH_ARITHMETICS] = {
-    {"plain", 0, 0, 0},
-    {"compensated", 1, 0, 0},
-    {"folded", 0, 0, FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT)},
-    {"double_single", 0, 1, 0},
-};
-
-int fp3_bench_arithmetic_find(const char *name) {
-    int i = 0;
-    while (i < FP3_BENCH_ARITHMETICS && strcmp(fp3_bench_arithmetics[i].name, name) != 0)
-        i++;
-    return i;
-}
-
-int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrator *integrator) {
-    return !arithmetic->passes || integrator->kind == FP3_RUNGE_KUTTA;
-}
 
 void fp3_bench_variant(const fp3_model *model, size_t object, double *params, double *initial) {
     const uint32_t adapted = fp3_model_adapted(model);

@@ -1,25 +1,9 @@
-/* variants.h - objects of a model that differ a little, and the programs that are compared on them. */
+/* variants.h - objects of a model that differ a little. */
 #ifndef FP3_BENCH_VARIANTS_H
 #define FP3_BENCH_VARIANTS_H
 
 #include <fp3/compile.h>
 #include <fp3/engine.h>
-
-/* How a state is updated, as the columns `arithmetic` of results name it. */
-typedef struct {
-    const char *name;
-    int is_compensated, is_double_single;
-    unsigned passes; /* beside those that keep the bits */
-} fp3_bench_arithmetic;
-
-#define FP3_BENCH_ARITHMETICS 4
-extern const fp3_bench_arithmetic fp3_bench_arithmetics[FP3_BENCH_ARITHMETICS];
-
-/* Which of them has this name; FP3_BENCH_ARITHMETICS: none. */
-int fp3_bench_arithmetic_find(const char *name);
-
-/* Whether its programs differ from the plain ones: the coefficients of a splitting contain h anyway. */
-int fp3_bench_applies(const fp3_bench_arithmetic *arithmetic, const fp3_integrator *integrator);
 
 /* Parameters and start of an object: each parameter that objects do not share is 0.1 % larger than that
  * of the object before, each start 0.2 %, rounded to FP32; what adaptive steps add is the same of all. params and initial have room for

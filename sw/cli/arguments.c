@@ -172,3 +172,27 @@ double fp3_arguments_frequency(struct argp_state *state, const char *option, con
                option, text);
     return 0;
 }
+
+/* ---- arithmetic ---- */
+
+void fp3_arguments_arithmetic(struct argp_state *state, fp3_compile_def *def,
+                              fp3_arithmetic arithmetic) {
+    const fp3_arithmetic before = def->arithmetic;
+    if (before != FP3_PLAIN && before != arithmetic)
+        argp_error(state, "found both --%s and --%s, expected one arithmetic",
+                   fp3_arithmetic_of(before < arithmetic ? before : arithmetic)->text,
+                   fp3_arithmetic_of(before < arithmetic ? arithmetic : before)->text);
+    def->arithmetic = arithmetic;
+}
+
+fp3_arithmetic fp3_arguments_arithmetic_named(struct argp_state *state, const char *name) {
+    char all[160] = "";
+    const fp3_arithmetic found = fp3_arithmetic_find(name);
+    for (int i = 0; i < FP3_ARITHMETICS; i++) {
+        strcat(all, i == 0 ? "" : i + 1 < FP3_ARITHMETICS ? ", " : " or ");
+        strcat(all, fp3_arithmetic_of((fp3_arithmetic)i)->name);
+    }
+    if (found == FP3_ARITHMETICS)
+        argp_error(state, "found '%s', expected %s", name, all);
+    return found;
+}

@@ -3,6 +3,7 @@
 #define FP3_CLI_ARGUMENTS_H
 
 #include <argp.h>
+#include <fp3/compile.h>
 #include <stdint.h>
 
 /* argp_parse, for options that need no argp children. Ends with 2 and a message at an option that
@@ -20,6 +21,13 @@ double fp3_arguments_above_zero(struct argp_state *state, const char *option, co
 /* Ends with 2 and a message if the name says that it is another program than a model, and the
  * option --model was not given. */
 void fp3_arguments_model(struct argp_state *state, const char *path, int is_model);
+
+/* Sets it; ends with 2 and a message if another one is set already. */
+void fp3_arguments_arithmetic(struct argp_state *state, fp3_compile_def *def,
+                              fp3_arithmetic arithmetic);
+
+/* Of --arithmetic; ends with 2 and a message that names all if there is none of this name. */
+fp3_arithmetic fp3_arguments_arithmetic_named(struct argp_state *state, const char *name);
 
 /* In Hz, of a number above 0 and a unit, as 130MHz; ends with 2 and a message if it is none. */
 double fp3_arguments_frequency(struct argp_state *state, const char *option, const char *text);

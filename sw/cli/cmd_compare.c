@@ -167,21 +167,19 @@ static fp3_status measure(comparison *k, const fp3_compiled *c, int machine, row
 static const fp3_convergence no_convergence = {
     .order = NAN, .method_order = NAN, .finest_order = NAN, .floor = NAN};
 
-static fp3_status make_row(comparison *k, const fp3_integrator *integrator, int arithmetic, row *r,
-                           fp3_error *error) {
+static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
+                           fp3_arithmetic arithmetic, row *r, fp3_error *error) {
     fp3_status status = FP3_OK;
     *r = (row){.c = no_convergence};
     for (int i = 0; !status && i < MACHINES; i++) {
         fp3_compile_def def = fp3_compile_default();
         fp3_compiled *c = NULL;
         def.config = machines[i];
-        def.is_compensated = fp3_bench_arithmetics[arithmetic].is_compensated;
-        def.is_double_single = fp3_bench_arithmetics[arithmetic].is_double_single;
-        def.passes |= fp3_bench_arithmetics[arithmetic].passes;
+        def.arithmetic = arithmetic;
         status = fp3_compile(k->model, integrator, &def, &c, error);
         if (status)
             break;
-        if (i == 0 && arithmetic == 0 && c->warning)
+        if (i == 0 && arithmetic == FP3_PLAIN && c->warning)
             printf("%-16s %-20s warning: %s\n", k->model->name, integrator->name, c->warning);
         r->on[i] = (cost){.cycles = c->cycles,
                           .bound = c->bound,
@@ -209,11 +207,12 @@ static json_t *errors_of(const comparison *k, const row *r) {
     return json_pack("{s:o, s:o}", "steps", steps, "error", errors);
 }
 
-static void put_row(comparison *k, const fp3_integrator *integrator, int arithmetic, const row *r) {
+static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithmetic arithmetic,
+                    const row *r) {
     json_t *o = json_pack(
         "{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "model",
         k->model->name, "integrator", integrator->name, "arithmetic",
-        fp3_bench_arithmetics[arithmetic].name, "operations", (json_int_t)r->on[0].operations,
+        fp3_arithmetic_of(arithmetic)->name, "operations", (json_int_t)r->on[0].operations,
         "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
         number(r->on[0].cycles), "bound", number(r->on[0].bound), "order", (json_int_t)r->order,
         "measured_order", number(r->c.order), "method_order", number(r->c.method_order),
@@ -234,7 +233,7 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-13s %5" PRIu32 " %5" PRIu32
            " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
-           k->model->name, integrator->name, fp3_bench_arithmetics[arithmetic].name,
+           k->model->name, integrator->name, fp3_arithmetic_of(arithmetic)->name,
            r->on[0].operations, r->on[0].instructions, r->on[0].cycles, r->on[1].cycles,
            r->on[1].bound, r->order, r->c.order, r->c.method_order, r->c.finest_order, r->c.floor,
            r->mismatches, r->compared, r->failure[0] ? "; failed: " : "", r->failure);
@@ -242,14 +241,14 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int arithme
     fp3_progress_resume(k->progress);
 }
 
-static void leave_out(comparison *k, const char *integrator, int arithmetic, const char *why) {
-    json_array_append_new(k->left_out,
-                          json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name, "integrator",
-                                    integrator, "arithmetic",
-                                    fp3_bench_arithmetics[arithmetic].name, "why", why));
+static void leave_out(comparison *k, const char *integrator, fp3_arithmetic arithmetic,
+                      const char *why) {
+    json_array_append_new(k->left_out, json_pack("{s:s, s:s, s:s, s:s}", "model", k->model->name,
+                                                 "integrator", integrator, "arithmetic",
+                                                 fp3_arithmetic_of(arithmetic)->name, "why", why));
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-13s left out: %s\n", k->model->name, integrator,
-           fp3_bench_arithmetics[arithmetic].name, why);
+           fp3_arithmetic_of(arithmetic)->name, why);
     fflush(stdout);
     fp3_progress_resume(k->progress);
 }
@@ -257,24 +256,25 @@ static void leave_out(comparison *k, const char *integrator, int arithmetic, con
 static fp3_status compare_integrator(comparison *k, const char *name, fp3_error *error) {
     fp3_integrator *integrator = NULL;
     fp3_status status = fp3_integrator_find(name, &integrator, error);
-    for (int i = 0; !status && i < FP3_BENCH_ARITHMETICS; i++) {
+    for (int i = 0; !status && i < FP3_ARITHMETICS; i++) {
+        const fp3_arithmetic arithmetic = (fp3_arithmetic)i;
         row r;
         fp3_error why;
-        if (!fp3_bench_applies(&fp3_bench_arithmetics[i], integrator) ||
+        if (!fp3_arithmetic_applies(arithmetic, integrator, 0) ||
             (k->o->arithmetics && !(k->o->arithmetics >> i & 1)))
             continue;
-        fp3_progress_say(k->progress, "%s, %s", name, fp3_bench_arithmetics[i].name);
-        const fp3_status made = make_row(k, integrator, i, &r, &why);
+        fp3_progress_say(k->progress, "%s, %s", name, fp3_arithmetic_of(arithmetic)->name);
+        const fp3_status made = make_row(k, integrator, arithmetic, &r, &why);
         if (made == FP3_E_PROGRAM || made == FP3_E_LIMIT)
-            leave_out(k, name, i, why.text);
+            leave_out(k, name, arithmetic, why.text);
         else if (made)
             status = fp3_fail(error, made, "%s", why.text);
         else {
-            put_row(k, integrator, i, &r);
+            put_row(k, integrator, arithmetic, &r);
             k->wrong += r.mismatches != 0;
             if (r.failure[0] && !k->failure.text[0])
                 fp3_fail(&k->failure, FP3_E_FAILED, "%s, %s: %s", name,
-                         fp3_bench_arithmetics[i].name, r.failure);
+                         fp3_arithmetic_of(arithmetic)->name, r.failure);
         }
     }
     fp3_integrator_free(&integrator);
@@ -402,15 +402,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         else
             o->integrators[o->integrator_count++] = text;
         break;
-    case KEY_ARITHMETIC: {
-        const int arithmetic = fp3_bench_arithmetic_find(text);
-        if (arithmetic == FP3_BENCH_ARITHMETICS)
-            argp_error(state, "found '%s', expected plain, compensated, folded or double_single",
-                       text);
-        else
-            o->arithmetics |= 1u << arithmetic;
+    case KEY_ARITHMETIC:
+        o->arithmetics |= 1u << fp3_arguments_arithmetic_named(state, text);
         break;
-    }
     case KEY_JSON:
         o->json = text;
         break;

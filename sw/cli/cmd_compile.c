@@ -109,10 +109,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->def.compile.config = text;
         break;
     case 'k':
-        o->def.compile.is_compensated = 1;
+        fp3_arguments_arithmetic(state, &o->def.compile, FP3_COMPENSATED);
         break;
     case KEY_DOUBLE:
-        o->def.compile.is_double_single = 1;
+        fp3_arguments_arithmetic(state, &o->def.compile, FP3_DOUBLE_SINGLE);
         break;
     case KEY_TOLERANCE:
         fp3_run_adaptive_tolerance(&o->def, state, text);
@@ -162,9 +162,6 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
         fp3_arguments_model(state, o->model, o->def.is_model);
         fp3_run_adaptive_check(&o->def, 1, state);
-        if (o->def.compile.is_compensated && o->def.compile.is_double_single)
-            argp_error(state,
-                       "found both --compensated and --double-single, expected one arithmetic");
         o->def.is_model = 1;
         if (fp3_params_count(o->params) && !o->values)
             argp_error(state, "--set: values are of the host's, and go to --params FILE");

@@ -21,7 +21,7 @@ typedef struct {
     const char *program, *scene, *config, *integrator;
     uint64_t steps, objects;
     fp3_run_engine on;
-    int all, has_steps, is_compensated, is_model, allows_failures;
+    int all, has_steps, is_model, allows_failures;
     fp3_run_values values;
     fp3_run_record record;
     fp3_recording *recording; /* while it runs; else NULL */
@@ -149,11 +149,9 @@ static void check(const options *o, struct argp_state *state) {
     fp3_run_adaptive_check(&o->how, o->is_model, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
-    if ((o->integrator || o->is_compensated || o->how.compile.is_double_single) && !o->is_model)
+    if ((o->integrator || o->how.compile.arithmetic) && !o->is_model)
         argp_error(state, "--integrator, --compensated, --double-single: only a model (*.ode, or "
                           "--model) is compiled");
-    if (o->is_compensated && o->how.compile.is_double_single)
-        argp_error(state, "found both --compensated and --double-single, expected one arithmetic");
     if (o->scene && o->objects)
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->values.params))
@@ -184,10 +182,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->integrator = text;
         break;
     case 'k':
-        o->is_compensated = 1;
+        fp3_arguments_arithmetic(state, &o->how.compile, FP3_COMPENSATED);
         break;
     case KEY_DOUBLE:
-        o->how.compile.is_double_single = 1;
+        fp3_arguments_arithmetic(state, &o->how.compile, FP3_DOUBLE_SINGLE);
         break;
     case KEY_MODEL:
         o->is_model = 1;
@@ -437,7 +435,6 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     def.config = o->config ? o->config : o->is_model ? how.compile.config : def.config;
     how.is_model = o->is_model;
     how.compile.config = def.config;
-    how.compile.is_compensated = o->is_compensated;
     how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
     define(o, &def, error);

@@ -82,10 +82,10 @@ static fp3_status find_truth(comparison *k, fp3_error *error) {
 /* ---- fixed steps ---- */
 
 static fp3_status compile(const fp3_model *model, const fp3_integrator *integrator, int machine,
-                          int is_compensated, fp3_compiled **compiled, fp3_error *error) {
+                          fp3_arithmetic arithmetic, fp3_compiled **compiled, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = machines[machine];
-    def.is_compensated = is_compensated;
+    def.arithmetic = arithmetic;
     return fp3_compile(model, integrator, &def, compiled, error);
 }
 
@@ -100,8 +100,8 @@ static fp3_status climb(const comparison *k, const fp3_compiled *c, rival *r, fp
     return status;
 }
 
-static fp3_status add_rival(comparison *k, const fp3_integrator *integrator, int is_compensated,
-                            fp3_error *error) {
+static fp3_status add_rival(comparison *k, const fp3_integrator *integrator,
+                            fp3_arithmetic arithmetic, fp3_error *error) {
     rival *r = &k->rivals[k->rival_count];
     fp3_status status = FP3_OK;
     if (k->rival_count == RIVALS_MAX)
@@ -109,7 +109,7 @@ static fp3_status add_rival(comparison *k, const fp3_integrator *integrator, int
     strcpy(r->name, integrator->name);
     for (int machine = 0; !status && machine < MACHINES; machine++) {
         fp3_compiled *c = NULL;
-        status = compile(k->model, integrator, machine, is_compensated, &c, error);
+        status = compile(k->model, integrator, machine, arithmetic, &c, error);
         if (!status && machine == 0)
             status = climb(k, c, r, error);
         for (unsigned i = 0; !status && i < k->rungs; i++)
@@ -222,13 +222,13 @@ static fp3_status run(const comparison *k, const fp3_model *model, const fp3_com
 }
 
 static fp3_status make_row(const comparison *k, const fp3_integrator *integrator,
-                           int is_compensated, double tolerance, row *r, fp3_error *error) {
+                           fp3_arithmetic arithmetic, double tolerance, row *r, fp3_error *error) {
     fp3_model *model = NULL;
     *r = (row){.error = NAN};
     fp3_status status = adapt(k, tolerance, &model, error);
     for (int machine = 0; !status && machine < MACHINES; machine++) {
         fp3_compiled *c = NULL;
-        status = compile(model, integrator, machine, is_compensated, &c, error);
+        status = compile(model, integrator, machine, arithmetic, &c, error);
         for (int i = 0; !status && i < (k->def->is_quick ? 1 : ENGINES); i++)
             status = run(k, model, c, machine, i, r, error);
         fp3_compiled_free(&c);
@@ -269,18 +269,18 @@ static void put_fixed(const comparison *k, int machine, const char *name, const 
     json_object_set_new(o, key, fixed_of(k, machine, name, r));
 }
 
-static void put_row(comparison *k, const fp3_integrator *integrator, int is_compensated,
+static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithmetic arithmetic,
                     double tolerance, const row *r) {
-    const char *arithmetic = is_compensated ? "compensated" : "plain";
+    const char *name = fp3_arithmetic_of(arithmetic)->name;
     json_t *o = json_pack(
         "{s:s, s:s, s:s, s:o, s:o, s:I, s:I, s:I, s:I}", "model", k->model->name, "integrator",
-        integrator->name, "arithmetic", arithmetic, "tolerance", number(tolerance), "error",
+        integrator->name, "arithmetic", name, "tolerance", number(tolerance), "error",
         number(r->error), "accepted", (json_int_t)r->accepted, "rejected", (json_int_t)r->rejected,
         "mismatches", (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     fp3_progress_pause(k->def->progress);
     printf("%-12s %-12s %-11s %8.1e %8.1e %7" PRIu32 " %7" PRIu32 " %9.0f %9.0f", k->model->name,
-           integrator->name, arithmetic, tolerance, r->error, r->accepted, r->rejected,
-           r->cycles[SINGLE], r->cycles[MANY]);
+           integrator->name, name, tolerance, r->error, r->accepted, r->rejected, r->cycles[SINGLE],
+           r->cycles[MANY]);
     for (int machine = 0; machine < MACHINES; machine++)
         put_fixed(k, machine, integrator->name, r, o);
     printf(" | %" PRIu64 " of %" PRIu64 "%s%s\n", r->mismatches, r->compared,
@@ -296,20 +296,20 @@ static void put_row(comparison *k, const fp3_integrator *integrator, int is_comp
 }
 
 /* Calls what is to be done with each integrator. */
-typedef fp3_status each_fn(comparison *k, const fp3_integrator *integrator, int is_compensated,
-                           fp3_error *error);
+typedef fp3_status each_fn(comparison *k, const fp3_integrator *integrator,
+                           fp3_arithmetic arithmetic, fp3_error *error);
 
-static fp3_status compare_pair(comparison *k, const fp3_integrator *integrator, int is_compensated,
-                               fp3_error *error) {
+static fp3_status compare_pair(comparison *k, const fp3_integrator *integrator,
+                               fp3_arithmetic arithmetic, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (unsigned i = 0; !status && integrator->embedded_order && i < k->def->tolerance_count;
          i++) {
         const double tolerance = k->def->tolerances[i];
         row r;
         fp3_progress_say(k->def->progress, "%s, %g", integrator->name, tolerance);
-        status = make_row(k, integrator, is_compensated, tolerance, &r, error);
+        status = make_row(k, integrator, arithmetic, tolerance, &r, error);
         if (!status)
-            put_row(k, integrator, is_compensated, tolerance, &r);
+            put_row(k, integrator, arithmetic, tolerance, &r);
     }
     return status;
 }
@@ -319,7 +319,8 @@ static int is_default(const fp3_integrator *integrator) {
            !strcmp(integrator->name, "rk6");
 }
 
-static fp3_status for_each(comparison *k, each_fn *each, int is_compensated, fp3_error *error) {
+static fp3_status for_each(comparison *k, each_fn *each, fp3_arithmetic arithmetic,
+                           fp3_error *error) {
     const fp3_compare_adaptive_def *def = k->def;
     fp3_status status = FP3_OK;
     for (unsigned i = 0; !status; i++) {
@@ -331,7 +332,7 @@ static fp3_status for_each(comparison *k, each_fn *each, int is_compensated, fp3
             break;
         status = fp3_integrator_find(name, &integrator, error);
         if (!status && (def->integrator_count || is_default(integrator)))
-            status = each(k, integrator, is_compensated, error);
+            status = each(k, integrator, arithmetic, error);
         fp3_integrator_free(&integrator);
     }
     return status;
@@ -347,12 +348,12 @@ static fp3_status compare(comparison *k, fp3_error *error) {
                "integrator", "arithmetic", "toleran.", "error", "steps", "reject.", "single",
                "many", "single: fixed steps, ratio; its own", "many: fixed steps, ratio; its own",
                "mismatches");
-    for (int is_compensated = 0; !status && is_compensated < 2; is_compensated++) {
+    for (int i = FP3_PLAIN; !status && i <= FP3_COMPENSATED; i++) {
         k->rival_count = 0;
         fp3_progress_say(k->def->progress, "fixed steps");
-        status = for_each(k, add_rival, is_compensated, error);
+        status = for_each(k, add_rival, (fp3_arithmetic)i, error);
         if (!status)
-            status = for_each(k, compare_pair, is_compensated, error);
+            status = for_each(k, compare_pair, (fp3_arithmetic)i, error);
     }
     if (!status && k->mismatches)
         status = fp3_fail(error, FP3_E_MISMATCH, "%" PRIu64 " words do not agree", k->mismatches);

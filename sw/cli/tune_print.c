@@ -49,18 +49,19 @@ static void print_rows(const fp3_tuning *t) {
     for (size_t i = 0; i < t->row_count; i++) {
         const fp3_tune_row *r = &t->rows[i];
         if (is_tried(r))
-            printf("%-20s %-13s %9.*f %13s %9.2e %12.1f  %s%s\n", r->integrator, r->arithmetic,
-                   r->is_adaptive, r->is_adaptive ? r->attempts : (double)r->steps,
-                   step_of(r, text), r->error, r->cycles, i == t->best ? "the cheapest: " : "",
-                   r->why);
+            printf("%-20s %-13s %9.*f %13s %9.2e %12.1f  %s%s\n", r->integrator,
+                   fp3_arithmetic_of(r->arithmetic)->name, r->is_adaptive,
+                   r->is_adaptive ? r->attempts : (double)r->steps, step_of(r, text), r->error,
+                   r->cycles, i == t->best ? "the cheapest: " : "", r->why);
         else
-            printf("%-20s %-13s %9s %13s %9s %12s  %s%s\n", r->integrator, r->arithmetic, "-",
-                   r->is_adaptive ? "tol -" : "-", "-", "-", "", r->why);
+            printf("%-20s %-13s %9s %13s %9s %12s  %s%s\n", r->integrator,
+                   fp3_arithmetic_of(r->arithmetic)->name, "-", r->is_adaptive ? "tol -" : "-", "-",
+                   "-", "", r->why);
     }
 }
 
 static void print_choice(const fp3_tune_row *best, double baseline) {
-    printf("%-16s %s, %s, ", "chosen", best->integrator, best->arithmetic);
+    printf("%-16s %s, %s, ", "chosen", best->integrator, fp3_arithmetic_of(best->arithmetic)->name);
     if (best->is_adaptive)
         printf("adaptive steps, tolerance = %.9g, absolute = %.9g, %.1f attempts", best->tolerance,
                best->absolute, best->attempts);
@@ -121,7 +122,8 @@ fp3_status fp3_tune_print_judge(const fp3_tune_def *def, const fp3_tuning *t, fp
     return fp3_fail(error, FP3_E_FAILED,
                     "nothing meets the tolerance %g: the smallest error that was found is %.2e, by "
                     "%s, %s",
-                    def->tolerance, lowest->lowest, lowest->integrator, lowest->arithmetic);
+                    def->tolerance, lowest->lowest, lowest->integrator,
+                    fp3_arithmetic_of(lowest->arithmetic)->name);
 }
 
 /* ---- files ---- */
@@ -144,9 +146,9 @@ static json_t *tried(const fp3_tuning *t) {
     for (size_t i = 0; i < t->row_count; i++) {
         const fp3_tune_row *r = &t->rows[i];
         json_t *o = json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:s}", "integrator", r->integrator,
-                              "arithmetic", r->arithmetic, "adaptive", r->is_adaptive, "error",
-                              number(r->error), "lowest", number(r->lowest), "cycles",
-                              number(r->cycles), "why", r->why);
+                              "arithmetic", fp3_arithmetic_of(r->arithmetic)->name, "adaptive",
+                              r->is_adaptive, "error", number(r->error), "lowest",
+                              number(r->lowest), "cycles", number(r->cycles), "why", r->why);
         put_steps(o, r);
         json_array_append_new(rows, o);
     }
@@ -161,7 +163,7 @@ static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
         "s:o}",
         "model", def->program->model->name, "tolerance", def->tolerance, "config", def->config,
         "integrator", row ? json_string(row->integrator) : json_null(), "arithmetic",
-        row ? json_string(row->arithmetic) : json_null(), "error",
+        row ? json_string(fp3_arithmetic_of(row->arithmetic)->name) : json_null(), "error",
         row ? number(best ? best->error : row->lowest) : json_null(), "error_held_out",
         number(t->error_held_out), "cost_ratio",
         best ? number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met, "cycles",

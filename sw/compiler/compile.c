@@ -64,10 +64,14 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->bound_path = s->bound_path;
     made->passes = k->options.passes;
     made->order = k->p.fit.order;
-    made->is_double_single = k->options.is_double_single;
+    made->arithmetic = k->options.arithmetic;
 }
 
 /* ---- all of it ---- */
+
+static unsigned asked(const fp3_compile_def *def) {
+    return def->passes | fp3_arithmetic_of(def->arithmetic)->passes;
+}
 
 /* The step that the equations mean: no pass that keeps the bits, except that dead states stay dead, and a
  * coefficient 0 has no term. */
@@ -98,7 +102,7 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     if (!status)
         status = fp3_pipeline_run(&k->p, model, integrator, &k->options, error);
     if (!status)
-        status = make_reference(k, model, integrator, def->passes, error);
+        status = make_reference(k, model, integrator, asked(def), error);
     if (status)
         return status;
     fill(k, made);
@@ -128,9 +132,8 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     k->options = (fp3_options){.config = config,
-                               .passes = fp3_options_usable(def->passes, config),
-                               .is_compensated = def->is_compensated,
-                               .is_double_single = def->is_double_single,
+                               .passes = fp3_options_usable(asked(def), config),
+                               .arithmetic = def->arithmetic,
                                .has_notes = 1};
     made->self = k;
     status = compile(k, model, integrator, def, made, error);

@@ -143,12 +143,10 @@ static void put_part(const fp3_step *step, const fp3_names *names, const char *l
 
 static void put_head(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
                      const fp3_options *options, const fp3_title *title, FILE *out) {
-    fprintf(out, "# %s by %s%s, for configuration '%s'. Compiled by fp3.\n", step->model->name,
-            title->integrator,
-            options->is_compensated     ? ", compensated"
-            : options->is_double_single ? ", double-single"
-                                        : "",
-            options->config->name);
+    const int is_plain = options->arithmetic == FP3_PLAIN;
+    fprintf(out, "# %s by %s%s%s, for configuration '%s'. Compiled by fp3.\n", step->model->name,
+            title->integrator, is_plain ? "" : ", ",
+            is_plain ? "" : fp3_arithmetic_of(options->arithmetic)->text, options->config->name);
     if (*step->model->doc)
         fprintf(out, "# %s\n", step->model->doc);
     fprintf(out, "#\n# Order %u. %" PRIu32 " operations in %" PRIu32 " instructions", title->order,

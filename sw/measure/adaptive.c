@@ -3,8 +3,6 @@
 
 #include "run.h"
 
-#include "bench/variants.h"
-
 #include <fp3/adaptive.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,8 +14,8 @@
 #define ERROR_MOST 0.5
 #define SAMPLE_SECONDS                                                                             \
     0.2 /* the run that finds the error takes no longer; the next may take ten times as many */
-#define HARDWARE_MOST 3e5  /* instructions of a run under Verilator */
-#define ARITHMETIC_COUNT 2 /* those that adaptive steps have: plain, compensated */
+#define HARDWARE_MOST 3e5 /* instructions of a run under Verilator */
+#define ARITHMETIC_LAST FP3_COMPENSATED
 
 /* One integrator in one arithmetic. */
 struct fp3_measure_adaptive {
@@ -34,7 +32,7 @@ typedef struct {
     fp3_measure_machines *machines;
     fp3_measure_adaptive *own;
     const fp3_integrator *integrator;
-    const fp3_bench_arithmetic *arithmetic;
+    fp3_arithmetic arithmetic;
     fp3_compiled *compiled; /* for CONFIG */
     double tolerance;
     double *ends;    /* of the variants with it */
@@ -94,7 +92,7 @@ static void close_run(fp3_measure_point *point) { free(point->self); }
 static fp3_measure_point blank(const family *f, const char *engine, const char *config) {
     return (fp3_measure_point){.engine = engine,
                                .integrator = f->own->name,
-                               .arithmetic = f->arithmetic->name,
+                               .arithmetic = fp3_arithmetic_of(f->arithmetic)->name,
                                .config = config,
                                .tolerance = f->tolerance,
                                .problem = f->problem};
@@ -161,7 +159,7 @@ static fp3_status compile(const family *f, const char *config, fp3_compiled **co
                           fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
-    def.is_compensated = f->arithmetic->is_compensated;
+    def.arithmetic = f->arithmetic;
     *compiled = NULL;
     const fp3_status status = fp3_compile(f->own->model, f->integrator, &def, compiled, error);
     if (status == FP3_E_PROGRAM || status == FP3_E_LIMIT) {
@@ -291,7 +289,7 @@ static fp3_status add_family(family *f, const char *name, fp3_measure_adaptive *
     if (status || !is_fit)
         return status;
     fp3_measure_points_say(f->points, "%s: %s, %s", f->problem->model->name, f->own->name,
-                           f->arithmetic->name);
+                           fp3_arithmetic_of(f->arithmetic)->name);
     f->ends = calloc(room(f->problem), sizeof *f->ends);
     status = f->ends ? compile(f, CONFIG, &f->compiled, error)
                      : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -307,14 +305,15 @@ static fp3_status add_integrator(const family *shared, const char *name,
                                  fp3_measure_adaptive **list, fp3_error *error) {
     fp3_integrator *integrator = NULL;
     fp3_status status = fp3_integrator_find(name, &integrator, error);
-    for (int i = 0; !status && integrator->embedded_order && i < ARITHMETIC_COUNT; i++) {
+    for (int i = 0; !status && integrator->embedded_order && i <= ARITHMETIC_LAST; i++) {
         family f = *shared;
         f.integrator = integrator;
-        f.arithmetic = &fp3_bench_arithmetics[i];
+        f.arithmetic = (fp3_arithmetic)i;
         status = add_family(&f, name, list, error);
         if (status) {
             const fp3_error why = *error;
-            fp3_fail(error, status, "%s adaptive, %s: %s", name, f.arithmetic->name, why.text);
+            fp3_fail(error, status, "%s adaptive, %s: %s", name,
+                     fp3_arithmetic_of(f.arithmetic)->name, why.text);
         }
     }
     fp3_integrator_free(&integrator);

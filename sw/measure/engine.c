@@ -7,8 +7,6 @@
 
 #include "run.h"
 
-#include "bench/variants.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -37,7 +35,7 @@ typedef struct {
     fp3_measure_machines *machines;
     const char *name; /* of the integrator */
     const fp3_integrator *integrator;
-    const fp3_bench_arithmetic *arithmetic;
+    fp3_arithmetic arithmetic;
     fp3_compiled *compiled;     /* for CONFIG */
     int is_solved;              /* by some time step ... */
     unsigned first;             /* ... of which this is the largest: its rung */
@@ -158,7 +156,7 @@ static fp3_status sample(family *f, fp3_error *error) {
 static fp3_measure_point blank(const family *f, const char *engine, const char *config) {
     return (fp3_measure_point){.engine = engine,
                                .integrator = f->name,
-                               .arithmetic = f->arithmetic->name,
+                               .arithmetic = fp3_arithmetic_of(f->arithmetic)->name,
                                .config = config,
                                .problem = f->problem};
 }
@@ -214,9 +212,7 @@ static fp3_status compile(const family *f, const char *engine, const char *confi
                           fp3_compiled **compiled, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
-    def.is_compensated = f->arithmetic->is_compensated;
-    def.is_double_single = f->arithmetic->is_double_single;
-    def.passes |= f->arithmetic->passes;
+    def.arithmetic = f->arithmetic;
     *compiled = NULL;
     const fp3_status status = fp3_compile(f->problem->model, f->integrator, &def, compiled, error);
     if (status == FP3_E_PROGRAM || status == FP3_E_LIMIT) {
@@ -279,19 +275,20 @@ static fp3_status add_family(family *f, fp3_error *error) {
 static fp3_status add_integrator(family *shared, const char *name, fp3_error *error) {
     fp3_integrator *integrator = NULL;
     fp3_status status = fp3_integrator_find(name, &integrator, error);
-    for (int i = 0; !status && i < FP3_BENCH_ARITHMETICS; i++) {
+    for (int i = 0; !status && i < FP3_ARITHMETICS; i++) {
         family f = *shared;
         f.integrator = integrator;
-        f.arithmetic = &fp3_bench_arithmetics[i];
+        f.arithmetic = (fp3_arithmetic)i;
         f.name = name;
-        if (!fp3_bench_applies(f.arithmetic, integrator))
+        if (!fp3_arithmetic_applies(f.arithmetic, integrator, 0))
             continue;
         fp3_measure_points_say(f.points, "%s: %s, %s", f.problem->model->name, name,
-                               f.arithmetic->name);
+                               fp3_arithmetic_of(f.arithmetic)->name);
         status = add_family(&f, error);
         if (status) {
             const fp3_error why = *error;
-            fp3_fail(error, status, "%s, %s: %s", name, f.arithmetic->name, why.text);
+            fp3_fail(error, status, "%s, %s: %s", name, fp3_arithmetic_of(f.arithmetic)->name,
+                     why.text);
         }
     }
     fp3_integrator_free(&integrator);

@@ -131,7 +131,7 @@ static void add_life(fp3_columns *columns) {
 static fp3_status make_room(const fp3_program *program, size_t objects, fp3_columns *columns,
                             fp3_error *error) {
     const size_t states = program->model ? program->model->state_count + 1u : 0;
-    const int is_double = program->compiled && program->compiled->is_double_single;
+    const int is_double = program->compiled && program->compiled->arithmetic == FP3_DOUBLE_SINGLE;
     const size_t words = is_double ? 2 * (states + 1) : states;
     const size_t most = BLOCKS_BYTES / (sizeof(double) * columns->count + sizeof(float) * words);
     fp3_status status = FP3_OK;

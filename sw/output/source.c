@@ -12,7 +12,7 @@ static fp3_status take_h(fp3_source *source, double given, fp3_error *error) {
         return fp3_fail(error, FP3_E_ARGUMENT, "'h' is %.9g: expected %s", given, expected);
     source->has_time = 1;
     source->h = (double)h;
-    if (source->program->compiled && source->program->compiled->is_double_single)
+    if (source->program->compiled && source->program->compiled->arithmetic == FP3_DOUBLE_SINGLE)
         source->h += (double)(float)(given - (double)h);
     source->h_given = given;
     return FP3_OK;

@@ -100,24 +100,39 @@ static fp3_status read_flag(const reader *r, const config_setting_t *from, const
     return setting ? fp3_setting_flag(&r->in, setting, name, flag) : FP3_OK;
 }
 
+/* A flag for each that is not plain. One that is nothing but passes goes with any other. */
+static fp3_status read_arithmetic(const reader *r, const config_setting_t *from,
+                                  fp3_compile_def *how, int *is_given) {
+    fp3_status status = FP3_OK;
+    for (int i = FP3_PLAIN + 1; !status && i < FP3_ARITHMETICS; i++) {
+        const fp3_arithmetic_facts *facts = fp3_arithmetic_of((fp3_arithmetic)i);
+        int is_on = 0;
+        status = read_flag(r, from, facts->name, &is_on, is_given);
+        if (status || !is_on)
+            continue;
+        how->passes |= facts->passes;
+        if (!facts->passes && how->arithmetic != FP3_PLAIN)
+            return fp3_setting_wrong(&r->in, config_setting_get_member(from, facts->name),
+                                     "found both %s and %s, expected one arithmetic",
+                                     fp3_arithmetic_of(how->arithmetic)->name, facts->name);
+        if (!facts->passes)
+            how->arithmetic = (fp3_arithmetic)i;
+    }
+    return status;
+}
+
 /* What a model is compiled with; nothing else is. */
 static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_scene_group *to,
                            char **integrator, fp3_program_def *def) {
-    int is_given = 0, is_folded = 0;
+    int is_given = 0;
     fp3_compile_def *how = &def->compile;
     fp3_status status = read_integrator(r, from, integrator, &to->integrator_file);
     if (!status)
-        status = read_flag(r, from, "compensated", &how->is_compensated, &is_given);
-    if (!status)
-        status = read_flag(r, from, "double_single", &how->is_double_single, &is_given);
-    if (!status)
-        status = read_flag(r, from, "folded", &is_folded, &is_given);
+        status = read_arithmetic(r, from, how, &is_given);
     if (!status && !fp3_program_is_model(to->path) && (*integrator || is_given))
         status = fp3_setting_wrong(
             &r->in, from,
             "integrator, compensated, double_single, folded: only a model (*.ode) is compiled");
-    if (is_folded)
-        how->passes |= FP3_PASS(FP3_PASS_FOLD_STEP) | FP3_PASS(FP3_PASS_FOLD_PRODUCT);
     if (!status)
         status = fp3_scene_adaptive_read(&r->in, from, def);
     if (!status && def->is_adaptive && !fp3_program_is_model(to->path))

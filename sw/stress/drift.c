@@ -66,7 +66,7 @@ static void plan(drift *d) {
 }
 
 /* Two words have the numbers as they are. */
-static int is_pair(const drift *d) { return d->arithmetic->update->is_double_single; }
+static int is_pair(const drift *d) { return d->arithmetic->update == FP3_DOUBLE_SINGLE; }
 
 /* Along the way. */
 static double ahead(const double *start, double t, const double *row) {
@@ -173,7 +173,8 @@ static double walk(const drift *d) {
     /* The k of a linearly implicit method solve n linear equations: a backward error of 3 n roundings (Higham, theorem
      * 9.4). */
     const double of_k = d->trial->run->kind == FP3_ROSENBROCK ? 3 * FP3_KEPLER_STATES : 1;
-    const double each = d->arithmetic->update->is_compensated ? all * of_k * d->h + 0x1p-22 : all;
+    const double each =
+        d->arithmetic->update == FP3_COMPENSATED ? all * of_k * d->h + 0x1p-22 : all;
     return d->trial->run->kind == FP3_STOERMER ? each / d->h : each;
 }
 
@@ -247,7 +248,7 @@ static fp3_status judge_spread(drift *d, fp3_error *error) {
 
 /* Whether the roundings of successive steps are: see steps.c. */
 static int is_independent(const drift *d) {
-    return !is_pair(d) && !d->arithmetic->update->is_compensated && d->h * d->h > 0x1p-23;
+    return !is_pair(d) && d->arithmetic->update != FP3_COMPENSATED && d->h * d->h > 0x1p-23;
 }
 
 /* How far ahead since the first orbit, within which a method errs to and fro: mean and spread over the objects. */

@@ -51,8 +51,8 @@ fp3_status fp3_section_failures(const fp3_trial *trial, fp3_error *error) {
     for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++) {
         const fp3_lab_arithmetic *how = &fp3_lab_arithmetics[i];
         status = judge(trial, how, 0x1p20, "2^20 doubled",
-                       how->update->is_double_single ? "object 437 in step 97: overflow"
-                                                     : "object 437 in step 108: overflow",
+                       how->update == FP3_DOUBLE_SINGLE ? "object 437 in step 97: overflow"
+                                                        : "object 437 in step 108: overflow",
                        error);
         if (!status)
             status = judge(trial, how, NAN, "NaN",

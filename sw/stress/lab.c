@@ -11,11 +11,11 @@
 #define CONFIG "many_full"
 
 const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
-    {"plain", &fp3_bench_arithmetics[0], 0, 0},
-    {"compensated", &fp3_bench_arithmetics[1], 0, 0},
-    {"flushed", &fp3_bench_arithmetics[0], 1, 0},
-    {"truncated", &fp3_bench_arithmetics[0], 0, 1},
-    {"double_single", &fp3_bench_arithmetics[3], 0, 0},
+    {"plain", FP3_PLAIN, 0, 0},
+    {"compensated", FP3_COMPENSATED, 0, 0},
+    {"flushed", FP3_PLAIN, 1, 0},
+    {"truncated", FP3_PLAIN, 0, 1},
+    {"double_single", FP3_DOUBLE_SINGLE, 0, 0},
 };
 
 struct fp3_lab {
@@ -61,9 +61,7 @@ static fp3_status make(fp3_lab *lab, fp3_error *error) {
     const fp3_lab_def *def = &lab->def;
     fp3_compile_def how = fp3_compile_default();
     how.config = CONFIG;
-    how.is_compensated = def->arithmetic->update->is_compensated;
-    how.is_double_single = def->arithmetic->update->is_double_single;
-    how.passes |= def->arithmetic->update->passes;
+    how.arithmetic = def->arithmetic->update;
     lab->params = calloc(def->objects * def->model->param_count + 1, sizeof *lab->params);
     lab->initial = calloc(def->objects * def->model->state_count + 1, sizeof *lab->initial);
     lab->column = calloc(def->objects, sizeof *lab->column);

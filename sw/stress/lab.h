@@ -9,15 +9,13 @@
 #ifndef FP3_LAB_H
 #define FP3_LAB_H
 
-#include "bench/variants.h"
-
 #include <fp3/compile.h>
 #include <fp3/engine.h>
 
 /* How a state is updated, and how the machine rounds. */
 typedef struct {
     const char *name;
-    const fp3_bench_arithmetic *update;
+    fp3_arithmetic update;
     int is_flushed;   /* no gradual underflow */
     int is_truncated; /* rounds to zero */
 } fp3_lab_arithmetic;

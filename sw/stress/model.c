@@ -191,7 +191,7 @@ static fp3_status judge_curve(const subject *s, const fp3_ladder *ladder, double
     v.measured = c.noise[last];
     if (!status && isfinite(v.measured))
         status = fp3_verdicts_add(s->trial->verdicts, &v, error);
-    if (!status && s->arithmetic->update->is_compensated) {
+    if (!status && s->arithmetic->update == FP3_COMPENSATED) {
         v = fp3_trial_verdict(s->trial, "steps", s->model->name, s->arithmetic,
                               "smallest error, at most that of plain updates");
         v.relation = FP3_AT_MOST;

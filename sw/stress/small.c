@@ -50,16 +50,16 @@ static fp3_status move(const fp3_trial *trial, const fp3_lab_arithmetic *how, do
 static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *how,
                              fp3_error *error) {
     const double half = 0x1p-24, unit = 0x1p-23;
-    const int is_pair = how->update->is_double_single;
+    const int is_pair = how->update == FP3_DOUBLE_SINGLE;
     double largest, off;
     fp3_status status = move(trial, how, how->is_truncated ? unit : half, &largest, &off, error);
     fp3_verdict v =
         fp3_trial_verdict(trial, "stagnation", "move", how, "%s%s",
-                          is_pair || how->update->is_compensated
+                          is_pair || how->update == FP3_COMPENSATED
                               ? "x' = a below half a unit, off after 4096 steps, in units"
                               : "largest h f that leaves x = 1 where it is, in units of 2^-24",
                           is_pair ? " of 2^-48" : "");
-    if (is_pair || how->update->is_compensated) {
+    if (is_pair || how->update == FP3_COMPENSATED) {
         v.relation = FP3_AT_MOST;
         v.expected = is_pair ? 0 : 0.5; /* the sum, rounded once */
         v.measured = is_pair ? off * 0x1p25 : off;
@@ -107,10 +107,10 @@ static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *h
     v.expected = 1;
     for (size_t i = 0; !status && i < OBJECTS; i++) {
         const double *at = fp3_lab_params(rig.lab, i);
-        const double rounding = how->update->is_double_single ? 5 * 0x1p-48
-                                : how->is_truncated           ? 0x1p-23
-                                                              : 0x1p-24;
-        const double stops = how->update->is_compensated ? 0 : rounding / (CALM_STEP * at[1]);
+        const double rounding = how->update == FP3_DOUBLE_SINGLE ? 5 * 0x1p-48
+                                : how->is_truncated              ? 0x1p-23
+                                                                 : 0x1p-24;
+        const double stops = how->update == FP3_COMPENSATED ? 0 : rounding / (CALM_STEP * at[1]);
         const double bound = 2 * (stops + 2 * rounding) * at[0] / at[1];
         v.measured = fmax(v.measured, fabs(x[i] - at[0] / at[1]) / bound);
     }
@@ -185,7 +185,7 @@ static fp3_status judge_decay(const fp3_trial *trial, const fp3_lab_arithmetic *
 fp3_status fp3_section_subnormal(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
-        if (!fp3_lab_arithmetics[i].update->is_compensated)
+        if (fp3_lab_arithmetics[i].update != FP3_COMPENSATED)
             status = judge_decay(trial, &fp3_lab_arithmetics[i], error);
     return status;
 }

@@ -94,7 +94,7 @@ static unsigned best_of(const curve *c) {
 
 /* Two words have the numbers as they are. */
 static fp3_trial_numbers numbers_of(const curve *c) {
-    return c->arithmetic->update->is_double_single ? FP3_TRIAL_UNROUNDED : FP3_TRIAL_ROUNDED;
+    return c->arithmetic->update == FP3_DOUBLE_SINGLE ? FP3_TRIAL_UNROUNDED : FP3_TRIAL_ROUNDED;
 }
 
 /* The error of the same steps in double, by the numbers that the program has, of the first EXACT objects. */
@@ -129,7 +129,7 @@ static fp3_status exact_slope(const curve *c, fp3_rig *rig, unsigned from, unsig
 }
 
 static int loses_nothing(const curve *c) {
-    return c->arithmetic->update->is_double_single || c->arithmetic->update->is_compensated;
+    return c->arithmetic->update == FP3_DOUBLE_SINGLE || c->arithmetic->update == FP3_COMPENSATED;
 }
 
 /* What roundings make of the error at least (drift.c): see below. */
@@ -173,7 +173,7 @@ static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
  * the oscillation. Double-single rounds as plain updates do, at the end of its second word; Stoermer's method takes
  * that for a rounding of h v. */
 static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
-    const int is_pair = c->arithmetic->update->is_double_single, last = (int)c->count - 1;
+    const int is_pair = c->arithmetic->update == FP3_DOUBLE_SINGLE, last = (int)c->count - 1;
     const int is_stoermer = c->trial->run->kind == FP3_STOERMER, is_walk = is_pair || is_stoermer;
     const double unit = is_pair ? HALF_UNIT * HALF_UNIT : HALF_UNIT;
     const double pairs =
@@ -242,7 +242,7 @@ static fp3_status judge_right(const curve *c, fp3_error *error) {
 /* Nothing here is subnormal, so short time steps show nothing new flushed; those of double-single are long. */
 static unsigned rungs_of(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic,
                          int is_driven) {
-    const int is_pair = arithmetic->update->is_double_single;
+    const int is_pair = arithmetic->update == FP3_DOUBLE_SINGLE;
     if (trial->options->is_quick)
         return is_pair ? RUNGS_LEAST : RUNGS_QUICK;
     return is_driven || is_pair || arithmetic->is_flushed ? RUNGS_QUICK : RUNGS;

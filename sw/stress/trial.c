@@ -54,7 +54,7 @@ double fp3_trial_slope(const double *x, const double *y, size_t count) {
 }
 
 int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status) {
-    return status == FP3_E_PROGRAM && arithmetic->update->is_double_single;
+    return status == FP3_E_PROGRAM && arithmetic->update == FP3_DOUBLE_SINGLE;
 }
 
 fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbers numbers,

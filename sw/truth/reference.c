@@ -189,6 +189,6 @@ fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *
                                     const double *initial, double h, const uint64_t *steps,
                                     size_t count, double *states, fp3_error *error) {
     const fp3_compilation *k = compiled->self;
-    const rounding rounding = k->options.is_double_single ? EXACT : INPUTS_ROUNDED;
+    const rounding rounding = k->options.arithmetic == FP3_DOUBLE_SINGLE ? EXACT : INPUTS_ROUNDED;
     return run(&k->reference, params, initial, h, rounding, steps, count, states, NULL, error);
 }

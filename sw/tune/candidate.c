@@ -21,9 +21,7 @@ static fp3_status compile(const fp3_candidate *c, const fp3_model *model, const 
                           fp3_compiled **compiled, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
-    def.is_compensated = c->arithmetic->is_compensated;
-    def.is_double_single = c->arithmetic->is_double_single;
-    def.passes |= c->arithmetic->passes;
+    def.arithmetic = c->arithmetic;
     return fp3_compile(model, c->integrator, &def, compiled, error);
 }
 

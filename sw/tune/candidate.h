@@ -2,12 +2,12 @@
 #ifndef FP3_TUNE_CANDIDATE_H
 #define FP3_TUNE_CANDIDATE_H
 
-#include "bench/variants.h"
+#include <fp3/compile.h>
 
 /* An integrator with an arithmetic, and fixed or adaptive steps. */
 typedef struct {
     fp3_integrator *integrator;
-    const fp3_bench_arithmetic *arithmetic;
+    fp3_arithmetic arithmetic;
     int is_adaptive;
     fp3_model *adapted;     /* what the programs are of, if it is */
     fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */

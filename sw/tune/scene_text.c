@@ -24,9 +24,9 @@ static void put_values(FILE *to, const fp3_params *params, int is_spread) {
     fprintf(to, " };\n");
 }
 
-static void put_arithmetic(FILE *to, const char *arithmetic) {
-    if (strcmp(arithmetic, "plain") != 0)
-        fprintf(to, "            %s = true;\n", arithmetic); /* a setting has its name */
+static void put_arithmetic(FILE *to, fp3_arithmetic arithmetic) {
+    if (arithmetic != FP3_PLAIN)
+        fprintf(to, "            %s = true;\n", fp3_arithmetic_of(arithmetic)->name);
 }
 
 /* A string of libconfig. */

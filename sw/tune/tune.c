@@ -167,10 +167,8 @@ static int compare_candidates(const void *a, const void *b) {
     return is_rk4 - (strcmp(x->integrator->name, "rk4") == 0);
 }
 
-/* Adaptive steps are made with an estimate of their error, and with h that is not known beforehand. */
 static int is_candidate(const fp3_candidate *c) {
-    return c->is_adaptive ? c->integrator->embedded_order && !c->arithmetic->passes
-                          : fp3_bench_applies(c->arithmetic, c->integrator);
+    return fp3_arithmetic_applies(c->arithmetic, c->integrator, c->is_adaptive);
 }
 
 static fp3_status list_candidates(tuner *k) {
@@ -178,7 +176,7 @@ static fp3_status list_candidates(tuner *k) {
     fp3_status status = FP3_OK;
     while (fp3_integrator_name((unsigned)names))
         names++;
-    const size_t most = names * FP3_BENCH_ARITHMETICS * 2;
+    const size_t most = names * FP3_ARITHMETICS * 2;
     k->candidates = calloc(most, sizeof *k->candidates);
     k->t->rows = calloc(most, sizeof *k->t->rows);
     if (!k->candidates || !k->t->rows)
@@ -187,7 +185,7 @@ static fp3_status list_candidates(tuner *k) {
         fp3_candidate *c = &k->candidates[count];
         status = fp3_integrator_find(fp3_integrator_name((unsigned)(i % names)), &c->integrator,
                                      k->error);
-        c->arithmetic = &fp3_bench_arithmetics[i / names % FP3_BENCH_ARITHMETICS];
+        c->arithmetic = (fp3_arithmetic)(i / names % FP3_ARITHMETICS);
         c->is_adaptive = i >= most / 2;
         if (!status && !is_candidate(c))
             fp3_candidate_free(c);
@@ -201,7 +199,7 @@ static fp3_status list_candidates(tuner *k) {
 
 static void name_row(const fp3_candidate *c, fp3_tune_row *row) {
     snprintf(row->integrator, sizeof row->integrator, "%s", c->integrator->name);
-    row->arithmetic = c->arithmetic->name;
+    row->arithmetic = c->arithmetic;
     row->is_adaptive = c->is_adaptive;
     row->lowest = row->error = INFINITY;
 }
@@ -235,9 +233,9 @@ static const fp3_tune_row *plain_of(const tuner *k, size_t i) {
 /* Where plain steps failed by far more than rounding, the method did: an arithmetic that rounds less and
  * costs more has fewer steps for the same cycles, and fails, too. */
 static int is_the_method(tuner *k, size_t i, double target) {
-    const fp3_bench_arithmetic *how = k->candidates[i].arithmetic;
+    const fp3_arithmetic how = k->candidates[i].arithmetic;
     const fp3_tune_row *plain = plain_of(k, i);
-    if (k->candidates[i].is_adaptive || !(how->is_compensated || how->is_double_single) ||
+    if (k->candidates[i].is_adaptive || (how != FP3_COMPENSATED && how != FP3_DOUBLE_SINGLE) ||
         k->t->best == k->t->row_count || plain->is_met || plain->looks != 1 ||
         !(plain->error > METHOD * target))
         return 0;
@@ -262,8 +260,8 @@ static fp3_status try_one(tuner *k, size_t i, double target) {
         .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
         .cheaper = t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
     char text[80];
-    snprintf(text, sizeof text, "%s, %s%s", row->integrator, row->arithmetic,
-             row->is_adaptive ? ", adaptive" : "");
+    snprintf(text, sizeof text, "%s, %s%s", row->integrator,
+             fp3_arithmetic_of(row->arithmetic)->name, row->is_adaptive ? ", adaptive" : "");
     say(k, text);
     if (is_the_method(k, i, target))
         return FP3_OK;

@@ -171,7 +171,7 @@ static void compile(const fp3_model *m) {
     def.config = configs[choice / 7 % 8];
     if (m->expr_count > 100 && !strcmp(def.config, "single_full"))
         def.config = "many_full"; /* whose schedule takes a tenth of the time */
-    def.is_compensated = choice / 56 & 1;
+    def.arithmetic = choice / 56 & 1 ? FP3_COMPENSATED : FP3_PLAIN;
     def.passes ^= choice / 112 & 0x1ff & (choice >> 16);
     const fp3_status status = fp3_compile(m, integrator, &def, &compiled, &error);
     REQUIRE(status == (compiled ? FP3_OK : FP3_E_PROGRAM) || status == FP3_E_ARGUMENT);

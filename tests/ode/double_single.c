@@ -190,7 +190,7 @@ static int check_refused(float a, float b, int nearest, int subnormal, const cha
     execute(&o, words, r, NULL);
     fp3_execute_end(&callers);
     const int is_exact = (quad)r[0] + (quad)r[1] == (quad)a + (quad)b;
-    const fp3_options options = {.config = &o.config, .is_double_single = 1};
+    const fp3_options options = {.config = &o.config, .arithmetic = FP3_DOUBLE_SINGLE};
     const int is_told =
         fp3_double_check(&options, &error) == FP3_E_PROGRAM && strstr(error.text, message);
     printf("%s: %s\n", message,

@@ -60,9 +60,9 @@ static int compile(bench *b, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
     def.config = b->j->config;
     def.passes = b->j->passes | FP3_PASS(FP3_PASS_ZERO); /* 0 k is not 0 where k is infinite */
-    def.is_compensated = b->j->arithmetic == 1;
-    def.is_double_single = b->j->arithmetic == 2;
-    if (def.is_double_single)
+    static const fp3_arithmetic arithmetics[] = {FP3_PLAIN, FP3_COMPENSATED, FP3_DOUBLE_SINGLE};
+    def.arithmetic = arithmetics[b->j->arithmetic];
+    if (def.arithmetic == FP3_DOUBLE_SINGLE)
         def.passes &= ~FP3_PASS(FP3_PASS_EXACT_DIVISION); /* is refused there */
     strcpy(names, b->j->observed);
     if (strcmp(names, "all") != 0) {

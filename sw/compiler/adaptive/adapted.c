@@ -12,15 +12,16 @@
 #define ABSOLUTE_LEAST 0x1p-100 /* its reciprocal, squared with an error of its size, is in range */
 
 static fp3_status check_tolerance(double tolerance, const fp3_options *options, fp3_error *error) {
-    const double least = options->is_double_single ? TOLERANCE_LEAST_DOUBLE
-                         : options->is_compensated ? TOLERANCE_LEAST_COMPENSATED
-                                                   : TOLERANCE_LEAST;
+    const double least = options->arithmetic == FP3_DOUBLE_SINGLE ? TOLERANCE_LEAST_DOUBLE
+                         : options->arithmetic == FP3_COMPENSATED ? TOLERANCE_LEAST_COMPENSATED
+                                                                  : TOLERANCE_LEAST;
     if (tolerance >= least && tolerance <= 1)
         return FP3_OK;
     return fp3_fail(error, FP3_E_ARGUMENT,
                     "'tolerance' is %.9g: expected a number from %.3g, %s, to 1", tolerance, least,
-                    options->is_double_single ? "which the estimate of double-single can tell"
-                    : options->is_compensated
+                    options->arithmetic == FP3_DOUBLE_SINGLE
+                        ? "which the estimate of double-single can tell"
+                    : options->arithmetic == FP3_COMPENSATED
                         ? "which a compensated update can keep"
                         : "to which FP32 rounds a state in each step (compensated: 7.45e-09)");
 }

@@ -216,7 +216,7 @@ static void select_states(const fp3_advance *a) {
         g->note = fp3_note(&a->step->notes, "%s, if the step is accepted", fp3_advance_name(a, s));
         const uint32_t y = fp3_advance_held(a, g, ROLE_STATE, s).node;
         a->now[s] = fp3_term(sel(g, a->is_good, fp3_term_value(g, a->now[s]), y));
-        if (!a->options->is_compensated)
+        if (a->options->arithmetic != FP3_COMPENSATED)
             continue;
         g->note = fp3_note(&a->step->notes, "what is lost of %s", fp3_advance_name(a, s));
         const uint32_t lost = fp3_advance_held(a, g, ROLE_LOST, s).node;

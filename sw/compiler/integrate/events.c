@@ -24,7 +24,7 @@ static void set(const fp3_advance *a, const fp3_event *event, uint32_t state, ui
     const char *name = fp3_advance_name(a, state);
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": new %s", event->line, name);
     a->now[state] = fp3_term(chosen(g, condition, value, a->now[state]));
-    if (!a->options->is_compensated)
+    if (a->options->arithmetic != FP3_COMPENSATED)
         return;
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": what is lost of %s", event->line, name);
     const term none = fp3_term(fp3_dag_number(g, 0));

@@ -30,13 +30,13 @@ static int add_variables(const fp3_advance *a, role role, int positions, int oth
 /* States first: the host finds them where the model has them. */
 static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
     const int is_stoermer = a->integrator->kind == FP3_STOERMER;
-    const int has_lost = a->options->is_compensated;
+    const int has_lost = a->options->arithmetic == FP3_COMPENSATED;
     if (!add_variables(a, ROLE_STATE, 1, 1) ||
         !add_variables(a, ROLE_LOST, has_lost, has_lost && !is_stoermer) ||
         !add_variables(a, ROLE_BEFORE, is_stoermer, 0) ||
         !add_variables(a, ROLE_LOST_BEFORE, is_stoermer && has_lost, 0) ||
         (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)) ||
-        (a->is_adaptive && !a->options->is_double_single &&
+        (a->is_adaptive && a->options->arithmetic != FP3_DOUBLE_SINGLE &&
          !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))))
         return no_memory(error);
     for (uint32_t i = 0; i < a->step->variable_count; i++) {
@@ -120,7 +120,7 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     free(a.slope);
     if (!status)
         status = fp3_step_check(step, error);
-    if (status || !options->is_double_single)
+    if (status || options->arithmetic != FP3_DOUBLE_SINGLE)
         return status;
     status = fp3_double_step(step, error);
     return status ? status : fp3_step_check(step, error);

@@ -49,7 +49,7 @@ static term coefficient(const runge_kutta *r, double c) {
  * what an update loses is kept: it is that of the whole increment. */
 static int has_own_weights(const runge_kutta *r) {
     return fp3_has_pass(r->a->options, FP3_PASS_OWN_WEIGHTS) && !r->a->is_adaptive &&
-           !r->a->options->is_compensated;
+           r->a->options->arithmetic != FP3_COMPENSATED;
 }
 
 /* ---- sums of slopes ---- */

@@ -10,7 +10,7 @@ static term state_at_begin(lowering *l, uint32_t state) {
 static term way_from_before(const fp3_advance *a, dag *g, uint32_t s) {
     const term way = fp3_term_sub(g, fp3_advance_held(a, g, ROLE_STATE, s),
                                   fp3_advance_held(a, g, ROLE_BEFORE, s));
-    return !a->options->is_compensated
+    return a->options->arithmetic != FP3_COMPENSATED
                ? way
                : fp3_term_sub(g, way,
                               fp3_term_sub(g, fp3_advance_held(a, g, ROLE_LOST, s),
@@ -25,7 +25,7 @@ static void advance_position(const fp3_advance *a, uint32_t s) {
     const term f = fp3_lower(&a->places[0], model->states[model->states[s].velocity].derivative);
     const term kick = fp3_term_mul(g, fp3_advance_scaled_step(a, 1, 2), f);
     g->note = fp3_note(&a->step->notes, "new %s", fp3_advance_name(a, s));
-    if (!a->options->is_compensated) {
+    if (a->options->arithmetic != FP3_COMPENSATED) {
         const term twice = fp3_term_mul(g, fp3_term(fp3_dag_number(g, 2)), x);
         const term before = fp3_advance_held(a, g, ROLE_BEFORE, s);
         a->now[s] = fp3_term_add(g, fp3_term_sub(g, twice, before), kick);

@@ -10,11 +10,8 @@
 #include <stdlib.h>
 
 fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
-    if (!options->is_double_single)
+    if (options->arithmetic != FP3_DOUBLE_SINGLE)
         return FP3_OK;
-    if (options->is_compensated)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "compensated and double-single are two arithmetics: expected one");
     if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "`exact-division` is of floats: double-single has quotients and roots of "

@@ -91,7 +91,7 @@ term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned 
 term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d) {
     dag *g = &a->step->values;
     fp3_notes *notes = &a->step->notes;
-    if (!a->options->is_compensated)
+    if (a->options->arithmetic != FP3_COMPENSATED)
         return fp3_term_add(g, base, d);
     const uint32_t new_state = g->note;
     g->note = fp3_note(notes, "what is added to %s, with what was lost before",

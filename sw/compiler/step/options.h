@@ -2,18 +2,16 @@
 #ifndef FP3_OPTIONS_H
 #define FP3_OPTIONS_H
 
-#include <fp3/model.h>
-#include <fp3/passes.h>
+#include <fp3/compile.h>
 #include <machine/config.h>
 
 #define FP3_STATES_MAX 64 /* a set of states is the bits of a uint64_t */
 
 typedef struct {
     const fp3_config *config;
-    unsigned passes;         /* a set of FP3_PASS(...) */
-    uint64_t observed;       /* the states that somebody reads */
-    int is_compensated;      /* what an update loses is added to the next one */
-    int is_double_single;    /* all values are sums of two floats */
+    unsigned passes;   /* a set of FP3_PASS(...) */
+    uint64_t observed; /* the states that somebody reads */
+    fp3_arithmetic arithmetic;
     const uint32_t *partial; /* of the model, as of fp3_differentiate; NULL: nobody needs them */
     int has_notes;           /* the assembly gets comments */
     int shares_params;       /* params of the object are constants, too */

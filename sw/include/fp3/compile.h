@@ -25,11 +25,32 @@
 
 FP3_API_BEGIN
 
+/* How the values of a step are computed. */
+typedef enum {
+    FP3_PLAIN,
+    FP3_COMPENSATED,   /* what an update loses is added to the next one (Kahan) */
+    FP3_FOLDED,        /* h and the known factors of a product are one number */
+    FP3_DOUBLE_SINGLE, /* states and all arithmetic as sums of two floats */
+    FP3_ARITHMETICS
+} fp3_arithmetic;
+
 typedef struct {
-    const char *config;          /* the configuration that it is scheduled for */
-    unsigned passes;             /* a set of FP3_PASS(...) */
-    int is_compensated;          /* what an update loses is added to the next one (Kahan) */
-    int is_double_single;        /* states and all arithmetic as sums of two floats */
+    const char *name; /* in results and scenes, and after --arithmetic */
+    const char *text; /* in a sentence, and as an option */
+    unsigned passes;  /* that it implies */
+} fp3_arithmetic_facts;
+
+const fp3_arithmetic_facts *fp3_arithmetic_of(fp3_arithmetic arithmetic);
+/* By its name; FP3_ARITHMETICS: there is none. */
+fp3_arithmetic fp3_arithmetic_find(const char *name);
+/* Whether the integrator, with fixed or adaptive steps, has a program of its own in this arithmetic. */
+int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
+                           int is_adaptive);
+
+typedef struct {
+    const char *config; /* the configuration that it is scheduled for */
+    unsigned passes;    /* a set of FP3_PASS(...), beside those that arithmetic implies */
+    fp3_arithmetic arithmetic;
     const char *const *observed; /* names of the states that somebody reads; NULL: all */
     size_t observed_count;
     int finds_savings; /* fills fp3_compiled.saved, which takes as long again for each pass */
@@ -59,11 +80,11 @@ typedef struct {
     uint32_t saved[FP3_PASS_COUNT];
     unsigned passes; /* that were on and that the configuration can use */
     unsigned order;  /* theoretical, of the worst observed state: see docs/integrators.md */
-    int is_double_single;
+    fp3_arithmetic arithmetic;
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state, or two arithmetics; FP3_E_PROGRAM: the integrator does not fit the
+/* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the integrator does not fit the
  * model (a splitting of what has no velocities), a number is beyond FP32, or the configuration lacks
  * an operation, registers, constants or words: how many are needed. Messages about a place in the
  * model begin "line:column: error: ". */

@@ -51,7 +51,7 @@ fp3_tune_def fp3_tune_default(void);
 /* What was tried, an integrator with an arithmetic, and fixed or adaptive steps. */
 typedef struct {
     char integrator[FP3_NAME_SIZE];
-    const char *arithmetic;
+    fp3_arithmetic arithmetic;
     int is_adaptive; /* fp3/adaptive.h: it has a tolerance and no number of steps */
     uint64_t steps;  /* the fewest that met the target, or those of the last look; 0: none */
     float h;
