@@ -14,6 +14,7 @@
 `default_nettype none
 `include "host/answer.vh"
 `include "lane/written.vh"
+`include "sequence/issued.vh"
 module fp3 #(
 `include "gen/parameters.vh"
 ) (
@@ -125,15 +126,23 @@ module fp3 #(
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
         end else begin : g_many
             localparam S = SCHEDULERS, I = S * (DUAL + 1), L = I * LANES;
+            wire [`ISSUED_W*TILES*I-1:0]  issued;
             wire [`WRITTEN_W*TILES*L-1:0] written;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
                     .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
                     .answer_o(answers[`ANSWER_W*S*t +: `ANSWER_W*S]), .irq_o(ended[S*t +: S]),
-                    .issue_valid_o(issue_valid_o[I*t +: I]), .issue_pc_o(issue_pc_o[16*I*t +: 16*I]),
-                    .issue_context_o(issue_context_o[16*I*t +: 16*I]), .issue_word_o(issue_word_o[32*I*t +: 32*I]),
+                    .issued_o(issued[`ISSUED_W*I*t +: `ISSUED_W*I]),
                     .written_o(written[`WRITTEN_W*L*t +: `WRITTEN_W*L]));
+            end
+            for (t = 0; t < TILES * I; t = t + 1) begin : g_issue
+                `ISSUED_FIELDS
+                assign `ISSUED = issued[`ISSUED_W*t +: `ISSUED_W];
+                assign issue_valid_o[t]            = issued_valid;
+                assign issue_pc_o[16*t +: 16]      = issued_pc;
+                assign issue_context_o[16*t +: 16] = issued_context;
+                assign issue_word_o[32*t +: 32]    = issued_word;
             end
             for (t = 0; t < TILES * L; t = t + 1) begin : g_retire
                 `WRITTEN_FIELDS

@@ -12,6 +12,7 @@
 `default_nettype none
 `include "host/answer.vh"
 `include "lane/written.vh"
+`include "sequence/issued.vh"
 `include "unit/socket.vh"
 module tile #(
 `include "config/config.vh"
@@ -26,35 +27,30 @@ module tile #(
     output wire [`ANSWER_W*SCHEDULERS-1:0] answer_o,
     output wire [SCHEDULERS-1:0]    irq_o,
     // Trace: STREAMS parts for each scheduler, and for each lane of each
-    output wire [SCHEDULERS*STREAMS-1:0]          issue_valid_o,
-    output wire [16*SCHEDULERS*STREAMS-1:0]       issue_pc_o,
-    output wire [16*SCHEDULERS*STREAMS-1:0]       issue_context_o,
-    output wire [32*SCHEDULERS*STREAMS-1:0]       issue_word_o,
+    output wire [`ISSUED_W*SCHEDULERS*STREAMS-1:0]        issued_o,
     output wire [`WRITTEN_W*SCHEDULERS*LANES*STREAMS-1:0] written_o
 );
     localparam N = LANES * STREAMS;        // sockets of a scheduler
 
-    wire [SCHEDULERS-1:0]                 running, adds, muls, lasts, grant;
+    wire [SCHEDULERS-1:0]                 running, adds, muls, last, grant;
     wire [`OPERANDS_W*SCHEDULERS*N-1:0]   operands;
     wire [`RESULT_W*SCHEDULERS*N-1:0]     results;
     units #(.CONFIG(CONFIG)) u_units (.clk_i(clk_i), .rst_i(rst_i),
-        .running_i(running), .adds_i(adds), .muls_i(muls), .lasts_i(lasts), .grant_o(grant),
+        .running_i(running), .adds_i(adds), .muls_i(muls), .last_i(last), .grant_o(grant),
         .operands_i(operands), .result_o(results));
 
     genvar s;
     generate
         for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
-            localparam I = STREAMS;
             tile_scheduler #(.CONFIG(CONFIG)) u_scheduler (
                 .clk_i(clk_i), .rst_i(rst_i),
                 .req_valid_i(req_valid_i[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .answer_o(answer_o[`ANSWER_W*s +: `ANSWER_W]), .irq_o(irq_o[s]),
-                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .lasts_o(lasts[s]), .grant_i(grant[s]),
+                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .last_o(last[s]), .grant_i(grant[s]),
                 .operands_o(operands[`OPERANDS_W*N*s +: `OPERANDS_W*N]), .result_i(results[`RESULT_W*N*s +: `RESULT_W*N]),
                 .written_o(written_o[`WRITTEN_W*N*s +: `WRITTEN_W*N]),
-                .issue_valid_o(issue_valid_o[I*s +: I]), .issue_pc_o(issue_pc_o[16*I*s +: 16*I]),
-                .issue_context_o(issue_context_o[16*I*s +: 16*I]), .issue_word_o(issue_word_o[32*I*s +: 32*I]));
+                .issued_o(issued_o[`ISSUED_W*STREAMS*s +: `ISSUED_W*STREAMS]));
         end
     endgenerate
 endmodule

@@ -21,6 +21,7 @@
 `include "lane/access.vh"
 `include "lane/report.vh"
 `include "lane/written.vh"
+`include "sequence/issued.vh"
 `include "unit/socket.vh"
 module tile_scheduler #(
 `include "config/config.vh"
@@ -38,17 +39,13 @@ module tile_scheduler #(
     output wire                running_o,
     output wire                adds_o,
     output wire                muls_o,
-    output wire                lasts_o,
+    output wire                last_o,
     input  wire                grant_i,
     // Arithmetic and trace, STREAMS parts for each lane
     output wire [`OPERANDS_W*STREAMS*LANES-1:0] operands_o,
     input  wire [`RESULT_W*STREAMS*LANES-1:0]   result_i,
     output wire [`WRITTEN_W*STREAMS*LANES-1:0]  written_o,
-    // Trace, in STREAMS parts
-    output wire [STREAMS-1:0]          issue_valid_o,
-    output wire [16*STREAMS-1:0]       issue_pc_o,
-    output wire [16*STREAMS-1:0]       issue_context_o,
-    output wire [32*STREAMS-1:0]       issue_word_o
+    output wire [`ISSUED_W*STREAMS-1:0] issued_o           // trace
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
@@ -64,7 +61,7 @@ module tile_scheduler #(
     wire [3:0]           counters_index;
     wire [31:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + 5)) u_host_port (
+    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + TIMING_ACCESS)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
@@ -108,50 +105,17 @@ module tile_scheduler #(
     wire [32*(GROUPS+1)-1:0]        data;
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
-    wire [4:0]                     issued;
-    wire                           retired, paired;
-    wire                           stall_fetch, stall_dependency, stall_unit, stall_asleep, stall_drain;
-    wire [PROGRAM_W*STREAMS-1:0]   trace_pc;
-    wire [CONTEXT_W*STREAMS-1:0]   trace_context;
+    wire [COUNTERS-1:0]             events;
     assign running_o = running;
-    genvar g, p;
-    generate
-        if (DUAL != 0) begin : g_dual
-            dual_sequencer #(.CONFIG(CONFIG)) u_sequencer (
-                .clk_i(clk_i), .rst_i(rst_i),
-                .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
-                .step_i(step), .step_end_i(step_end), .end_i(last_end),
-                .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
-                .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
-                .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]),
-                .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
-                .issued_o(issued), .paired_o(paired), .retired_o(retired), .stall_fetch_o(stall_fetch),
-                .stall_dependency_o(stall_dependency), .stall_drain_o(stall_drain),
-                .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
-            assign {adds_o, muls_o, lasts_o, stall_unit, stall_asleep, step_number} = 37'd0;
-            wire unused = grant_i;
-        end else begin : g_single
-            sequencer #(.CONFIG(CONFIG)) u_sequencer (
-                .clk_i(clk_i), .rst_i(rst_i),
-                .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
-                .step_i(step), .step_end_i(step_end), .end_i(last_end),
-                .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
-                .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
-                .adds_o(adds_o), .muls_o(muls_o), .lasts_o(lasts_o), .grant_i(grant_i),
-                .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
-                .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]),
-                .issued_o(issued), .retired_o(retired),
-                .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency), .stall_unit_o(stall_unit),
-                .stall_asleep_o(stall_asleep), .stall_drain_o(stall_drain),
-                .trace_o(issue_valid_o), .trace_pc_o(trace_pc), .trace_context_o(trace_context), .trace_word_o(issue_word_o));
-            assign paired = 1'b0;
-        end
-        for (p = 0; p < STREAMS; p = p + 1) begin : g_issue
-            assign issue_pc_o[16*p +: 16]      = {{16-PROGRAM_W{1'b0}}, trace_pc[PROGRAM_W*p +: PROGRAM_W]};
-            assign issue_context_o[16*p +: 16] = {{16-CONTEXT_W{1'b0}}, trace_context[CONTEXT_W*p +: CONTEXT_W]};
-        end
-    endgenerate
-
+    sequencer #(.CONFIG(CONFIG)) u_sequencer (
+        .clk_i(clk_i), .rst_i(rst_i),
+        .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
+        .step_i(step), .step_end_i(step_end), .end_i(last_end),
+        .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
+        .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
+        .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
+        .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
+        .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
     assign accesses[0 +: `ACCESS_W] = `ACCESS;
     assign data[31:0]               = running ? step_number : host_wdata;
@@ -165,6 +129,7 @@ module tile_scheduler #(
 
     wire [`WRITTEN_W*STREAMS*LANES-1:0] written;
     assign written_o = written & {`WRITTEN_W*STREAMS*LANES{!rst_i}};     // nothing of lanes that the reset has not yet reached
+    genvar g;
     generate
         for (g = 0; g < GROUPS; g = g + 1) begin : g_group
             localparam F = GROUP * g;                             // its first lane
@@ -182,20 +147,6 @@ module tile_scheduler #(
         end
     endgenerate
 
-    reg [COUNTERS-1:0] events;
-    always @* begin
-        events = {COUNTERS{1'b0}};
-        events[EVENT_CYCLES]           = running;
-        {events[EVENT_ISSUED_MEMORY], events[EVENT_ISSUED_SLEEP], events[EVENT_ISSUED_CHAIN],
-         events[EVENT_ISSUED_MUL], events[EVENT_ISSUED_ADD]} = issued;
-        events[EVENT_RETIRED]          = retired;
-        events[EVENT_STALL_FETCH]      = stall_fetch;
-        events[EVENT_STALL_DEPENDENCY] = stall_dependency;
-        events[EVENT_STALL_UNIT]       = stall_unit;
-        events[EVENT_STALL_ASLEEP]     = stall_asleep;
-        events[EVENT_STALL_DRAIN]      = stall_drain;
-        events[EVENT_PAIRED]           = paired;
-    end
     counters #(.N(COUNTERS)) u_counters (
         .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
         .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
@@ -206,7 +157,7 @@ module tile_scheduler #(
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted LATENCY - 2 cycles ago ends in the first lane, six cycles before its result.
+    // What was granted END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
     generate
         if (DUAL == 0) begin : g_granted
             wire granted;
@@ -214,10 +165,10 @@ module tile_scheduler #(
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
                                   retire_batch, retire_context, retire_register};
-            delay #(.W(1), .N(LATENCY-2)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+            delay #(.W(1), .N(END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin
-                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", LATENCY - 2); $stop;
+                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", END + 1); $stop;
                 end
         end
     endgenerate

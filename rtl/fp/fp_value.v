@@ -3,7 +3,7 @@
 // Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its
 //           product: the sum of z_o and -0 is the instruction's result, with its flags.
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
-//           alone_o comes a cycle before z_o: the product beside it is to be -0.
+//           no_product_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
 //           all of this is a delay, as long as z_o is not read late enough (Z_LATE).
 //
@@ -18,7 +18,7 @@ module fp_value #(
     input  wire [31:0] b_i,
     input  wire        true_i,         // sel: a
     output wire [31:0] z_o,
-    output wire        alone_o
+    output wire        no_product_o
 );
 `include "gen/isa.vh"
 `include "gen/choices.vh"
@@ -27,7 +27,7 @@ module fp_value #(
     generate
         if (VALUES == 0) begin : g_plain
             wire unused = &{choice_i, b_i, true_i};
-            assign alone_o = 1'b0;
+            assign no_product_o = 1'b0;
             delay #(.W(32), .N(MUL_LATENCY - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
             wire plain = choice_i == CHOICE_NONE;
@@ -36,7 +36,7 @@ module fp_value #(
             wire root = choice_i == CHOICE_RSQRT, estimated = root || choice_i == CHOICE_RCP;
             wire rint = ROUND != 0 && choice_i == CHOICE_RINT;
             wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
-            delay #(.W(1), .N(MUL_LATENCY-1)) u_alone (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(alone_o));
+            delay #(.W(1), .N(MUL_LATENCY-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
 
             // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
             wire        a_nan = &a_i[30:23] && |a_i[22:0], b_nan = &b_i[30:23] && |b_i[22:0];

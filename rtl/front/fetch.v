@@ -14,6 +14,7 @@
 // Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and
 //           not taken.
 `default_nettype none
+`include "front/marks.vh"
 module fetch #(
     parameter ADDR_W = 9               // 2^ADDR_W instruction words
 ) (
@@ -38,10 +39,7 @@ module fetch #(
     output wire              valid_o,
     output wire [ADDR_W-1:0] pc_o,
     output wire [31:0]       word_o,
-    output wire              begins_o,  // the first word of a visit
-    output wire              ends_o,    // its last
-    output wire              steps_o,   // the first word of a step
-    output wire              lasts_o,   // in the last part
+    output wire [`MARKS_W-1:0] marks_o, // its place in its visit
     output wire              empty_o    // nothing left to deliver
 );
     reg [ADDR_W-1:0] pc_q;
@@ -91,7 +89,7 @@ module fetch #(
 
     // The word is registered behind the memory, whose own output is late in its cycle.
     reg [ADDR_W-1:0] pc_1q, pc_2q;
-    reg [3:0]        marks_1q, marks_2q;
+    reg [`MARKS_W-1:0] marks_1q, marks_2q;
     reg              valid_1q, valid_2q;
 
     ram_registered #(.ADDR_W(ADDR_W)) u_program (
@@ -115,13 +113,13 @@ module fetch #(
         if (advance_i) begin
             pc_1q    <= pc_q;
             pc_2q    <= pc_1q;
-            marks_1q <= {begins_q, ends && !again, pc_q == step_i, lasts_q};
+            marks_1q <= {begins_q, ends && !again, pc_q == step_i, lasts_q};       // as marks.vh has them
             marks_2q <= marks_1q;
         end
 
     assign valid_o = valid_2q;
     assign pc_o    = pc_2q;
-    assign {begins_o, ends_o, steps_o, lasts_o} = marks_2q;
+    assign marks_o = marks_2q;
     assign empty_o = !active_q && !valid_1q && !valid_2q;
 
 `ifdef FP3_CHECK

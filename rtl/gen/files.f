@@ -46,13 +46,14 @@ rtl/lib/ram_registered.v
 rtl/lib/shift_right_sticky.v
 rtl/sequence/batch.v
 rtl/sequence/dual_pace.v
-rtl/sequence/dual_sequencer.v
 rtl/sequence/dual_turn.v
 rtl/sequence/issue.v
+rtl/sequence/one_stream.v
 rtl/sequence/pace.v
 rtl/sequence/rounds.v
 rtl/sequence/sequencer.v
 rtl/sequence/sweep.v
+rtl/sequence/two_streams.v
 rtl/solo/regfile.v
 rtl/solo/scoreboard.v
 rtl/solo/solo.v

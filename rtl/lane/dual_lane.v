@@ -43,7 +43,6 @@ module dual_lane #(
     `DUAL_ISSUE_FIELDS
     `DUAL_RETIRE_FIELDS
     `ACCESS_FIELDS
-    `REPORT_FIELDS
     assign `DUAL_ISSUE  = issue_i;      // cycle 0
     assign `DUAL_RETIRE = retire_i;     // cycle W-4
     assign `ACCESS      = access_i;
@@ -61,13 +60,13 @@ module dual_lane #(
     wire sum_there_w4     = {1'b0, retire_sum_row} < count_q;
     wire product_there_w4 = {1'b0, retire_product_row} < count_q;
     wire [REG_W-1:0] sum_register_w0, product_register_w0;
-    delay #(.W(5), .N(4)) u_ends (.clk_i(clk_i), .rst_i(rst_i),
+    delay #(.W(5), .N(TIMING_DUAL_END)) u_ends (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({retire_sum_valid, retire_sum_adds, retire_sum_loads, retire_product_valid, retire_product_loads}),
         .q_o({sum_valid_w0, adds_w0, sum_loads_w0, product_valid_w0, product_loads_w0}));
-    delay #(.W(2), .N(4)) u_there (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(2), .N(TIMING_DUAL_END)) u_there (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_there_w4, product_there_w4}), .q_o({sum_there_w0, product_there_w0}));
-    delay #(.W(1), .N(3)) u_loads (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_sum_loads || retire_product_loads), .q_o(loads_w1));
-    delay #(.W(2*REG_W), .N(4)) u_registers (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(1), .N(TIMING_DUAL_END-1)) u_loads (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_sum_loads || retire_product_loads), .q_o(loads_w1));
+    delay #(.W(2*REG_W), .N(TIMING_DUAL_END)) u_registers (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_sum_context, retire_sum_register, retire_product_context, retire_product_register}),
         .q_o({sum_register_w0, product_register_w0}));
 
@@ -89,7 +88,7 @@ module dual_lane #(
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(1'b1), .register_i(issue_register),
         .row_i2_i(issue_st_row), .absent_i2_i({1'b0, issue_st_row} >= count_q), .asleep_i2_i(1'b0), .value_i3_i(stored),
-        .row_w3_i(retire_load_row), .register_w3_i(retire_load_register), .word_o(word_w1),
+        .load_i(retire_sum_loads || retire_product_loads), .row_w3_i(retire_load_row), .register_w3_i(retire_load_register), .word_o(word_w1),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
         .host_word_i(data_i));
 
@@ -108,7 +107,7 @@ module dual_lane #(
     assign {product_flags, product, sum_flags, sum} = result_i;
     wire sum_writes     = sum_there_w0 && (adds_w0 || sum_loads_w0);
     wire product_writes = product_there_w0 && product_valid_w0;
-    delay #(.W(2*ROW_W), .N(5)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(2*ROW_W), .N(TIMING_DUAL_END+1)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_product_row, retire_sum_row}), .q_o({product_row, sum_row}));
     lane_result #(.CONFIG(CONFIG)) u_sum (.clk_i(clk_i), .rst_i(rst_i), .valid_i(sum_valid_w0),
         .absent_i(!sum_there_w0), .executed_i(1'b1), .writes_i(sum_writes), .raises_i(FLAGS != 0 && sum_there_w0 && adds_w0),
@@ -126,9 +125,6 @@ module dual_lane #(
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
         .count_i(count_q), .flags_i(sum_raised | product_raised), .asleep_i(1'b0),
         .valid_i(1'b0), .batch_i(1'b0), .context_i({CONTEXT_W{1'b0}}),
-        .mine_i(mine), .space_i(access_space), .stored_i(word_w1), .status_i(32'd0),
-        .count_o(report_count), .flags_o(report_flags), .answer_o(report_answer), .valid_o(report_valid),
-        .asleep_o(report_asleep), .batch_o(report_batch), .context_o(report_context));
-    assign report_o = `REPORT;
+        .mine_i(mine), .space_i(access_space), .stored_i(word_w1), .status_i(32'd0), .report_o(report_o));
 endmodule
 `default_nettype wire

@@ -3,10 +3,10 @@
 // Purpose   Does what its sequencer says, one instruction per cycle, for as many objects as there are
 //           contexts. Whatever depends on an object's data is decided here and nowhere else.
 //
-//           cycle    0         1, 2       3         .. W = LATENCY+3     W+1
+//           cycle    0         1, 2       3         .. W = RESULT       W+1
 //           issue    operands  registers  operands  arithmetic, result   written, retired
 //                    named     read       to it
-//           retire             named W-6, row W-3, store read from W-2   word there in W
+//           retire             told in W-6, row W-3, store read from W-2   word there in W
 //
 //           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
 //           cycle W-6).
@@ -15,7 +15,7 @@
 //           writes it, or later, has the new value. All results are equally late, so everything
 //           happens in the order of issue.
 // Hazard    Nothing is interlocked here: one context does not come twice within GAP cycles.
-//           retire_i is about the instruction of LATENCY - 3 cycles ago; data_i, of LATENCY + 3 (checked in issue).
+//           retire_i is about the instruction of END cycles ago; data_i, of RESULT (checked in issue).
 //           The host's accesses come when no instruction is in the lane.
 `default_nettype none
 `include "lane/issue.vh"
@@ -49,7 +49,6 @@ module lane #(
     `ISSUE_FIELDS
     `RETIRE_FIELDS
     `ACCESS_FIELDS
-    `REPORT_FIELDS
     `RESULT_FIELDS
     assign `RESULT = result_i;
     assign `ISSUE  = issue_i;           // cycle 0
@@ -61,14 +60,16 @@ module lane #(
     // The end of the instruction, later
     wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
     wire [REGISTER_W-1:0] register_w3, register_w0;
+    wire                  load_w3;
+    delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(load_w3));
     wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
-    delay #(.W(1+CONTEXT_W), .N(2)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
     delay #(.W(CONTEXT_W), .N(3)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
     delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));
-    delay #(.W(REGISTER_W), .N(3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
+    delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
     delay #(.W(REGISTER_W), .N(3)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
-    delay #(.W(9), .N(6)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
+    delay #(.W(9), .N(TIMING_END)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({retire_valid, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
@@ -116,7 +117,7 @@ module lane #(
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .record_i(issue_record),
         .st_i(issue_st), .lasts_i(issue_lasts), .register_i(issue_register),
         .row_i2_i(st_row_i2), .absent_i2_i(st_absent_i2), .asleep_i2_i(st_asleep_i2), .value_i3_i(st_value_i3),
-        .row_w3_i(row_w3), .register_w3_i(register_w3), .word_o(stored_w0),
+        .load_i(load_w3), .row_w3_i(row_w3), .register_w3_i(register_w3), .word_o(stored_w0),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
         .host_word_i(data_i));
 
@@ -139,20 +140,15 @@ module lane #(
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
         .count_i(count), .flags_i(flags), .asleep_i(asleep),
         .valid_i(valid_w0 && (sleep_w0 || lds_w0)), .batch_i(batch_w0), .context_i(context_w0),
-        .mine_i(mine), .space_i(access_space), .stored_i(stored_w0), .status_i(status_w0),
-        .count_o(report_count), .flags_o(report_flags), .answer_o(report_answer), .valid_o(report_valid),
-        .asleep_o(report_asleep), .batch_o(report_batch), .context_o(report_context));
-    assign report_o = `REPORT;
+        .mine_i(mine), .space_i(access_space), .stored_i(stored_w0), .status_i(status_w0), .report_o(report_o));
 
 `ifdef FP3_CHECK
-    wire [REG_W-1:0] named;                     // by the instruction of LATENCY - 3 cycles ago
-    wire             load_w2;
+    wire [REG_W-1:0] named;                     // by the instruction of END cycles ago
     reg  [15:0]      age [0:CONTEXTS-1];        // cycles since a context came
     reg  [15:0]      since_q;                   // since an access
     reg  [7:0]       valid_q;                   // W-5 .. W+2
     integer          k;
-    delay #(.W(REG_W), .N(LATENCY-3)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}), .q_o(named));
-    delay #(.W(1), .N(4)) u_load_w2 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(load_w2));
+    delay #(.W(REG_W), .N(END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}), .q_o(named));
     always @(posedge clk_i) begin
         valid_q <= {valid_q[6:0], retire_valid} & {8{!rst_i}};
         since_q <= rst_i ? 16'hffff : access_valid ? 16'd1 : since_q == 16'hffff ? since_q : since_q + 1'b1;
@@ -164,13 +160,10 @@ module lane #(
             end
         end
         if (!rst_i && retire_valid && named != {retire_context, retire_register}) begin
-            $display("%m: the end of another instruction than the one of %0d cycles ago", LATENCY - 3); $stop;
+            $display("%m: the end of another instruction than the one of %0d cycles ago", END); $stop;
         end
-        if (!rst_i && (access_valid ? retire_valid || |valid_q : retire_valid && {16'd0, since_q} <= LATENCY - 3)) begin
+        if (!rst_i && (access_valid ? retire_valid || |valid_q : retire_valid && {16'd0, since_q} <= END)) begin
             $display("%m: an access of the host while instructions are in the lane"); $stop;
-        end
-        if (!rst_i && load_w2 && u_store.write_q && u_store.write_address_q == u_store.read_address_q) begin
-            $display("%m: word %0d is loaded in the cycle in which it is stored", u_store.read_address_q); $stop;
         end
     end
 `endif

@@ -7,7 +7,7 @@
 //           x and y. less_o comes with the result.
 // Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
 //
-//     cycle        0              1, 2         3                         3 + LATENCY
+//     cycle        0              1, 2         3                         3 + UNIT_LATENCY
 //                  issue_x        memories     operands_x = 40000000     less_o: |y| < x
 //                  issue_one                   operands_y = 3f800000
 `default_nettype none
@@ -76,7 +76,7 @@ module lane_operands #(
             reg less_q;
             always @(posedge clk_i)
                 less_q <= y_q[30:0] < x_q[30:0] && !x_q[31] && x_q[30:0] <= 31'h7f800000;
-            delay #(.W(1), .N(LATENCY-1)) u_less (.clk_i(clk_i), .rst_i(1'b0), .d_i(less_q), .q_o(less_o));
+            delay #(.W(1), .N(UNIT_LATENCY-1)) u_less (.clk_i(clk_i), .rst_i(1'b0), .d_i(less_q), .q_o(less_o));
         end else begin : g_no_less
             assign less_o = 1'b0;
         end

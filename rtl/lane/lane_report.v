@@ -3,7 +3,7 @@
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
 //           the answer of the lane that the host asked. The sequencer hears the last lane.
 // Latency   One cycle from report_i for the count, none for the others: lane_group registers them. A lane
-//           answers the host three cycles after mine_i; valid_o comes two cycles after valid_i.
+//           answers the host three cycles after mine_i, and reports two cycles after valid_i.
 // Hazard    Lanes are in step: what the lane before reports, this one reports in the same cycle.
 //           The answers of lanes that are not asked are 0.
 //
@@ -27,37 +27,29 @@ module lane_report #(
     input  wire [2:0]           space_i,        // for what: lane_host.vh
     input  wire [31:0]          stored_i,       // three cycles later
     input  wire [31:0]          status_i,
-    // The fields of the report that goes on
-    output wire [ROW_W:0]       count_o,
-    output wire [4:0]           flags_o,
-    output wire [31:0]          answer_o,
-    output wire                 valid_o,
-    output wire                 asleep_o,
-    output wire                 batch_o,
-    output wire [CONTEXT_W-1:0] context_o
+    output wire [`REPORT_W-1:0] report_o
 );
 `include "host/lane_host.vh"
     `REPORT_FIELDS
     assign `REPORT = report_i;
-    wire [2:0]      space;
-    wire            mine;
-    reg [ROW_W:0]   count_q;
+    wire [2:0]           space;
+    wire                 mine, valid, batch;
+    wire [CONTEXT_W-1:0] context_number;
+    reg  [ROW_W:0]       count_q;
     delay #(.W(4), .N(3)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
-    delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_o));
+    delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid));
     delay #(.W(1+CONTEXT_W), .N(2)) u_context (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({batch_i, context_i}), .q_o({batch_o, context_o}));
+        .d_i({batch_i, context_i}), .q_o({batch, context_number}));
     always @(posedge clk_i) count_q <= count_i > report_count ? count_i : report_count;
     wire [31:0] answer = space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
-    assign count_o  = count_q;
-    assign flags_o  = report_flags | flags_i;
-    assign answer_o = report_answer | (answer & {32{mine}});
-    assign asleep_o = report_asleep && asleep_i;
+    assign report_o = `REPORT_OF(count_q, report_flags | flags_i, report_answer | (answer & {32{mine}}),
+                                 valid, report_asleep && asleep_i, batch, context_number);
     // The lanes are in step: what this lane says of an instruction, those before have said.
     wire unused = &{report_valid, report_batch, report_context};
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)
-        if (!rst_i && report_valid && !(valid_o && {batch_o, context_o} == {report_batch, report_context})) begin
+        if (!rst_i && report_valid && !(valid && {batch, context_number} == {report_batch, report_context})) begin
             $display("%m: not in step with the lane before, which reported context %0d", report_context); $stop;
         end
 `endif

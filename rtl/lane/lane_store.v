@@ -5,8 +5,8 @@
 //
 // Latency   Stored five cycles after the issue (cycle 5 has the new word). Loaded: row_w3_i to word_o three
 //           cycles.
-// Hazard    No word is read (W-2) in the cycle in which it is written (4): between rounds everything drains,
-//           and within a round no object loads what another stores. Checked in lane, which knows the loads.
+// Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds everything drains,
+//           and within a round no object loads what another stores (checked).
 //           The host accesses words when no instruction is in the lane (checked there).
 //
 //     cycle    0      2                    3         4        5
@@ -29,6 +29,7 @@ module lane_store #(
     input  wire                  asleep_i2_i,
     input  wire [31:0]           value_i3_i,
     // A load
+    input  wire                  load_i,         // there is one: for the check
     input  wire [ROW_W-1:0]      row_w3_i,
     input  wire [REGISTER_W-1:0] register_w3_i,
     output wire [31:0]           word_o,         // W
@@ -59,5 +60,17 @@ module lane_store #(
     ram_registered #(.ADDR_W(STORE_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
         .write_addr_i(write_address_q), .write_value_i(write_word_q),
         .read_i(1'b1), .read_addr_i(read_address_q), .read_value_o(word_o));
+
+`ifdef FP3_CHECK
+    reg load_q;                                                        // W-2
+    always @(posedge clk_i) begin
+        load_q <= !rst_i && load_i;
+        if (!rst_i && load_q && write_q && write_address_q == read_address_q) begin
+            $display("%m: word %0d is loaded in the cycle in which it is stored", read_address_q); $stop;
+        end
+    end
+`else
+    wire unused = load_i;
+`endif
 endmodule
 `default_nettype wire

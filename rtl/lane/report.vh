@@ -14,6 +14,7 @@
     wire [31:0] report_answer; \
     wire report_valid, report_asleep, report_batch; \
     wire [CONTEXT_W-1:0] report_context;
-`define REPORT {report_count, report_flags, report_answer, report_valid, report_asleep, report_batch, report_context}
+`define REPORT_OF(count, flags, answer, valid, asleep, batch, number) {count, flags, answer, valid, asleep, batch, number}
+`define REPORT `REPORT_OF(report_count, report_flags, report_answer, report_valid, report_asleep, report_batch, report_context)
 // In front of the first lane: no object, no flag, none awake.
-`define REPORT_NONE {{ROW_W+1{1'b0}}, 5'd0, 32'd0, 1'b0, 1'b1, 1'b0, {CONTEXT_W{1'b0}}}
+`define REPORT_NONE `REPORT_OF({ROW_W+1{1'b0}}, 5'd0, 32'd0, 1'b0, 1'b1, 1'b0, {CONTEXT_W{1'b0}})

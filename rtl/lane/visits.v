@@ -124,7 +124,7 @@ module visits #(
         .read_addr_i(st_context_q), .read_value_o({st_absent, st_asleep}));
 
     wire present_w0;
-    delay #(.W(1), .N(6)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
+    delay #(.W(1), .N(TIMING_END)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
     wire absent   = begins_i ? !present_w0 : absent_q;
     wire asleep   = !begins_i && asleep_q;
     wire executed = valid_i && !absent && !(asleep && !lasts_i);

@@ -38,9 +38,9 @@ module visits_in_order #(
         else if (host_count_i) count_q <= host_data_i;
     assign count_o = count_q;
 
-    delay #(.W(ROW_W), .N(3)) u_row_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_i), .q_o(row_w3_o));
+    delay #(.W(ROW_W), .N(TIMING_END-3)) u_row_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_i), .q_o(row_w3_o));
     delay #(.W(ROW_W), .N(4)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_w3_o), .q_o(row_late_o));
-    delay #(.W(1), .N(6)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, row_i} >= count_q), .q_o(absent_o));
+    delay #(.W(1), .N(TIMING_END)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, row_i} >= count_q), .q_o(absent_o));
     delay #(.W(ROW_W+1), .N(2)) u_st (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({{1'b0, st_row_i} >= count_q, st_row_i}), .q_o({st_absent_o, st_row_o}));
     assign executed_o = valid_i && !absent_o;

@@ -4,16 +4,16 @@
 //           some cycles later into what its end needs (RETIRE, and the number of its step).
 //           Operands: x is b, y is a or what is stored, z is c or a.
 //
-// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o LATENCY - 3 cycles after issue_o, step_o LATENCY + 3:
-//           so that a lane has them where it needs them, six cycles before the result and with it.
+// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o END cycles after issue_o, step_o RESULT: so that a
+//           lane has them where it needs them, TIMING_END cycles before the result and with it.
 // Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
 //           round from its first issue to its last.
 //
-//     cycle     0          1           LATENCY - 2     LATENCY + 4
+//     cycle     0          1           1 + END         1 + RESULT
 //               issue_i    issue_o     retire_o        step_o
 `default_nettype none
 `include "front/decoded.vh"
-`include "sequence/marks.vh"
+`include "front/marks.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 module issue #(
@@ -42,8 +42,7 @@ module issue #(
     output wire [`RETIRE_W-1:0]        retire_o,
     output wire [31:0]                 step_o,
     output wire                        valid_o,       // an instruction issues, for ...
-    output wire [CONTEXT_W-1:0]        context_o,
-    output wire                        retired_o      // one ends
+    output wire [CONTEXT_W-1:0]        context_o
 );
 `include "gen/choices.vh"
     localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
@@ -139,15 +138,14 @@ module issue #(
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
     assign retire_row        = row;
-    delay #(.W(`RETIRE_W), .N(LATENCY-3)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
-    delay #(.W(1), .N(LATENCY+5)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_q), .q_o(retired_o));
+    delay #(.W(`RETIRE_W), .N(END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     assign valid_o   = valid_q;
     assign context_o = issue_context;
 
     // The number of the step changes with the first of a sweep.
     wire       late, late_begins, late_newstep, late_lasts;
     reg [31:0] step_q;
-    delay #(.W(4), .N(LATENCY+2)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
+    delay #(.W(4), .N(RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
         .q_o({late, late_begins, late_newstep, late_lasts}));
     always @(posedge clk_i)
         if (late)
@@ -162,7 +160,7 @@ module issue #(
                              : (begins ? base_i : now_q) + {31'd0, newstep};
     wire                 valid_late;
     wire [31:0]          now_late;
-    delay #(.W(33), .N(LATENCY+4)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
+    delay #(.W(33), .N(RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
     reg                  swept_q;              // an instruction has issued: instruction_q for batch_q
     reg  [`DECODED_W+`MARKS_W:0] instruction_q;
     always @(posedge clk_i) begin

@@ -85,7 +85,7 @@ module solo_scheduler #(
         .steps_i(steps_i), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
         .skip_i(1'b0), .more_i(1'b0), .again_o(unused_fetch[4]),
         .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
-        .begins_o(unused_fetch[3]), .ends_o(unused_fetch[2]), .steps_o(unused_fetch[1]), .lasts_o(unused_fetch[0]),
+        .marks_o(unused_fetch[3:0]),
         .empty_o(fetch_empty));
 
     wire [`DECODED_W-1:0] decoded;

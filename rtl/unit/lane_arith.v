@@ -23,10 +23,10 @@ module lane_arith #(
     assign result_o  = `RESULT;
     wire unused = operands_twice | operands_half;          // y says so
 
-    wire        alone;                     // no product in the next cycle
+    wire        no_product;                // in the next cycle
     wire [31:0] product;
     wire [4:0]  product_flags;
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(alone),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
         .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
 
     // What the adder needs besides waits for the product.
@@ -34,7 +34,7 @@ module lane_arith #(
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
-        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .alone_o(alone));
+        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .no_product_o(no_product));
 
     wire [4:0] sum_flags, earlier_flags;
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(subtract),

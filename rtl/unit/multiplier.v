@@ -1,9 +1,9 @@
 // multiplier: fp_mul as a configuration has it, and the registers behind it.
 //
 // Purpose   a * b, rounded, as late as the configuration says; or -0, to which an adder adds what fp_value made.
-// Latency   MUL_LATENCY + WAIT; new operands every cycle. none_i comes a cycle before the result that it replaces.
+// Latency   MUL_LATENCY + WAIT; new operands every cycle. no_product_i comes a cycle before the result that it replaces.
 //
-//     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(1'b0), .a_i(a), .b_i(b), .value_o(product), .flags_o(flags));
+//     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .a_i(a), .b_i(b), .value_o(product), .flags_o(flags));
 //     // a 40400000, b 40000000  ->  product 40C00000, MUL_LATENCY edges later
 `default_nettype none
 module multiplier #(
@@ -11,7 +11,7 @@ module multiplier #(
 `include "config/config.vh"
 ) (
     input  wire        clk_i,
-    input  wire        none_i,         // in the next cycle -0, without flags
+    input  wire        no_product_i,   // in the next cycle -0, without flags
     input  wire [31:0] a_i,
     input  wire [31:0] b_i,
     output wire [31:0] value_o,
@@ -28,7 +28,7 @@ module multiplier #(
     reg [31:0] value_q;
     reg [4:0]  flags_q;
     always @(posedge clk_i)
-        if (none_i) {flags_q, value_q} <= {5'd0, BITS_MINUS_ZERO};
+        if (no_product_i) {flags_q, value_q} <= {5'd0, BITS_MINUS_ZERO};
         else        {flags_q, value_q} <= {flags_late, product_late};
     assign {flags_o, value_o} = {flags_q, value_q};
 endmodule

@@ -51,7 +51,7 @@ module shared_arith #(
     // Beside the multiplier: x, twice or half of it, rounded as a product would be
     wire [31:0] scaled, x_late, z_late;
     wire [31:0] x_beside = choice_q != CHOICE_NONE ? BITS_MINUS_ZERO : scaled;
-    wire        unused_alone;
+    wire        unused_no_product;
     wire [4:0]  scale_flags, scale_flags_late;
     wire        subtract_late, chain_late;
     generate
@@ -66,13 +66,13 @@ module shared_arith #(
     delay #(.W(34), .N(MUL_LATENCY)) u_beside (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({x_beside, subtract_q, chain_q}), .q_o({x_late, subtract_late, chain_late}));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i),
-        .choice_i(choice_q), .a_i(z_q), .b_i(x_q), .true_i(true_q), .z_o(z_late), .alone_o(unused_alone));
+        .choice_i(choice_q), .a_i(z_q), .b_i(x_q), .true_i(true_q), .z_o(z_late), .no_product_o(unused_no_product));
     delay #(.W(5), .N(MUL_LATENCY + ADD_LATENCY)) u_scale_flags (.clk_i(clk_i), .rst_i(1'b0),
         .d_i(scale_flags), .q_o(scale_flags_late));
 
     wire [31:0] product, sum, product_late;
     wire [4:0]  product_flags, sum_flags, product_flags_late;
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(1'b0),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0),
         .a_i(mul_x_q), .b_i(mul_y_q), .value_o(product), .flags_o(product_flags));
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(subtract_late),
         .a_i(z_late), .b_i(chain_late ? product : x_late), .value_o(sum), .flags_o(sum_flags));

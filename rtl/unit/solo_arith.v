@@ -39,7 +39,7 @@ module solo_arith #(
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
     wire [4:0]  chain_flags;
-    wire        alone;                 // no product in the next cycle
+    wire        no_product;            // in the next cycle
     generate
         if (CHAIN != 0 || VALUES != 0) begin : g_chain
             wire soon;
@@ -51,20 +51,20 @@ module solo_arith #(
                 .d_i(subtract_i), .q_o(chain_subtract));
             fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
                 .choice_i(choice_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
-                .z_o(chain_c_o), .alone_o(alone));
+                .z_o(chain_c_o), .no_product_o(no_product));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
             wire unused = |{chain_i, choice_i, mul_c_i, rst_i};
-            assign {chain_soon_o, chained, chain_subtract, chain_c_o, chain_flags, alone} = 41'd0;
+            assign {chain_soon_o, chained, chain_subtract, chain_c_o, chain_flags, no_product} = 41'd0;
         end
     endgenerate
 
     wire [4:0] add_flags;
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : subtract_i),
         .a_i(add_a_i), .b_i(add_b_i), .value_o(add_value_o), .flags_o(add_flags));
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .none_i(alone),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
         .a_i(mul_a_i), .b_i(mul_b_i), .value_o(mul_value_o), .flags_o(mul_flags_o));
     assign add_flags_o = add_flags | chain_flags;
 endmodule

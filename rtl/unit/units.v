@@ -7,7 +7,7 @@
 //           shared    adds_i, muls_i ──► arbiter ──► grant_o
 //                     operands of all ──► shared_arith ──► results of all
 //
-// Latency   UNIT_LATENCY from operands to result. A grant is about the operands of TIMING_OPERANDS + 2 cycles later.
+// Latency   UNIT_LATENCY from operands to result. A grant is about the operands of TIMING_TOLD + TIMING_OPERANDS cycles later.
 // Hazard    In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 `include "unit/socket.vh"
@@ -20,7 +20,7 @@ module units #(
     input  wire [SCHEDULERS-1:0] running_i,
     input  wire [SCHEDULERS-1:0] adds_i,
     input  wire [SCHEDULERS-1:0] muls_i,
-    input  wire [SCHEDULERS-1:0] lasts_i,      // the last of a sweep
+    input  wire [SCHEDULERS-1:0] last_i,      // the last of a sweep
     output wire [SCHEDULERS-1:0] grant_o,
     // Each lane of each scheduler, STREAMS parts
     input  wire [`OPERANDS_W*SCHEDULERS*LANES*STREAMS-1:0] operands_i,
@@ -33,14 +33,14 @@ module units #(
             reg idle_q;                              // the order begins anew, so that a run's cycles do not
             always @(posedge clk_i) idle_q <= running_i == {SCHEDULERS{1'b0}};      // depend on runs before it
             arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i || idle_q),
-                .adds_i(adds_i), .muls_i(muls_i), .lasts_i(lasts_i), .grant_o(grant_o));
-            delay #(.W(2*SCHEDULERS), .N(TIMING_OPERANDS+2)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
+                .adds_i(adds_i), .muls_i(muls_i), .last_i(last_i), .grant_o(grant_o));
+            delay #(.W(2*SCHEDULERS), .N(TIMING_TOLD + TIMING_OPERANDS)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds_i & grant_o, muls_i & grant_o}), .q_o({adds_late, muls_late}));
             shared_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late),
                 .operands_i(operands_i), .result_o(result_o));
         end else begin : g_own
             assign grant_o = 1'b1;
-            wire unused = &{rst_i, running_i, adds_i, muls_i, lasts_i};
+            wire unused = &{rst_i, running_i, adds_i, muls_i, last_i};
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
                 for (p = 0; p < STREAMS; p = p + 1) begin : g_stream
                     localparam S = STREAMS * l + p;

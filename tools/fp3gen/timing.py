@@ -5,7 +5,7 @@ from .check import keys, need
 from .text import MARK, columns
 
 FILE = "timing.toml"
-NAMES = ("share", "early", "grant", "operands", "write", "gap", "settle", "round", "run", "solo_operands", "solo_read", "solo_around")
+NAMES = ("share", "early", "grant", "operands", "told", "end", "dual_end", "write", "gap", "access", "settle", "round", "run", "solo_operands", "solo_read", "solo_around")
 MOST = 255
 
 

@@ -1,5 +1,5 @@
 // marks.vh: the bundle MARKS, an instruction's place in its visit: from fetch, through the sweep, to
-// issue. Used as front/decoded.vh shows.
+// issue. Used as decoded.vh shows.
 //
 //     begins, ends                the first, the last of the visit
 //     newstep                     the first of a step
