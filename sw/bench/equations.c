@@ -1,6 +1,8 @@
 /* equations.c - see equations.h. One line for each expression, in the order of the model. */
 #include "equations.h"
 
+#include "language/function_rows.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,35 +23,21 @@ static const char powers[] = "#ifdef LIBM_POWERS\n"
 static const struct {
     const char *c, *python;
 } forms[FP3_EXPR_OP_COUNT] = {
-    [FP3_EXPR_NEGATE] = {"-A", "-A"},
+#define X(OP, name, MADE, UNIT, VALUE, SLOPE, C, PYTHON) [FP3_EXPR_##OP] = {C, PYTHON},
+    FP3_FUNCTION_ROWS(X)
+#undef X
+        [FP3_EXPR_NEGATE] = {"-A", "-A"},
     [FP3_EXPR_ADD] = {"A + B", "A + B"},
     [FP3_EXPR_SUB] = {"A - B", "A - B"},
     [FP3_EXPR_MUL] = {"A * B", "A * B"},
     [FP3_EXPR_DIV] = {"A / B", "A / B"},
     [FP3_EXPR_POWER] = {"pow@(A, B)", "jnp.power(A, B)"},
-    [FP3_EXPR_SQRT] = {"sqrt@(A)", "jnp.sqrt(A)"},
-    [FP3_EXPR_SIN] = {"sin@(A)", "jnp.sin(A)"},
-    [FP3_EXPR_COS] = {"cos@(A)", "jnp.cos(A)"},
-    [FP3_EXPR_MIN] = {"A < B ? A : B", "jnp.minimum(A, B)"},
-    [FP3_EXPR_MAX] = {"B < A ? A : B", "jnp.maximum(A, B)"},
-    [FP3_EXPR_ABS] = {"fabs@(A)", "jnp.abs(A)"},
     [FP3_EXPR_LESS] = {"A < B", "jnp.where(A < B, 1.0, 0.0)"},
     [FP3_EXPR_LESS_EQUAL] = {"A <= B", "jnp.where(A <= B, 1.0, 0.0)"},
     [FP3_EXPR_EQUAL] = {"A == B", "jnp.where(A == B, 1.0, 0.0)"},
     [FP3_EXPR_AND] = {"A != 0 && B != 0", "jnp.where((A != 0) & (B != 0), 1.0, 0.0)"},
     [FP3_EXPR_OR] = {"A != 0 || B != 0", "jnp.where((A != 0) | (B != 0), 1.0, 0.0)"},
     [FP3_EXPR_NOT] = {"A == 0", "jnp.where(A == 0, 1.0, 0.0)"},
-    [FP3_EXPR_SELECT] = {"A != 0 ? B : C", "jnp.where(A != 0, B, C)"},
-    [FP3_EXPR_EXP] = {"exp@(A)", "jnp.exp(A)"},
-    [FP3_EXPR_LOG] = {"log@(A)", "jnp.log(A)"},
-    [FP3_EXPR_TAN] = {"tan@(A)", "jnp.tan(A)"},
-    [FP3_EXPR_ATAN] = {"atan@(A)", "jnp.arctan(A)"},
-    [FP3_EXPR_ASIN] = {"asin@(A)", "jnp.arcsin(A)"},
-    [FP3_EXPR_ACOS] = {"acos@(A)", "jnp.arccos(A)"},
-    [FP3_EXPR_ATAN2] = {"atan2@(A, B)", "jnp.arctan2(A, B)"},
-    [FP3_EXPR_SINH] = {"sinh@(A)", "jnp.sinh(A)"},
-    [FP3_EXPR_COSH] = {"cosh@(A)", "jnp.cosh(A)"},
-    [FP3_EXPR_TANH] = {"tanh@(A)", "jnp.tanh(A)"},
 };
 
 typedef struct {

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "evaluate.h"
+#include "function_rows.h"
 
 static const ode_dimension any = {.kind = ODE_DIMENSION_ANY},
                            number = {.kind = ODE_DIMENSION_NUMBER},
@@ -72,6 +73,20 @@ static ode_dimension power(ode_parser *p, fp3_token at, const ode_dimension *a,
     return result;
 }
 
+static ode_dimension ratio(ode_parser *p, fp3_token at, const ode_dimension *a,
+                           const ode_dimension *b) {
+    same(p, at, a, b);
+    return one;
+}
+
+/* Of the functions: what UNIT in function_rows.h stands for. */
+#define OF_NONE pure(p, at, a)
+#define OF_KEPT *a
+#define OF_SAME same(p, at, a, b)
+#define OF_CHOICE same(p, at, b, operand[2])
+#define OF_RATIO ratio(p, at, a, b)
+#define OF_ROOT root(p, at, a)
+
 static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     const fp3_expr *e = &p->exprs[i];
     const fp3_token at = p->expr_at[i];
@@ -90,12 +105,9 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     case FP3_EXPR_TIME:
         return p->step.dimension;
     case FP3_EXPR_NEGATE:
-    case FP3_EXPR_ABS:
         return *a;
     case FP3_EXPR_ADD:
     case FP3_EXPR_SUB:
-    case FP3_EXPR_MIN:
-    case FP3_EXPR_MAX:
         return same(p, at, a, b);
     case FP3_EXPR_MUL:
         return fp3_ode_dimension_product(a, b, 1);
@@ -103,23 +115,23 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
         return fp3_ode_dimension_product(a, b, -1);
     case FP3_EXPR_POWER:
         return power(p, at, a, &p->exprs[e->operand[1]], b);
-    case FP3_EXPR_SQRT:
-        return root(p, at, a);
     case FP3_EXPR_LESS:
     case FP3_EXPR_LESS_EQUAL:
     case FP3_EXPR_EQUAL:
-    case FP3_EXPR_ATAN2:
-        same(p, at, a, b);
-        return one;
+        return ratio(p, at, a, b);
     case FP3_EXPR_AND:
     case FP3_EXPR_OR:
     case FP3_EXPR_NOT:
         return one;
-    case FP3_EXPR_SELECT:
-        return same(p, at, b, operand[2]);
-    default: /* functions of one number */
-        return pure(p, at, a);
+#define X(OP, name, MADE, UNIT, ...)                                                               \
+    case FP3_EXPR_##OP:                                                                            \
+        return OF_##UNIT;
+        FP3_FUNCTION_ROWS(X)
+#undef X
+    case FP3_EXPR_OP_COUNT:
+        break;
     }
+    return any;
 }
 
 void fp3_ode_check_dimensions(ode_parser *p, uint32_t from) {

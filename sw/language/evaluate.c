@@ -1,5 +1,7 @@
 #include "evaluate.h"
 
+#include "function_rows.h"
+
 #include <math.h>
 
 unsigned fp3_ode_operands(fp3_expr_op op) {
@@ -9,6 +11,17 @@ unsigned fp3_ode_operands(fp3_expr_op op) {
 #undef X
     };
     return operands[op];
+}
+
+int fp3_ode_has_constants(fp3_expr_op op) {
+    enum { INSTRUCTIONS, POLYNOMIAL, POLYNOMIAL_2 };
+    static const unsigned char made[FP3_EXPR_OP_COUNT] = {
+#define X(OP, name, MADE, ...) [FP3_EXPR_##OP] = (MADE),
+        FP3_FUNCTION_ROWS(X)
+#undef X
+            [FP3_EXPR_POWER] = POLYNOMIAL,
+    };
+    return made[op] != INSTRUCTIONS;
 }
 
 double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *values) {
@@ -39,18 +52,6 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
         return a / b;
     case FP3_EXPR_POWER:
         return pow(a, b);
-    case FP3_EXPR_SQRT:
-        return sqrt(a);
-    case FP3_EXPR_SIN:
-        return sin(a);
-    case FP3_EXPR_COS:
-        return cos(a);
-    case FP3_EXPR_MIN: /* like the instruction: b if one is a NaN */
-        return a < b ? a : b;
-    case FP3_EXPR_MAX:
-        return b < a ? a : b;
-    case FP3_EXPR_ABS:
-        return fabs(a);
     case FP3_EXPR_LESS:
         return a < b;
     case FP3_EXPR_LESS_EQUAL:
@@ -63,28 +64,11 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
         return a != 0 || b != 0;
     case FP3_EXPR_NOT:
         return a == 0;
-    case FP3_EXPR_SELECT:
-        return a != 0 ? b : c;
-    case FP3_EXPR_EXP:
-        return exp(a);
-    case FP3_EXPR_LOG:
-        return log(a);
-    case FP3_EXPR_TAN:
-        return tan(a);
-    case FP3_EXPR_ATAN:
-        return atan(a);
-    case FP3_EXPR_ASIN:
-        return asin(a);
-    case FP3_EXPR_ACOS:
-        return acos(a);
-    case FP3_EXPR_ATAN2:
-        return atan2(a, b);
-    case FP3_EXPR_SINH:
-        return sinh(a);
-    case FP3_EXPR_COSH:
-        return cosh(a);
-    case FP3_EXPR_TANH:
-        return tanh(a);
+#define X(OP, name, MADE, UNIT, VALUE, ...)                                                        \
+    case FP3_EXPR_##OP:                                                                            \
+        return VALUE;
+        FP3_FUNCTION_ROWS(X)
+#undef X
     case FP3_EXPR_OP_COUNT:
         break;
     }

@@ -7,5 +7,7 @@
 /* The value of an expression, from those of its operands. */
 double fp3_ode_compute(const fp3_expr *expr, const fp3_point *point, const double *values);
 unsigned fp3_ode_operands(fp3_expr_op op);
+/* Whether it is made of sums and products with constants of its own: powers may be. */
+int fp3_ode_has_constants(fp3_expr_op op);
 
 #endif

@@ -1,19 +1,22 @@
 #include "function.h"
 
+#include "function_rows.h"
 #include "text/nearest.h"
 #include "vector.h"
 
+enum {
+#define X(NAME, operands, host) ARGUMENTS_##NAME = (operands),
+    FP3_EXPR_OPS(X)
+#undef X
+};
+
 static const ode_function functions[] = {
-    {"sqrt", 1, ODE_OF_NUMBERS, FP3_EXPR_SQRT},    {"sin", 1, ODE_OF_NUMBERS, FP3_EXPR_SIN},
-    {"cos", 1, ODE_OF_NUMBERS, FP3_EXPR_COS},      {"min", 2, ODE_OF_NUMBERS, FP3_EXPR_MIN},
-    {"max", 2, ODE_OF_NUMBERS, FP3_EXPR_MAX},      {"abs", 1, ODE_OF_NUMBERS, FP3_EXPR_ABS},
-    {"exp", 1, ODE_OF_NUMBERS, FP3_EXPR_EXP},      {"log", 1, ODE_OF_NUMBERS, FP3_EXPR_LOG},
-    {"tan", 1, ODE_OF_NUMBERS, FP3_EXPR_TAN},      {"atan", 1, ODE_OF_NUMBERS, FP3_EXPR_ATAN},
-    {"asin", 1, ODE_OF_NUMBERS, FP3_EXPR_ASIN},    {"acos", 1, ODE_OF_NUMBERS, FP3_EXPR_ACOS},
-    {"atan2", 2, ODE_OF_NUMBERS, FP3_EXPR_ATAN2},  {"sinh", 1, ODE_OF_NUMBERS, FP3_EXPR_SINH},
-    {"cosh", 1, ODE_OF_NUMBERS, FP3_EXPR_COSH},    {"tanh", 1, ODE_OF_NUMBERS, FP3_EXPR_TANH},
-    {"select", 3, ODE_OF_CHOICE, FP3_EXPR_SELECT}, {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},
-    {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT}, {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
+#define X(OP, name, ...) {#name, ARGUMENTS_##OP, ODE_OF_NUMBERS, FP3_EXPR_##OP},
+    FP3_FUNCTION_ROWS(X)
+#undef X
+        {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},
+    {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT},
+    {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
 };
 enum { FUNCTIONS = sizeof functions / sizeof *functions };
 
@@ -34,16 +37,16 @@ const char *fp3_ode_nearest_function(fp3_token name) {
 ode_value fp3_ode_apply(ode_parser *p, fp3_token at, const ode_function *f,
                         const ode_value argument[ODE_ARGUMENTS]) {
     switch (f->rule) {
-    case ODE_OF_CHOICE:
-        return fp3_ode_select(p, at, argument[0], argument[1], argument[2]);
     case ODE_OF_DOT:
         return fp3_ode_dot(p, at, argument[0], argument[1]);
     case ODE_OF_CROSS:
         return fp3_ode_cross(p, at, argument[0], argument[1]);
     case ODE_OF_NORM:
         return fp3_ode_unary(p, at, FP3_EXPR_SQRT, fp3_ode_dot(p, at, argument[0], argument[0]));
-    default:
-        return f->arguments == 1 ? fp3_ode_unary(p, at, f->op, argument[0])
-                                 : fp3_ode_binary(p, at, f->op, argument[0], argument[1]);
+    case ODE_OF_NUMBERS:
+        break;
     }
+    return f->arguments == 1   ? fp3_ode_unary(p, at, f->op, argument[0])
+           : f->arguments == 2 ? fp3_ode_binary(p, at, f->op, argument[0], argument[1])
+                               : fp3_ode_select(p, at, argument[0], argument[1], argument[2]);
 }

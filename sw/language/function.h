@@ -1,5 +1,4 @@
-/* function.h - the functions of the language. What their arguments may be measured in follows from
- * the operations that they become: dimension_check.c. */
+/* function.h - calls of the functions of the language: of those in function_rows.h, and of vectors. */
 #ifndef FP3_ODE_FUNCTION_H
 #define FP3_ODE_FUNCTION_H
 
@@ -9,8 +8,7 @@ enum { ODE_ARGUMENTS = 3 };
 
 /* What a function does with vectors. */
 typedef enum {
-    ODE_OF_NUMBERS, /* takes none */
-    ODE_OF_CHOICE,  /* chooses between two of one size */
+    ODE_OF_NUMBERS, /* takes none; but one of three arguments chooses between two of one size */
     ODE_OF_DOT,
     ODE_OF_CROSS,
     ODE_OF_NORM

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "language/evaluate.h"
 #include "text/number.h"
 
 #define SAMPLES 32            /* of the truth, for the scale */
@@ -168,22 +169,10 @@ static int find_window(const fp3_ladder *l, const double *error, const double *l
 
 /* A power with another exponent than an integer may be one. */
 static int is_polynomial(const fp3_model *model, const fp3_expr *e) {
-    switch (e->op) {
-    case FP3_EXPR_SIN:
-    case FP3_EXPR_COS:
-    case FP3_EXPR_EXP:
-    case FP3_EXPR_LOG:
-    case FP3_EXPR_SINH:
-    case FP3_EXPR_COSH:
-    case FP3_EXPR_TANH:
-        return 1;
-    case FP3_EXPR_POWER: {
-        const fp3_expr *exponent = &model->exprs[e->operand[1]];
-        return exponent->op != FP3_EXPR_NUMBER || exponent->number != floor(exponent->number);
-    }
-    default:
-        return 0;
-    }
+    if (e->op != FP3_EXPR_POWER)
+        return fp3_ode_has_constants(e->op);
+    const fp3_expr *exponent = &model->exprs[e->operand[1]];
+    return exponent->op != FP3_EXPR_NUMBER || exponent->number != floor(exponent->number);
 }
 
 /* Marks what a step computes: not what stands in invariants and closed forms alone. */

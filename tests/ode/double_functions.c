@@ -40,7 +40,8 @@ static real argument(const row *r, float *words) {
         any_pair(words, r->least, r->most);
         if (r->middle != 0)
             to_pair((real)r->middle + (real)words[0] + (real)words[1], words);
-    } while (fabs((double)words[0]) > r->limit || (words[0] < 0 && (r->made == fp3_pair_log)));
+    } while (fabs((double)words[0]) > r->limit ||
+             (words[0] < 0 && (r->made == fp3_pair_log || r->made == fp3_pair_log2)));
     return (real)words[0] + (real)words[1];
 }
 
@@ -69,15 +70,17 @@ static int check(const row *r, uint64_t count) {
 }
 
 static const row rows[] = {
-    {"sin", fp3_pair_sine, sinl, absolute, 16, -20, 15, 0x1.fffffep15, 0},
-    {"sin near 0", fp3_pair_sine, sinl, relative, 16, -60, 0, 1.57, 0},
-    {"cos", fp3_pair_cosine, cosl, absolute, 16, -20, 15, 0x1.fffffep15, 0},
-    {"tan", fp3_pair_tangent, tanl, steep, 16, -20, 14, 0x1.fffffep14, 0},
-    {"tan near 0", fp3_pair_tangent, tanl, relative, 16, -60, 0, 0.78, 0},
+    {"sin", fp3_pair_sin, sinl, absolute, 16, -20, 15, 0x1.fffffep15, 0},
+    {"sin near 0", fp3_pair_sin, sinl, relative, 16, -60, 0, 1.57, 0},
+    {"cos", fp3_pair_cos, cosl, absolute, 16, -20, 15, 0x1.fffffep15, 0},
+    {"tan", fp3_pair_tan, tanl, steep, 16, -20, 14, 0x1.fffffep14, 0},
+    {"tan near 0", fp3_pair_tan, tanl, relative, 16, -60, 0, 0.78, 0},
     {"exp", fp3_pair_exp, expl, relative, 16, -40, 6, 70, 0},
     {"exp of large x", fp3_pair_exp, expl, relative, 16, -20, 3, 88.7, 80},
     {"log", fp3_pair_log, logl, relative, 16, -100, 126, 3e38, 0},
     {"log near 1", fp3_pair_log, logl, relative, 16, -40, -2, 2, 1},
+    {"log2", fp3_pair_log2, log2l, relative, 16, -100, 126, 3e38, 0},
+    {"log2 near 1", fp3_pair_log2, log2l, relative, 16, -40, -2, 2, 1},
     {"sinh", fp3_pair_sinh, sinhl, relative, 16, -60, 6, 89.4, 0},
     {"cosh", fp3_pair_cosh, coshl, relative, 16, -60, 6, 89.4, 0},
     {"tanh", fp3_pair_tanh, tanhl, relative, 16, -60, 6, 128, 0},
@@ -158,15 +161,15 @@ typedef struct {
 
 #define QUARTER 1.57079632679489662
 static const at_end ends[] = {
-    {fp3_pair_sine, 65536, NAN, FP3_FLAG_INVALID},
-    {fp3_pair_sine, -1e30, NAN, FP3_FLAG_INVALID},
-    {fp3_pair_sine, INFINITY, NAN, FP3_FLAG_INVALID},
-    {fp3_pair_sine, NAN, NAN, 0},
-    {fp3_pair_sine, 0, 0, 0},
-    {fp3_pair_cosine, 65536, NAN, FP3_FLAG_INVALID},
-    {fp3_pair_cosine, 0, 1, 0},
-    {fp3_pair_tangent, 32768, NAN, FP3_FLAG_INVALID},
-    {fp3_pair_tangent, 0, 0, 0},
+    {fp3_pair_sin, 65536, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_sin, -1e30, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_sin, INFINITY, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_sin, NAN, NAN, 0},
+    {fp3_pair_sin, 0, 0, 0},
+    {fp3_pair_cos, 65536, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_cos, 0, 1, 0},
+    {fp3_pair_tan, 32768, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_tan, 0, 0, 0},
     {fp3_pair_exp, 0, 1, 0},
     {fp3_pair_exp, 88.5, 2.72308782506811161e38, 0},
     {fp3_pair_exp, 88.73, INFINITY, FP3_FLAG_OVERFLOW},
@@ -181,6 +184,12 @@ static const at_end ends[] = {
     {fp3_pair_log, 0, -INFINITY, FP3_FLAG_INVALID},
     {fp3_pair_log, -1, NAN, FP3_FLAG_INVALID},
     {fp3_pair_log, INFINITY, INFINITY, FP3_FLAG_INVALID},
+    {fp3_pair_log2, 1, 0, 0},
+    {fp3_pair_log2, 0x1p-149, -149, 0},
+    {fp3_pair_log2, 0x1p127, 127, 0},
+    {fp3_pair_log2, 0, -INFINITY, FP3_FLAG_INVALID},
+    {fp3_pair_log2, -1, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_log2, INFINITY, INFINITY, FP3_FLAG_INVALID},
     {fp3_pair_sinh, 1000, INFINITY, FP3_FLAG_OVERFLOW},
     {fp3_pair_sinh, -1000, -INFINITY, FP3_FLAG_OVERFLOW},
     {fp3_pair_sinh, -89, -2.24480640958717262e38, 0},

@@ -34,6 +34,7 @@ static double asin_of(double x, double n) { return (void)n, asin(x); }
 static double acos_of(double x, double n) { return (void)n, acos(x); }
 static double exp_of(double x, double n) { return (void)n, exp(x); }
 static double log_of(double x, double n) { return (void)n, log(x); }
+static double log2_of(double x, double n) { return (void)n, log2(x); }
 static double sinh_of(double x, double n) { return (void)n, sinh(x); }
 static double cosh_of(double x, double n) { return (void)n, cosh(x); }
 static double tanh_of(double x, double n) { return (void)n, tanh(x); }
@@ -52,6 +53,7 @@ static const function functions[] = {
     {"acos", "acos(x)", acos_of, -1, 1, 0, 0, 0},
     {"exp", "exp(x)", exp_of, ALL, 0, 0, 0},
     {"log", "log(x)", log_of, POSITIVE, 0, 0, 0},
+    {"log2", "log2(x)", log2_of, POSITIVE, 0, 0, 0},
     {"sinh", "sinh(x)", sinh_of, ALL, 0, 0, 0},
     {"cosh", "cosh(x)", cosh_of, ALL, 0, 0, 0},
     {"tanh", "tanh(x)", tanh_of, ALL, 0, 0, 0},

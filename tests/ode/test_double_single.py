@@ -108,7 +108,7 @@ def test_compensated_kepler_costs_at_most_1_4_times_plain():
 
 
 FUNCTIONS = [{"sin(2*a)": math.sin(0.6), "cos(a + t)": math.cos(0.3), "tan(a)": math.tan(0.3)},
-             {"exp(-a)": math.exp(-0.3), "log(a)": math.log(0.3), "sinh(a)": math.sinh(0.3), "cosh(a)": math.cosh(0.3), "tanh(a)": math.tanh(0.3)},
+             {"exp(-a)": math.exp(-0.3), "log(a)": math.log(0.3), "log2(a)": math.log2(0.3), "sinh(a)": math.sinh(0.3), "cosh(a)": math.cosh(0.3), "tanh(a)": math.tanh(0.3)},
              {"atan(a)": math.atan(0.3), "asin(a)": math.asin(0.3), "acos(a)": math.acos(0.3), "atan2(a, -a*a)": math.atan2(0.3, -0.09)},
              {"1/a^n": 0.3**-1.3, "(-a)^9": -0.3**9}]
 

@@ -138,6 +138,7 @@ HEAD = "step 0.1\nstate x = 0\nstate y = 1\nparam k = 2\nparam n = 3\nx' = y\ny'
     ("x^9 + x^-0.5", "(ADD (POWER x 9) (POWER x -0.5))"),
     ("x^k + y^(1/3)", "(ADD (POWER x k) (POWER y (DIV 1 3)))"),
     ("exp(x)*log(y)", "(MUL (EXP x) (LOG y))"),
+    ("log2(x) - log2(k)", "(SUB (LOG2 x) (LOG2 k))"),
     ("sinh(x) + cosh(x) + tanh(y)", "(ADD (ADD (SINH x) (COSH x)) (TANH y))"),
 ])
 def test_expressions(model, text, expected):

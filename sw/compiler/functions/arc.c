@@ -3,6 +3,7 @@
 
 #include "compiler/value/ops.h"
 #include "division.h"
+#include "functions.h"
 
 #define PI 3.14159265358979323846
 
@@ -35,16 +36,18 @@ uint32_t fp3_small_arc(dag *g, uint32_t q) {
 }
 
 /* atan(x), or atan(-1/x) and a quarter turn. Of a small x no reciprocal is made, which might raise something. */
-uint32_t fp3_atan(dag *g, uint32_t x) {
+term fp3_atan(dag *g, term at) {
+    const uint32_t x = fp3_term_value(g, at);
     const uint32_t large = side(g, x, 1);
     const uint32_t over = quotient(g, num(g, 1), sel(g, large, negated(g, x), num(g, 1)));
     const uint32_t arc = fp3_small_arc(g, sel(g, large, over, x));
-    return sub(g, arc, mul(g, large, num(g, PI / 2)));
+    return fp3_term(sub(g, arc, mul(g, large, num(g, PI / 2))));
 }
 
 /* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by zero: it is 0/1.
  * A quarter of a divisor is never as large as those that have no estimate. */
-uint32_t fp3_atan2(dag *g, uint32_t y, uint32_t x) {
+term fp3_atan2(dag *g, term up, term along) {
+    const uint32_t x = fp3_term_value(g, along), y = fp3_term_value(g, up);
     const uint32_t steep = op2(g, FP3_OP_LT, op1(g, FP3_OP_ABS, x), op1(g, FP3_OP_ABS, y));
     const uint32_t above = sel(g, steep, x, y), below = sel(g, steep, negated(g, y), x);
     const uint32_t quarter = mul(g, below, num(g, 0.25));
@@ -52,16 +55,17 @@ uint32_t fp3_atan2(dag *g, uint32_t y, uint32_t x) {
         quotient(g, mul(g, above, num(g, 0.25)), sel(g, below, quarter, num(g, 1)));
     const uint32_t turn = sel(g, op2(g, FP3_OP_LT, y, num(g, 0)), num(g, -PI), num(g, PI));
     const uint32_t part = sel(g, steep, num(g, 0.5), op2(g, FP3_OP_LT, x, num(g, 0)));
-    return add(g, fp3_small_arc(g, tangent), mul(g, turn, part));
+    return fp3_term(add(g, fp3_small_arc(g, tangent), mul(g, turn, part)));
 }
 
-/* asin(x) = arc - large pi/2, with arc = asin(x), or minus the sign of x times 2 asin(sqrt((1 - |x|)/2)). */
+/* Of |x| > 1 a NaN, which raises invalid. asin(x) = arc - large pi/2, with arc = asin(x), or minus the sign of x times 2 asin(sqrt((1 - |x|)/2)). */
 typedef struct {
     uint32_t arc, large;
 } part_arc;
 
 /* FLT_MAX x overflows where |x| > 1; then it times 0 is a NaN. */
-static part_arc arc_of(dag *g, uint32_t x) {
+static part_arc arc_of(dag *g, term at) {
+    uint32_t x = fp3_term_value(g, at);
     x = add(g, x, mul(g, mul(g, x, num(g, 0x1.fffffep+127)), num(g, 0)));
     const uint32_t large = side(g, x, 0.5);
     const uint32_t rest = sub(g, num(g, 0.5), mul(g, num(g, 0.5), op1(g, FP3_OP_ABS, x)));
@@ -70,13 +74,13 @@ static part_arc arc_of(dag *g, uint32_t x) {
     return (part_arc){add(g, q, mul(g, mul(g, q, z), polynomial(g, z, arcsine, 5))), large};
 }
 
-uint32_t fp3_asin(dag *g, uint32_t x) {
+term fp3_asin(dag *g, term x) {
     const part_arc p = arc_of(g, x);
-    return sub(g, p.arc, mul(g, p.large, num(g, PI / 2)));
+    return fp3_term(sub(g, p.arc, mul(g, p.large, num(g, PI / 2))));
 }
 
 /* pi/2 - asin(x); what arc is taken from is 0, pi/2 or pi. */
-uint32_t fp3_acos(dag *g, uint32_t x) {
+term fp3_acos(dag *g, term x) {
     const part_arc p = arc_of(g, x);
-    return sub(g, add(g, num(g, PI / 2), mul(g, p.large, num(g, PI / 2))), p.arc);
+    return fp3_term(sub(g, add(g, num(g, PI / 2), mul(g, p.large, num(g, PI / 2))), p.arc));
 }

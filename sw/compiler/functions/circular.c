@@ -3,6 +3,7 @@
 
 #include "compiler/value/ops.h"
 #include "division.h"
+#include "functions.h"
 
 #include <fp3/passes.h>
 
@@ -78,14 +79,16 @@ static uint32_t signed_by(dag *g, const angle *a, uint32_t x) {
     return a->sign == FP3_NONE ? x : mul(g, a->sign, x);
 }
 
-term fp3_sine(dag *g, term x) {
+/* Of x in radians, |x| < 2^16; sine and cosine with the pass `small-angles`, |x| <= pi/2. Beyond that the
+ * value is a NaN and raises invalid. */
+term fp3_sin(dag *g, term x) {
     const angle a = angle_of(g, x.node);
     const uint32_t r = signed_by(g, &a, a.r);
     const uint32_t p = polynomial(g, a.z, sine, 4);
     return (term){add(g, r, mul(g, mul(g, r, a.z), p)), x.is_negative};
 }
 
-term fp3_cosine(dag *g, term x) {
+term fp3_cos(dag *g, term x) {
     const angle a = angle_of(g, x.node);
     const uint32_t one = a.sign == FP3_NONE ? num(g, 1) : a.sign;
     const uint32_t p = polynomial(g, a.z, cosine, 4);
@@ -93,7 +96,7 @@ term fp3_cosine(dag *g, term x) {
 }
 
 /* r/d or, of an odd multiple of pi/2, d/-r, with d = r/tan(r). */
-term fp3_tangent(dag *g, term x) {
+term fp3_tan(dag *g, term x) {
     const uint32_t n = fp3_nearest_multiple(g, x.node, PI / 2, LIMIT), odd = fp3_is_odd(g, n);
     const uint32_t r = less(g, x.node, n, half_pi_part, 4), z = mul(g, r, r);
     const uint32_t d = sub(g, num(g, 1), mul(g, z, polynomial(g, z, cotangent, 4)));

@@ -1,16 +1,10 @@
-/* circular.h - sine, cosine, tangent. */
+/* circular.h - what sine, cosine and tangent of floats share with those of pairs. */
 #ifndef FP3_CIRCULAR_H
 #define FP3_CIRCULAR_H
 
 #include "compiler/value/term.h"
 
-/* Of x in radians, |x| < 2^16; sine and cosine with the pass `small-angles`, |x| <= pi/2. Beyond that the
- * value is a NaN and raises invalid. */
-term fp3_sine(dag *g, term x);
-term fp3_cosine(dag *g, term x);
-term fp3_tangent(dag *g, term x);
-
-/* What double-single takes of them, too. rint(x/unit), and infinite where limit times x overflows: x less an infinite n times parts of different signs is a NaN, and raises invalid. */
+/* rint(x/unit), and infinite where limit times x overflows: x less an infinite n times parts of different signs is a NaN, and raises invalid. */
 uint32_t fp3_nearest_multiple(dag *g, uint32_t x, double unit, double limit);
 /* Not 0 if n is odd. */
 uint32_t fp3_is_odd(dag *g, uint32_t n);

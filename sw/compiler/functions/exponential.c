@@ -5,6 +5,7 @@
 
 #include "compiler/value/ops.h"
 #include "division.h"
+#include "functions.h"
 
 #define LOG2_E 1.4426950408889634
 
@@ -43,10 +44,10 @@ uint32_t fp3_exp_scaled(dag *g, uint32_t r, uint32_t k) {
 
 /* -104 gives 0 as -infinity does. With k = 127 at most, 2^k is finite: what overflows is the product, or the
  * polynomial, whose coefficients are all positive. */
-uint32_t fp3_exp(dag *g, uint32_t x) {
-    const uint32_t y = fp3_at_least(g, -104, x);
+term fp3_exp(dag *g, term x) {
+    const uint32_t y = fp3_at_least(g, -104, fp3_term_value(g, x));
     const uint32_t k = fp3_at_most(g, 127, multiple_of_ln2(g, y));
-    return fp3_exp_scaled(g, remainder_of(g, y, k), k);
+    return fp3_term(fp3_exp_scaled(g, remainder_of(g, y, k), k));
 }
 
 /* With P, D = (2^k +/- 2^-k)/2, sinh(r + k ln 2) = D + (sinh(r) P + (cosh(r) - 1) D) and
@@ -67,23 +68,24 @@ static hyperbolic parts_of(dag *g, uint32_t x) {
                         .d = sub(g, up, down)};
 }
 
-uint32_t fp3_sinh(dag *g, uint32_t x) {
-    const hyperbolic h = parts_of(g, x);
-    return add(g, h.d, add(g, mul(g, h.sinh, h.p), mul(g, h.cosh_less_1, h.d)));
+term fp3_sinh(dag *g, term x) {
+    const hyperbolic h = parts_of(g, fp3_term_value(g, x));
+    return fp3_term(add(g, h.d, add(g, mul(g, h.sinh, h.p), mul(g, h.cosh_less_1, h.d))));
 }
 
-uint32_t fp3_cosh(dag *g, uint32_t x) {
-    const hyperbolic h = parts_of(g, x);
-    return add(g, h.p, add(g, mul(g, h.sinh, h.d), mul(g, h.cosh_less_1, h.p)));
+term fp3_cosh(dag *g, term x) {
+    const hyperbolic h = parts_of(g, fp3_term_value(g, x));
+    return fp3_term(add(g, h.p, add(g, mul(g, h.sinh, h.d), mul(g, h.cosh_less_1, h.p))));
 }
 
 /* E/(E + 2) with E = e^(2x) - 1 = (2^k - 1) + 2^k (e^r - 1), which is accurate near 0. Beyond 20 the
  * quotient is 1. */
-uint32_t fp3_tanh(dag *g, uint32_t x) {
-    const uint32_t near = fp3_at_least(g, -20, fp3_at_most(g, 20, x)), y = add(g, near, near);
+term fp3_tanh(dag *g, term x) {
+    const uint32_t near = fp3_at_least(g, -20, fp3_at_most(g, 20, fp3_term_value(g, x)));
+    const uint32_t y = add(g, near, near);
     const uint32_t k = multiple_of_ln2(g, y), r = remainder_of(g, y, k);
     const uint32_t scale = power_of_two(g, k);
     const uint32_t grown = add(g, r, mul(g, mul(g, r, r), polynomial(g, r, rest, 6)));
     const uint32_t e = add(g, add(g, scale, num(g, -1)), mul(g, scale, grown));
-    return fp3_corrected(g, fp3_term(e), fp3_reciprocal(g, add(g, e, num(g, 2)))).node;
+    return fp3_corrected(g, fp3_term(e), fp3_reciprocal(g, add(g, e, num(g, 2))));
 }

@@ -1,4 +1,4 @@
-/* exponential.h - exp and what is made of it. docs/compiler.md has the errors. */
+/* exponential.h - powers of e, for whatever is made of them. */
 #ifndef FP3_EXPONENTIAL_H
 #define FP3_EXPONENTIAL_H
 
@@ -7,11 +7,6 @@
 /* In two parts, so that the product of the first with an integer below 2^9 is exact. */
 #define FP3_LN2_HIGH 0x1.62e4p-1
 #define FP3_LN2_LOW 0x1.7f7d1cf79abcap-20
-
-uint32_t fp3_exp(dag *g, uint32_t x);
-uint32_t fp3_sinh(dag *g, uint32_t x);
-uint32_t fp3_cosh(dag *g, uint32_t x);
-uint32_t fp3_tanh(dag *g, uint32_t x);
 
 /* e^r 2^k for |r| <= ln 2 and integers -150 <= k <= 127, with one rounding of the product. A larger r with
  * k = 127 overflows, as a product does. */

@@ -5,6 +5,7 @@
 #include "compiler/value/ops.h"
 #include "division.h"
 #include "exponential.h"
+#include "functions.h"
 
 #include <math.h>
 
@@ -49,13 +50,27 @@ uint32_t fp3_log_near_1(dag *g, uint32_t m) {
     return add(g, r, curve_of(g, r));
 }
 
-/* -e ln 2 + log m */
-uint32_t fp3_log(dag *g, uint32_t x) {
+static fp3_log_parts parts_of(dag *g, uint32_t x) {
     const uint32_t scale = fp3_log_scale(g, x);
-    const fp3_log_parts p = fp3_log_parts_of(g, mul(g, x, scale), scale);
+    return fp3_log_parts_of(g, mul(g, x, scale), scale);
+}
+
+/* -e ln 2 + log m */
+term fp3_log(dag *g, term x) {
+    const fp3_log_parts p = parts_of(g, fp3_term_value(g, x));
     const uint32_t r = add(g, p.m, num(g, -1));
     const uint32_t low = sub(g, curve_of(g, r), mul(g, p.e, num(g, FP3_LN2_LOW)));
-    return sub(g, add(g, r, low), mul(g, p.e, num(g, FP3_LN2_HIGH)));
+    return fp3_term(sub(g, add(g, r, low), mul(g, p.e, num(g, FP3_LN2_HIGH))));
+}
+
+/* -e + log2 m, where log2 m = r + (r (1/ln 2 - 1) + (log m - r)/ln 2): r is exact. Of a power of two it is the
+ * exponent itself. */
+term fp3_log2(dag *g, term x) {
+    const fp3_log_parts p = parts_of(g, fp3_term_value(g, x));
+    const uint32_t r = add(g, p.m, num(g, -1));
+    const uint32_t curve = mul(g, curve_of(g, r), num(g, M_LOG2E));
+    const uint32_t rest = add(g, mul(g, r, num(g, M_LOG2E - 1)), curve);
+    return fp3_term(sub(g, add(g, r, rest), p.e));
 }
 
 /* ---- powers ---- */

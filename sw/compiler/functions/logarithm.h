@@ -4,8 +4,6 @@
 
 #include "compiler/value/dag.h"
 
-uint32_t fp3_log(dag *g, uint32_t x);
-
 /* x^n, where n is a known value and x is not. A negative x is a NaN, and raises invalid, unless n is an
  * integer. */
 uint32_t fp3_power(dag *g, uint32_t x, uint32_t n);

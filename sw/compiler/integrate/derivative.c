@@ -1,6 +1,9 @@
 /* derivative.c - rules of differentiation on expressions, as their arrays are: operands come first. */
 #include "derivative.h"
 
+#include "language/function_rows.h"
+
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,8 +67,12 @@ static uint32_t make(differentiation *k, fp3_expr_op op, uint32_t a, uint32_t b,
 }
 
 /* A derivative that is FP3_NONE is 0. */
-static uint32_t one_operand(differentiation *k, fp3_expr_op op, uint32_t a) {
+static uint32_t one(differentiation *k, fp3_expr_op op, uint32_t a) {
     return make(k, op, a, FP3_NONE, FP3_NONE);
+}
+
+static uint32_t two(differentiation *k, fp3_expr_op op, uint32_t a, uint32_t b) {
+    return make(k, op, a, b, FP3_NONE);
 }
 
 static int is_number(const differentiation *k, uint32_t expr, double x) {
@@ -74,27 +81,25 @@ static int is_number(const differentiation *k, uint32_t expr, double x) {
 }
 
 static uint32_t negated(differentiation *k, uint32_t a) {
-    return a == FP3_NONE ? a : one_operand(k, FP3_EXPR_NEGATE, a);
+    return a == FP3_NONE ? a : one(k, FP3_EXPR_NEGATE, a);
 }
 
 static uint32_t sum(differentiation *k, uint32_t a, uint32_t b) {
-    return a == FP3_NONE ? b : b == FP3_NONE ? a : make(k, FP3_EXPR_ADD, a, b, FP3_NONE);
+    return a == FP3_NONE ? b : b == FP3_NONE ? a : two(k, FP3_EXPR_ADD, a, b);
 }
 
 static uint32_t difference(differentiation *k, uint32_t a, uint32_t b) {
-    return b == FP3_NONE   ? a
-           : a == FP3_NONE ? negated(k, b)
-                           : make(k, FP3_EXPR_SUB, a, b, FP3_NONE);
+    return b == FP3_NONE ? a : a == FP3_NONE ? negated(k, b) : two(k, FP3_EXPR_SUB, a, b);
 }
 
 static uint32_t product(differentiation *k, uint32_t a, uint32_t b) {
     if (a == FP3_NONE || b == FP3_NONE)
         return FP3_NONE;
-    return is_number(k, a, 1) ? b : is_number(k, b, 1) ? a : make(k, FP3_EXPR_MUL, a, b, FP3_NONE);
+    return is_number(k, a, 1) ? b : is_number(k, b, 1) ? a : two(k, FP3_EXPR_MUL, a, b);
 }
 
 static uint32_t quotient(differentiation *k, uint32_t a, uint32_t b) {
-    return a == FP3_NONE ? a : make(k, FP3_EXPR_DIV, a, b, FP3_NONE);
+    return a == FP3_NONE ? a : two(k, FP3_EXPR_DIV, a, b);
 }
 
 static uint32_t square(differentiation *k, uint32_t a) { return product(k, a, a); }
@@ -108,30 +113,9 @@ static uint32_t choice(differentiation *k, uint32_t condition, uint32_t a, uint3
 
 /* ---- rules ---- */
 
-/* Of a function of one operand a, whose derivative is da: f'(a). */
-static uint32_t slope(differentiation *k, const fp3_expr *e, uint32_t self) {
-    const uint32_t a = e->operand[0];
-    switch (e->op) {
-    case FP3_EXPR_SIN:
-        return one_operand(k, FP3_EXPR_COS, a);
-    case FP3_EXPR_COS:
-        return negated(k, one_operand(k, FP3_EXPR_SIN, a));
-    case FP3_EXPR_TAN:
-        return sum(k, number(k, 1), square(k, self));
-    case FP3_EXPR_EXP:
-        return self;
-    case FP3_EXPR_SINH:
-        return one_operand(k, FP3_EXPR_COSH, a);
-    case FP3_EXPR_COSH:
-        return one_operand(k, FP3_EXPR_SINH, a);
-    default: /* TANH */
-        return difference(k, number(k, 1), square(k, self));
-    }
-}
-
 /* sqrt(1 - a^2) */
 static uint32_t other_side(differentiation *k, uint32_t a) {
-    return one_operand(k, FP3_EXPR_SQRT, difference(k, number(k, 1), square(k, a)));
+    return one(k, FP3_EXPR_SQRT, difference(k, number(k, 1), square(k, a)));
 }
 
 /* n a^(n-1) da */
@@ -140,20 +124,31 @@ static uint32_t of_power(differentiation *k, uint32_t a, uint32_t n, uint32_t da
     if (da == FP3_NONE)
         return da;
     if (exponent->op != FP3_EXPR_NUMBER) {
-        const uint32_t less = make(k, FP3_EXPR_SUB, n, number(k, 1), FP3_NONE);
-        return product(k, product(k, n, make(k, FP3_EXPR_POWER, a, less, FP3_NONE)), da);
+        const uint32_t less = two(k, FP3_EXPR_SUB, n, number(k, 1));
+        return product(k, product(k, n, two(k, FP3_EXPR_POWER, a, less)), da);
     }
     const double p = exponent->number;
     if (p == 0 || p == 1)
         return p == 0 ? FP3_NONE : da;
-    const uint32_t lower = p == 2 ? a : make(k, FP3_EXPR_POWER, a, number(k, p - 1), FP3_NONE);
+    const uint32_t lower = p == 2 ? a : two(k, FP3_EXPR_POWER, a, number(k, p - 1));
     return product(k, product(k, n, lower), da);
 }
 
-static uint32_t of_two(differentiation *k, const fp3_expr *e, uint32_t self, uint32_t da,
-                       uint32_t db) {
-    const uint32_t a = e->operand[0], b = e->operand[1];
-    switch (e->op) {
+static uint32_t derivative_of(differentiation *k, uint32_t f) {
+    const fp3_expr e = k->model->exprs[f]; /* a copy: expressions move as others are added */
+    uint32_t d[3];
+    for (int j = 0; j < 3; j++)
+        d[j] = e.operand[j] == FP3_NONE ? FP3_NONE : k->d[e.operand[j]];
+    const uint32_t a = e.operand[0], b = e.operand[1], da = d[0], db = d[1], dc = d[2];
+    if (e.op == FP3_EXPR_STATE)
+        return e.index == k->by ? number(k, 1) : FP3_NONE;
+    if (e.op == FP3_EXPR_TIME)
+        return k->by == k->model->state_count ? number(k, 1) : FP3_NONE;
+    if (da == FP3_NONE && db == FP3_NONE && dc == FP3_NONE)
+        return FP3_NONE;
+    switch (e.op) {
+    case FP3_EXPR_NEGATE:
+        return negated(k, da);
     case FP3_EXPR_ADD:
         return sum(k, da, db);
     case FP3_EXPR_SUB:
@@ -161,68 +156,29 @@ static uint32_t of_two(differentiation *k, const fp3_expr *e, uint32_t self, uin
     case FP3_EXPR_MUL:
         return sum(k, product(k, da, b), product(k, a, db));
     case FP3_EXPR_DIV:
-        return quotient(k, difference(k, da, product(k, self, db)), b);
+        return quotient(k, difference(k, da, product(k, f, db)), b);
     case FP3_EXPR_POWER:
         return of_power(k, a, b, da);
-    case FP3_EXPR_MIN:
-        return choice(k, make(k, FP3_EXPR_LESS, a, b, FP3_NONE), da, db);
-    case FP3_EXPR_MAX:
-        return choice(k, make(k, FP3_EXPR_LESS, b, a, FP3_NONE), da, db);
-    default: /* ATAN2(y, x): (x dy - y dx)/(x^2 + y^2) */
-        return quotient(k, difference(k, product(k, b, da), product(k, a, db)),
-                        sum(k, square(k, a), square(k, b)));
-    }
-}
-
-static uint32_t of_one(differentiation *k, const fp3_expr *e, uint32_t self, uint32_t da) {
-    const uint32_t a = e->operand[0];
-    if (da == FP3_NONE)
-        return da;
-    switch (e->op) {
-    case FP3_EXPR_NEGATE:
-        return negated(k, da);
-    case FP3_EXPR_SQRT:
-        return product(k, number(k, 0.5), quotient(k, da, self));
-    case FP3_EXPR_LOG:
-        return quotient(k, da, a);
-    case FP3_EXPR_ABS:
-        return choice(k, make(k, FP3_EXPR_LESS, a, number(k, 0), FP3_NONE), negated(k, da), da);
-    case FP3_EXPR_ATAN:
-        return quotient(k, da, sum(k, number(k, 1), square(k, a)));
-    case FP3_EXPR_ASIN:
-        return quotient(k, da, other_side(k, a));
-    case FP3_EXPR_ACOS:
-        return negated(k, quotient(k, da, other_side(k, a)));
-    default:
-        return product(k, slope(k, e, self), da);
-    }
-}
-
-static uint32_t derivative_of(differentiation *k, uint32_t i) {
-    const fp3_expr e = k->model->exprs[i]; /* a copy: expressions move as others are added */
-    uint32_t d[3];
-    if (e.is_known)
-        return FP3_NONE;
-    for (int j = 0; j < 3; j++)
-        d[j] = e.operand[j] == FP3_NONE ? FP3_NONE : k->d[e.operand[j]];
-    switch (e.op) {
-    case FP3_EXPR_STATE:
-        return e.index == k->by ? number(k, 1) : FP3_NONE;
-    case FP3_EXPR_TIME:
-        return k->by == k->model->state_count ? number(k, 1) : FP3_NONE;
-    case FP3_EXPR_LESS:
+#define X(OP, name, MADE, UNIT, VALUE, SLOPE, ...)                                                 \
+    case FP3_EXPR_##OP:                                                                            \
+        return SLOPE;
+        FP3_FUNCTION_ROWS(X)
+#undef X
+    case FP3_EXPR_LESS: /* steps */
     case FP3_EXPR_LESS_EQUAL:
     case FP3_EXPR_EQUAL:
     case FP3_EXPR_AND:
     case FP3_EXPR_OR:
     case FP3_EXPR_NOT:
+    case FP3_EXPR_NUMBER: /* leaves */
+    case FP3_EXPR_PARAM:
+    case FP3_EXPR_STATE:
+    case FP3_EXPR_TIME:
     case FP3_EXPR_INITIAL:
-        return FP3_NONE;
-    case FP3_EXPR_SELECT:
-        return choice(k, e.operand[0], d[1], d[2]);
-    default:
-        return e.operand[1] == FP3_NONE ? of_one(k, &e, i, d[0]) : of_two(k, &e, i, d[0], d[1]);
+    case FP3_EXPR_OP_COUNT:
+        break;
     }
+    return FP3_NONE;
 }
 
 /* ---- the model ---- */

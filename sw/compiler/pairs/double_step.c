@@ -2,6 +2,7 @@
 #include "double_step.h"
 
 #include "double_single.h"
+#include "language/function_rows.h"
 #include "pair_functions.h"
 
 #include <assert.h>
@@ -101,38 +102,23 @@ static fp3_pair extreme(const doubling *d, const dag_node *n) {
     return fp3_pair_select(d->to, is_first.high, a, b);
 }
 
+#define DOUBLE_INSTRUCTIONS(OP, name)
+#define DOUBLE_POLYNOMIAL(OP, name)                                                                \
+    case FP3_EXPR_##OP:                                                                            \
+        return fp3_pair_##name(d->to, a);
+#define DOUBLE_POLYNOMIAL_2(OP, name)                                                              \
+    case FP3_EXPR_##OP:                                                                            \
+        return fp3_pair_##name(d->to, a, d->made[n->b].pair);
+
 static fp3_pair of_function(const doubling *d, const dag_node *n) {
-    dag *g = d->to;
     const fp3_pair a = d->made[n->a].pair;
     switch (n->op - NODE_FUNCTION) {
-    case FP3_EXPR_POWER:
-        return fp3_pair_power(g, a, fp3_dag_is_known(d->from, n->b));
-    case FP3_EXPR_ATAN2:
-        return fp3_pair_atan2(g, a, d->made[n->b].pair);
-    case FP3_EXPR_SIN:
-        return fp3_pair_sine(g, a);
-    case FP3_EXPR_COS:
-        return fp3_pair_cosine(g, a);
-    case FP3_EXPR_TAN:
-        return fp3_pair_tangent(g, a);
-    case FP3_EXPR_ATAN:
-        return fp3_pair_atan(g, a);
-    case FP3_EXPR_ASIN:
-        return fp3_pair_asin(g, a);
-    case FP3_EXPR_ACOS:
-        return fp3_pair_acos(g, a);
-    case FP3_EXPR_EXP:
-        return fp3_pair_exp(g, a);
-    case FP3_EXPR_LOG:
-        return fp3_pair_log(g, a);
-    case FP3_EXPR_SINH:
-        return fp3_pair_sinh(g, a);
-    case FP3_EXPR_COSH:
-        return fp3_pair_cosh(g, a);
-    default:
-        assert(n->op == NODE_FUNCTION + FP3_EXPR_TANH);
-        return fp3_pair_tanh(g, a);
+#define X(OP, name, MADE, ...) DOUBLE_##MADE(OP, name)
+        FP3_FUNCTION_ROWS(X)
+#undef X
     }
+    assert(n->op == NODE_FUNCTION + FP3_EXPR_POWER);
+    return fp3_pair_power(d->to, a, fp3_dag_is_known(d->from, n->b));
 }
 
 static int operand_count(const dag_node *n) {

@@ -54,14 +54,16 @@ static fp3_pair signed_by(dag *g, uint32_t sign, fp3_pair x) {
                             : (fp3_pair){mul(g, sign, x.high), mul(g, sign, fp3_pair_low(g, x))};
 }
 
-fp3_pair fp3_pair_sine(dag *g, fp3_pair x) {
+/* |x| < 2^16, of the tangent 2^15: beyond that they are NaNs and raise invalid. With the pass `small-angles`
+ * sine and cosine likewise beyond pi/2. */
+fp3_pair fp3_pair_sin(dag *g, fp3_pair x) {
     const angle a = angle_of(g, x);
     const fp3_pair z = fp3_pair_mul(g, a.r, a.r);
     const fp3_pair curve = fp3_pair_mul(g, z, fp3_pair_polynomial(g, z, sine_48, 7, 1));
     return signed_by(g, a.sign, fp3_pair_step(g, a.r, a.r, curve));
 }
 
-fp3_pair fp3_pair_cosine(dag *g, fp3_pair x) {
+fp3_pair fp3_pair_cos(dag *g, fp3_pair x) {
     const angle a = angle_of(g, x);
     const fp3_pair z = fp3_pair_mul(g, a.r, a.r);
     const fp3_pair p = fp3_pair_polynomial(g, z, cosine_48, 8, 2);
@@ -75,7 +77,7 @@ fp3_pair fp3_pair_cotangent_times(dag *g, fp3_pair r) {
 }
 
 /* r/d or, of an odd multiple of pi/2, d/-r, with d = r/tan(r). */
-fp3_pair fp3_pair_tangent(dag *g, fp3_pair x) {
+fp3_pair fp3_pair_tan(dag *g, fp3_pair x) {
     const uint32_t n = fp3_nearest_multiple(g, x.high, PI / 2, LIMIT_HALF), odd = fp3_is_odd(g, n);
     const fp3_pair r = fp3_pair_less_multiple(g, x, n, half_pi_part, PARTS, 2);
     const fp3_pair d = fp3_pair_cotangent_times(g, r);

@@ -112,18 +112,37 @@ static fp3_pair log_near_1(dag *g, fp3_pair m) {
                                 (fp3_pair){d.high, op(g, FP3_OP_SUB, d.low, square)});
 }
 
-/* x = m 2^-e, given as (x scale) and scale. */
-static fp3_pair log_of(dag *g, fp3_pair x, uint32_t scale) {
+/* x = m 2^-e */
+typedef struct {
+    fp3_pair m;
+    uint32_t e;
+} normal;
+
+/* Of (x scale) and scale. */
+static normal normal_of(dag *g, fp3_pair x, uint32_t scale) {
     const fp3_pair small = scaled(g, x, scale);
     const fp3_log_parts p = fp3_log_parts_of(g, small.high, scale);
-    const fp3_pair m = {p.m, x.low == FP3_NONE ? FP3_NONE : op(g, FP3_OP_MUL, small.low, p.power)};
-    const fp3_pair whole = fp3_fast_two_sum(g, op(g, FP3_OP_MUL, p.e, num(g, -ln2_part[0])),
-                                            op(g, FP3_OP_MUL, p.e, num(g, -ln2_part[1])));
-    const uint32_t low = op(g, FP3_OP_SUB, whole.low, op(g, FP3_OP_MUL, p.e, num(g, ln2_part[2])));
-    return fp3_pair_add_smaller(g, (fp3_pair){whole.high, low}, log_near_1(g, m));
+    return (normal){{p.m, x.low == FP3_NONE ? FP3_NONE : op(g, FP3_OP_MUL, small.low, p.power)},
+                    p.e};
+}
+
+static fp3_pair log_of(dag *g, fp3_pair x, uint32_t scale) {
+    const normal n = normal_of(g, x, scale);
+    const fp3_pair whole = fp3_fast_two_sum(g, op(g, FP3_OP_MUL, n.e, num(g, -ln2_part[0])),
+                                            op(g, FP3_OP_MUL, n.e, num(g, -ln2_part[1])));
+    const uint32_t low = op(g, FP3_OP_SUB, whole.low, op(g, FP3_OP_MUL, n.e, num(g, ln2_part[2])));
+    return fp3_pair_add_smaller(g, (fp3_pair){whole.high, low}, log_near_1(g, n.m));
 }
 
 fp3_pair fp3_pair_log(dag *g, fp3_pair x) { return log_of(g, x, fp3_log_scale(g, x.high)); }
+
+/* -e + log(m)/ln 2 */
+fp3_pair fp3_pair_log2(dag *g, fp3_pair x) {
+    const normal n = normal_of(g, x, fp3_log_scale(g, x.high));
+    const fp3_pair part = fp3_pair_mul(g, log_near_1(g, n.m), fp3_pair_number(g, M_LOG2E));
+    const fp3_pair whole = {op(g, FP3_OP_SUB, num(g, -0.0), n.e), FP3_NONE};
+    return fp3_pair_add_smaller(g, whole, part);
+}
 
 /* e^(n log |x|), with the sign of x where n is odd. 0^n is 2^(-n inf). */
 fp3_pair fp3_pair_power(dag *g, fp3_pair x, uint32_t n) {

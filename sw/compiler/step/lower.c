@@ -1,14 +1,15 @@
 /* lower.c - expressions to operations of the machine, functions to those of the files that make them. */
 #include "lower.h"
 
-#include "compiler/functions/arc.h"
-#include "compiler/functions/circular.h"
 #include "compiler/functions/division.h"
 #include "compiler/functions/exact.h"
-#include "compiler/functions/exponential.h"
+#include "compiler/functions/functions.h"
 #include "compiler/functions/logarithm.h"
 #include "compiler/value/ops.h"
+#include "language/evaluate.h"
+#include "language/function_rows.h"
 
+#include <assert.h>
 #include <fp3/passes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -209,10 +210,50 @@ static uint32_t truth(lowering *l, uint32_t expr) {
                              : sel(l->g, value(l, expr), num(l->g, 1), num(l->g, 0));
 }
 
-static term choose(lowering *l, const fp3_expr *e) {
-    dag *g = l->g;
+static term equal(dag *g, uint32_t a, uint32_t b) {
+    return fp3_term(mul(g, op2(g, FP3_OP_LE, a, b), op2(g, FP3_OP_LE, b, a)));
+}
+
+static term made_later(lowering *l, const fp3_expr *e) {
+    const uint32_t b = e->operand[1] == FP3_NONE ? FP3_NONE : value(l, e->operand[1]);
+    return fp3_term(op2(l->g, NODE_FUNCTION + (uint32_t)e->op, value(l, e->operand[0]), b));
+}
+
+#define LOWER_INSTRUCTIONS(OP, name)
+#define LOWER_POLYNOMIAL(OP, name)                                                                 \
+    case FP3_EXPR_##OP:                                                                            \
+        return fp3_##name(g, at(l, o[0]));
+#define LOWER_POLYNOMIAL_2(OP, name)                                                               \
+    case FP3_EXPR_##OP:                                                                            \
+        return fp3_##name(g, at(l, o[0]), at(l, o[1]));
+
+static term lower(lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
     const uint32_t *o = e->operand;
+    dag *g = l->g;
+    if (e->is_known)
+        return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
+    if (g->is_abstract && fp3_ode_has_constants(e->op) && e->op != FP3_EXPR_POWER)
+        return made_later(l, e);
     switch (e->op) {
+    case FP3_EXPR_STATE:
+        return l->state(l, e->index);
+    case FP3_EXPR_TIME:
+        return l->time;
+    case FP3_EXPR_NEGATE:
+        return fp3_term_negated(at(l, o[0]));
+    case FP3_EXPR_ADD:
+        return fp3_term_add(g, at(l, o[0]), at(l, o[1]));
+    case FP3_EXPR_SUB:
+        return fp3_term_sub(g, at(l, o[0]), at(l, o[1]));
+    case FP3_EXPR_MUL:
+        return fp3_term_mul(g, at(l, o[0]), at(l, o[1]));
+    case FP3_EXPR_DIV:
+        return divide(l, e);
+    case FP3_EXPR_POWER:
+        return times_power(l, one(g), expr, 0);
+    case FP3_EXPR_SQRT:
+        return fp3_term(root_of(l, expr));
     case FP3_EXPR_MIN:
         return fp3_term(op2(g, FP3_OP_MIN, value(l, o[0]), value(l, o[1])));
     case FP3_EXPR_MAX:
@@ -224,92 +265,33 @@ static term choose(lowering *l, const fp3_expr *e) {
     case FP3_EXPR_LESS_EQUAL:
         return fp3_term(op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])));
     case FP3_EXPR_EQUAL:
-        return fp3_term(mul(g, op2(g, FP3_OP_LE, value(l, o[0]), value(l, o[1])),
-                            op2(g, FP3_OP_LE, value(l, o[1]), value(l, o[0]))));
+        return equal(g, value(l, o[0]), value(l, o[1]));
     case FP3_EXPR_AND:
         return fp3_term(mul(g, truth(l, o[0]), truth(l, o[1])));
     case FP3_EXPR_OR:
         return fp3_term(sel(g, at(l, o[0]).node, num(g, 1), truth(l, o[1])));
     case FP3_EXPR_NOT:
         return fp3_term(sel(g, at(l, o[0]).node, num(g, 0), num(g, 1)));
-    default: /* SELECT */
+    case FP3_EXPR_SELECT:
         return fp3_term(sel(g, at(l, o[0]).node, value(l, o[1]), value(l, o[2])));
+#define X(OP, name, MADE, ...) LOWER_##MADE(OP, name)
+        FP3_FUNCTION_ROWS(X)
+#undef X
+    case FP3_EXPR_NUMBER: /* known, as params are */
+    case FP3_EXPR_PARAM:
+    case FP3_EXPR_INITIAL: /* of closed forms alone */
+    case FP3_EXPR_OP_COUNT:
+        break;
     }
-}
-
-/* Functions that are polynomials here. */
-static int has_constants(fp3_expr_op op) {
-    return op == FP3_EXPR_SIN || op == FP3_EXPR_COS || op == FP3_EXPR_EXP || op == FP3_EXPR_LOG ||
-           op == FP3_EXPR_SINH || op == FP3_EXPR_COSH || op == FP3_EXPR_TANH ||
-           op == FP3_EXPR_TAN || op == FP3_EXPR_ASIN || op == FP3_EXPR_ACOS ||
-           op == FP3_EXPR_ATAN || op == FP3_EXPR_ATAN2 || op == FP3_EXPR_POWER;
-}
-
-static term made_later(lowering *l, const fp3_expr *e) {
-    const uint32_t b = e->operand[1] == FP3_NONE ? FP3_NONE : value(l, e->operand[1]);
-    return fp3_term(op2(l->g, NODE_FUNCTION + (uint32_t)e->op, value(l, e->operand[0]), b));
-}
-
-static term lower(lowering *l, uint32_t expr) {
-    const fp3_expr *e = expr_of(l, expr);
-    dag *g = l->g;
-    if (e->is_known)
-        return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
-    if (g->is_abstract && has_constants(e->op) && e->op != FP3_EXPR_POWER)
-        return made_later(l, e);
-    switch (e->op) {
-    case FP3_EXPR_STATE:
-        return l->state(l, e->index);
-    case FP3_EXPR_TIME:
-        return l->time;
-    case FP3_EXPR_NEGATE:
-        return fp3_term_negated(at(l, e->operand[0]));
-    case FP3_EXPR_ADD:
-        return fp3_term_add(g, at(l, e->operand[0]), at(l, e->operand[1]));
-    case FP3_EXPR_SUB:
-        return fp3_term_sub(g, at(l, e->operand[0]), at(l, e->operand[1]));
-    case FP3_EXPR_MUL:
-        return fp3_term_mul(g, at(l, e->operand[0]), at(l, e->operand[1]));
-    case FP3_EXPR_DIV:
-        return divide(l, e);
-    case FP3_EXPR_POWER:
-        return times_power(l, one(g), expr, 0);
-    case FP3_EXPR_SQRT:
-        return fp3_term(root_of(l, expr));
-    case FP3_EXPR_SIN:
-        return fp3_sine(g, at(l, e->operand[0]));
-    case FP3_EXPR_COS:
-        return fp3_cosine(g, at(l, e->operand[0]));
-    case FP3_EXPR_TAN:
-        return fp3_tangent(g, at(l, e->operand[0]));
-    case FP3_EXPR_ATAN:
-        return fp3_term(fp3_atan(g, value(l, e->operand[0])));
-    case FP3_EXPR_ATAN2:
-        return fp3_term(fp3_atan2(g, value(l, e->operand[0]), value(l, e->operand[1])));
-    case FP3_EXPR_ASIN:
-        return fp3_term(fp3_asin(g, value(l, e->operand[0])));
-    case FP3_EXPR_ACOS:
-        return fp3_term(fp3_acos(g, value(l, e->operand[0])));
-    case FP3_EXPR_EXP:
-        return fp3_term(fp3_exp(g, value(l, e->operand[0])));
-    case FP3_EXPR_LOG:
-        return fp3_term(fp3_log(g, value(l, e->operand[0])));
-    case FP3_EXPR_SINH:
-        return fp3_term(fp3_sinh(g, value(l, e->operand[0])));
-    case FP3_EXPR_COSH:
-        return fp3_term(fp3_cosh(g, value(l, e->operand[0])));
-    case FP3_EXPR_TANH:
-        return fp3_term(fp3_tanh(g, value(l, e->operand[0])));
-    default:
-        return choose(l, e);
-    }
+    assert(!"an operation of a step");
+    return fp3_term(num(g, NAN));
 }
 
 /* A function's own constants are no known factors: its error is that of these products. */
 static term lower_as_written(lowering *l, uint32_t expr) {
     const fp3_expr_op op = expr_of(l, expr)->op;
     const unsigned passes = l->g->passes;
-    if (has_constants(op))
+    if (fp3_ode_has_constants(op))
         l->g->passes &= ~FP3_PASS(FP3_PASS_FOLD_PRODUCT);
     const term made = lower(l, expr);
     l->g->passes = passes;

@@ -1,11 +1,11 @@
 /* formula.c - infix notation, with as few parentheses as the rounding allows. */
 #include "formula.h"
 
-#include <ctype.h>
+#include "language/function_rows.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Binding strength of what is written around an operand. */
 enum { LOOSE, EITHER, BOTH, COMPARED, SUM, PRODUCT, UNARY, RAISED };
@@ -40,17 +40,12 @@ static const struct {
     [FP3_EXPR_OR] = {" or ", EITHER},
 };
 
-static const char *function_name(fp3_expr_op op) {
-    switch (op) {
-#define X(NAME, operands, host)                                                                    \
-    case FP3_EXPR_##NAME:                                                                          \
-        return #NAME;
-        FP3_EXPR_OPS(X)
+static const char *const functions[FP3_EXPR_OP_COUNT] = {
+#define X(OP, name, ...) [FP3_EXPR_##OP] = #name,
+    FP3_FUNCTION_ROWS(X)
 #undef X
-    default:
-        return "?";
-    }
-}
+        [FP3_EXPR_NOT] = "not",
+};
 
 static const char *definition_of(printer *p, uint32_t expr) {
     for (uint32_t i = 0; !p->is_rule && expr != p->root && i < p->model->definition_count; i++)
@@ -79,10 +74,7 @@ static void put_number(printer *p, double number, int around) {
 static void print(printer *p, uint32_t expr, int around);
 
 static void print_call(printer *p, const fp3_expr *e) {
-    char name[16] = "";
-    for (const char *c = function_name(e->op); *c && strlen(name) + 1 < sizeof name; c++)
-        name[strlen(name)] = (char)tolower((unsigned char)*c);
-    put(p, name);
+    put(p, functions[e->op]);
     for (int i = 0; i < 3 && e->operand[i] != FP3_NONE; i++) {
         put(p, i ? ", " : "(");
         print(p, e->operand[i], LOOSE);

@@ -59,7 +59,8 @@ FP3_API_BEGIN
     X(ATAN2, 2, 0)                                                                                 \
     X(SINH, 1, 0)                                                                                  \
     X(COSH, 1, 0)                                                                                  \
-    X(TANH, 1, 0)
+    X(TANH, 1, 0)                                                                                  \
+    X(LOG2, 1, 0)
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
