@@ -1,14 +1,12 @@
-/* compile.c - runs the passes, writes the assembly and assembles it. */
+/* compile.c - runs the passes; their schedule becomes an image, and a text for people. */
 #include <fp3/compile.h>
 
-#include <fp3/asm.h>
-#include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "compiled.h"
 #include "compiler/integrate/integrate.h"
 #include "emit.h"
+#include "image.h"
 #include "inputs.h"
 #include "savings.h"
 #include "schedule/cost.h"
@@ -20,34 +18,17 @@ fp3_compile_def fp3_compile_default(void) {
 
 /* ---- the program ---- */
 
-/* The assembler has given each name the register that the schedule means. */
-static fp3_status check_registers(const fp3_names *names, const fp3_image *image,
-                                  fp3_error *error) {
-    for (uint32_t i = 0; i < names->object_count; i++) {
-        const fp3_symbol *s = fp3_image_find(image, names->object[i], FP3_CLASSES_OBJECT);
-        if (*names->object[i] && (!s || s->index != i))
-            return fp3_fail(error, FP3_E_MISMATCH, "'%s' is not in register %" PRIu32,
-                            names->object[i], i);
-    }
-    return FP3_OK;
-}
-
 static fp3_status write_program(fp3_compilation *k, const char *integrator, fp3_compiled *made,
                                 fp3_error *error) {
     const fp3_title title = {.integrator = integrator, .order = k->p.fit.order};
-    fp3_assembly *assembly = NULL;
     fp3_status status = fp3_names_make(&k->p.step, &k->p.code, k->p.schedule, &k->names, error);
+    if (!status)
+        status = fp3_compiler_image(&k->p.step, &k->p.code, k->p.schedule, &k->names, &made->image,
+                                    error);
     if (!status)
         status = fp3_emit(&k->p.step, &k->p.code, k->p.schedule, &k->names, &k->options, &title,
                           &made->assembly, error);
-    if (!status)
-        status = fp3_assemble(made->assembly, strlen(made->assembly), "compiled", &assembly, error);
-    if (!status) {
-        made->image = assembly->image;
-        assembly->image = NULL;
-    }
-    fp3_assembly_free(&assembly);
-    return status ? status : check_registers(&k->names, made->image, error);
+    return status;
 }
 
 static void fill(const fp3_compilation *k, fp3_compiled *made) {

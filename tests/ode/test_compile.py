@@ -52,6 +52,19 @@ def compiled(tmp_path, name, *options):
     return image, params
 
 
+@pytest.mark.smoke
+@pytest.mark.parametrize("options", [("ship", "-c", "dual", "-i", "rk4_paper", "--with", "fold-step", "--with", "fold-product"),
+                                     ("kepler", "-k", "-c", "many_full"), ("duffing", "--double-single", "-c", "many_full"),
+                                     ("double_spring", "-c", "single_full", "--tolerance", "1e-5"), ("robertson", "-i", "ros3p", "-c", "many_full")],
+                         ids=lambda options: options[0])
+def test_the_text_assembles_to_the_image(tmp_path, options):
+    """The compiler makes both from one schedule; nothing reads the text but people and the assembler."""
+    text, image, assembled = (tmp_path / name for name in ("p.s", "p.fp3", "again.fp3"))
+    fp3("compile", model(options[0]), *options[1:], "-o", text, "--image", image)
+    fp3("asm", text, "-o", assembled)
+    assert image.read_bytes() == assembled.read_bytes()
+
+
 # ---- the paper's ship ----
 
 SHIP = ["--set", "m=8.7e5", "--set", "T=2.9e5", "--set", "C=4.1e4", "--set", "h=0.0078125", "--set", "v=0", "--set", "s=0"]
