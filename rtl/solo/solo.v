@@ -11,6 +11,7 @@
 // Latency   See solo_scheduler (a run), host_port (an access).
 `default_nettype none
 `include "host/answer.vh"
+`include "unit/socket.vh"
 module solo #(
 `include "config/config.vh"
 ) (
@@ -49,10 +50,11 @@ module solo #(
     wire                            counters_clear, counters_read, counters_high;
     wire [3:0]                      counters_index;
     wire [31:0]                     counters_value;
-    wire                            chain, chain_soon, subtract;
-    wire [CHOICE_W-1:0]            choice;
-    wire [31:0]                     add_a, add_b, a, b, c, chain_c, add_value, mul_value;
-    wire [4:0]                      add_flags, mul_flags, retire_flags;
+    wire                            chain, chain_soon;
+    wire [`OPERANDS_W-1:0]          operands;
+    wire [`RESULT_W-1:0]            sum, product;
+    wire [31:0]                     add_a, add_b, chain_z;
+    wire [4:0]                      retire_flags;
 
     host_port #(.CONFIG(CONFIG)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
@@ -79,9 +81,8 @@ module solo #(
         .host_program_addr_i(program_addr),
         .host_addr_i({space == HOST_CONSTANT, address[REGISTER_W-1:0]}), .host_wdata_i(host_wdata),
         .host_rdata_o(host_rdata),
-        .chain_o(chain), .subtract_o(subtract), .choice_o(choice), .add_a_o(add_a), .add_b_o(add_b), .a_o(a), .b_o(b), .c_o(c),
-        .chain_soon_i(chain_soon), .chain_c_i(chain_c), .add_value_i(add_value), .add_flags_i(add_flags),
-        .mul_value_i(mul_value), .mul_flags_i(mul_flags),
+        .chain_o(chain), .operands_o(operands), .add_a_o(add_a), .add_b_o(add_b),
+        .chain_soon_i(chain_soon), .chain_z_i(chain_z), .sum_i(sum), .product_i(product),
         .issue_o(issue_valid_o), .issue_add_o(issue_add), .issue_mul_o(issue_mul),
         .issue_chain_o(issue_chain), .issue_pc_o(issue_pc), .issue_word_o(issue_word_o),
         .stall_fetch_o(stall_fetch), .stall_dependency_o(stall_dependency),
@@ -92,10 +93,8 @@ module solo #(
 
     solo_arith #(.CONFIG(CONFIG)) u_arith (
         .clk_i(clk_i), .rst_i(rst_i),
-        .chain_i(chain), .subtract_i(subtract), .choice_i(choice), .add_a_i(add_a), .add_b_i(add_b),
-        .mul_a_i(a), .mul_b_i(b), .mul_c_i(c), .chain_soon_o(chain_soon), .chain_c_o(chain_c),
-        .add_value_o(add_value), .add_flags_o(add_flags),
-        .mul_value_o(mul_value), .mul_flags_o(mul_flags));
+        .chain_i(chain), .operands_i(operands), .add_a_i(add_a), .add_b_i(add_b),
+        .chain_soon_o(chain_soon), .chain_z_o(chain_z), .sum_o(sum), .product_o(product));
 
     reg [COUNTERS-1:0] events;
     always @* begin

@@ -16,6 +16,7 @@
 // Hazard    The host accesses (host_*) an idle scheduler only: running_o is low.
 `default_nettype none
 `include "front/decoded.vh"
+`include "unit/socket.vh"
 module solo_scheduler #(
 `include "config/config.vh"
 ) (
@@ -39,19 +40,13 @@ module solo_scheduler #(
     output wire [31:0]                     host_rdata_o,    // one cycle after host_addr_i
     // The arithmetic unit
     output wire                            chain_o,
-    output wire                            subtract_o,
-    output wire [CHOICE_W-1:0]            choice_o,        // gen/choices.vh
+    output wire [`OPERANDS_W-1:0]          operands_o,
     output wire [31:0]                     add_a_o,         // the adder's, of a chained product, too
     output wire [31:0]                     add_b_o,
-    output wire [31:0]                     a_o,
-    output wire [31:0]                     b_o,
-    output wire [31:0]                     c_o,
     input  wire                            chain_soon_i,
-    input  wire [31:0]                     chain_c_i,
-    input  wire [31:0]                     add_value_i,
-    input  wire [4:0]                      add_flags_i,
-    input  wire [31:0]                     mul_value_i,
-    input  wire [4:0]                      mul_flags_i,
+    input  wire [31:0]                     chain_z_i,
+    input  wire [`RESULT_W-1:0]            sum_i,
+    input  wire [`RESULT_W-1:0]            product_i,
     // What happens in this cycle, for counters and traces
     output wire                            issue_o,
     output wire                            issue_add_o,
@@ -136,7 +131,10 @@ module solo_scheduler #(
 
     // Operands --------------------------------------------------------------------------------
     wire [31:0] a_value, b_value, c_value;
-    wire [31:0] result = write_mul ? mul_value_i : add_value_i;
+    wire [31:0] sum, product;
+    wire [4:0]  sum_flags, product_flags;
+    assign {sum_flags, sum, product_flags, product} = {sum_i, product_i};
+    wire [31:0] result = write_mul ? product : sum;
     reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
     reg  [1:0]  add_a_q, add_b_q;      // likewise; of add_a_q 3 is a chain's addend
     reg         chain_q, subtract_q;
@@ -162,14 +160,15 @@ module solo_scheduler #(
         choice_q   <= choice;
     end
 
-    assign chain_o    = chain_q;
-    assign subtract_o = subtract_q;
-    assign choice_o   = choice_q;
-    assign add_a_o = add_a_q[1] ? (add_a_q[0] ? chain_c_i : mul_value_i) : add_a_q[0] ? add_value_i : a_value;
-    assign add_b_o = add_b_q[1] ? mul_value_i : add_b_q[0] ? add_value_i : b_value;
-    assign a_o = a_bypass_q[1] ? mul_value_i : a_bypass_q[0] ? add_value_i : a_value;
-    assign b_o = b_bypass_q[1] ? mul_value_i : b_bypass_q[0] ? add_value_i : b_value;
-    assign c_o = c_bypass_q[1] ? mul_value_i : c_bypass_q[0] ? add_value_i : c_value;
+    `OPERANDS_FIELDS
+    assign {operands_choice, operands_subtract, operands_twice, operands_half} = {choice_q, subtract_q, 2'b00};
+    assign operands_y = a_bypass_q[1] ? product : a_bypass_q[0] ? sum : a_value;
+    assign operands_x = b_bypass_q[1] ? product : b_bypass_q[0] ? sum : b_value;
+    assign operands_z = c_bypass_q[1] ? product : c_bypass_q[0] ? sum : c_value;
+    assign operands_o = `OPERANDS;
+    assign chain_o = chain_q;
+    assign add_a_o = add_a_q[1] ? (add_a_q[0] ? chain_z_i : product) : add_a_q[0] ? sum : a_value;
+    assign add_b_o = add_b_q[1] ? product : add_b_q[0] ? sum : b_value;
 
     // A run ends when nothing is left to fetch, to issue or to write ---------------------------
     reg running_q;
@@ -197,7 +196,7 @@ module solo_scheduler #(
     assign retire_register_o  = write_d[REGISTER_W-1:0];
     wire unused = write_d[REGISTER_W];
     assign retire_value_o     = result;
-    assign retire_flags_o     = write_mul ? mul_flags_i : add_flags_i;
+    assign retire_flags_o     = write_mul ? product_flags : sum_flags;
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)

@@ -4,37 +4,37 @@
 //           a result appears a fixed number of cycles later in the unit's result register.
 //           Whoever issues knows when, so neither valid bit nor tag travels with them.
 //
-//               a, b ──► multiplier ──► mul_value_o
+//               x, y ──► multiplier ──► product_o
 //                              │ chained
-//               a, b ──────────┴► adder ──► add_value_o
+//               a, b ──────────┴► adder ──► sum_o
 //
-// Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. Initiation interval 1.
+// Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. New operands every cycle.
 // Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
-//           no addition may issue then (solo_scheduler checks it), and the adder's operands are to be chain_c_o
+//           no addition may issue then (solo_scheduler checks it), and the adder's operands are to be chain_z_o
 //           and the product.
 `default_nettype none
+`include "unit/socket.vh"
 module solo_arith #(
 `include "config/config.vh"
 ) (
-    input  wire        clk_i,
-    input  wire        rst_i,
-    // Operands
-    input  wire        chain_i,        // the product goes on to the adder: c +/- a * b
-    input  wire        subtract_i,
-    input  wire [CHOICE_W-1:0] choice_i, // gen/choices.vh: what is made of c, b, and of whether a is 0; chain_i is 1 then
-    input  wire [31:0] add_a_i,        // of a chain, too
-    input  wire [31:0] add_b_i,
-    input  wire [31:0] mul_a_i,
-    input  wire [31:0] mul_b_i,
-    input  wire [31:0] mul_c_i,
-    output wire        chain_soon_o,
-    output wire [31:0] chain_c_o,      // the addend of the product that takes the adder in this cycle
-    // Results, {NV, DZ, OF, UF, NX}
-    output wire [31:0] add_value_o,
-    output wire [4:0]  add_flags_o,
-    output wire [31:0] mul_value_o,
-    output wire [4:0]  mul_flags_o
+    input  wire                   clk_i,
+    input  wire                   rst_i,
+    input  wire                   chain_i,        // the product goes on to the adder: z +/- x * y
+    input  wire [`OPERANDS_W-1:0] operands_i,     // with a choice chain_i is 1
+    input  wire [31:0]            add_a_i,        // the adder's, of a chain, too
+    input  wire [31:0]            add_b_i,
+    output wire                   chain_soon_o,
+    output wire [31:0]            chain_z_o,      // the addend of the product that takes the adder in this cycle
+    output wire [`RESULT_W-1:0]   sum_o,
+    output wire [`RESULT_W-1:0]   product_o
 );
+    `OPERANDS_FIELDS
+    assign `OPERANDS = operands_i;
+    wire unused = operands_twice | operands_half;          // for many objects
+
+    wire [31:0] sum, product;
+    wire [4:0]  sum_flags, product_flags;
+
     // The chain's other operand waits for the product.
     wire        chained;               // a product reaches the adder in this cycle
     wire        chain_subtract;
@@ -48,24 +48,24 @@ module solo_arith #(
             delay #(.W(1), .N(1)) u_chained (.clk_i(clk_i), .rst_i(rst_i),
                 .d_i(soon), .q_o(chained));
             delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
-                .d_i(subtract_i), .q_o(chain_subtract));
+                .d_i(operands_subtract), .q_o(chain_subtract));
             fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
-                .choice_i(choice_i), .a_i(mul_c_i), .b_i(mul_b_i), .true_i(|mul_a_i[30:0]),
-                .z_o(chain_c_o), .no_product_o(no_product));
+                .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]),
+                .z_o(chain_z_o), .no_product_o(no_product));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
-                .d_i(chained ? mul_flags_o : 5'd0), .q_o(chain_flags));
+                .d_i(chained ? product_flags : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
-            wire unused = |{chain_i, choice_i, mul_c_i, rst_i};
-            assign {chain_soon_o, chained, chain_subtract, chain_c_o, chain_flags, no_product} = 41'd0;
+            wire unused_chain = |{chain_i, operands_choice, operands_z, rst_i};
+            assign {chain_soon_o, chained, chain_subtract, chain_z_o, chain_flags, no_product} = 41'd0;
         end
     endgenerate
 
-    wire [4:0] add_flags;
-    adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : subtract_i),
-        .a_i(add_a_i), .b_i(add_b_i), .value_o(add_value_o), .flags_o(add_flags));
+    adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : operands_subtract),
+        .a_i(add_a_i), .b_i(add_b_i), .value_o(sum), .flags_o(sum_flags));
     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
-        .a_i(mul_a_i), .b_i(mul_b_i), .value_o(mul_value_o), .flags_o(mul_flags_o));
-    assign add_flags_o = add_flags | chain_flags;
+        .a_i(operands_y), .b_i(operands_x), .value_o(product), .flags_o(product_flags));
+    assign sum_o     = {sum_flags | chain_flags, sum};
+    assign product_o = {product_flags, product};
 endmodule
 `default_nettype wire
