@@ -14,15 +14,8 @@
 //           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
 `include "host/answer.vh"
-`include "lane/issue.vh"
-`include "lane/retire.vh"
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
-`include "lane/access.vh"
-`include "lane/report.vh"
-`include "lane/written.vh"
+`include "lane/lane.vh"
 `include "sequence/issued.vh"
-`include "unit/socket.vh"
 module tile_scheduler #(
 `include "config/config.vh"
 ) (

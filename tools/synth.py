@@ -144,14 +144,7 @@ def core(top, row, around):
 
 
 # Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
-GROUP = """`include "lane/issue.vh"
-`include "lane/retire.vh"
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
-`include "lane/access.vh"
-`include "lane/report.vh"
-`include "lane/written.vh"
-`include "unit/socket.vh"
+GROUP = """`include "lane/lane.vh"
 module top #(
 {parameters}) (
     input  wire                 clk_i,

@@ -19,5 +19,3 @@
     wire [BANK_W-1:0] issue_sum_x, issue_sum_y, issue_product_x, issue_product_y;
 `define DUAL_ISSUE {issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st, issue_st_y, \
     issue_record, issue_register, issue_st_row, issue_sum_x, issue_sum_y, issue_product_x, issue_product_y}
-// What goes from lane to lane in this configuration.
-`define LANE_ISSUE_W (DUAL != 0 ? `DUAL_ISSUE_W : `ISSUE_W)

@@ -11,14 +11,9 @@
 // Latency   A register that is named GAP cycles after the issue of the instruction that writes it, or
 //           later, has the new value.
 // Hazard    Nothing is interlocked here: one context does not come twice within GAP cycles (checked in
-//           dual_sequencer). The host's accesses come when no instruction is in the lane.
+//           two_streams). The host's accesses come when no instruction is in the lane.
 `default_nettype none
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
-`include "lane/access.vh"
-`include "lane/report.vh"
-`include "lane/written.vh"
-`include "unit/socket.vh"
+`include "lane/lane.vh"
 module dual_lane #(
 `include "config/config.vh"
 ) (

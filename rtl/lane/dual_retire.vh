@@ -16,5 +16,3 @@
 `define DUAL_RETIRE {retire_sum_valid, retire_sum_adds, retire_sum_loads, retire_product_valid, retire_product_loads, \
     retire_sum_row, retire_product_row, retire_load_row, retire_sum_context, retire_product_context, \
     retire_sum_register, retire_product_register, retire_load_register}
-// What goes from lane to lane in this configuration.
-`define LANE_RETIRE_W (DUAL != 0 ? `DUAL_RETIRE_W : `RETIRE_W)

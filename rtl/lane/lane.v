@@ -18,12 +18,7 @@
 //           retire_i is about the instruction of END cycles ago; data_i, of RESULT (checked in issue).
 //           The host's accesses come when no instruction is in the lane.
 `default_nettype none
-`include "lane/issue.vh"
-`include "lane/retire.vh"
-`include "lane/access.vh"
-`include "lane/report.vh"
-`include "lane/written.vh"
-`include "unit/socket.vh"
+`include "lane/lane.vh"
 module lane #(
 `include "config/config.vh"
 ) (

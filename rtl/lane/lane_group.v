@@ -12,14 +12,7 @@
 //           takes a cycle for each lane: it is read when nothing moves.
 // Reset     Goes from group to group as an instruction does; the lanes have it with what they hear.
 `default_nettype none
-`include "lane/issue.vh"
-`include "lane/retire.vh"
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
-`include "lane/access.vh"
-`include "lane/report.vh"
-`include "lane/written.vh"
-`include "unit/socket.vh"
+`include "lane/lane.vh"
 module lane_group #(
     parameter N = 1,                   // lanes
 `include "config/config.vh"

@@ -16,11 +16,7 @@
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
-`include "lane/issue.vh"
-`include "lane/retire.vh"
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
-`include "lane/report.vh"
+`include "lane/lane.vh"
 module sequencer #(
 `include "config/config.vh"
 ) (

@@ -1,0 +1,12 @@
+// lane.vh: all bundles of a lane: what it is told, what it answers, and what goes to its arithmetic and back.
+`include "lane/issue.vh"
+`include "lane/retire.vh"
+`include "lane/dual_issue.vh"
+`include "lane/dual_retire.vh"
+`include "lane/access.vh"
+`include "lane/report.vh"
+`include "lane/written.vh"
+`include "unit/socket.vh"
+// What goes from lane to lane in this configuration.
+`define LANE_ISSUE_W (DUAL != 0 ? `DUAL_ISSUE_W : `ISSUE_W)
+`define LANE_RETIRE_W (DUAL != 0 ? `DUAL_RETIRE_W : `RETIRE_W)
