@@ -155,7 +155,7 @@ int bench_points_command(int argc, char **argv) {
                "loop, GSL and SUNDIALS."};
     options o = {.engine = "fast"};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     char *report = NULL;
     const fp3_status status = bench(&o, &report, &error);
     if (status)

@@ -382,7 +382,7 @@ int bench_skip_command(int argc, char **argv) {
     options o = {
         .objects = 16384, .steps = 200, .rtl_steps = 20, .idle_objects = 2000, .repeats = 9};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     skip s = {.o = &o, .rows = json_array()};
     fp3_status status = s.rows ? FP3_OK : no_memory(&error);
     const skip_case *of;

@@ -345,7 +345,7 @@ int bench_speed_command(int argc, char **argv) {
                  .objects = {1, 64, 1024, 16384, 131072, 1000000},
                  .steps = {1, 10, 100, 1000, 10000, 1000000}};
     argp_parse(&argp, argc, argv, 0, NULL, &o);
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     char *report = NULL;
     const fp3_status status = bench(&o, &report, &error);
     if (status)

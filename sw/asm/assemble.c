@@ -179,13 +179,10 @@ fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_a
     fp3_number_locale_leave(locale);
 
     made->error_count = a->report.count;
-    made->report = fp3_report_text(&a->report);
-    if (!made->report) {
+    if (!status && a->report.count > 0)
+        status = fp3_report_fail(&a->report, &made->report, error);
+    else if (!status && !(made->report = calloc(1, 1)))
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    } else if (!status && a->report.count > 0) {
-        status =
-            fp3_fail(error, FP3_E_PROGRAM, "%.*s", (int)strcspn(made->report, "\n"), made->report);
-    }
     free(a->declarations);
     free(a->statements);
     free(a->labels);

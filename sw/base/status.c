@@ -3,20 +3,48 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Behind the place, which is in fresh. The arguments may point into error->text itself. */
+static fp3_status fail(fp3_error *error, fp3_status status, fp3_error *fresh, const char *format,
+                       va_list arguments) {
+    fresh->message = (unsigned)strlen(fresh->text);
+    vsnprintf(fresh->text + fresh->message, sizeof fresh->text - fresh->message, format, arguments);
+    /* A name or path in the message must not break the promise of one printable line. */
+    for (char *c = fresh->text; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 0x7f)
+            *c = '?';
+    *error = *fresh;
+    return status;
+}
+
 fp3_status fp3_fail(fp3_error *error, fp3_status status, const char *format, ...) {
     if (!error)
         return status;
-    /* The arguments may point into error->text itself. */
-    fp3_error fresh;
+    fp3_error fresh = {.text = ""};
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(fresh.text, sizeof fresh.text, format, arguments);
+    fail(error, status, &fresh, format, arguments);
     va_end(arguments);
-    *error = fresh;
-    /* A name or path in the message must not break the promise of one printable line. */
-    for (char *c = error->text; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 0x7f)
-            *c = '?';
+    return status;
+}
+
+fp3_status fp3_fail_at(fp3_error *error, fp3_status status, const char *path, unsigned line,
+                       unsigned column, const char *format, ...) {
+    if (!error)
+        return status;
+    fp3_error fresh = {.text = "", .line = line, .column = column};
+    const size_t size = sizeof fresh.text, length = path ? strnlen(path, size - 1) : 0;
+    fresh.path_size = (unsigned)length;
+    if (column)
+        snprintf(fresh.text, size, "%s%s%u:%u: error: ", path ? path : "", path ? ":" : "", line,
+                 column);
+    else if (line)
+        snprintf(fresh.text, size, "%s%s%u: ", path ? path : "", path ? ":" : "", line);
+    else if (path)
+        snprintf(fresh.text, size, "%s: ", path);
+    va_list arguments;
+    va_start(arguments, format);
+    fail(error, status, &fresh, format, arguments);
+    va_end(arguments);
     return status;
 }
 

@@ -480,7 +480,7 @@ int fp3_cmd_bench(int argc, char **argv) {
             "counts cycles, measures the error against truth. Exit code 1 on any mismatch, 3 if "
             "objects failed or there is no truth; the figures are there."};
     fp3_arguments_parse(&argp, argc, argv, &o);
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     char *report = NULL;
     const fp3_status status = o.models.model_count
                                   ? fp3_bench_models_run(&o.models, &report, &error)

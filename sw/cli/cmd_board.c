@@ -161,7 +161,7 @@ int fp3_cmd_board(int argc, char **argv) {
     options o = {.config = "single"};
     simulation s = {.terminal = -1};
     void *library = NULL;
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_arguments_parse(&argp, argc, argv, &o);
     s.noise = o.noise;
     fp3_status status = load(o.config, &library, &s.ops, &error);

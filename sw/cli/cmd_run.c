@@ -415,11 +415,11 @@ static fp3_status check_files_of(const fp3_scene *scene, const options *o, fp3_e
         status = fp3_files_check(&files, error);
     }
     if (!status && fp3_run_record_is_asked(&o->record) && scene->group_count != 1)
-        return fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "%s:%d: --output, --plot: %zu groups have states of their own: record a scene "
-            "of one group",
-            scene->path, scene->line, scene->group_count);
+        return fp3_fail_at(
+            error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
+            "--output, --plot: %zu groups have states of their own: record a scene of "
+            "one group",
+            scene->group_count);
     return status;
 }
 
@@ -475,7 +475,7 @@ int fp3_cmd_run(int argc, char **argv) {
             "part once, its step part N times, its last part once, for every object. Prints the "
             "final states and what the run cost. A scene has several programs, each for objects of "
             "its own."};
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_status status = fp3_params_make(&o.values.params, &error);
     if (status)
         return fp3_cli_fail("run", status, &error);

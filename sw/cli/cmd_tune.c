@@ -235,17 +235,16 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
     const fp3_scene_group *group = &scene->groups[0];
     fp3_files files = {0};
     if (scene->group_count != 1)
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s:%d: found %zu groups, expected one", scene->path,
-                        scene->line, scene->group_count);
+        return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
+                           "found %zu groups, expected one", scene->group_count);
     if (!group->program->model)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s:%d: '%s' is no model (*.ode): no other program has integrators",
-                        scene->path, group->line, group->path);
+        return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)group->line, 0,
+                           "'%s' is no model (*.ode): no other program has integrators",
+                           group->path);
     if (group->born.last || group->gone.first != FP3_FOREVER)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s:%d: found lifetimes, which are steps: expected objects that live all "
-                        "the time",
-                        scene->path, group->line);
+        return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)group->line, 0,
+                           "found lifetimes, which are steps: expected objects that live all the "
+                           "time");
     fp3_files_read(&files, "scene", o->input);
     fp3_files_read(&files, "program", group->path);
     fp3_files_read(&files, "params", group->params_file);
@@ -318,7 +317,7 @@ int fp3_cmd_tune(int argc, char **argv) {
             "adaptive steps by the mean number of attempts of the sample. "
             "Exit code 3 if nothing meets the tolerance, or there is no truth."};
     options o = {.def = fp3_tune_default()};
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     char *report = NULL;
     fp3_status status = fp3_params_make(&o.params, &error);
     if (status)

@@ -99,12 +99,11 @@ static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, u
     if (!expected && !isfinite(f))
         expected = "a finite number";
     if (expected) {
-        char at[FP3_AT_SIZE];
         const uint32_t note = reader_of(step, code, constant);
-        const char *reader = fp3_note_text(&step->notes, note);
-        return fp3_fail(error, FP3_E_PROGRAM, "%s%s: found %.9g, expected %s",
-                        fp3_note_at(&step->notes, note, at), reader ? reader : "the model", number,
-                        expected);
+        const fp3_noted at = fp3_note_at(&step->notes, note);
+        return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at.line, at.column,
+                           "%s: found %.9g, expected %s", at.text ? at.text : "the model", number,
+                           expected);
     }
     memcpy(&bits, &f, sizeof bits);
     fp3_number_text(bits, name);

@@ -359,7 +359,7 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     const uint32_t visit =
         engine->config->interleave && engine->def.visit ? engine->def.visit : UINT32_MAX;
     fp3_status status = FP3_OK;
-    fp3_error why = {""};
+    fp3_error why = {.text = ""};
     int is_any = 1;
     memset(((isa *)engine->self)->is_over, 0, engine->layout.count);
     for (uint32_t made = 0; made < steps && is_any;) {

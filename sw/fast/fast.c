@@ -53,7 +53,7 @@ static fp3_status read_wish(wish *w, fp3_error *error) {
 }
 
 static void open_native(fp3_fast *f, int is_interpreted) {
-    fp3_error why = {"asked for"};
+    fp3_error why = {.text = "asked for"};
     fp3_status status = FP3_E_SYSTEM;
     if (!is_interpreted)
         status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, &f->native, &why);

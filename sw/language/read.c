@@ -113,9 +113,7 @@ static void free_parser(ode_parser *p) {
 static fp3_status take_result(ode_parser *p, const char *name, fp3_model **model, char **report,
                               fp3_error *error) {
     if (!p->out_of_memory && p->in.report.count > 0) {
-        *report = fp3_report_text(&p->in.report);
-        if (*report)
-            return fp3_fail(error, FP3_E_PROGRAM, "%.*s", (int)strcspn(*report, "\n"), *report);
+        return fp3_report_fail(&p->in.report, report, error);
     } else if (!p->out_of_memory && (*model = take_model(p, name))) {
         return FP3_OK;
     }
@@ -124,15 +122,19 @@ static fp3_status take_result(ode_parser *p, const char *name, fp3_model **model
 
 static fp3_status too_long(const char *name, size_t size, char **report, fp3_error *error) {
     fp3_error made;
-    fp3_fail(&made, FP3_E_PROGRAM, "%.200s:1:1: error: found %zu bytes, expected at most %d", name,
-             size, ODE_SOURCE_MAX);
+    char path[201];
+    snprintf(path, sizeof path, "%s", name);
+    fp3_fail_at(&made, FP3_E_PROGRAM, path, 1, 1, "found %zu bytes, expected at most %d", size,
+                ODE_SOURCE_MAX);
     size_t length = strlen(made.text);
     *report = calloc(length + 2, 1);
     if (!*report)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     memcpy(*report, made.text, length);
     (*report)[length] = '\n';
-    return fp3_fail(error, FP3_E_PROGRAM, "%s", made.text);
+    if (error)
+        *error = made;
+    return FP3_E_PROGRAM;
 }
 
 static void parse(ode_parser *p) {

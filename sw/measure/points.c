@@ -124,7 +124,7 @@ json_t *fp3_measure_points_json(const fp3_measure_points *points) {
 static fp3_status first_run(fp3_measure_points *points, fp3_measure_point *p, int *stays,
                             double *spent, fp3_error *error) {
     double seconds = 0;
-    fp3_error why = {""};
+    fp3_error why = {.text = ""};
     *stays = 1;
     const double begin = fp3_measure_spent();
     const fp3_status status = p->run ? p->run(p, &seconds, &why) : FP3_OK;

@@ -191,7 +191,7 @@ static fp3_status inputs_of(const fp3_program *program, const fp3_params *params
     const char *expected = fp3_number_step(of->h, &h);
     if (expected)
         return fp3_value_wrong(params, "h", error, "'h' is %.9g: expected %s", of->h, expected);
-    fp3_error why = {""};
+    fp3_error why = {.text = ""};
     const fp3_status status =
         fp3_compiled_inputs(program->compiled, of->params, of->initial, of->h, values, &why);
     return status == FP3_E_ARGUMENT ? fp3_value_wrong(params, "", error, "%s", why.text)

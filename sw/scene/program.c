@@ -48,13 +48,12 @@ static fp3_status assemble(const char *path, fp3_program *program, char **report
 
 /* What the compiler says of a model: at a place in it as its reader does, with the line and a caret. */
 static fp3_status tell(const char *path, const char *text, size_t size, fp3_status status,
-                       const char *why, char **report, fp3_error *error) {
-    fp3_location at;
-    int length = 0;
-    if (sscanf(why, "%u:%u: error: %n", &at.line, &at.column, &length) != 2 || !length)
-        return fp3_fail(error, status, "%s: %s", path, why);
-    *report = fp3_report_one(path, text, size, at, why + length);
-    return fp3_fail(error, status, "%s:%s", path, why);
+                       const fp3_error *why, char **report, fp3_error *error) {
+    const char *message = why->text + why->message;
+    const fp3_location at = {why->line, why->column};
+    if (at.line)
+        *report = fp3_report_one(path, text, size, at, message);
+    return fp3_fail_at(error, status, path, at.line, at.column, "%s", message);
 }
 
 static fp3_status compile(const char *path, const fp3_program_def *def, fp3_program *program,
@@ -79,7 +78,7 @@ static fp3_status compile(const char *path, const fp3_program_def *def, fp3_prog
         status = fp3_compile(program->model, program->integrator, &def->compile, &program->compiled,
                              &why);
         if (status)
-            tell(path, text, size, status, why.text, report, error);
+            tell(path, text, size, status, &why, report, error);
         else
             program->image = program->compiled->image;
     }

@@ -68,7 +68,8 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
     free(groups);
     if (status && engine->def.error) {
         const fp3_error why = *engine->def.error;
-        fp3_fail(engine->def.error, status, "%s:%d: %s", scene->path, scene->line, why.text);
+        fp3_fail_at(engine->def.error, status, scene->path, (unsigned)scene->line, 0, "%s",
+                    why.text);
     }
     return status;
 }
@@ -82,12 +83,12 @@ static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
         is_split |= fp3_lifetime_is_any(&scene->groups[i]);
     for (size_t i = 0; is_split && !status && i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
-        fp3_error why = {""};
+        fp3_error why = {.text = ""};
         status = fp3_split_check(
             group->program, group->params, scene->config,
             adaptive ? "adaptive steps of another group" : "births and ends of objects", &why);
         if (status)
-            fp3_fail(error, status, "%s:%d: %s", scene->path, group->line, why.text);
+            fp3_fail_at(error, status, scene->path, (unsigned)group->line, 0, "%s", why.text);
     }
     return status;
 }

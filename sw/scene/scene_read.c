@@ -145,13 +145,13 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
 
 static fp3_status open_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     char *integrator = NULL;
-    fp3_error why = {""};
+    fp3_error why = {.text = ""};
     fp3_program_def def = fp3_program_default();
     fp3_status status = read_def(r, from, to, &integrator, &def);
     if (!status) {
         status = fp3_program_open(to->path, &def, &to->program, NULL, &why);
         if (status)
-            fp3_fail(r->error, status, "%s:%d: %s", r->path, to->line, why.text);
+            fp3_fail_at(r->error, status, r->path, (unsigned)to->line, 0, "%s", why.text);
     }
     free(integrator);
     return status;
@@ -184,11 +184,11 @@ static fp3_status read_params_file(const reader *r, const config_setting_t *from
     if (status || !name)
         return status;
     to->params_file = beside(r->path, name);
-    fp3_error why = {""};
+    fp3_error why = {.text = ""};
     status = to->params_file ? fp3_params_load(to->params, to->params_file, &why) : no_memory(r);
     if (status && why.text[0])
-        fp3_fail(r->error, status, "%s:%u: %s", r->path,
-                 fp3_setting_line(config_setting_get_member(from, "params")), why.text);
+        fp3_fail_at(r->error, status, r->path,
+                    fp3_setting_line(config_setting_get_member(from, "params")), 0, "%s", why.text);
     free(name);
     return status;
 }

@@ -87,7 +87,7 @@ fp3_status fp3_value_wrong(const fp3_params *params, const char *name, fp3_error
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return at.path ? fp3_fail(error, FP3_E_ARGUMENT, "%s:%u: %s", at.path, at.line, text)
+    return at.path ? fp3_fail_at(error, FP3_E_ARGUMENT, at.path, at.line, 0, "%s", text)
                    : fp3_fail(error, FP3_E_ARGUMENT, "%s", text);
 }
 

@@ -19,8 +19,9 @@ static fp3_status parse(fp3_settings *s) {
         return FP3_OK;
     }
     const char *why = config_error_text(&s->file);
-    return fp3_fail(s->error, s->wrong, "%s:%d: %s%s", s->name, config_error_line(&s->file), why,
-                    strcmp(why, "syntax error") == 0 ? ", expected settings as name = value;" : "");
+    return fp3_fail_at(
+        s->error, s->wrong, s->name, (unsigned)config_error_line(&s->file), 0, "%s%s", why,
+        strcmp(why, "syntax error") == 0 ? ", expected settings as name = value;" : "");
 }
 
 fp3_status fp3_settings_read(const char *text, size_t size, const char *name, fp3_status wrong,
@@ -68,7 +69,7 @@ fp3_status fp3_setting_wrong(const fp3_settings *s, const config_setting_t *at, 
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return fp3_fail(s->error, s->wrong, "%s:%u: %s", s->name, fp3_setting_line(at), text);
+    return fp3_fail_at(s->error, s->wrong, s->name, fp3_setting_line(at), 0, "%s", text);
 }
 
 int fp3_setting_is_list(const config_setting_t *setting) {

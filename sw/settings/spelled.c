@@ -33,7 +33,7 @@ __attribute__((format(printf, 3, 4))) static fp3_status wrong(const writer *w, u
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return fp3_fail(w->error, FP3_E_ARGUMENT, "%s:%u: %s", w->name, line, text);
+    return fp3_fail_at(w->error, FP3_E_ARGUMENT, w->name, line, 0, "%s", text);
 }
 
 /* The next count bytes go out unchanged. */

@@ -72,17 +72,14 @@ static void sort(const fp3_report *r, unsigned order[FP3_REPORT_LIMIT]) {
     }
 }
 
-char *fp3_report_text(const fp3_report *r) {
-    unsigned order[FP3_REPORT_LIMIT];
-    sort(r, order);
+static char *text_of(const fp3_report *r, const unsigned *order) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    for (unsigned i = 0; i < r->count; i++) {
+    for (unsigned i = 0; i < r->count; i++)
         show(out, r, r->entry[order[i]].location, r->entry[order[i]].at, r->entry[order[i]].text);
-    }
     if (fp3_report_full(r))
         fprintf(out, "%d errors; there may be more\n", FP3_REPORT_LIMIT);
     if (fclose(out)) {
@@ -90,6 +87,17 @@ char *fp3_report_text(const fp3_report *r) {
         return NULL;
     }
     return text;
+}
+
+fp3_status fp3_report_fail(const fp3_report *r, char **text, fp3_error *error) {
+    unsigned order[FP3_REPORT_LIMIT];
+    sort(r, order);
+    const unsigned first = order[0];
+    const fp3_location at = r->entry[first].location;
+    *text = text_of(r, order);
+    return *text ? fp3_fail_at(error, FP3_E_PROGRAM, r->name, at.line, at.column, "%s",
+                               r->entry[first].text)
+                 : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
 /* The byte at a location. */

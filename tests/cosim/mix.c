@@ -438,7 +438,7 @@ static void check_bits(const fp3_config *config, uint64_t seed) {
 
 static fp3_image *assemble(const char *source) {
     fp3_assembly *assembly = NULL;
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     if (fp3_assemble(source, strlen(source), "mix", &assembly, &error))
         die(error.text);
     fp3_image *image = assembly->image;
@@ -519,7 +519,7 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
 #define SAYS(word) (strstr(error.text, word) != NULL)
 
 static void promises(const char *engine) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *e = NULL;
     fp3_stats stats;

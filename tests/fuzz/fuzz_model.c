@@ -201,6 +201,10 @@ static void read_model(const char *data, size_t size) {
         REQUIRE(status == FP3_E_PROGRAM && !model && report);
         REQUIRE(!strncmp(report, name, sizeof name - 1));
         REQUIRE(!strncmp(report, error.text, strlen(error.text)));
+        char place[64];
+        snprintf(place, sizeof place, "%s:%u:%u: error: ", name, error.line, error.column);
+        REQUIRE(error.line > 0 && error.column > 0 && error.path_size == strlen(name));
+        REQUIRE(error.message == strlen(place) && !strncmp(error.text, place, strlen(place)));
         REQUIRE(!strchr(error.text, '\n') && report[strlen(report) - 1] == '\n');
         for (const char *c = report; *c; c++)
             REQUIRE((*c >= ' ' && *c < 0x7f) || *c == '\n');

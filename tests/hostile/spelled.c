@@ -64,7 +64,7 @@ static int walk(const fp3_settings *s, const config_setting_t *at, int *seen) {
 
 /* 1: read; 0: refused, with its line; -1: neither. */
 static int try(const char *text, size_t size) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_settings s;
     int seen = 0, is_good = 0;
     const fp3_status status = fp3_settings_read(text, size, "x", FP3_E_ARGUMENT, &s, &error);

@@ -55,7 +55,7 @@ static int feed(fp3_kanata *kanata, const code *of) {
 }
 
 static int write_kanata(const char *source, const char *config, const char *path) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_program *program = NULL;
     fp3_kanata *kanata = NULL;
     code of = {0};

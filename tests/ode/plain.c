@@ -66,7 +66,7 @@ static void report(const fp3_bench_loop *loop, const fp3_ladder *ladder,
 }
 
 int main(int argc, char **argv) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_model *model = NULL;
     fp3_integrator *rk4 = NULL;
     fp3_compiled *program = NULL;

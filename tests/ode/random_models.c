@@ -156,7 +156,7 @@ static int differs(bench *b, fp3_engine *engine, const char *engine_name, size_t
 }
 
 static int run_on(bench *b, const char *engine_name) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
     int is_bad = 0;
@@ -218,7 +218,7 @@ static int fire(const bench *b, double h, double *states, double *values) {
 
 /* A step of Euler's method in double against the model's own evaluation of its equations. */
 static int check_meaning(bench *b) {
-    fp3_error error = {""};
+    fp3_error error = {.text = ""};
     fp3_integrator *euler = NULL;
     fp3_compiled *compiled = NULL;
     fp3_compile_def def = fp3_compile_default();

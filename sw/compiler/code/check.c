@@ -32,35 +32,33 @@ static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_
 
 /* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as the
  * polynomials are good for. */
-static fp3_status check_rounding(const fp3_config *config, uint32_t op, const char *at,
-                                 const char *note, fp3_error *error) {
+static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp3_noted *at,
+                                 fp3_error *error) {
     if (op != FP3_OP_RINT || config->nearest)
         return FP3_OK;
-    return fp3_fail(error, FP3_E_PROGRAM,
-                    "%s%s needs rounding to nearest, and configuration '%s' truncates", at,
-                    note ? note : "the model", config->name);
+    return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
+                       "%s needs rounding to nearest, and configuration '%s' truncates",
+                       at->text ? at->text : "the model", config->name);
 }
 
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
                             const fp3_config *config, fp3_error *error) {
     for (uint32_t i = 0; i < count; i++) {
-        char room[FP3_AT_SIZE];
-        const char *at = fp3_note_at(&step->notes, ops[i].note, room);
+        const fp3_noted at = fp3_note_at(&step->notes, ops[i].note);
         const fp3_key key = fp3_operation_lacks(config, ops[i].op);
-        const char *note = fp3_note_text(&step->notes, ops[i].note);
         if (key != FP3_KEY_NONE) {
             char others[200];
             say_who_has(config, ops[i].op, others, sizeof others);
-            return fp3_fail(
-                error, FP3_E_PROGRAM,
-                "%s%s%sneeds `%s`, which configuration '%s' does not have%s%s", at,
-                note ? note : "the model", note ? ": " : " ", fp3_key_name(key), config->name,
-                others,
+            return fp3_fail_at(
+                error, FP3_E_PROGRAM, NULL, at.line, at.column,
+                "%s%sneeds `%s`, which configuration '%s' does not have%s%s",
+                at.text ? at.text : "the model", at.text ? ": " : " ", fp3_key_name(key),
+                config->name, others,
                 key == FP3_KEY_ROUND && has_angles(step)
                     ? " (sines and cosines of at most pi/2 do without: pass `small-angles`)"
                     : "");
         }
-        const fp3_status status = check_rounding(config, ops[i].op, at, note, error);
+        const fp3_status status = check_rounding(config, ops[i].op, &at, error);
         if (status)
             return status;
     }

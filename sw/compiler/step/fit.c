@@ -154,21 +154,21 @@ static fp3_status check_stoermer_events(const fitting *f, fp3_error *error) {
 }
 
 static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
-    char at[FP3_AT_SIZE];
     for (uint32_t s = 0; s < f->model->state_count; s++) {
         const fp3_quantity *q = &f->model->states[s];
         if (!fp3_fit_is_live(f->fit, s) || fp3_fit_is_position(f->fit, s))
             continue;
+        const fp3_expr *e = &f->model->exprs[q->derivative];
         if (fp3_fit_position_of(f->fit, f->model, s) == FP3_NONE)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "%sintegrator '%s' has positions and their "
-                            "accelerations: found state '%s', which is neither",
-                            fp3_expr_at(f->model, q->derivative, at), f->integrator->name, q->name);
+            return fp3_fail_at(error, FP3_E_PROGRAM, NULL, e->line, e->column,
+                               "integrator '%s' has positions and their "
+                               "accelerations: found state '%s', which is neither",
+                               f->integrator->name, q->name);
         if (needs_of(f, s) & ~f->fit->positions)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "%sintegrator '%s' has no velocity within a step: found "
-                            "'%s', whose derivative depends on more than positions",
-                            fp3_expr_at(f->model, q->derivative, at), f->integrator->name, q->name);
+            return fp3_fail_at(error, FP3_E_PROGRAM, NULL, e->line, e->column,
+                               "integrator '%s' has no velocity within a step: found "
+                               "'%s', whose derivative depends on more than positions",
+                               f->integrator->name, q->name);
     }
     return check_stoermer_events(f, error);
 }

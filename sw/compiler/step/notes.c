@@ -76,16 +76,6 @@ const char *fp3_note_text(const fp3_notes *notes, uint32_t note) {
     return note < notes->count ? notes->list[note].text : NULL;
 }
 
-static const char *at(uint32_t line, uint32_t column, char text[FP3_AT_SIZE]) {
-    snprintf(text, FP3_AT_SIZE, "%" PRIu32 ":%" PRIu32 ": error: ", line, column);
-    return text;
-}
-
-const char *fp3_expr_at(const fp3_model *model, uint32_t expr, char text[FP3_AT_SIZE]) {
-    return at(model->exprs[expr].line, model->exprs[expr].column, text);
-}
-
-const char *fp3_note_at(const fp3_notes *notes, uint32_t note, char text[FP3_AT_SIZE]) {
-    const fp3_noted *n = note < notes->count ? &notes->list[note] : NULL;
-    return n && n->line ? at(n->line, n->column, text) : "";
+fp3_noted fp3_note_at(const fp3_notes *notes, uint32_t note) {
+    return note < notes->count ? notes->list[note] : (fp3_noted){0};
 }

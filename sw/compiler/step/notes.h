@@ -27,10 +27,7 @@ uint32_t fp3_note_expr(fp3_notes *notes, const fp3_model *model, uint32_t expr, 
 /* NULL: there is none. */
 const char *fp3_note_text(const fp3_notes *notes, uint32_t note);
 
-/* How a message about an expression begins, "line:column: error: ". */
-#define FP3_AT_SIZE 48
-const char *fp3_expr_at(const fp3_model *model, uint32_t expr, char text[FP3_AT_SIZE]);
-/* Likewise of what a note is about; "" if that is nowhere in the model. */
-const char *fp3_note_at(const fp3_notes *notes, uint32_t note, char text[FP3_AT_SIZE]);
+/* The same with its place; all zero, if there is none. */
+fp3_noted fp3_note_at(const fp3_notes *notes, uint32_t note);
 
 #endif

@@ -26,14 +26,25 @@ typedef enum {
                      * command had no truth to measure errors against, or a result that should hold does not */
 } fp3_status;
 
+/* Where the mistake is, if the text says it: "path:line: ...", "path:line:column: error: ..." or
+ * "line:column: error: ...". For editors, which go there. */
 typedef struct {
-    char text[512]; /* one line without a newline; longer ones are cut */
+    char text[512];        /* one line without a newline; longer ones are cut */
+    unsigned line, column; /* from 1; 0: unknown */
+    unsigned path_size;    /* bytes of the path, which the text begins with; 0: it has none */
+    unsigned message;      /* where in the text the place ends and the message begins */
 } fp3_error;
 
 /* Writes the message (error may be NULL) and returns status, so that a caller can
  * say: return fp3_fail(error, FP3_E_ARGUMENT, "no register '%s'", name); */
 __attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_status status,
                                                           const char *format, ...);
+
+/* The same, of a mistake at a place: path may be NULL, and line and column 0 where they are unknown. */
+__attribute__((format(printf, 6, 7))) fp3_status fp3_fail_at(fp3_error *error, fp3_status status,
+                                                             const char *path, unsigned line,
+                                                             unsigned column, const char *format,
+                                                             ...);
 
 /* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage, 3
  * objects failed in a run, or there was no truth. */
