@@ -40,7 +40,7 @@ def outputs(root):
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
         "rtl/gen/fp3.rdl": rdl.rdl_file(isa, regs, known, configs, parameters.default_row(known)),
-        "rtl/gen/files.f": fusesoc.file_list(root, configs),
+        "rtl/gen/files.f": fusesoc.file_list(root),
         "fp3.core": fusesoc.core_file(root, configs),
         "sw/include/fp3/isa.h": c.isa_c(isa),
         "sw/include/fp3/counters.h": c.counters_c(regs),

@@ -29,6 +29,10 @@ $(BUILD)/obj/sw/engine/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp
 $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
 	@$(PYTHON) $< $(BUILD)/bin/fp3 >$@.new && mv $@.new $@
 
+# The loader looks below /usr/lib and /lib by itself. Elsewhere a program has to carry the place.
+RPATH = $(if $(filter /usr/lib% /lib%,$(LIBDIR)),, -Wl$(comma)-rpath$(comma)$${libdir})
+comma := ,
+
 define FP3_PC
 prefix=$(PREFIX)
 includedir=$${prefix}/include
@@ -38,7 +42,7 @@ Name: fp3
 Description: Integrates equations of motion on FP3, the field-programmable physics processor
 Version: $(VERSION)
 Cflags: -I$${includedir}
-Libs: -L$${libdir} -lfp3
+Libs: -L$${libdir}$(RPATH) -lfp3
 Requires.private: gsl libconfig zlib
 Libs.private: -lm
 endef

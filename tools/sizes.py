@@ -29,7 +29,7 @@ NEEDS = [
     ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
     ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),
     ("the most steps of many objects that run one program of up to 16 registers; no sleep, no status", "lanes", "all"),
-    ("more steps still, of programs of sums and products alone", "dual", "all"),
+    ("the most steps per LUT, of programs of sums and products alone; no sleep, no status", "dual", "all"),
     ("many objects of up to four programs at once; sleep, status", "array", "all"),
     ("the machine of the paper, for comparison", "paper", "step"),
 ]
@@ -109,19 +109,22 @@ def commands(rows):
 
 
 def choose(rows):
-    """For each need the configuration, what it takes and gives on its device, or else the first where it was measured, and where it has room."""
+    """For each need the configuration, what it takes and gives on its device, or else the first where it was measured; where it was placed,
+    where it has room by its counts, and where it has none."""
     lines = []
     for need, config, counts, *wanted in NEEDS:
         mine = [row for row in rows if row["config"] == config]
         first = min(mine, key=lambda row: (row["device"] not in (wanted or [row["device"]]), row["fmax_best"] is None, bool(row["over"])), default=None)
-        room = {row["device"]: row["device"] + f": {obstacle(row)}" * bool(obstacle(row)) for row in mine if DEVICES[row["device"]].has}
+        here = [row for row in mine if DEVICES[row["device"]].has]
+        placed = {row["device"] for row in here if row["fmax_best"]}
+        out = {row["device"]: f"{row['device']}: {obstacle(row)}" for row in here if obstacle(row)}
+        fits = [row["device"] for row in here if row["device"] not in placed | out.keys()]
         speed = None if first is None else first["fmax_best"] and (
             f"{first['latency_ns']:,.0f} ns a step" if counts == "step" else f"{first['object_steps_per_second'] / 1e6:.1f} million object-steps/s")
         lines.append([need, f"`{config}`", *(number(first and first[figure]) for figure in FIGURES),
                       f"{speed} on {first['device']}, grade {first['grade']}" if speed else "–",
-                      ", ".join(text for text in room.values() if ":" not in text) or "–",
-                      "; ".join(text for text in room.values() if ":" in text) or "–"])
-    return markdown(["you have", "take", *FIGURES.values(), "measured", "has room on", "not on"], lines)
+                      *(", ".join(device for device in DEVICES if device in some) or "–" for some in (placed, fits)), "; ".join(out.values()) or "–"])
+    return markdown(["you have", "take", *FIGURES.values(), "measured", "placed on", "room by its counts, not placed", "not on"], lines)
 
 
 def page(rows):

@@ -56,7 +56,7 @@ class FP3(LiteXModule):
             o_irq=self.ev.irq, **trace)
         platform.add_verilog_include_path(str(RTL))
         for line in (RTL / "gen/files.f").read_text().splitlines():
-            if line.startswith("rtl/") and not line.startswith("rtl/gen/fp3_"):
+            if line.startswith("rtl/"):
                 platform.add_source(str(ROOT / line))
         platform.add_source(str(top))
 

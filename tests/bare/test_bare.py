@@ -84,6 +84,17 @@ def test_the_latencies_of_the_page_are_measured(root, build, simulated, page):
         assert succeeds(simulated, *hardware(root, build, config), 0, "latency") == line
 
 
+def test_the_transfers_of_a_run_are_measured(root, fp3, page):
+    """They are the same for every number of steps; the last column is their share of 1,000 steps."""
+    rows = page.split("| configuration | objects | transfers |")[1].split("\n\n")[0].splitlines()[2:]
+    assert len(rows) == 3
+    for row in rows:
+        config, objects, transfers, cycles, each, _ = (cell.strip(" `").replace(",", "") for cell in row.strip("|").split("|"))
+        out = succeeds(fp3, "run", root / "programs/ship.s", "--params", root / "programs/ship.cfg", "-c", config, "-o", objects, "-n", 1, "--clock", "100MHz")
+        said = re.search(r"^bus .*: (\d+) transfers in (\d+) cycles", out, re.M)
+        assert (said[1], said[2], f"{int(said[2]) / int(objects):.1f}") == (transfers, cycles, each), config
+
+
 def test_a_header_has_all_that_a_host_gives(root, fp3, tmp_path):
     source = tmp_path / "p.s"
     source.write_text(".state x\n.param p\n.shared h\n.const k 2.0\nstep:\n  mul x, x, k\n  mul x, x, p\n  mul x, x, h\n")

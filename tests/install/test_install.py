@@ -48,19 +48,16 @@ def installed(root, build, tmp_path_factory):
 
 @pytest.fixture
 def flags(installed):
-    """Asks pkg-config."""
-    env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig"),
-           "PKG_CONFIG_SYSROOT_DIR": str(installed.parents[1])}
-    return lambda *options: succeeds("pkg-config", *options, "fp3", env=env).split()
+    """What pkg-config says of a library below the temporary directory, where no loader looks by itself."""
+    env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig")}
+    return lambda *options: succeeds("pkg-config", f"--define-variable=prefix={installed}", *options, "fp3", env=env).split()
 
 
 @pytest.fixture
-def start(installed, root):
-    """Runs a program as if the library were in a place where the loader looks."""
-    def start(program, engine, **env):
-        return run(program, root / "programs/ship.ode", engine, cwd="/",
-                   env={**os.environ, "LD_LIBRARY_PATH": str(installed / "lib"), **env})
-    return start
+def start(root):
+    """Runs a program that was linked with these flags, with no more help."""
+    env = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    return lambda program, engine, **more: run(program, root / "programs/ship.ode", engine, cwd="/", env={**env, **more})
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +108,14 @@ def test_without_the_hardware_the_isa_engine_runs_and_rtl_says_what_it_lacks(shi
     assert start(program, "isa", FP3_RTL_DIR=str(tmp_path)).returncode == 0
     done = start(program, "rtl", FP3_RTL_DIR=str(tmp_path))
     assert done.returncode == 1 and f"looked in {tmp_path}\n" in done.stderr and "fp3_single_full.so" in done.stderr
+
+
+@pytest.mark.parametrize("libdir, says", [("/usr/local/lib", "-L${libdir} -Wl,-rpath,${libdir} -lfp3"), ("/opt/x/lib", "-L${libdir} -Wl,-rpath,${libdir} -lfp3"),
+                                          ("/usr/lib", "-L${libdir} -lfp3"), ("/usr/lib/x86_64-linux-gnu", "-L${libdir} -lfp3")])
+def test_a_program_carries_the_place_where_the_loader_does_not_look(root, libdir, says):
+    env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    out = succeeds("make", "-n", "-C", root, "show", f"LIBDIR={libdir}", "--eval=show:; $(info $(FP3_PC)) @:", env=env)
+    assert f"\nLibs: {says}\n" in out
 
 
 def test_all_static_it_runs_on_the_isa_engine(root, flags, start, sanitize, expected, tmp_path):

@@ -88,7 +88,7 @@ def page(root, start):
     return next(line.strip() for line in (root / "docs/packages.md").read_text().splitlines() if line.startswith("    " + start))
 
 
-@pytest.mark.parametrize("start", ["yosys ", "iverilog "])
+@pytest.mark.parametrize("start", ["yosys ", "iverilog ", "verilator "])
 def test_the_list_of_files_is_all(root, copy, tmp_path, long, start):
     """The command of the page; without a line of the list it fails."""
     tools = tmp_path / "bin"
@@ -120,7 +120,7 @@ def test_the_script_for_vivado_names_what_is_there(root, copy):
     asked = [line.split("\t") for line in done.stdout.splitlines()]
     added = [name for word, *names in asked if word == "add_files" for name in " ".join(names).split()]
     listed = [line for line in (copy / "rtl/gen/files.f").read_text().splitlines() if line.startswith("rtl/")]
-    assert added[:len(listed)] == listed and all((copy / name).exists() for name in added)
-    assert {name for name in added if name.endswith(".vh")} == {path.relative_to(copy).as_posix() for path in copy.glob("rtl/*/*.vh")}
     top = next(words for words in asked if words[:2] == ["set_property", "top"])[2]
-    assert (root / f"rtl/gen/{top}.v").exists() and re.search(r"\birq\b", (root / f"rtl/gen/{top}.v").read_text())
+    assert added[:len(listed) + 1] == [*listed, f"rtl/gen/{top}.v"] and all((copy / name).exists() for name in added)
+    assert {name for name in added if name.endswith(".vh")} == {path.relative_to(copy).as_posix() for path in copy.glob("rtl/*/*.vh")}
+    assert re.search(r"\birq\b", (root / f"rtl/gen/{top}.v").read_text())

@@ -18,11 +18,12 @@ def headers(root):
                                        "operands.vh", "choices.vh", "choice_of.vh", "config_values.vh", "timing.vh")] + rtl_sources(root, "*.vh")
 
 
-def file_list(root, configs):
+def file_list(root):
     """For tools that want every file named; from the project's directory."""
-    return [f"// {MARK.format(source='isa/configs.toml and the files in rtl/')}",
-            "// Every file of the RTL, for tools that do not look for modules by name (else: rtl/fp3.f). From the project's directory.",
-            "+incdir+rtl", *[f"rtl/{name}" for name in rtl_sources(root, "*.v")], *[f"rtl/gen/fp3_{row['name']}.v" for row in configs]]
+    return [f"// {MARK.format(source='the files in rtl/')}",
+            "// Every file below a top, for tools that do not look for modules by name (else: rtl/fp3.f). The top, rtl/gen/fp3_<configuration>.v,",
+            "// is named beside this list. Paths are relative to the project's directory.",
+            "+incdir+rtl", *[f"rtl/{name}" for name in rtl_sources(root, "*.v")]]
 
 
 def core_file(root, configs):

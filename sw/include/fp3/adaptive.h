@@ -1,14 +1,18 @@
 /* fp3/adaptive.h - steps that each object chooses by itself.
  *
  *     fp3_adaptive_def def = fp3_adaptive_default();
+ *     fp3_compile_def how = fp3_compile_default();
+ *     fp3_adaptive_report report;
  *     def.until = 17.0652;
  *     if (fp3_model_adapt(model, &def, &error) ||
- *         fp3_compile(model, integrator, &how, &compiled, &error)) ...
- *     ... load the program, write its inputs ...
- *     fp3_adaptive_report report;
+ *         fp3_compile(model, integrator, &how, &compiled, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     // Load compiled->image and write its inputs, as fp3/start.h shows, then:
  *     if (fp3_adaptive_run(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
- *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report)) ...
- *     printf("%zu objects did not reach the end\n", report.failed);
+ *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     else
+ *         printf("%zu objects did not reach the end\n", report.failed);
  *
  * docs/adaptive.md says what a step computes, and how the two words of t keep time.
  */

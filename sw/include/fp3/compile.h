@@ -3,10 +3,10 @@
  *     fp3_compile_def def = fp3_compile_default();
  *     def.config = "many_full";
  *     fp3_compiled *program = NULL;
- *     if (fp3_compile(model, integrator, &def, &program, &error)) ...
- *     puts(program->assembly);
- *     fp3_engine_load(engine, program->image);
- *     ... write the values of program->inputs (fp3/start.h) ...
+ *     if (fp3_compile(model, integrator, &def, &program, &error) ||
+ *         fp3_engine_load(engine, program->image))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     // Write the values of program->inputs, as fp3/start.h shows.
  *     fp3_compiled_free(&program);
  *
  * docs/compiler.md says what each pass does and in which order everything is rounded.

@@ -3,9 +3,9 @@
  *     fp3_image *image = NULL;
  *     fp3_error error;
  *     if (fp3_image_load("ship.fp3", &image, &error))
- *         return fp3_fail(...);
- *     const fp3_symbol *v = fp3_image_find(image, "v", FP3_CLASSES_OBJECT);
- *     ... v->index is its register ...
+ *         fprintf(stderr, "%s\n", error.text);
+ *     else
+ *         printf("v is register %u\n", fp3_image_find(image, "v", FP3_CLASSES_OBJECT)->index);
  *     fp3_image_free(&image);
  *
  * An image that the library hands out has passed every check below and is never changed again.

@@ -1,8 +1,10 @@
 /* fp3/integrator.h - integrators as tables, checked when they are read.
  *
  *     fp3_integrator *rk4 = NULL;
- *     if (fp3_integrator_find("rk4", &rk4, &error)) ...
- *     printf("%s: order %u\n", rk4->name, rk4->order);
+ *     if (fp3_integrator_find("rk4", &rk4, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     else
+ *         printf("%s: order %u\n", rk4->name, rk4->order);
  *     fp3_integrator_free(&rk4);
  *
  * docs/integrators.md describes the tables and lists those that are built in.

@@ -4,7 +4,6 @@
  *     char *report = NULL;
  *     if (fp3_model_read(text, size, "ship.ode", &model, &report, &error))
  *         fputs(report ? report : error.text, stderr);
- *     ...
  *     free(report);
  *     fp3_model_free(&model);
  *

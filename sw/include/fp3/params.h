@@ -4,7 +4,6 @@
  *     if (fp3_params_make(&params, &error) || fp3_params_load(params, "ship.cfg", &error) ||
  *         fp3_params_set(params, "h=2^-7", &error))
  *         fprintf(stderr, "%s\n", error.text);
- *     ...
  *     fp3_params_free(&params);
  *
  * A file is in libconfig's syntax, name = value; a value is a number, or a formula of numbers and

@@ -2,8 +2,9 @@
  *
  *     fp3_error error;
  *     fp3_scene *scene = NULL;
- *     if (fp3_scene_open("mixed.scene", NULL, &scene, &error))
- *         return fp3_exit_code(...);
+ *     fp3_status status = fp3_scene_open("mixed.scene", NULL, &scene, &error);
+ *     if (status)
+ *         return fp3_exit_code(status);
  *     fp3_engine_def def = fp3_scene_engine(scene);
  *     def.error = &error;
  *     fp3_engine *engine = NULL;

@@ -1,8 +1,12 @@
 /* fp3/start.h - what the inputs of a compiled program are for an object.
  *
- *     float values[...];   program->input_count of them
- *     fp3_compiled_inputs(program, params, initial, h, values, &error);
- *     ... write each: program->inputs[i].name ...
+ *     float *values = malloc(compiled->input_count * sizeof *values);
+ *     const double start[] = {0, 0}, params[] = {8.7e5, 2.9e5, 4.1e4};
+ *     if (fp3_compiled_inputs(compiled, params, start, 0.0078125, values, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     for (size_t i = 0; i < compiled->input_count; i++)
+ *         fp3_engine_set(engine, compiled->inputs[i].name, values[i]);
+ *     free(values);
  */
 #ifndef FP3_START_H
 #define FP3_START_H

@@ -2,11 +2,12 @@
  * where the cycles went.
  *
  *     fp3_kanata *kanata = NULL;
+ *     fp3_engine_def def = fp3_engine_default();
  *     if (fp3_kanata_open("run.kanata", def.config, image, &kanata, &error))
- *         return ...;
+ *         fprintf(stderr, "%s\n", error.text);
  *     def.trace = fp3_kanata_trace, def.trace_user = kanata;
- *     ... open the engine "rtl", run ...
- *     status = fp3_kanata_close(&kanata, &error);    or, to give up: fp3_kanata_free(&kanata);
+ *     // Open the engine "rtl" with def, run, then close the log; fp3_kanata_free drops it instead.
+ *     status = fp3_kanata_close(&kanata, &error);
  *
  * The log is for the viewer Konata: one row for each instruction that a scheduler issues for a
  * context, seen from lane 0. docs/tracing.md has the stages.

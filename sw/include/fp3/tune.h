@@ -1,12 +1,13 @@
 /* fp3/tune.h - the cheapest way to integrate a model to a tolerance, found by measuring.
  *
  *     fp3_tune_def def = fp3_tune_default();
- *     def.program = program;     a model, opened for a configuration
- *     def.params = params;       with what is spread: the ranges
+ *     def.program = program;     // a model, opened for a configuration
+ *     def.params = params;       // with what is spread: the ranges
  *     def.tolerance = 1e-4;
  *     fp3_tuning *found = NULL;
- *     if (fp3_tune(&def, &found, &error)) ...
- *     if (found->is_met)
+ *     if (fp3_tune(&def, &found, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     else if (found->is_met)
  *         printf("%s\n", found->rows[found->best].integrator);
  *     fp3_tuning_free(&found);
  *

