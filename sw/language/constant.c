@@ -17,6 +17,13 @@ static void compute(ode_parser *p, uint32_t from) {
         fp3_ode_compute_careful(&p->exprs[i], &point, i, p->values, p->is_lost);
 }
 
+const char *fp3_ode_constant_expected(double value, int is_lost) {
+    return is_lost        ? "a value made of none below 2.2e-308, where double ends"
+           : isnan(value) ? "a finite value (this is not a number)"
+           : isinf(value) ? "a finite value (this is infinite)"
+                          : NULL;
+}
+
 /* The value of the expression as a constant. 0 after an error. */
 static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
                 ode_constant *constant) {
@@ -38,13 +45,10 @@ static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
                           fp3_ode_dimension_text(&p->dimension_names, dimension, is));
             return 0;
         }
-        if (p->is_lost[value.expr[i]]) {
-            fp3_ode_wrong(&p->in, at, "a value made of none below 2.2e-308, where double ends");
-            return 0;
-        }
-        if (!isfinite(constant->value[i])) {
-            fp3_ode_wrong(&p->in, at, "a finite value (this is %s)",
-                          isnan(constant->value[i]) ? "not a number" : "infinite");
+        const char *expected =
+            fp3_ode_constant_expected(constant->value[i], p->is_lost[value.expr[i]]);
+        if (expected) {
+            fp3_ode_wrong(&p->in, at, "%s", expected);
             return 0;
         }
     }

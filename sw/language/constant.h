@@ -10,6 +10,9 @@ typedef struct {
     char dimension_text[ODE_DIMENSION_SOURCE_SIZE];
 } ode_constant;
 
+/* NULL, or what is expected instead of a value that is no number, or was made of lost digits (loss.h). */
+const char *fp3_ode_constant_expected(double value, int is_lost);
+
 /* Reads a number, or a vector of this size. 0 after an error. */
 int fp3_ode_constant(ode_parser *p, ode_context context, unsigned size, ode_constant *constant);
 /* Reads one with its unit in brackets, if that is there. */

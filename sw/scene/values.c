@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "language/formula.h"
 #include "text/number.h"
 
 #define FORMULA_SIZE 65536
@@ -22,9 +23,10 @@ typedef struct {
 
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char *formula;      /* what it is computed from, or NULL */
-    int has_number;     /* given besides a formula, which must agree; always without one */
-    double value, last; /* of the first object and, if that is another one, of the last */
+    char *formula;       /* what it is computed from, or NULL */
+    fp3_formula *parsed; /* NULL, too, of a formula that cannot be read */
+    int has_number;      /* given besides a formula, which must agree; always without one */
+    double value, last;  /* of the first object and, if that is another one, of the last */
     int is_spread;
     place at;
 } value;
@@ -93,6 +95,17 @@ fp3_status fp3_value_wrong(const fp3_params *params, const char *name, fp3_error
 
 /* ---- making ---- */
 
+static fp3_status parse(value *v, fp3_error *error) {
+    fp3_error why;
+    const fp3_status status = v->formula ? fp3_formula_read(v->formula, &v->parsed, &why) : FP3_OK;
+    return status == FP3_E_SYSTEM ? fp3_fail(error, status, "%s", why.text) : FP3_OK;
+}
+
+static void free_formula(value *v) {
+    free(v->formula);
+    fp3_formula_free(&v->parsed);
+}
+
 static fp3_status copy_into(const fp3_params *from, fp3_params *to, fp3_error *error) {
     fp3_status status = fp3_values_place(to, from->at.path, from->at.line, error);
     to->list = malloc((from->count + 1) * sizeof *to->list);
@@ -101,9 +114,12 @@ static fp3_status copy_into(const fp3_params *from, fp3_params *to, fp3_error *e
     for (; !status && to->count < from->count; to->count++) {
         value *v = &to->list[to->count];
         *v = from->list[to->count];
+        v->parsed = NULL;
         if (v->formula && !(v->formula = strdup(v->formula)))
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-        status = keep_path(to, &v->at, error);
+        status = parse(v, error);
+        if (!status)
+            status = keep_path(to, &v->at, error);
     }
     return status;
 }
@@ -125,7 +141,7 @@ void fp3_params_free(fp3_params **params) {
         p->files = next;
     }
     for (size_t i = 0; p && i < p->count; i++)
-        free(p->list[i].formula);
+        free_formula(&p->list[i]);
     if (p)
         free(p->list);
     free(p);
@@ -134,10 +150,9 @@ void fp3_params_free(fp3_params **params) {
 
 /* ---- putting ---- */
 
-/* Adds or replaces, by this name; but a number does not replace a formula. Takes what.formula. */
+/* Adds or replaces, by this name; but a number does not replace a formula. Takes what.formula, except where it
+ * fails. */
 static fp3_status put_value(fp3_params *params, const char *name, value what, fp3_error *error) {
-    if (!fp3_name_valid(name))
-        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is no name", name);
     value *param = find(params, name);
     if (!param) {
         value *list = realloc(params->list, (params->count + 1) * sizeof *list);
@@ -145,23 +160,29 @@ static fp3_status put_value(fp3_params *params, const char *name, value what, fp
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
         params->list = list;
         param = &list[params->count++];
-        param->formula = NULL;
+        *param = (value){.formula = NULL};
     }
     strcpy(what.name, name);
     if (what.formula)
-        free(param->formula);
-    else
+        free_formula(param);
+    else {
         what.formula = param->formula;
+        what.parsed = param->parsed;
+    }
     *param = what;
-    return keep_path(params, &param->at, error);
+    return FP3_OK;
 }
 
 static fp3_status put(fp3_params *params, const char *name, value what, fp3_error *error) {
-    char *mine = what.formula;
-    fp3_status status = put_value(params, name, what, error);
-    const value *param = find(params, name);
-    if (mine && !(param && param->formula == mine)) /* it was not taken */
-        free(mine);
+    fp3_status status = fp3_name_valid(name)
+                            ? parse(&what, error)
+                            : fp3_fail(error, FP3_E_ARGUMENT, "'%s' is no name", name);
+    if (!status)
+        status = keep_path(params, &what.at, error);
+    if (!status)
+        status = put_value(params, name, what, error);
+    if (status)
+        free_formula(&what);
     return status;
 }
 
@@ -339,50 +360,37 @@ static fp3_status check_agreement(const asking *a, const value *v, double comput
                            v->name, given, v->formula, computed);
 }
 
-/* Whether a formula is one of FP3_VALUES_IS whose values are others now. condition: its length. */
-static int is_of_others(asking *a, const char *formula, size_t *condition) {
-    const char *then = strstr(formula, FP3_VALUES_THEN), *end = strstr(formula, FP3_VALUES_ELSE);
-    char *text = then && end && !end[strlen(FP3_VALUES_ELSE)]
-                     ? strndup(formula, (size_t)(then - formula))
-                     : NULL;
-    double is = 1;
-    fp3_error why;
-    const int is_read = text && !fp3_formula_read(text, value_of, a, &is, &why);
-    *condition = text ? strlen(text) : 0;
+/* "h = 0.125, m = 2", if the formula is one of facts (language/formula.h) that do not hold now; else NULL. */
+static char *facts_that_held(asking *a, const fp3_formula *formula) {
+    fp3_fact *facts = NULL;
+    const size_t count = formula ? fp3_formula_facts(formula, &facts) : 0;
+    char *text = NULL;
+    size_t size;
+    int is_another = 0;
+    FILE *out = count ? open_memstream(&text, &size) : NULL;
+    for (size_t i = 0; out && i < count; i++) {
+        double now = facts[i].is;
+        fp3_error why;
+        value_of(a, facts[i].name, &now, &why);
+        is_another |= now != facts[i].is;
+        fprintf(out, "%s%s = %.9g", i ? ", " : "", facts[i].name, facts[i].is);
+    }
+    free(facts);
+    if (out && !fclose(out) && is_another)
+        return text;
     free(text);
-    return is_read && is == 0;
-}
-
-/* "h == 0.125 and m == 2.0" as "h = 0.125, m = 2.0". */
-static char *plain(const char *condition, size_t length) {
-    char *text = strndup(condition, length), *to = text;
-    for (const char *from = text; from && *from;)
-        if (strncmp(from, FP3_VALUES_IS, strlen(FP3_VALUES_IS)) == 0) {
-            to = stpcpy(to, " = "); /* shorter than what it replaces */
-            from += strlen(FP3_VALUES_IS);
-        } else if (strncmp(from, FP3_VALUES_AND, strlen(FP3_VALUES_AND)) == 0) {
-            to = stpcpy(to, ", ");
-            from += strlen(FP3_VALUES_AND);
-        } else
-            *to++ = *from++;
-    if (to)
-        *to = '\0';
-    return text;
+    return NULL;
 }
 
 /* A formula without a value. */
 static fp3_status refuse(asking *a, const value *v, const fp3_error *why, fp3_error *error) {
-    size_t length;
-    if (!is_of_others(a, v->formula, &length))
-        return fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
-                               v->formula, why->text);
-    char *condition = plain(v->formula, length);
+    char *held = facts_that_held(a, v->parsed);
     const fp3_status status =
-        condition ? fp3_value_wrong(a->params, v->name, error,
-                                    "parameter '%s' was computed for %s: compile again", v->name,
-                                    condition)
-                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(condition);
+        held ? fp3_value_wrong(a->params, v->name, error,
+                               "parameter '%s' was computed for %s: compile again", v->name, held)
+             : fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
+                               v->formula, why->text);
+    free(held);
     return status;
 }
 
@@ -392,7 +400,9 @@ static fp3_status compute(asking *a, const value *v, double *number, fp3_error *
         return fp3_value_wrong(a->params, v->name, error,
                                "parameter '%s' is made of itself, or of too many others", v->name);
     a->depth++;
-    fp3_status status = fp3_formula_read(v->formula, value_of, a, number, &why);
+    fp3_formula *none;
+    fp3_status status = v->parsed ? fp3_formula_value(v->parsed, value_of, a, number, &why)
+                                  : fp3_formula_read(v->formula, &none, &why);
     a->depth--;
     if (status == FP3_E_PROGRAM)
         return refuse(a, v, &why, error);
@@ -430,21 +440,17 @@ fp3_status fp3_params_get(const fp3_params *params, const char *name, double *nu
     return fp3_values_at(params, name, 0, number, &is_spread, error);
 }
 
-int fp3_values_mention(const char *formula, const char *name) {
-    static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    const size_t length = strlen(name);
-    for (const char *at = strstr(formula, name); at; at = strstr(at + 1, name))
-        if ((at == formula || !strchr(bytes, at[-1])) && !(at[length] && strchr(bytes, at[length])))
-            return 1;
-    return 0;
+/* One that cannot be read counts as of everything: what is wrong with it is said when it is asked for. */
+static int is_made_of(const value *v, const char *name) {
+    return v->formula && (!v->parsed || fp3_formula_mentions(v->parsed, name));
 }
 
 /* Marks what a used value is made of; whether there was any. */
 static int mark(const fp3_params *params, char *is_used) {
     int is_any = 0;
     for (size_t i = 0; i < params->count; i++)
-        for (size_t j = 0; is_used[i] && params->list[i].formula && j < params->count; j++)
-            if (!is_used[j] && fp3_values_mention(params->list[i].formula, params->list[j].name))
+        for (size_t j = 0; is_used[i] && j < params->count; j++)
+            if (!is_used[j] && is_made_of(&params->list[i], params->list[j].name))
                 is_used[j] = 1, is_any = 1;
     return is_any;
 }

@@ -34,15 +34,6 @@ typedef struct {
 /* By number, in the order in which the names were first given; 0: there are no more. */
 int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look);
 
-/* A formula of what holds for one set of values alone: "h == 0.125 and m == 2.0 ? 0.99 : 0/0". */
-#define FP3_VALUES_IS " == "
-#define FP3_VALUES_AND " and "
-#define FP3_VALUES_THEN " ? "
-#define FP3_VALUES_ELSE " : 0/0"
-
-/* Whether the formula has this name, as a word of its own. */
-int fp3_values_mention(const char *formula, const char *name);
-
 /* Refuses a value that nobody asks for: has(of, name) says whether the program does; else a
  * reciprocal does that the program asks for. */
 typedef int fp3_values_has_fn(const void *of, const char *name);

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of names. */
+static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+
 typedef struct {
     const fp3_program *program;
     fp3_object_values of;
@@ -32,7 +35,6 @@ static const char *name_in_file(const writer *w, const char *name) {
 
 /* A rule with the names of the file. */
 static void put_renamed(const writer *w, FILE *out, const char *rule) {
-    static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     char name[FP3_NAME_SIZE];
     while (*rule) {
         const size_t length = strspn(rule, bytes);
@@ -60,8 +62,10 @@ typedef struct {
 } conditional;
 
 static void put_condition(conditional *c, const char *name, double value) {
-    fprintf(c->out, "%s%s" FP3_VALUES_IS, c->count++ ? FP3_VALUES_AND : "",
-            name_in_file(c->w, name));
+    fprintf(c->out,
+            "%s%s"
+            " == ",
+            c->count++ ? " and " : "", name_in_file(c->w, name));
     put_number(c->out, value, 17);
 }
 
@@ -99,9 +103,9 @@ static void put_conditional(const writer *w, FILE *out, const fp3_input *input, 
             put_condition(&c, model->params[i].name, w->of.params[i]);
     if (input->has_start)
         put_start(&c);
-    fputs(c.count ? FP3_VALUES_THEN : "", out);
+    fputs(c.count ? " ? " : "", out);
     put_number(out, (double)value, 9);
-    fputs(c.count ? FP3_VALUES_ELSE : "", out);
+    fputs(c.count ? " : 0/0" : "", out);
 }
 
 static void put_rule(const writer *w, FILE *out, uint32_t i) {
@@ -142,10 +146,18 @@ static fp3_status check_name(const writer *w, const char *name, fp3_error *error
     return FP3_OK;
 }
 
+static int is_mentioned(const char *rules, const char *name) {
+    const size_t length = strlen(name);
+    for (const char *at = strstr(rules, name); at; at = strstr(at + 1, name))
+        if ((at == rules || !strchr(bytes, at[-1])) && !(at[length] && strchr(bytes, at[length])))
+            return 1;
+    return 0;
+}
+
 static fp3_status put_source(const writer *w, const char *own, double value, const char *comment,
                              fp3_error *error) {
     const char *name = name_in_file(w, own);
-    if (!fp3_values_mention(w->rules, name))
+    if (!is_mentioned(w->rules, name))
         return FP3_OK;
     fprintf(w->out, "%s = ", name);
     put_number(w->out, value, 17);

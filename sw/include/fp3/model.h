@@ -170,10 +170,14 @@ fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error);
 
 /* What a name in a formula stands for; or refuses it. */
 typedef fp3_status fp3_name_fn(void *user, const char *name, double *value, fp3_error *error);
-/* A constant expression with names, "0.5*h", computed in double. FP3_E_PROGRAM: as above; else what
- * value_of says. */
-fp3_status fp3_formula_read(const char *text, fp3_name_fn *value_of, void *user, double *value,
-                            fp3_error *error);
+/* A constant expression with names, "0.5*h", which is read once. FP3_E_PROGRAM: as above, and *formula is NULL. */
+typedef struct fp3_formula fp3_formula;
+fp3_status fp3_formula_read(const char *text, fp3_formula **formula, fp3_error *error);
+/* Its value in double. FP3_E_PROGRAM: it has none, as 0/0; else what value_of says. */
+fp3_status fp3_formula_value(const fp3_formula *formula, fp3_name_fn *value_of, void *user,
+                             double *value, fp3_error *error);
+/* Sets *formula to NULL, which it may be already. */
+void fp3_formula_free(fp3_formula **formula);
 
 FP3_API_END
 
