@@ -2,6 +2,7 @@
 #include "bench_models.h"
 
 #include "base/file.h"
+#include "bench_files.h"
 #include "files.h"
 #include "measure/measure.h"
 #include "progress.h"
@@ -36,7 +37,16 @@ static int compare(const void *a, const void *b) {
                   : (x->error_median > y->error_median) - (x->error_median < y->error_median);
 }
 
-static void print_point(const fp3_measure_point *p) {
+/* For the picture; an axis has no room for an error of 0. */
+static void keep(json_t *shown, const fp3_measure_point *p, const char *who) {
+    if (p->error_median > 0)
+        json_array_append_new(shown, json_pack("{s:s, s:s, s:s, s:f, s:f}", "model",
+                                               p->problem->model->name, "curve", who, "unit",
+                                               p->repeats ? "ns" : "cycles", "cost", cost_of(p),
+                                               "error", p->error_median));
+}
+
+static void print_point(const fp3_measure_point *p, json_t *shown) {
     char who[64], how[64], step[32];
     if (p->config)
         snprintf(who, sizeof who, "%s %s", p->engine, p->config);
@@ -47,6 +57,7 @@ static void print_point(const fp3_measure_point *p) {
              p->method && p->integrator ? ", " : "", p->integrator ? p->integrator : "",
              p->arithmetic ? ", " : "", p->arithmetic ? p->arithmetic : "");
     snprintf(step, sizeof step, "%s %.3g", p->h > 0 ? "h" : "tol", p->h > 0 ? p->h : p->tolerance);
+    keep(shown, p, who);
     printf("%-20s %-34s %-12s %10.2e %10.2e", who, how, step, p->error_median, p->error_worst);
     if (p->repeats)
         printf(" %12.4g\n", cost_of(p));
@@ -55,7 +66,7 @@ static void print_point(const fp3_measure_point *p) {
 }
 
 /* The points that are like the first that is not done, the fastest first. Returns how many are done. */
-static size_t print_front(const fp3_measure_point **list, size_t count) {
+static size_t print_front(const fp3_measure_point **list, size_t count, json_t *shown) {
     size_t like = 1;
     double best = INFINITY;
     for (size_t i = 1; i < count; i++)
@@ -68,12 +79,12 @@ static size_t print_front(const fp3_measure_point **list, size_t count) {
     for (size_t i = 0; i < like; i++)
         if (list[i]->error_median < best) {
             best = list[i]->error_median;
-            print_point(list[i]);
+            print_point(list[i], shown);
         }
     return like;
 }
 
-static fp3_status print_table(const fp3_measure *m, fp3_error *error) {
+static fp3_status print_table(const fp3_measure *m, json_t *shown, fp3_error *error) {
     const fp3_measure_problem *p = &m->problem;
     const fp3_measure_point **list = calloc(m->points.count + 1, sizeof *list);
     if (!list)
@@ -88,7 +99,7 @@ static fp3_status print_table(const fp3_measure *m, fp3_error *error) {
            p->model->name, p->end, p->variants, "engine", "how", "step", "error", "worst", "ns",
            "cycles");
     for (size_t i = 0; i < m->points.count;)
-        i += print_front(list + i, m->points.count - i);
+        i += print_front(list + i, m->points.count - i, shown);
     puts("");
     fflush(stdout);
     free(list);
@@ -111,7 +122,7 @@ static void join(json_t *all, const json_t *one) {
 }
 
 static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_progress *progress,
-                          json_t *all, char **report, fp3_error *error) {
+                          json_t *all, json_t *shown, char **report, fp3_error *error) {
     char path[PATH_SIZE];
     fp3_measure_options with = fp3_measure_default("fast", what->is_quick);
     with.integrators = what->integrator_count ? what->integrators : NULL;
@@ -126,7 +137,7 @@ static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_pr
         status = fp3_measure_model(model, &with, &m, error);
     fp3_progress_pause(progress);
     if (!status)
-        status = print_table(&m, error);
+        status = print_table(&m, shown, error);
     json_t *one = status ? NULL : fp3_measure_json(&m);
     join(all, one);
     json_decref(one);
@@ -143,7 +154,10 @@ static fp3_status check_files(const fp3_bench_models *what, fp3_error *error) {
         fp3_files_read(&files, "MODEL", path[i]);
     }
     fp3_files_write(&files, "--json", what->json);
-    return fp3_files_check(&files, error);
+    fp3_files_write(&files, "--csv", what->csv);
+    fp3_files_write(&files, "--plot", what->plot);
+    const fp3_status status = what->plot ? fp3_bench_plot_check(what->plot, error) : FP3_OK;
+    return status ? status : fp3_files_check(&files, error);
 }
 
 static fp3_status write_json(const char *path, const json_t *all, fp3_error *error) {
@@ -159,13 +173,19 @@ fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3
     if (status)
         return status;
     json_t *all = json_pack("{s:[], s:[], s:[]}", "problems", "points", "left_out");
+    json_t *shown = json_array();
     fp3_progress *progress = fp3_progress_begin("bench", NULL);
     fp3_progress_pause(progress); /* tables are printed in between */
     for (unsigned i = 0; !status && i < what->model_count; i++)
-        status = measure(what, what->models[i], progress, all, report, error);
+        status = measure(what, what->models[i], progress, all, shown, report, error);
     fp3_progress_end(&progress);
     if (!status && what->json)
         status = write_json(what->json, all, error);
+    if (!status && what->csv)
+        status = fp3_bench_csv(what->csv, json_object_get(all, "points"), error);
+    if (!status && what->plot)
+        status = fp3_bench_plot(what->plot, shown, error);
+    json_decref(shown);
     json_decref(all);
     return status;
 }

@@ -11,11 +11,11 @@ typedef struct {
     unsigned model_count;
     const char *integrators[FP3_BENCH_NAMES_MOST + 1]; /* none: all that are built in */
     unsigned integrator_count;
-    const char *json; /* or NULL */
+    const char *json, *csv, *plot; /* or NULL */
     int is_quick;
 } fp3_bench_models;
 
-/* Prints a table for each model, and then writes the JSON. *report: errors of a model's text; the
+/* Prints a table for each model, and then writes the files. *report: errors of a model's text; the
  * caller frees it. */
 fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3_error *error);
 

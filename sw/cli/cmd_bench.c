@@ -367,7 +367,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     return status;
 }
 
-enum { KEY_MODEL = 256, KEY_QUICK };
+enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "One configuration (default: all)", 0},
@@ -381,6 +381,12 @@ static const struct argp_option table[] = {
      "Also run scenes of N objects from the store (default: 10000)", 0},
     {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
     {"integrator", 'i', "NAME", 0, "Of MODEL; may be repeated (default: all that are built in)", 0},
+    {"csv", KEY_CSV, "FILE", 0, "Of MODEL: also write all points as a table, a row for each", 0},
+    {"plot", KEY_PLOT, "FILE", 0,
+     "Of MODEL: also draw error against time, and against cycles of hardware, into FILE, whose "
+     "name "
+     "ends in .svg or .png: the points of the printed table. Needs gnuplot",
+     0},
     {"quick", KEY_QUICK, NULL, 0, "Of MODEL: few tolerances, few objects, three repeats", 0},
     {0},
 };
@@ -397,10 +403,15 @@ static void check_form(struct argp_state *state, const options *o) {
     const fp3_bench_models *m = &o->models;
     if (m->model_count && o->not_for_models)
         argp_error(state,
-                   "found --%s and '%s': with MODEL there are --integrator, --quick and --json",
+                   "found --%s and '%s': with MODEL there are --integrator, --quick, --json, --csv "
+                   "and --plot",
                    o->not_for_models, m->models[0]);
-    if (!m->model_count && (m->integrator_count || m->is_quick))
-        argp_error(state, "found --%s, expected MODEL", m->is_quick ? "quick" : "integrator");
+    if (!m->model_count && (m->integrator_count || m->is_quick || m->csv || m->plot))
+        argp_error(state, "found --%s, expected MODEL",
+                   m->is_quick ? "quick"
+                   : m->csv    ? "csv"
+                   : m->plot   ? "plot"
+                               : "integrator");
 }
 
 /* The long name of an option that is for programs alone; NULL: it is not. */
@@ -432,6 +443,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case 'i':
         add_name(state, "integrators", text, o->models.integrators, &o->models.integrator_count);
+        break;
+    case KEY_CSV:
+        o->models.csv = text;
+        break;
+    case KEY_PLOT:
+        o->models.plot = text;
         break;
     case KEY_QUICK:
         o->models.is_quick = 1;

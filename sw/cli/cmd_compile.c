@@ -40,7 +40,9 @@ enum {
 static const struct argp_option table[] = {
     {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
     {"integrator", 'i', "NAME", 0,
-     "A built-in table, or a file (default rk4, with --tolerance " FP3_ADAPTIVE_INTEGRATOR ")", 0},
+     "A built-in table, or a file (default: " FP3_FIXED_INTEGRATOR
+     ", with --tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
+     0},
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
      "Each object chooses its own steps, each with an error of about TOL", 0},
     {"until", KEY_UNTIL, "TIME", 0,

@@ -63,7 +63,7 @@ static const struct argp_option table[] = {
      "Configuration (default: single, for a model single_full; with --port that of the board)", 0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
-     "Of a model: a built-in table, or a file (default: rk4, with "
+     "Of a model: a built-in table, or a file (default: " FP3_FIXED_INTEGRATOR ", with "
      "--tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
      0},
     {"tolerance", KEY_TOLERANCE, "TOL", 0,

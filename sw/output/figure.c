@@ -1,6 +1,8 @@
 /* figure.c - see figure.h. */
 #include "figure.h"
 
+#include "gnuplot.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -12,9 +14,6 @@ enum { WIDTH = 960, TITLE = 40, PANEL = 210, LABEL = 24, PHASE = 460, ABOVE = 8,
 #define MARGIN 0.05   /* of a range, above and below the data */
 #define MARKS_MOST 40 /* points that are drawn as such, and not lines alone */
 
-/* Okabe and Ito, Color Universal Design (2008): told apart by everybody. */
-static const char *const colours[FP3_CURVES_MOST] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                     "#e69f00", "#56b4e9", "#000000", "#999999"};
 static const char *const dashes[FP3_CURVES_MOST] = {
     "1", "(8,4)", "(2,3)", "(8,3,2,3)", "(14,4)", "(4,2)", "(14,3,2,3)", "(8,3,2,3,2,3)"};
 
@@ -138,7 +137,7 @@ static void put_panel(const fp3_figure *f, FILE *out, size_t name) {
                                         : "step",
               name + 1 < columns->count ? "" : f->subject->time_unit);
     put_label(out, "y", column->name, column->unit);
-    put_curves(f, out, 0, name + 1, colours[name], column->name);
+    put_curves(f, out, 0, name + 1, fp3_gnuplot_colour(name), column->name);
 }
 
 /* A position is to the right, its velocity upwards. */
@@ -157,7 +156,7 @@ static void put_phase_plane(const fp3_figure *f, FILE *out) {
     put_range(out, "y", range_of(curve(f, y, 0), count));
     put_label(out, "x", list[x].name, list[x].unit);
     put_label(out, "y", list[y].name, list[y].unit);
-    put_curves(f, out, x + 1, y + 1, colours[f->subject->columns->count], "phase plane");
+    put_curves(f, out, x + 1, y + 1, fp3_gnuplot_colour(f->subject->columns->count), "phase plane");
 }
 
 /* ---- the whole ---- */
@@ -180,12 +179,7 @@ static void put_title(const fp3_figure *f, FILE *out) {
 }
 
 void fp3_figure_write(const fp3_figure *f, FILE *out) {
-    fprintf(out,
-            f->is_svg
-                ? "set terminal svg size %d,%d font 'sans,13' background '#ffffff' noenhanced\n"
-                : "set terminal pngcairo size %d,%d font 'sans,11' background '#ffffff' "
-                  "noenhanced\n",
-            WIDTH, height_of(f));
+    fp3_gnuplot_begin(out, f->subject->path, WIDTH, height_of(f));
     fprintf(out,
             "set encoding utf8\nset grid lt 1 lc rgb '#dddddd'\nset format y '%%.8g'\n"
             "set key at screen %g, graph 1 left top Left reverse\n"

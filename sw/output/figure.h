@@ -10,7 +10,6 @@
 
 typedef struct {
     const fp3_subject *subject;
-    int is_svg; /* else PNG */
     size_t objects[FP3_CURVES_MOST], object_count;
     size_t points;       /* of a curve */
     const double *times; /* or steps, where there is no time */

@@ -4,10 +4,13 @@
  */
 #include "gnuplot.h"
 
+#include "text/number.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <spawn.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -101,11 +104,53 @@ static fp3_status draw(FILE *script, FILE *to, FILE *said, fp3_error *error) {
     return code ? tell(said, code, error) : FP3_OK;
 }
 
-fp3_status fp3_gnuplot_draw(FILE *script, FILE *to, fp3_error *error) {
-    FILE *said = tmpfile();
-    if (!said)
-        return fp3_fail(error, FP3_E_SYSTEM, "cannot make a temporary file: %s", strerror(errno));
-    const fp3_status status = draw(script, to, said, error);
-    fclose(said);
-    return status;
+static int ends(const char *path, const char *end) {
+    const char *dot = strrchr(path, '.');
+    return dot && !strcasecmp(dot, end);
+}
+
+const char *fp3_gnuplot_colour(size_t i) {
+    /* Okabe and Ito, Color Universal Design (2008). */
+    static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                          "#e69f00", "#56b4e9", "#000000", "#999999"};
+    return colours[i % (sizeof colours / sizeof *colours)];
+}
+
+fp3_status fp3_gnuplot_check_name(const char *path, fp3_error *error) {
+    if (ends(path, ".svg") || ends(path, ".png"))
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "%s: expected the name of a picture that ends in .svg or .png", path);
+}
+
+void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height) {
+    fprintf(script,
+            ends(path, ".svg")
+                ? "set terminal svg size %d,%d font 'sans,13' background '#ffffff' noenhanced\n"
+                : "set terminal pngcairo size %d,%d font 'sans,11' background '#ffffff' "
+                  "noenhanced\n",
+            width, height);
+}
+
+static fp3_status cannot_write(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "cannot write a temporary file: %s", strerror(errno));
+}
+
+fp3_status fp3_gnuplot_draw(fp3_gnuplot_script_fn *script, const void *user, fp3_output *output,
+                            fp3_error *error) {
+    FILE *file = tmpfile(), *said = tmpfile();
+    fp3_status status = file && said ? FP3_OK : cannot_write(error);
+    if (!status) {
+        const fp3_number_locale locale = fp3_number_locale_enter();
+        script(user, file);
+        fp3_number_locale_leave(locale);
+        status = fflush(file) || ferror(file) ? cannot_write(error) : FP3_OK;
+    }
+    if (!status)
+        status = draw(file, fp3_output_stream(output), said, error);
+    if (file)
+        fclose(file);
+    if (said)
+        fclose(said);
+    return status ? status : fp3_output_publish(output, error);
 }

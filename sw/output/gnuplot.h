@@ -2,14 +2,29 @@
 #ifndef FP3_OUTPUT_GNUPLOT_H
 #define FP3_OUTPUT_GNUPLOT_H
 
+#include "base/file.h"
+
 #include <fp3/status.h>
 #include <stdio.h>
 
 /* FP3_E_SYSTEM: it is not installed, or does not start. */
 fp3_status fp3_gnuplot_check(fp3_error *error);
 
-/* Draws what the script, from its beginning, says; the picture goes to the stream `to`, whose errors are the
- * caller's to look at. FP3_E_SYSTEM: gnuplot does not start or fails; error has what it said. */
-fp3_status fp3_gnuplot_draw(FILE *script, FILE *to, fp3_error *error);
+/* Whether the name is that of a picture. FP3_E_ARGUMENT: it ends in neither .svg nor .png. */
+fp3_status fp3_gnuplot_check_name(const char *path, fp3_error *error);
+
+/* Of curve number i, from 0: eight that everybody tells apart, then the same again. */
+const char *fp3_gnuplot_colour(size_t i);
+
+/* Writes a script, and in it every number with a point, whatever the user's language. */
+typedef void fp3_gnuplot_script_fn(const void *user, FILE *script);
+
+/* The first line of a script: the kind of picture, by its name, and its size in pixels. */
+void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height);
+
+/* Draws what the script says, and publishes the picture. FP3_E_SYSTEM: gnuplot does not start or fails, and
+ * error has what it said; or a file cannot be written. */
+fp3_status fp3_gnuplot_draw(fp3_gnuplot_script_fn *script, const void *user, fp3_output *output,
+                            fp3_error *error);
 
 #endif

@@ -4,14 +4,9 @@
 #include "figure.h"
 #include "gnuplot.h"
 
-#include "base/file.h"
-#include "text/number.h"
-
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define POINTS_MOST 1000000u /* of all curves: more than a picture can show */
 
@@ -24,11 +19,6 @@ typedef struct {
 
 /* ---- what is drawn ---- */
 
-static int ends(const char *path, const char *end) {
-    const char *dot = strrchr(path, '.');
-    return dot && !strcasecmp(dot, end);
-}
-
 /* All, or as many as can be told apart, evenly from the first to the last. */
 static void choose_objects(fp3_figure *f, size_t objects) {
     f->object_count = objects < FP3_CURVES_MOST ? objects : FP3_CURVES_MOST;
@@ -38,9 +28,9 @@ static void choose_objects(fp3_figure *f, size_t objects) {
 
 static fp3_status check(const fp3_subject *s, const fp3_figure *f, fp3_error *error) {
     const size_t names = s->columns->count;
-    if (!ends(s->path, ".svg") && !ends(s->path, ".png"))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: expected the name of a picture that ends in .svg or .png", s->path);
+    const fp3_status status = fp3_gnuplot_check_name(s->path, error);
+    if (status)
+        return status;
     if (names > FP3_CURVES_MOST)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: a picture has room for %d names, not for %zu: choose what to observe",
@@ -87,23 +77,11 @@ static fp3_status plot_put(fp3_sink *sink, const fp3_block *block, fp3_error *er
 
 /* ---- drawing ---- */
 
-static fp3_status draw(plot *self, FILE *script, fp3_error *error) {
-    const fp3_number_locale locale = fp3_number_locale_enter();
-    fp3_figure_write(&self->figure, script);
-    fp3_number_locale_leave(locale);
-    if (fflush(script) || ferror(script))
-        return fp3_fail(error, FP3_E_SYSTEM, "cannot write a temporary file: %s", strerror(errno));
-    return fp3_gnuplot_draw(script, fp3_output_stream(self->output), error);
-}
+static void write_script(const void *figure, FILE *script) { fp3_figure_write(figure, script); }
 
 static fp3_status plot_publish(fp3_sink *sink, fp3_error *error) {
     plot *self = (plot *)sink;
-    FILE *script = tmpfile();
-    if (!script)
-        return fp3_fail(error, FP3_E_SYSTEM, "cannot make a temporary file: %s", strerror(errno));
-    fp3_status status = draw(self, script, error);
-    fclose(script);
-    return status ? status : fp3_output_publish(self->output, error);
+    return fp3_gnuplot_draw(write_script, &self->figure, self->output, error);
 }
 
 /* ---- opening and closing ---- */
@@ -119,7 +97,6 @@ static void plot_close(fp3_sink *sink) {
 static fp3_status start(plot *self, const fp3_subject *subject, fp3_error *error) {
     fp3_figure *f = &self->figure;
     f->subject = subject;
-    f->is_svg = ends(subject->path, ".svg");
     choose_objects(f, subject->objects);
     fp3_status status = check(subject, f, error);
     if (status)

@@ -60,7 +60,7 @@ static fp3_status compile(const char *path, const fp3_program_def *def, fp3_prog
                           char **report, fp3_error *error) {
     const char *integrator = def->integrator    ? def->integrator
                              : def->is_adaptive ? FP3_ADAPTIVE_INTEGRATOR
-                                                : "rk4";
+                                                : FP3_FIXED_INTEGRATOR;
     char *text = NULL;
     size_t size = 0;
     fp3_error why;

@@ -63,6 +63,8 @@ COLLISIONS = {
     "compare m.ode --quick -i euler.cfg --json euler.cfg": "would overwrite",
     "bench -p ./m.ode --json link": "--json link would overwrite",
     "bench -p ./m.ode -P x.cfg --json x.cfg": "would overwrite",
+    "bench ./m.ode --quick --csv m.ode": "--csv m.ode would overwrite MODEL",
+    "bench ./m.ode --quick --csv a.svg --plot a.svg": "are one file",
     "asm p.s -o p.s": "would overwrite SOURCE p.s",
     "asm p.s --hex a --listing a": "are one file",
     "dis p.fp3 -o p.fp3": "would overwrite IMAGE p.fp3",
@@ -80,7 +82,7 @@ def test_no_file_is_lost(start, folder, command):
 
 
 UNWRITABLE = ["compile m.ode -o", "compile m.ode --image", "compile m.ode --params", "run m.ode --kanata",
-              "run m.ode --bus-log", "compare m.ode --json", "bench -p ./m.ode --json", "asm p.s -o", "asm p.s --hex",
+              "run m.ode --bus-log", "compare m.ode --json", "bench -p ./m.ode --json", "bench ./m.ode --quick --csv", "asm p.s -o", "asm p.s --hex",
               "asm p.s --listing", "dis p.fp3 -o"]
 
 

@@ -36,7 +36,9 @@ typedef struct {
 
 fp3_adaptive_def fp3_adaptive_default(void);
 
-#define FP3_ADAPTIVE_INTEGRATOR "cash_karp" /* for who names none */
+/* The integrator of a model where none is named: with fixed steps, and with adaptive ones. */
+#define FP3_FIXED_INTEGRATOR "rk4"
+#define FP3_ADAPTIVE_INTEGRATOR "cash_karp"
 
 /* Gives the model what adaptive steps need: states t, h_next (the next step to try; it starts as the model's), accepted, rejected, smallest, largest, in this order behind its own; params until, of each object, and tolerance, absolute
  * and, if there are events, locate, which all objects share. fp3_compile then makes a program of

@@ -22,10 +22,9 @@ FP3_API_BEGIN
 
 /* How a model is compiled; of no effect on assembly and images. */
 typedef struct {
-    const char
-        *integrator; /* a built-in table, or a file; NULL: rk4, or dopri5 if it is adaptive */
-    int is_model;    /* the program is a model, whatever its name */
-    int is_adaptive; /* the model is adapted (fp3/adaptive.h), as `adaptive` says */
+    const char *integrator; /* a table or a file; NULL: FP3_FIXED_ or FP3_ADAPTIVE_INTEGRATOR */
+    int is_model;           /* the program is a model, whatever its name */
+    int is_adaptive;        /* the model is adapted (fp3/adaptive.h), as `adaptive` says */
     fp3_adaptive_def adaptive;
     fp3_compile_def compile;
 } fp3_program_def;
