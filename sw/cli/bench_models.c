@@ -1,9 +1,9 @@
 /* bench_models.c - see bench_models.h. measure/measure.h measures; here are the names and the tables. */
 #include "bench_models.h"
 
-#include "base/file.h"
 #include "bench_files.h"
 #include "files.h"
+#include "json.h"
 #include "measure/measure.h"
 #include "progress.h"
 
@@ -160,14 +160,6 @@ static fp3_status check_files(const fp3_bench_models *what, fp3_error *error) {
     return status ? status : fp3_files_check(&files, error);
 }
 
-static fp3_status write_json(const char *path, const json_t *all, fp3_error *error) {
-    char *text = json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(text);
-    return status;
-}
-
 fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3_error *error) {
     fp3_status status = check_files(what, error);
     if (status)
@@ -180,7 +172,7 @@ fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3
         status = measure(what, what->models[i], progress, all, shown, report, error);
     fp3_progress_end(&progress);
     if (!status && what->json)
-        status = write_json(what->json, all, error);
+        status = fp3_json_write(what->json, json_incref(all), 9, error);
     if (!status && what->csv)
         status = fp3_bench_csv(what->csv, json_object_get(all, "points"), error);
     if (!status && what->plot)

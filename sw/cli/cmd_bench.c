@@ -3,17 +3,16 @@
  * Models go to bench_models.h.
  */
 #include "arguments.h"
-#include "base/file.h"
 #include "bench_models.h"
 #include "bench_table.h"
 #include "cli.h"
 #include "files.h"
+#include "json.h"
 #include "machine/config.h"
 #include "progress.h"
 
 #include <glob.h>
 #include <inttypes.h>
-#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,17 +31,6 @@ typedef struct {
     fp3_bench_models models; /* error against run time; the others are not for it */
     const char *not_for_models;
 } options;
-
-static fp3_status write_json(const char *path, json_t *runs, json_t *scenes, fp3_error *error) {
-    json_t *root = json_pack("{s:O, s:O}", "runs", runs, "scenes", scenes);
-    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) : NULL;
-    json_decref(root);
-    if (!text)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory, or a figure that is no number");
-    fp3_status status = fp3_file_write(path, text, strlen(text), error);
-    free(text);
-    return status;
-}
 
 /* ---- the table of runs ---- */
 
@@ -356,7 +344,8 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
         status = bench_scenes(o, &to, error);
     fp3_progress_end(&to.progress);
     if (!status && o->json)
-        status = write_json(o->json, to.runs, to.scenes, error);
+        status = fp3_json_write(
+            o->json, json_pack("{s:O, s:O}", "runs", to.runs, "scenes", to.scenes), 17, error);
     if (!status)
         status = judge(&to, error);
     json_decref(to.runs);

@@ -4,6 +4,7 @@
 #include "cli.h"
 #include "compare_adaptive.h"
 #include "files.h"
+#include "json.h"
 #include "progress.h"
 
 #include <fp3/convergence.h>
@@ -16,8 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/file.h"
 
 #define INTEGRATORS_MAX 64
 #define SHORT_RUN 3 /* steps of the runs that agreement and cycles are measured by */
@@ -195,14 +194,12 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
     return status;
 }
 
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 /* Steps over the span, and the error of each, up to where only noise is left. */
 static json_t *errors_of(const comparison *k, const row *r) {
     json_t *steps = json_array(), *errors = json_array();
     for (unsigned i = 0; k->ladder && i < k->ladder->count && !isnan(r->c.noise[i]); i++) {
         json_array_append_new(steps, json_integer((json_int_t)k->ladder->steps[i]));
-        json_array_append_new(errors, number(r->c.error[i]));
+        json_array_append_new(errors, fp3_json_number(r->c.error[i]));
     }
     return json_pack("{s:o, s:o}", "steps", steps, "error", errors);
 }
@@ -214,17 +211,19 @@ static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithme
         k->model->name, "integrator", integrator->name, "arithmetic",
         fp3_arithmetic_of(arithmetic)->name, "operations", (json_int_t)r->on[0].operations,
         "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
-        number(r->on[0].cycles), "bound", number(r->on[0].bound), "order", (json_int_t)r->order,
-        "measured_order", number(r->c.order), "method_order", number(r->c.method_order),
-        "finest_order", number(r->c.finest_order), "floor", number(r->c.floor), "floor_h",
-        number(k->ladder ? k->ladder->h[r->c.best] : NAN), "mismatches", (json_int_t)r->mismatches,
-        "compared", (json_int_t)r->compared);
+        fp3_json_number(r->on[0].cycles), "bound", fp3_json_number(r->on[0].bound), "order",
+        (json_int_t)r->order, "measured_order", fp3_json_number(r->c.order), "method_order",
+        fp3_json_number(r->c.method_order), "finest_order", fp3_json_number(r->c.finest_order),
+        "floor", fp3_json_number(r->c.floor), "floor_h",
+        fp3_json_number(k->ladder ? k->ladder->h[r->c.best] : NAN), "mismatches",
+        (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     for (int i = 0; i < MACHINES; i++)
         json_object_set_new(o, machines[i],
                             json_pack("{s:I, s:o, s:o, s:o}", "instructions",
                                       (json_int_t)r->on[i].instructions, "predicted",
-                                      number(r->on[i].cycles), "measured",
-                                      number(r->on[i].measured), "bound", number(r->on[i].bound)));
+                                      fp3_json_number(r->on[i].cycles), "measured",
+                                      fp3_json_number(r->on[i].measured), "bound",
+                                      fp3_json_number(r->on[i].bound)));
     if (r->failure[0])
         json_object_set_new(o, "failed", json_string(r->failure));
     if (k->o->has_errors)
@@ -285,12 +284,7 @@ static fp3_status write_json(const comparison *k, fp3_error *error) {
     json_t *all = json_pack("{s:O, s:O}", "rows", k->rows, "left_out", k->left_out);
     if (all && k->no_reference.text[0])
         json_object_set_new(all, "no_reference", json_string(k->no_reference.text));
-    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    fp3_status status = text ? fp3_file_write(k->o->json, text, strlen(text), error)
-                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(text);
-    json_decref(all);
-    return status;
+    return fp3_json_write(k->o->json, all, 9, error);
 }
 
 /* Cycles and agreement need no reference; orders and errors do. */

@@ -2,6 +2,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
+#include "json.h"
 #include "progress.h"
 #include "stress/suite.h"
 
@@ -10,8 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/file.h"
 
 #define INTEGRATORS_MAX 64
 #define MODELS_MAX 48
@@ -45,21 +44,19 @@ static void print(const options *o, const fp3_verdicts *verdicts) {
 }
 
 /* JSON has neither NaN nor infinities. */
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 static json_t *column(const double *values, size_t count) {
     json_t *array = json_array();
     for (size_t i = 0; i < count; i++)
-        json_array_append_new(array, number(values[i]));
+        json_array_append_new(array, fp3_json_number(values[i]));
     return array;
 }
 
 static json_t *row(const fp3_verdict *v) {
     return json_pack("{ss ss ss ss ss ss so so so sb ss}", "section", v->section, "name", v->name,
                      "model", v->model, "integrator", v->integrator, "arithmetic", v->arithmetic,
-                     "relation", fp3_relation_name(v->relation), "expected", number(v->expected),
-                     "measured", number(v->measured), "tolerance", number(v->tolerance), "holds",
-                     v->holds, "why", v->why);
+                     "relation", fp3_relation_name(v->relation), "expected",
+                     fp3_json_number(v->expected), "measured", fp3_json_number(v->measured),
+                     "tolerance", fp3_json_number(v->tolerance), "holds", v->holds, "why", v->why);
 }
 
 static fp3_status write_json(const char *path, const fp3_verdicts *verdicts, fp3_error *error) {
@@ -73,12 +70,7 @@ static fp3_status write_json(const char *path, const fp3_verdicts *verdicts, fp3
                                         "x", column(c->x, c->count), "y", column(c->y, c->count)));
     }
     json_t *all = json_pack("{so so}", "results", results, "curves", curves);
-    char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
-    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(text);
-    json_decref(all);
-    return status;
+    return fp3_json_write(path, all, 17, error);
 }
 
 /* ---- the work ---- */

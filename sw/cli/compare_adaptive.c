@@ -1,6 +1,8 @@
 /* compare_adaptive.c - see compare_adaptive.h. */
 #include "compare_adaptive.h"
 
+#include "json.h"
+
 #include "bench/variants.h"
 
 #include <fp3/engine.h>
@@ -239,8 +241,6 @@ static fp3_status make_row(const comparison *k, const fp3_integrator *integrator
 
 /* ---- rows ---- */
 
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 static json_t *fixed_of(const comparison *k, int machine, const char *name, const row *r) {
     unsigned rung = 0;
     const rival *of = find_rival(k, machine, name, r->error, &rung);
@@ -251,9 +251,9 @@ static json_t *fixed_of(const comparison *k, int machine, const char *name, cons
         printf(" %7" PRIu64 " %6.1f", k->steps[rung],
                of->cycles[machine][rung] / r->cycles[machine]);
         fixed = json_pack("{s:s, s:I, s:o, s:o, s:o}", "integrator", of->name, "steps",
-                          (json_int_t)k->steps[rung], "error", number(of->error[rung]), "cycles",
-                          number(of->cycles[machine][rung]), "ratio",
-                          number(of->cycles[machine][rung] / r->cycles[machine]));
+                          (json_int_t)k->steps[rung], "error", fp3_json_number(of->error[rung]),
+                          "cycles", fp3_json_number(of->cycles[machine][rung]), "ratio",
+                          fp3_json_number(of->cycles[machine][rung] / r->cycles[machine]));
     } else
         printf(" %7s %6s", "-", "-");
     return fixed;
@@ -262,7 +262,7 @@ static json_t *fixed_of(const comparison *k, int machine, const char *name, cons
 /* The cheapest of all, then the integrator itself. */
 static void put_fixed(const comparison *k, int machine, const char *name, const row *r, json_t *o) {
     char key[FP3_NAME_SIZE + 16];
-    json_object_set_new(o, machines[machine], number(r->cycles[machine]));
+    json_object_set_new(o, machines[machine], fp3_json_number(r->cycles[machine]));
     snprintf(key, sizeof key, "%s_fixed", machines[machine]);
     json_object_set_new(o, key, fixed_of(k, machine, NULL, r));
     snprintf(key, sizeof key, "%s_own", machines[machine]);
@@ -272,11 +272,12 @@ static void put_fixed(const comparison *k, int machine, const char *name, const 
 static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithmetic arithmetic,
                     double tolerance, const row *r) {
     const char *name = fp3_arithmetic_of(arithmetic)->name;
-    json_t *o = json_pack(
-        "{s:s, s:s, s:s, s:o, s:o, s:I, s:I, s:I, s:I}", "model", k->model->name, "integrator",
-        integrator->name, "arithmetic", name, "tolerance", number(tolerance), "error",
-        number(r->error), "accepted", (json_int_t)r->accepted, "rejected", (json_int_t)r->rejected,
-        "mismatches", (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
+    json_t *o =
+        json_pack("{s:s, s:s, s:s, s:o, s:o, s:I, s:I, s:I, s:I}", "model", k->model->name,
+                  "integrator", integrator->name, "arithmetic", name, "tolerance",
+                  fp3_json_number(tolerance), "error", fp3_json_number(r->error), "accepted",
+                  (json_int_t)r->accepted, "rejected", (json_int_t)r->rejected, "mismatches",
+                  (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     fp3_progress_pause(k->def->progress);
     printf("%-12s %-12s %-11s %8.1e %8.1e %7" PRIu32 " %7" PRIu32 " %9.0f %9.0f", k->model->name,
            integrator->name, name, tolerance, r->error, r->accepted, r->rejected, r->cycles[SINGLE],

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/path.h"
+#include "json.h"
 #include "tune/sample.h"
 
 #include <inttypes.h>
@@ -128,10 +129,8 @@ fp3_status fp3_tune_print_judge(const fp3_tune_def *def, const fp3_tuning *t, fp
 
 /* ---- files ---- */
 
-static json_t *number(double x) { return isfinite(x) ? json_real(x) : json_null(); }
-
 /* Null where there is none: h of adaptive steps, a tolerance of fixed ones. */
-static json_t *above_zero(double x) { return number(x > 0 ? x : NAN); }
+static json_t *above_zero(double x) { return fp3_json_number(x > 0 ? x : NAN); }
 
 static int put_steps(json_t *o, const fp3_tune_row *r) {
     return json_object_set_new(o, "steps", json_integer((json_int_t)(r ? r->steps : 0))) |
@@ -147,8 +146,9 @@ static json_t *tried(const fp3_tuning *t) {
         const fp3_tune_row *r = &t->rows[i];
         json_t *o = json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:s}", "integrator", r->integrator,
                               "arithmetic", fp3_arithmetic_of(r->arithmetic)->name, "adaptive",
-                              r->is_adaptive, "error", number(r->error), "lowest",
-                              number(r->lowest), "cycles", number(r->cycles), "why", r->why);
+                              r->is_adaptive, "error", fp3_json_number(r->error), "lowest",
+                              fp3_json_number(r->lowest), "cycles", fp3_json_number(r->cycles),
+                              "why", r->why);
         put_steps(o, r);
         json_array_append_new(rows, o);
     }
@@ -164,21 +164,19 @@ static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
         "model", def->program->model->name, "tolerance", def->tolerance, "config", def->config,
         "integrator", row ? json_string(row->integrator) : json_null(), "arithmetic",
         row ? json_string(fp3_arithmetic_of(row->arithmetic)->name) : json_null(), "error",
-        row ? number(best ? best->error : row->lowest) : json_null(), "error_held_out",
-        number(t->error_held_out), "cost_ratio",
-        best ? number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met, "cycles",
-        best ? number(best->cycles) : json_null(), "baseline_cycles", number(t->baseline_cycles),
-        "baseline_error", number(t->baseline_error), "span", number(t->span), "ranges",
-        (json_int_t)t->ranges, "sample", (json_int_t)t->sample, "held_out", (json_int_t)t->held_out,
-        "rounds", (json_int_t)t->rounds, "tried", tried(t));
-    char *text = all && !put_steps(all, best)
-                     ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9))
-                     : NULL;
-    const fp3_status status = text ? fp3_file_write(out->json, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    free(text);
-    json_decref(all);
-    return status;
+        row ? fp3_json_number(best ? best->error : row->lowest) : json_null(), "error_held_out",
+        fp3_json_number(t->error_held_out), "cost_ratio",
+        best ? fp3_json_number(best->cycles / t->baseline_cycles) : json_null(), "met", t->is_met,
+        "cycles", best ? fp3_json_number(best->cycles) : json_null(), "baseline_cycles",
+        fp3_json_number(t->baseline_cycles), "baseline_error", fp3_json_number(t->baseline_error),
+        "span", fp3_json_number(t->span), "ranges", (json_int_t)t->ranges, "sample",
+        (json_int_t)t->sample, "held_out", (json_int_t)t->held_out, "rounds", (json_int_t)t->rounds,
+        "tried", tried(t));
+    if (all && put_steps(all, best)) {
+        json_decref(all);
+        all = NULL;
+    }
+    return fp3_json_write(out->json, all, 9, error);
 }
 
 /* The model as seen from the folder of the scene, both behind all links. */
