@@ -13,16 +13,6 @@ const char *fp3_class_name(fp3_symbol_class symbol_class) {
     return symbol_class < FP3_SYMBOL_CLASSES ? names[symbol_class] : "?";
 }
 
-int fp3_name_valid(const char *text) {
-    static const char *const reserved[] = {"first", "step", "last", "inf", "nan"};
-    for (size_t i = 0; i < sizeof reserved / sizeof *reserved; i++)
-        if (!strcmp(text, reserved[i]))
-            return 0;
-    /* Not isalpha: that depends on the locale. */
-    size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
-    return length > 0 && length < FP3_NAME_SIZE && !text[length] && !(*text >= '0' && *text <= '9');
-}
-
 const char *fp3_name_expected(const char *name, fp3_symbol_class symbol_class) {
     const unsigned classes = FP3_CLASS(symbol_class) & FP3_CLASSES_HOST;
     if (!strcmp(name, FP3_NAME_STEP) && classes & ~FP3_CLASS(FP3_SYMBOL_SHARED))

@@ -11,6 +11,7 @@ import subprocess
 import pytest
 
 LARGEST_ROOM = 0.22   # of all hand-written lines in rtl/ and sw/
+FLOORS = 10           # the longest chain of rooms
 LONGEST = {"rtl": 400, "sw": 500, "tools": 500}
 RTL_MEDIAN = 90
 
@@ -124,6 +125,30 @@ def test_no_circle_between_rooms(arrows):
 
 def test_no_circle_between_files(arrows):
     assert circles(arrows) == []
+
+
+def floors(arrows):
+    """The longest chain of rooms; rooms within a room are on its floor."""
+    graph = {}
+    for a, b in arrows:
+        a, b = ("/".join(name.split("/")[:-1][:2]) for name in (a, b))
+        graph.setdefault(b, set())
+        graph.setdefault(a, set()).update({b} - {a})
+    chains = {}
+
+    def chain(node):
+        if node not in chains:
+            chains[node] = [node, *max((chain(other) for other in graph[node]), key=len, default=[])]
+        return chains[node]
+    return max(map(chain, graph), key=len)
+
+
+def test_a_chain_is_found():
+    assert floors([("sw/a/x", "sw/b/y"), ("sw/b/in/y", "sw/c/z"), ("sw/a/x", "sw/c/z"), ("sw/c/in/z", "sw/c/z")]) == ["sw/a", "sw/b", "sw/c"]
+
+
+def test_the_house_has_few_floors(arrows):
+    assert len(floors(arrows)) <= FLOORS, floors(arrows)
 
 
 def test_no_room_is_too_large(root):
