@@ -22,6 +22,8 @@
 
 #define PROGRAM "programs/ship.s"
 #define RUNNERS_MOST 32
+#define LEAST 65536 /* object-steps in a cell ... */
+#define RUNS_MOST 1024
 #define WITH_FLAGS "many_full" /* a configuration that keeps a status for each object ... */
 #define WITHOUT_FLAGS "lanes"  /* ... and one that does not */
 #define THRUST 2.9e5f          /* of programs/ship.cfg */
@@ -192,29 +194,35 @@ static fp3_status check(const speed *s, const speed_runner *r, uint64_t steps, f
 
 /* ---- a cell ---- */
 
-static int is_in_time(const speed *s, const speed_runner *r, uint64_t steps) {
-    const double objects = (double)whole(&s->start, r).objects;
+/* Enough of them to take ten microseconds, but for the fewest objects. */
+static speed_runs runs_of(const speed *s, uint64_t steps) {
+    const uint64_t made = s->start.objects * steps, count = made < LEAST ? LEAST / made : 1;
+    return (speed_runs){steps, count < RUNS_MOST ? count : RUNS_MOST};
+}
+
+static int is_in_time(const speed *s, const speed_runner *r, const speed_runs *runs) {
+    const double made = (double)whole(&s->start, r).objects * (double)(runs->steps * runs->count);
     const size_t most = r->loop || !r->is_exact
                             ? SIZE_MAX
                             : fp3_engine_room(r->engine, speed_config(r, s->start.objects));
-    return s->start.objects <= most && r->ns * 1e-9 * objects * (double)steps <= s->o->patience;
+    return s->start.objects <= most && r->ns * 1e-9 * made <= s->o->patience;
 }
 
-static fp3_status run(const speed *s, const speed_runner *r, uint64_t steps, double *seconds,
-                      fp3_error *error) {
+static fp3_status run(const speed *s, const speed_runner *r, const speed_runs *runs,
+                      double *seconds, fp3_error *error) {
     const bench_ships ships = whole(&s->now, r);
     reset(&s->start, &s->now);
-    const fp3_status status = r->run(r, &ships, steps, seconds, error);
-    return status ? status : check(s, r, steps, error);
+    const fp3_status status = r->run(r, &ships, runs, seconds, error);
+    return status ? status : check(s, r, runs->steps * runs->count, error);
 }
 
-static void put(const speed *s, const speed_runner *r, uint64_t steps, double seconds,
+static void put(const speed *s, const speed_runner *r, const speed_runs *runs, double seconds,
                 unsigned repeats, double by_hand) {
-    const double per = 1e9 / ((double)s->start.objects * (double)steps);
+    const double per = 1e9 / ((double)s->start.objects * (double)(runs->steps * runs->count));
     json_t *row = json_pack("{s:s, s:s, s:I, s:b, s:I, s:I, s:f, s:f, s:I}", "program", "ship",
                             "engine", r->engine, "threads", (json_int_t)r->threads, "flags",
                             r->has_flags, "objects", (json_int_t)s->start.objects, "steps",
-                            (json_int_t)steps, "ns_per_object_step", seconds * per, "ratio_to_hand",
+                            (json_int_t)runs->steps, "ns_per_object_step", seconds * per, "ratio_to_hand",
                             seconds / by_hand, "repeats", (json_int_t)repeats);
     json_object_set_new(row, "method", r->method ? json_string(r->method) : json_null());
     json_array_append_new(s->rows, row);
@@ -233,21 +241,22 @@ static fp3_status measure_cell(speed *s, uint64_t steps, fp3_error *error) {
     double seconds[RUNNERS_MOST][FP3_MEASURE_REPEATS], by_hand = INFINITY, ignored;
     fp3_status status = FP3_OK;
     const speed_runner *by = reference(s);
+    const speed_runs runs = runs_of(s, steps);
     bench_ships expected = whole(&s->expected, by);
     reset(&s->start, &s->expected);
-    if (!is_in_time(s, by, steps))
+    if (!is_in_time(s, by, &runs))
         return FP3_OK;
-    status = by->run(by, &expected, steps, &ignored, error);
+    status = by->run(by, &expected, &runs, &ignored, error);
     for (unsigned k = 0; !status && k < s->o->repeats; k++)
         for (unsigned i = 0; !status && i < s->count; i++)
-            if (is_in_time(s, &s->runner[i], steps))
-                status = run(s, &s->runner[i], steps, &seconds[i][k], error);
+            if (is_in_time(s, &s->runner[i], &runs))
+                status = run(s, &s->runner[i], &runs, &seconds[i][k], error);
     for (unsigned i = 0; !status && i < s->count; i++)
-        if (is_in_time(s, &s->runner[i], steps) && !strcmp(s->runner[i].engine, "hand"))
+        if (is_in_time(s, &s->runner[i], &runs) && !strcmp(s->runner[i].engine, "hand"))
             by_hand = fmin(by_hand, fp3_measure_median(seconds[i], s->o->repeats));
     for (unsigned i = 0; !status && i < s->count; i++)
-        if (is_in_time(s, &s->runner[i], steps))
-            put(s, &s->runner[i], steps, fp3_measure_median(seconds[i], s->o->repeats),
+        if (is_in_time(s, &s->runner[i], &runs))
+            put(s, &s->runner[i], &runs, fp3_measure_median(seconds[i], s->o->repeats),
                 s->o->repeats, by_hand);
     return status;
 }
@@ -318,7 +327,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->repeats = 3;
         o->patience = 0.05;
         memcpy(o->objects, (uint64_t[]){1, 1024, 16384, 0}, 4 * sizeof *o->objects);
-        memcpy(o->steps, (uint64_t[]){1, 100, 1000, 0}, 4 * sizeof *o->steps);
+        memcpy(o->steps, (uint64_t[]){1, 10, 100, 1000, 0}, 5 * sizeof *o->steps);
         break;
     case KEY_FLIP:
         o->is_flipped = 1;

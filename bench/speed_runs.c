@@ -9,11 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
-                          double *seconds, fp3_error *error) {
+fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships,
+                          const speed_runs *runs, double *seconds, fp3_error *error) {
     (void)error;
     const double begin = fp3_measure_now();
-    runner->loop->run(ships, steps);
+    for (uint64_t i = 0; i < runs->count; i++)
+        runner->loop->run(ships, runs->steps);
     *seconds = fp3_measure_now() - begin;
     return FP3_OK;
 }
@@ -37,8 +38,8 @@ static fp3_status write_start(fp3_engine *engine, const fp3_image *image,
     return status ? status : fp3_engine_set(engine, "h", ships->h);
 }
 
-fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
-                            double *seconds, fp3_error *error) {
+fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships,
+                            const speed_runs *runs, double *seconds, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_status status = fp3_measure_machines_engine(
         runner->machines, runner->engine, speed_config(runner, ships->objects), runner->threads,
@@ -55,8 +56,8 @@ fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships
     if (runner->is_interpreter)
         unsetenv("FP3_FAST");
     const double begin = fp3_measure_now();
-    if (!status)
-        status = fp3_engine_run(engine, steps, NULL);
+    for (uint64_t i = 0; !status && i < runs->count; i++)
+        status = fp3_engine_run(engine, runs->steps, NULL);
     *seconds = fp3_measure_now() - begin;
     const struct {
         const char *name;
@@ -71,13 +72,13 @@ fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships
                : FP3_OK;
 }
 
-fp3_status speed_run_bodies(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
-                            double *seconds, fp3_error *error) {
+fp3_status speed_run_bodies(const speed_runner *runner, const bench_ships *ships,
+                            const speed_runs *runs, double *seconds, fp3_error *error) {
     void *world = runner->bodies->make(ships);
     if (!world)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     const double begin = fp3_measure_now();
-    runner->bodies->step(world, ships, steps);
+    runner->bodies->step(world, ships, runs->steps * runs->count);
     *seconds = fp3_measure_now() - begin;
     runner->bodies->end(world, ships);
     return FP3_OK;
@@ -91,8 +92,8 @@ static int slopes(double t, const double y[], double f[], void *self) {
     return GSL_SUCCESS;
 }
 
-fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, uint64_t steps,
-                         double *seconds, fp3_error *error) {
+fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships,
+                         const speed_runs *runs, double *seconds, fp3_error *error) {
     double p[3], estimate[2];
     gsl_odeiv2_system system = {slopes, NULL, 2, p};
     gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(
@@ -107,7 +108,7 @@ fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships, u
         p[1] = (double)ships->C[i];
         p[2] = (double)ships->rm[i];
         gsl_odeiv2_step_reset(step);
-        for (uint64_t n = 0; !result && n < steps; n++)
+        for (uint64_t n = 0; !result && n < runs->steps * runs->count; n++)
             result = gsl_odeiv2_step_apply(step, (double)n * (double)ships->h, (double)ships->h, y,
                                            estimate, NULL, NULL, &system);
         ships->v[i] = (float)y[0];
