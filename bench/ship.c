@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-#define WIDE 16
-typedef float wide __attribute__((vector_size(WIDE * sizeof(float))));
+typedef float wide_16 __attribute__((vector_size(64)));
+typedef float wide_8 __attribute__((vector_size(32)));
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -30,28 +30,44 @@ typedef float wide __attribute__((vector_size(WIDE * sizeof(float))));
         s[i] = s[i] + h * v[i];                                                                    \
     }
 
-#define INTERLEAVED(N)                                                                             \
-    INLINE void interleaved_##N(const bench_ships *ships, uint64_t steps) {                        \
+#define INTERLEAVED(WIDE, N)                                                                       \
+    INLINE void interleaved_##WIDE##_##N(const bench_ships *ships, uint64_t steps) {               \
         const float h = ships->h;                                                                  \
         for (size_t from = 0; from < ships->objects; from += WIDE * (N)) {                         \
-            wide T[N], C[N], rm[N], v[N], s[N];                                                    \
+            wide_##WIDE T[N], C[N], rm[N], v[N], s[N];                                             \
             memcpy(T, ships->T + from, sizeof T);                                                  \
             memcpy(C, ships->C + from, sizeof C);                                                  \
             memcpy(rm, ships->rm + from, sizeof rm);                                               \
             memcpy(v, ships->v + from, sizeof v);                                                  \
             memcpy(s, ships->s + from, sizeof s);                                                  \
             for (uint64_t n = 0; n < steps; n++) {                                                 \
-                STEP(wide, N)                                                                      \
+                STEP(wide_##WIDE, N)                                                               \
             }                                                                                      \
             memcpy(ships->v + from, v, sizeof v);                                                  \
             memcpy(ships->s + from, s, sizeof s);                                                  \
         }                                                                                          \
     }
 
-INTERLEAVED(1)
-INTERLEAVED(2)
-INTERLEAVED(4)
-INTERLEAVED(8)
+/* Vectors that are wider than those of the processor would go through memory. */
+#ifdef __x86_64__
+#define IS_WIDE __builtin_cpu_supports("avx512f")
+#else
+#define IS_WIDE 0
+#endif
+#define EITHER(N)                                                                                  \
+    INTERLEAVED(8, N)                                                                              \
+    INTERLEAVED(16, N)                                                                             \
+    INLINE void interleaved_##N(const bench_ships *ships, uint64_t steps) {                        \
+        if (IS_WIDE)                                                                               \
+            interleaved_16_##N(ships, steps);                                                      \
+        else                                                                                       \
+            interleaved_8_##N(ships, steps);                                                       \
+    }
+
+EITHER(1)
+EITHER(2)
+EITHER(4)
+EITHER(8)
 
 /* As a game has it: one object after the other. */
 static void scalar(const bench_ships *ships, uint64_t steps) {

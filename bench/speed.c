@@ -222,8 +222,8 @@ static void put(const speed *s, const speed_runner *r, const speed_runs *runs, d
     json_t *row = json_pack("{s:s, s:s, s:I, s:b, s:I, s:I, s:f, s:f, s:I}", "program", "ship",
                             "engine", r->engine, "threads", (json_int_t)r->threads, "flags",
                             r->has_flags, "objects", (json_int_t)s->start.objects, "steps",
-                            (json_int_t)runs->steps, "ns_per_object_step", seconds * per, "ratio_to_hand",
-                            seconds / by_hand, "repeats", (json_int_t)repeats);
+                            (json_int_t)runs->steps, "ns_per_object_step", seconds * per,
+                            "ratio_to_hand", seconds / by_hand, "repeats", (json_int_t)repeats);
     json_object_set_new(row, "method", r->method ? json_string(r->method) : json_null());
     json_array_append_new(s->rows, row);
 }

@@ -33,7 +33,7 @@ typedef struct {
     fp3_status (*read_status)(fp3_engine *engine, size_t object, uint32_t *word);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
-    /* Fills the counters of the schedulers, and schedulers and flags of stats. */
+    /* Fills the counters of the schedulers, which are 0, and schedulers of stats; adds to its flags. */
     fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
     /* A copy of those that failed in the last run, by object; the caller frees *failed. NULL: the engine does
      * not know, and the run is made again. */

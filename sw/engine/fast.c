@@ -5,20 +5,23 @@
  */
 #include "backend.h"
 
+#include "base/threads.h"
 #include "checks.h"
 #include "fast/fast.h"
 #include "machine/ahead.h"
 
 #include <fp3/isa.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define ASLEEP 1              /* since before the first run */
-#define BLOCKS_AT_ONCE 8      /* that a thread takes up */
-#define WORTH_A_THREAD 400000 /* instructions of objects; about 100 microseconds */
+#define ASLEEP 1         /* since before the first run */
+#define BLOCKS_AT_ONCE 8 /* that a thread takes up */
+/* Instructions of objects: what a processor executes while a thread wakes up, and some more; about 100
+ * microseconds. */
+#define WORTH_A_THREAD 4e6
+#define WORTH_INTERPRETED 4e5
 
 /* A program and its objects. */
 typedef struct {
@@ -27,6 +30,22 @@ typedef struct {
     uint32_t *awake; /* by number, if it can sleep */
     uint32_t awake_count;
 } group;
+
+/* What the threads share: block n is of the group whose blocks begin at or before it. */
+typedef struct {
+    fp3_engine *engine;
+    uint32_t steps;
+    uint64_t blocks;
+    atomic_uint_fast64_t next;
+} work;
+
+/* A thread's. */
+typedef struct {
+    fp3_fast_worker *worker; /* NULL until it is needed */
+    uint64_t block;          /* that it has in hand */
+    fp3_status status;
+    fp3_error error;
+} hand;
 
 typedef struct {
     uint32_t *column[FP3_BANK_OBJECT_COUNT];
@@ -38,8 +57,10 @@ typedef struct {
     uint32_t *shared; /* of all groups */
     group *groups;
     uint32_t count;
-    fp3_fast_worker **workers;
-    uint32_t worker_count;
+    fp3_threads *threads;
+    work work; /* of a run */
+    hand *hands;
+    uint32_t hand_count, used; /* all; those of the last run */
 } fast;
 
 static fp3_status no_memory(fp3_engine *engine) {
@@ -76,15 +97,16 @@ static fp3_status fast_open(fp3_engine *engine) {
         return status;
     if (!self)
         return no_memory(engine);
-    self->worker_count = threads_of(engine);
+    self->hand_count = threads_of(engine);
     self->groups = calloc(schedulers, sizeof *self->groups);
     self->shared = calloc((size_t)schedulers * engine->config->registers, sizeof *self->shared);
-    self->workers = calloc(self->worker_count, sizeof *self->workers);
+    self->hands = calloc(self->hand_count, sizeof *self->hands);
     if (engine->config->status)
         self->status = calloc(engine->objects, sizeof *self->status);
     const int is_there =
-        self->groups && self->shared && self->workers && (self->status || !engine->config->status);
-    return is_there ? FP3_OK : no_memory(engine);
+        self->groups && self->shared && self->hands && (self->status || !engine->config->status);
+    return is_there ? fp3_threads_make(self->hand_count, &self->threads, engine->def.error)
+                    : no_memory(engine);
 }
 
 static void unload(fast *self) {
@@ -101,12 +123,13 @@ static void fast_close(fp3_engine *engine) {
     fast *self = engine->self;
     if (!self)
         return;
+    fp3_threads_free(&self->threads);
     unload(self);
-    for (uint32_t i = 0; self->workers && i < self->worker_count; i++)
-        fp3_fast_worker_free(&self->workers[i]);
+    for (uint32_t i = 0; self->hands && i < self->hand_count; i++)
+        fp3_fast_worker_free(&self->hands[i].worker);
     for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
         free(self->column[i]);
-    free(self->workers);
+    free(self->hands);
     free(self->groups);
     free(self->shared);
     free(self->status);
@@ -256,22 +279,6 @@ static void keep_awake(const fp3_engine *engine) {
 
 /* ---- a run ---- */
 
-/* What the threads share: block n is of the group whose blocks begin at or before it. */
-typedef struct {
-    fp3_engine *engine;
-    uint32_t steps;
-    uint64_t blocks;
-    atomic_uint_fast64_t next;
-} work;
-
-typedef struct {
-    work *all;
-    uint32_t number; /* 0: the caller's own */
-    uint64_t block;  /* that it has in hand */
-    fp3_status status;
-    fp3_error error;
-} hand;
-
 static uint32_t members_of(const fp3_engine *engine, uint32_t i) {
     const fast *self = engine->self;
     return has_list(engine, i) ? self->groups[i].awake_count : engine->layout.groups[i].objects;
@@ -296,53 +303,56 @@ static fp3_fast_run run_of(const fp3_engine *engine, uint32_t i, uint32_t steps)
 
 /* Blocks are begun in order. */
 static void tell(void *user, uint32_t steps) {
-    const hand *h = user;
-    const fp3_engine *engine = h->all->engine;
-    const double blocks = (double)h->block + (double)steps / h->all->steps;
-    fp3_engine_tell(engine, (uint64_t)(engine->expected * blocks / (double)h->all->blocks));
+    const fast *self = user;
+    const work *all = &self->work;
+    const double blocks = (double)self->hands[0].block + (double)steps / all->steps;
+    fp3_engine_tell(all->engine, (uint64_t)(all->engine->expected * blocks / (double)all->blocks));
 }
 
-static fp3_status run_block(hand *h, uint32_t i, uint32_t number) {
-    const fp3_engine *engine = h->all->engine;
-    fast *self = engine->self;
+static fp3_status run_block(fast *self, uint32_t hand_number, uint32_t i, uint32_t number) {
+    const fp3_engine *engine = self->work.engine;
     const fp3_members *members = &engine->layout.groups[i];
-    fp3_fast_run run = run_of(engine, i, h->all->steps);
+    hand *h = &self->hands[hand_number];
+    fp3_fast_run run = run_of(engine, i, self->work.steps);
     const uint32_t first = number * FP3_BLOCK, left = members_of(engine, i) - first;
-    run.tell = h->number == 0 && engine->def.progress ? tell : NULL;
-    run.user = h;
+    run.tell = hand_number == 0 && engine->def.progress ? tell : NULL;
+    run.user = self;
     const uint32_t *list = has_list(engine, i) ? self->groups[i].awake + first : NULL;
-    return fp3_fast_block(self->groups[i].program, self->workers[h->number], &run, list,
-                          members->first + first, left < FP3_BLOCK ? left : FP3_BLOCK, &h->error);
+    return fp3_fast_block(self->groups[i].program, h->worker, &run, list, members->first + first,
+                          left < FP3_BLOCK ? left : FP3_BLOCK, &h->error);
 }
 
-static fp3_status run_number(hand *h, uint64_t number) {
-    h->block = number;
-    const fp3_engine *engine = h->all->engine;
+static fp3_status run_number(fast *self, uint32_t hand_number, uint64_t number) {
+    const fp3_engine *engine = self->work.engine;
     uint32_t i = 0;
+    self->hands[hand_number].block = number;
     for (; number >= blocks_of(engine, i); i++)
         number -= blocks_of(engine, i);
-    return run_block(h, i, (uint32_t)number);
+    return run_block(self, hand_number, i, (uint32_t)number);
 }
 
-static void *take_part(void *user) {
-    hand *h = user;
-    work *all = h->all;
+static void take_part(void *of, uint32_t number) {
+    fast *self = of;
+    work *all = &self->work;
+    hand *h = &self->hands[number];
     while (!h->status) {
         const uint64_t first = atomic_fetch_add(&all->next, BLOCKS_AT_ONCE);
         if (first >= all->blocks)
             break;
         for (uint64_t n = first; !h->status && n < first + BLOCKS_AT_ONCE && n < all->blocks; n++)
-            h->status = run_number(h, n);
+            h->status = run_number(self, number, n);
     }
-    return NULL;
 }
 
 /* As many hands as there is work for. */
-static uint32_t hands_for(const fp3_engine *engine, const work *all) {
+static uint32_t hands_for(const fp3_engine *engine) {
     const fast *self = engine->self;
-    const uint64_t chunks = (all->blocks + BLOCKS_AT_ONCE - 1) / BLOCKS_AT_ONCE;
-    const double worth = engine->expected / WORTH_A_THREAD + 1;
-    uint64_t hands = self->worker_count < chunks ? self->worker_count : chunks;
+    const uint64_t chunks = (self->work.blocks + BLOCKS_AT_ONCE - 1) / BLOCKS_AT_ONCE;
+    const double worth =
+        engine->expected /
+            (fp3_fast_is_native(self->groups[0].program) ? WORTH_A_THREAD : WORTH_INTERPRETED) +
+        1;
+    uint64_t hands = self->hand_count < chunks ? self->hand_count : chunks;
     hands = (double)hands < worth ? hands : (uint64_t)worth;
     return hands ? (uint32_t)hands : 1;
 }
@@ -350,58 +360,37 @@ static uint32_t hands_for(const fp3_engine *engine, const work *all) {
 static fp3_status need_workers(fp3_engine *engine, uint32_t count) {
     fast *self = engine->self;
     fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < self->used; i++)
+        if (self->hands[i].worker)
+            fp3_fast_forget(self->hands[i].worker);
+    self->used = count;
     for (uint32_t i = 0; !status && i < count; i++) {
-        if (!self->workers[i])
-            status = fp3_fast_worker_make(&self->workers[i], engine->def.error);
-        else
-            fp3_fast_forget(self->workers[i]);
+        self->hands[i].status = FP3_OK;
+        if (!self->hands[i].worker)
+            status = fp3_fast_worker_make(&self->hands[i].worker, engine->def.error);
     }
-    for (uint32_t i = count; i < self->worker_count; i++)
-        if (self->workers[i])
-            fp3_fast_forget(self->workers[i]);
-    return status;
-}
-
-/* A thread that does not start leaves its part to the others. */
-static fp3_status work_with(fp3_engine *engine, work *all, uint32_t count) {
-    hand *hands = calloc(count, sizeof *hands);
-    pthread_t *threads = calloc(count, sizeof *threads);
-    fp3_status status = hands && threads ? FP3_OK : no_memory(engine);
-    uint32_t started = 1;
-    for (uint32_t i = 0; !status && i < count; i++)
-        hands[i] = (hand){.all = all, .number = i};
-    while (!status && started < count &&
-           !pthread_create(&threads[started], NULL, take_part, &hands[started]))
-        started++;
-    if (!status)
-        take_part(&hands[0]);
-    for (uint32_t i = 1; !status && i < started; i++)
-        pthread_join(threads[i], NULL);
-    for (uint32_t i = 0; hands && threads && !status && i < started; i++)
-        if ((status = hands[i].status) && engine->def.error)
-            *engine->def.error = hands[i].error;
-    free(hands);
-    free(threads);
     return status;
 }
 
 static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fast *self = engine->self;
-    work all = {.engine = engine, .steps = steps};
     for (uint32_t i = 0; i < engine->layout.count; i++)
         if (i >= self->count || !self->groups[i].program) /* memory ran out in the load */
             return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
     stats->schedulers = 1;
     self->runs++;
     self->has_steps = steps != 0;
+    self->work = (work){.engine = engine, .steps = steps};
     for (uint32_t i = 0; i < self->count; i++)
-        all.blocks += blocks_of(engine, i);
-    const uint32_t hands = hands_for(engine, &all);
-    fp3_status status = need_workers(engine, hands);
+        self->work.blocks += blocks_of(engine, i);
+    fp3_status status = need_workers(engine, hands_for(engine));
     if (!status && steps)
-        status = work_with(engine, &all, hands);
-    for (uint32_t i = 0; i < hands; i++)
-        stats->flags |= self->workers[i] ? fp3_fast_flags(self->workers[i]) : 0;
+        fp3_threads_run(self->threads, take_part, self, self->used);
+    for (uint32_t i = 0; !status && i < self->used; i++) {
+        stats->flags |= fp3_fast_flags(self->hands[i].worker);
+        if ((status = self->hands[i].status) && engine->def.error)
+            *engine->def.error = self->hands[i].error;
+    }
     keep_awake(engine);
     return status;
 }
@@ -448,8 +437,9 @@ static size_t find_sleepers(const fp3_engine *engine, fp3_failed *to) {
 static size_t find_workers_failures(const fast *self, fp3_failed *to) {
     const fp3_failed *of = NULL;
     size_t count = 0;
-    for (uint32_t i = 0; i < self->worker_count; i++) {
-        const size_t more = self->workers[i] ? fp3_fast_failures(self->workers[i], &of) : 0;
+    for (uint32_t i = 0; i < self->used; i++) {
+        const size_t more =
+            self->hands[i].worker ? fp3_fast_failures(self->hands[i].worker, &of) : 0;
         if (to && more)
             memcpy(to + count, of, more * sizeof *of);
         count += more;

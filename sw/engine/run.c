@@ -60,23 +60,16 @@ static fp3_status list_who_is_awake(fp3_engine *engine) {
     return status;
 }
 
-static void sum_counters(const fp3_engine *engine, fp3_stats *stats) {
-    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++)
-        for (int i = 0; i < FP3_COUNTER_COUNT; i++) {
-            const uint64_t n = engine->counters[scheduler][i];
-            if (i != FP3_COUNTER_CYCLES)
-                stats->counter[i] += n;
-            else if (n > stats->counter[i])
-                stats->counter[i] = n;
-        }
-}
-
-static void add(const fp3_stats *part, fp3_stats *stats) {
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        stats->counter[i] += part->counter[i];
-    stats->schedulers = part->schedulers;
-    stats->object_steps += part->object_steps;
-    stats->flags |= part->flags;
+/* Those of a part of the run; schedulers count cycles side by side. */
+static void add_counters(const fp3_engine *engine, fp3_stats *stats) {
+    uint64_t cycles = 0;
+    for (uint32_t scheduler = 0; scheduler < stats->schedulers; scheduler++) {
+        const uint64_t *counter = engine->counters[scheduler];
+        for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+            stats->counter[i] += i == FP3_COUNTER_CYCLES ? 0 : counter[i];
+        cycles = counter[FP3_COUNTER_CYCLES] > cycles ? counter[FP3_COUNTER_CYCLES] : cycles;
+    }
+    stats->counter[FP3_COUNTER_CYCLES] += cycles;
 }
 
 /* What an object of the list made; *is_awake: it has not fallen asleep. */
@@ -150,11 +143,12 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     fp3_status status = list_who_is_awake(engine);
     if (status)
         return status;
-    forget_counters(engine);
+    if (engine->sums) /* of the part before */
+        forget_counters(engine);
     engine->is_slept_known = engine->is_listed = 0;
     engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
-    sum_counters(engine, stats);
+    add_counters(engine, stats);
     fp3_life_add_counters(engine);
     if (!status)
         status = count_steps(engine, steps, stats);
@@ -168,13 +162,11 @@ static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats
     fp3_status status = FP3_OK;
     uint32_t made = 0;
     do {
-        fp3_stats part = {0};
         int is_any = 1;
         const uint32_t n = steps ? fp3_life_part(engine, steps - made, &is_any) : 0;
         engine->told = steps ? (double)made / steps : 0;
         engine->part = steps ? (double)n / steps : 1;
-        status = run_part(engine, is_any ? n : 0, &part);
-        add(&part, stats);
+        status = run_part(engine, is_any ? n : 0, stats);
         if (!status && n < steps && engine->backend->failures)
             status = fp3_part_failures_add(engine, made);
         if (!status) {
@@ -233,17 +225,18 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
 }
 
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats) {
-    fp3_stats own;
-    if (!stats)
-        stats = &own;
-    *stats = (fp3_stats){0};
+    fp3_stats own = {0};
+    struct timespec begin, end;
+    if (stats)
+        *stats = own;
     fp3_status status = fp3_engine_check_loaded(engine);
     if (status)
         return status;
     if (steps > UINT32_MAX)
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                         "%" PRIu64 " steps: a run has 4294967295 at most", steps);
-    struct timespec begin, end;
+    if (!stats)
+        return run(engine, (uint32_t)steps, &own);
     clock_gettime(CLOCK_MONOTONIC, &begin);
     status = run(engine, (uint32_t)steps, stats);
     clock_gettime(CLOCK_MONOTONIC, &end);

@@ -157,14 +157,15 @@ static fp3_status ask_schedulers(fp3_engine *engine, fp3_stats *stats, uint32_t 
 }
 
 fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    uint32_t all = 0, illegal = 0, word = 0;
+    uint32_t all = 0, illegal = 0, word = 0, flags = 0;
     fp3_status status = start(engine, steps);
     if (!status)
         status = wait_or_stop(engine);
     if (!status)
         status = ask_schedulers(engine, stats, &all, &illegal, &word);
     if (!status)
-        status = fp3_driver_get(engine, fp3_driver_of_all(engine, FP3_ADDR_FLAGS), &stats->flags);
+        status = fp3_driver_get(engine, fp3_driver_of_all(engine, FP3_ADDR_FLAGS), &flags);
+    stats->flags |= flags;
     if (!status)
         status = end_run(engine);
     if (status)

@@ -1,7 +1,30 @@
 /* block.c - see block.h. */
 #include "block.h"
 
+#include "gen/registers.h"
 #include <string.h>
+
+#define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
+
+uint32_t fp3_fast_object(const fp3_fast_lanes *l, uint32_t lane) {
+    return l->is_counted ? l->object[lane] : l->list ? l->list[lane] : l->first + lane;
+}
+
+void fp3_fast_count(fp3_fast_lanes *l, const uint32_t *status) {
+    for (uint32_t i = 0; !l->is_counted && i < l->count; i++) {
+        l->object[i] = fp3_fast_object(l, i);
+        l->lane[i] = i;
+        l->known[i] = status ? (int)(status[l->object[i]] & FLAGS) : 0;
+        l->grave[i] = 0;
+    }
+    l->is_counted = 1;
+}
+
+void fp3_fast_wake(fp3_fast_lanes *l) {
+    if (!l->is_awake)
+        memset(l->awake, 0xff, sizeof l->awake);
+    l->is_awake = 1;
+}
 
 fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast) {
     const unsigned wide = fast->sweep->lanes;
@@ -27,7 +50,8 @@ void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
         fill(l->rows[reg], l->count);
     FP3_EACH_REGISTER (l->is_direct ? 0 : records, reg)
         fill(l->own[reg], l->count);
-    fill(l->awake, l->count);
+    if (!l->is_awake)
+        fill(l->awake, l->count);
 }
 
 static void pick(const void *from, const uint32_t *lanes, uint32_t count, void *to) {
@@ -58,6 +82,8 @@ void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t c
     pick(from->lane, lanes, count, to->lane);
     pick(from->known, lanes, count, to->known);
     pick(from->grave, lanes, count, to->grave);
+    to->is_counted = 1;
+    to->is_awake = 0;
     to->common = from->common;
     to->is_tiny = from->is_tiny;
     to->count = count;
@@ -77,11 +103,11 @@ void fp3_fast_gather(fp3_fast_lanes *l, float (*to)[FP3_BLOCK], uint32_t *const 
     FP3_EACH_REGISTER (set, reg) {
         uint32_t *words = (uint32_t *)(void *)to[reg];
         if (l->is_dense) {
-            memcpy(words, columns[reg] + l->object[0], l->count * sizeof *words);
+            memcpy(words, columns[reg] + l->first, l->count * sizeof *words);
             continue;
         }
         for (uint32_t i = 0; i < l->count; i++)
-            words[i] = columns[reg][l->object[i]];
+            words[i] = columns[reg][fp3_fast_object(l, i)];
     }
 }
 
@@ -89,7 +115,11 @@ void fp3_fast_scatter(const fp3_fast_lanes *l, const float *const *from, uint32_
                       uint64_t set) {
     FP3_EACH_REGISTER (set, reg) {
         const uint32_t *words = (const uint32_t *)(const void *)from[reg];
+        if (l->is_dense) {
+            memcpy(columns[reg] + l->first, words, l->count * sizeof *words);
+            continue;
+        }
         for (uint32_t i = 0; i < l->count; i++)
-            columns[reg][l->object[i]] = words[i];
+            columns[reg][fp3_fast_object(l, i)] = words[i];
     }
 }

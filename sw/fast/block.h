@@ -13,17 +13,22 @@ typedef struct {
     float rows[FP3_BANK_OBJECT_COUNT][FP3_BLOCK];
     float own[FP3_BANK_OBJECT_COUNT]
              [FP3_BLOCK]; /* records, unless they are the columns themselves */
-    int awake[FP3_BLOCK];
+    int awake[FP3_BLOCK]; /* -1, or 0: it sleeps */
     float *records[FP3_BANK_OBJECT_COUNT];
+    /* Of each lane once they are counted, see fp3_fast_count: */
     uint32_t object[FP3_BLOCK]; /* its number */
     uint32_t lane[FP3_BLOCK];   /* its lane when the block was taken up */
     int known[FP3_BLOCK];       /* flags that are known to have been raised */
     int grave[FP3_BLOCK];       /* the grave ones of this run */
-    uint32_t common;            /* flags of which nothing new is to be known of any lane */
+    int is_counted;
+    const uint32_t *list; /* until then: numbers of the objects, or NULL: first and those behind */
+    uint32_t first;
+    uint32_t common; /* flags of which nothing new is to be known of any lane */
     uint32_t count;
     unsigned seen; /* FP3_SEEN_* of the last stretch */
     int is_tiny;   /* the next stretch is executed as in tiny.h */
-    int is_dense;  /* objects are numbered in a row */
+    int is_awake;  /* all of awake is -1 */
+    int is_dense;  /* objects are numbered in a row, from first on */
     int is_direct; /* records are the columns */
     fp3_witness witness;
 } __attribute__((aligned(64))) fp3_fast_lanes;
@@ -51,7 +56,8 @@ struct fp3_fast_worker {
     float records[FP3_BANK_OBJECT_COUNT][FP3_BLOCK]; /* likewise */
     int awake[FP3_BLOCK];
     float origin[FP3_BANK_OBJECT_COUNT][FP3_BLOCK]; /* what the run changes, before it */
-    uint32_t objects[FP3_BLOCK];                    /* that the block was taken up with */
+    const uint32_t *list; /* the objects that the block was taken up with, or NULL: first and ... */
+    uint32_t first;       /* ... those behind */
     fp3_fast_suspect suspects[FP3_BLOCK];
     uint32_t suspect_count;
     int is_grave;       /* some lane of the block has a grave exception */
@@ -60,10 +66,17 @@ struct fp3_fast_worker {
     size_t failure_count, failure_room;
 };
 
+/* Most blocks never ask for what is of one lane alone: it is counted when somebody does. status: words of all
+ * objects, or NULL. */
+void fp3_fast_count(fp3_fast_lanes *lanes, const uint32_t *status);
+/* The number of a lane's object. */
+uint32_t fp3_fast_object(const fp3_fast_lanes *lanes, uint32_t lane);
+void fp3_fast_wake(fp3_fast_lanes *lanes);
+
 /* A place of these lanes, for an executor. */
 fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast);
 
-/* Takes lanes out of `from`, in order: their rows and records in these sets, and all that is known of them.
+/* Takes lanes, which are counted, out of `from`, in order: their rows and records in these sets, and all that is known of them.
  * The last one fills its vector. to is not from. */
 void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count, uint64_t rows,
                    uint64_t records, fp3_fast_lanes *to);

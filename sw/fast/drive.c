@@ -6,17 +6,25 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-#define CHUNK 128u /* steps from one look at the flags, and at who sleeps, to the next */
-#define FIRST 4u
+#define CHUNK 128u    /* steps from one look at the flags, and at who sleeps, to the next */
+#define FIRST 16u     /* ... at first: subnormal numbers may be slow */
 #define LONG 0x10000u /* ... where nobody asks */
 #define SLOW 0x12u    /* of MXCSR: subnormal operand, underflow */
 #define STICKY 0x3fu  /* of MXCSR */
 
+/* So many steps of a visit, the first of them before + 1. */
 typedef struct {
-    fp3_fast_part_number part;
-    uint32_t steps,
-        number; /* of the first step, less 1; of another part the number of the step now */
+    unsigned parts; /* FP3_BEGINS, FP3_ENDS: with the first part, with the last */
+    uint32_t steps, before;
 } stretch;
+
+/* Does something with each part of it. */
+#define EACH_PART(s, make)                                                                         \
+    if ((s)->parts & FP3_BEGINS)                                                                   \
+        make(FP3_PART_FIRST, 1, (s)->before);                                                      \
+    make(FP3_PART_STEP, (s)->steps, (s)->before);                                                  \
+    if ((s)->parts & FP3_ENDS)                                                                     \
+    make(FP3_PART_LAST, 1, (s)->before + (s)->steps)
 
 /* ---- the processor's flags ---- */
 
@@ -37,34 +45,64 @@ static uint32_t raised(unsigned seen) {
 
 static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
     const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
+    const fp3_fast *f = d->fast;
     lanes->seen = 0;
-    if (lanes->is_tiny)
-        d->fast->sweep->run_tiny(&d->fast->plan, &place, s->part, s->steps, s->number);
-    else if (d->fast->native.library)
-        d->fast->native.part[s->part](&place, s->steps, s->number);
-    else
-        d->fast->sweep->run(&d->fast->plan, &place, s->part, s->steps, s->number);
+    lanes->is_awake &= !f->plan.sleeps;
+#define MAKE(part, steps, number)                                                                  \
+    (lanes->is_tiny ? f->sweep->run_tiny : f->sweep->run)(&f->plan, &place, part, steps, number)
+    if (!lanes->is_tiny && f->native.library)
+        f->native.stretch(&place, s->parts, s->steps, s->before);
+    else {
+        EACH_PART(s, MAKE);
+    }
+#undef MAKE
 }
 
 static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
     const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
-    d->fast->sweep->watch(&d->fast->watch, &place, s->part, s->steps, s->number, &lanes->witness);
+    lanes->is_awake &= !d->fast->plan.sleeps;
+#define WATCH(part, steps, number)                                                                 \
+    d->fast->sweep->watch(&d->fast->watch, &place, part, steps, number, &lanes->witness)
+    EACH_PART(s, WATCH);
+#undef WATCH
     forget_flags(); /* it has computed more than the program */
 }
 
 /* ---- whose flags they are ---- */
 
-static const fp3_fast_part *part_of(const fp3_drive *d, const stretch *s) {
-    return &d->fast->plan.part[s->part];
+/* What it takes to execute a stretch again: sets of rows that it reads, of those that it writes; of words in
+ * records likewise. */
+typedef struct {
+    uint64_t read, written, words, stored;
+} trace;
+
+static trace trace_of(const fp3_drive *d, const stretch *s) {
+    const fp3_fast_plan *plan = &d->fast->plan;
+    trace t = {.read = s->parts & FP3_BEGINS ? plan->entered : plan->live};
+    for (fp3_fast_part_number i = FP3_PART_FIRST; i < FP3_PARTS; i++) {
+        if ((i == FP3_PART_FIRST && !(s->parts & FP3_BEGINS)) ||
+            (i == FP3_PART_LAST && !(s->parts & FP3_ENDS)))
+            continue;
+        t.written |= plan->part[i].written;
+        t.words |= plan->part[i].words;
+        t.stored |= plan->part[i].stored;
+    }
+    return t;
+}
+
+/* Records are then as they were when the block was taken up. */
+static int is_first(const fp3_drive *d, const stretch *s) {
+    return s->parts & FP3_BEGINS && s->before == d->run->clock;
 }
 
 /* What a stretch starts from and does not leave as it is. */
 static void remember(const fp3_drive *d, const stretch *s) {
     fp3_fast_worker *w = d->worker;
+    const trace t = trace_of(d, s);
     const size_t size = d->lanes->count * sizeof(float);
-    FP3_EACH_REGISTER (part_of(d, s)->replaced, reg)
+    FP3_EACH_REGISTER (t.read &t.written, reg)
         memcpy(w->rows[reg], d->lanes->rows[reg], size);
-    FP3_EACH_REGISTER (part_of(d, s)->stored, reg)
+    FP3_EACH_REGISTER (is_first(d, s) ? 0 : t.stored, reg)
         memcpy(w->records[reg], d->lanes->records[reg], size);
     if (d->fast->plan.sleeps)
         memcpy(w->awake, d->lanes->awake, d->lanes->count * sizeof *w->awake);
@@ -73,22 +111,23 @@ static void remember(const fp3_drive *d, const stretch *s) {
 /* These lanes as they were. */
 static void pick_remembered(const fp3_drive *d, const stretch *s, const uint32_t *which,
                             uint32_t count) {
-    const fp3_fast_part *part = part_of(d, s);
+    const trace t = trace_of(d, s);
+    const uint32_t *lane = d->lanes->lane;
     fp3_fast_worker *w = d->worker;
     fp3_fast_lanes *to = &w->aside;
-    fp3_fast_pick(d->lanes, which, count, part->loaded & ~part->replaced,
-                  part->words & ~part->stored, to);
-    FP3_EACH_REGISTER (part->replaced, reg)
+    fp3_fast_pick(d->lanes, which, count, t.read & ~t.written, t.words & ~t.stored, to);
+    FP3_EACH_REGISTER (t.read &t.written, reg)
         for (uint32_t i = 0; i < count; i++)
             to->rows[reg][i] = w->rows[reg][which[i]];
-    FP3_EACH_REGISTER (part->stored, reg) {
+    FP3_EACH_REGISTER (t.stored, reg) {
         for (uint32_t i = 0; i < count; i++)
-            to->own[reg][i] = w->records[reg][which[i]];
+            to->own[reg][i] =
+                is_first(d, s) ? w->origin[reg][lane[which[i]]] : w->records[reg][which[i]];
         to->records[reg] = to->own[reg];
     }
     for (uint32_t i = 0; d->fast->plan.sleeps && i < count; i++)
         to->awake[i] = w->awake[which[i]];
-    fp3_fast_fill(to, part->loaded, part->words);
+    fp3_fast_fill(to, t.read, t.words);
     memset(&to->witness, 0, sizeof to->witness);
 }
 
@@ -132,8 +171,14 @@ static uint32_t unknown_of(const fp3_drive *d, uint32_t lane, uint32_t flags) {
 
 void fp3_drive_know(const fp3_fast_run *run, fp3_fast_lanes *l) {
     uint32_t common = UINT32_MAX;
-    for (uint32_t i = 0; run->status && i < l->count; i++)
-        common &= (uint32_t)l->known[i];
+    const size_t count = run->status ? l->count : 0;
+    const uint32_t *word = count ? &run->status[l->first] : NULL;
+    if (l->is_dense)
+        for (size_t i = 0; i < count; i++)
+            common &= word[i];
+    else
+        for (uint32_t i = 0; i < count; i++)
+            common &= run->status[fp3_fast_object(l, i)];
     l->common = common & ~FP3_FLAGS_GRAVE;
 }
 
@@ -143,6 +188,7 @@ static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
         d->worker->confirmed |= flags;
     if (!(flags & ~(d->lanes->common & d->worker->confirmed)))
         return;
+    fp3_fast_count(d->lanes, d->run->status);
     for (uint32_t i = 0; i < d->lanes->count; i++) {
         which[count] = i;
         count += unknown_of(d, i, flags) != 0;
@@ -215,11 +261,12 @@ static void let_go(const fp3_drive *d, int is_in_visit, uint32_t end) {
     fp3_drive of = *d;
     if (!count)
         return;
+    fp3_fast_count(d->lanes, d->run->status);
     detach(d);
     take_out(d, asleep, count);
     of.lanes = &d->worker->leaving;
     if (is_in_visit)
-        make(&of, &(stretch){FP3_PART_LAST, 1, end});
+        make(&of, &(stretch){FP3_ENDS, 0, end});
     for (uint32_t i = 0; !d->is_watching && d->run->slept_in && i < count; i++)
         d->run->slept_in[of.lanes->object[i]] = d->run->number;
     d->settle(d->user, of.lanes);
@@ -235,6 +282,7 @@ static void leave_out(const fp3_drive *d) {
     const uint32_t *word = (const uint32_t *)(const void *)l->records[p->slept];
     for (uint32_t i = 0; i < l->count; i++)
         l->awake[i] = word[i] ? 0 : -1;
+    l->is_awake = 0;
     let_go(d, 0, 0);
 }
 
@@ -252,50 +300,44 @@ static int is_settled(const fp3_drive *d) {
 
 /* New objects raise inexact in their first step, and all know it then. */
 static uint32_t chunk_of(const fp3_drive *d, uint32_t number, uint32_t left) {
-    const int is_first = number == d->run->clock;
     const fp3_fast_plan *p = &d->fast->plan;
     uint32_t most = p->config->flags || p->sleeps || d->is_watching ? CHUNK : LONG;
-    const uint32_t begun =
-        number - d->run->clock; /* short at first, as subnormal numbers may be slow */
+    const uint32_t begun = number - d->run->clock;
     most = d->lanes->is_tiny ? CHUNK : begun < most ? begun + FIRST : most;
-    for (uint32_t i = 0; is_first && d->run->status && i < d->lanes->count; i++)
-        if (!(d->lanes->known[i] & FP3_FLAG_INEXACT))
-            most = 1;
+    if (number == d->run->clock && d->run->status && !(d->lanes->common & FP3_FLAG_INEXACT))
+        most = 1;
     return left < most ? left : most;
 }
 
-static void make_steps(const fp3_drive *d, uint32_t number, uint32_t end) {
+/* Those who sleep leave when it is worth it. Returns 1 if all of them do: they are at the end of the visit. */
+static int is_over(const fp3_drive *d, uint32_t end) {
     uint32_t which[FP3_BLOCK];
-    while (number != end && d->lanes->count && !is_settled(d)) {
-        const uint32_t chunk = chunk_of(d, number, end - number);
-        make(d, &(stretch){FP3_PART_STEP, chunk, number});
-        number += chunk;
-        if (d->run->tell && !d->is_watching)
-            d->run->tell(d->run->user, number - d->run->clock);
-        if (!d->fast->plan.sleeps)
-            continue;
-        const uint32_t asleep = find(d->lanes, 0, which);
-        if (asleep == d->lanes->count)
-            return;
-        if (asleep * 4 >= d->lanes->count)
-            let_go(d, 1, end);
-    }
+    const uint32_t asleep = d->fast->plan.sleeps ? find(d->lanes, 0, which) : 0;
+    if (asleep == d->lanes->count)
+        make(d, &(stretch){FP3_ENDS, 0, end});
+    else if (asleep * 4 >= d->lanes->count)
+        let_go(d, 1, end);
+    return asleep == d->lanes->count;
 }
 
-static void wake(fp3_fast_lanes *lanes) { memset(lanes->awake, 0xff, sizeof lanes->awake); }
-
 static void visit(const fp3_drive *d, uint32_t number, uint32_t end) {
-    wake(d->lanes);
+    stretch s = {.parts = FP3_BEGINS};
+    fp3_fast_wake(d->lanes);
     if (d->is_watching)
         memset(d->lanes->witness.ahead, 0, sizeof d->lanes->witness.ahead);
     leave_out(d);
-    if (!d->lanes->count)
-        return;
-    make(d, &(stretch){FP3_PART_FIRST, 1, number});
-    make_steps(d, number, end);
-    if (!d->lanes->count)
-        return;
-    make(d, &(stretch){FP3_PART_LAST, 1, end});
+    while (number != end && d->lanes->count && !is_settled(d)) {
+        s.steps = chunk_of(d, number, end - number);
+        s.before = number;
+        number += s.steps;
+        s.parts |= number == end ? FP3_ENDS : 0;
+        make(d, &s);
+        s.parts = 0;
+        if (d->run->tell && !d->is_watching)
+            d->run->tell(d->run->user, number - d->run->clock);
+        if (number != end && is_over(d, end))
+            break;
+    }
     if (d->fast->plan.sleeps)
         let_go(d, 0, end);
 }

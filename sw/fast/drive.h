@@ -11,11 +11,11 @@ typedef struct {
     fp3_fast_lanes *lanes;
     int is_watching; /* lanes are executed with their witness; else suspects are noted */
     /* Lanes that are through with the run: all of lanes. */
-    void (*settle)(void *user, const fp3_fast_lanes *lanes);
+    void (*settle)(void *user, fp3_fast_lanes *lanes);
     void *user;
 } fp3_drive;
 
-/* Sets lanes->common from what is known of each lane. */
+/* Sets lanes->common from what is known of each lane, or from the objects' status. */
 void fp3_drive_know(const fp3_fast_run *run, fp3_fast_lanes *lanes);
 
 /* All rows and records that the first part reads are there. */

@@ -12,8 +12,7 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-#define SHOWN 40                                /* characters of what nobody knows */
-#define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
+#define SHOWN 40 /* characters of what nobody knows */
 
 /* ---- a program ---- */
 
@@ -93,12 +92,13 @@ void fp3_fast_free(fp3_fast **fast) {
 
 const char *fp3_fast_how(const fp3_fast *fast) { return fast->how; }
 
+int fp3_fast_is_native(const fp3_fast *fast) { return fast->native.library != NULL; }
+
 /* Where nothing interleaves an object keeps all registers, and they are its record. */
 static uint64_t rows_in(const fp3_fast *f) {
     const fp3_fast_plan *p = &f->plan;
-    uint64_t set = p->written | (p->slept < 0 ? 0 : (uint64_t)1 << p->slept);
-    for (int i = 0; i < FP3_PARTS; i++)
-        set |= p->part[i].loaded;
+    const uint64_t set =
+        p->written | (p->slept < 0 ? 0 : (uint64_t)1 << p->slept) | p->entered | p->live;
     return p->config->interleave
                ? 0
                : set &
@@ -157,19 +157,12 @@ static uint64_t changed(const fp3_fast *f) {
     return is_interleaved(f) ? f->plan.stored : rows_in(f);
 }
 
-static void number(fp3_fast_lanes *l, const uint32_t *list, uint32_t first, uint32_t count) {
-    int is_dense = 1;
-    for (uint32_t i = 0; i < count; i++)
-        l->object[i] = list ? list[i] : first + i;
-    for (uint32_t i = 0; list && i < count; i++)
-        is_dense &= list[i] - list[0] == i;
-    for (uint32_t i = 0; i < count; i++)
-        l->lane[i] = i;
-    memset(l->known, 0, count * sizeof *l->known);
-    memset(l->grave, 0, count * sizeof *l->grave);
+static void begin(fp3_fast_lanes *l, const uint32_t *list, uint32_t first, uint32_t count) {
+    l->list = list;
+    l->first = list ? list[0] : first;
     l->count = count;
-    l->is_tiny = 0;
-    l->is_dense = is_dense;
+    l->is_counted = l->is_tiny = 0;
+    l->is_dense = !list || list[count - 1] - list[0] == count - 1; /* it ascends */
 }
 
 /* Objects side by side in whole vectors need no copy. */
@@ -181,19 +174,15 @@ static int is_direct(const block *b) {
 static void take_up(const block *b) {
     fp3_fast_worker *w = b->worker;
     fp3_fast_lanes *l = &w->now;
-    memcpy(w->objects, l->object, l->count * sizeof *w->objects);
-    for (uint32_t i = 0; b->run->status && i < l->count; i++)
-        l->known[i] = (int)(b->run->status[l->object[i]] & FLAGS);
     fp3_drive_know(b->run, l);
     l->is_direct = is_direct(b);
     FP3_EACH_REGISTER (words(b->fast), reg)
         l->records[reg] =
-            l->is_direct ? (float *)(void *)(b->run->columns[reg] + l->object[0]) : l->own[reg];
+            l->is_direct ? (float *)(void *)(b->run->columns[reg] + l->first) : l->own[reg];
     if (!l->is_direct)
         fp3_fast_gather(l, l->own, b->run->columns, words(b->fast));
     fp3_fast_gather(l, l->rows, b->run->columns, rows_in(b->fast));
     fp3_fast_gather(l, w->origin, b->run->columns, changed(b->fast));
-    memset(l->awake, 0xff, sizeof l->awake);
     fp3_fast_fill(l, rows_in(b->fast), words(b->fast));
 }
 
@@ -211,7 +200,7 @@ static int is_finite(uint32_t bits) { return (~bits & 0x7f800000u) != 0; }
 /* One that no visit touches is what the host wrote. */
 static int is_astray(const block *b, const fp3_fast_lanes *l, uint32_t lane, uint32_t reg) {
     const float *row = state_of(b, l, reg);
-    uint32_t bits = b->run->columns[reg][l->object[lane]];
+    uint32_t bits = b->run->columns[reg][fp3_fast_object(l, lane)];
     if (row)
         memcpy(&bits, &row[lane], sizeof bits);
     return !is_finite(bits);
@@ -235,9 +224,10 @@ static int is_any_astray(const block *b, const fp3_fast_lanes *l) {
     return is_any;
 }
 
-static void look_for_failures(const block *b, const fp3_fast_lanes *l) {
+static void look_for_failures(const block *b, fp3_fast_lanes *l) {
     if (!is_any_astray(b, l) && !b->worker->is_grave)
         return;
+    fp3_fast_count(l, b->run->status);
     for (uint32_t i = 0; i < l->count; i++) {
         int astray = 0;
         FP3_EACH_REGISTER (b->fast->watch.states, reg)
@@ -253,13 +243,13 @@ static void make_one_nan(const block *b, const fp3_fast_lanes *l) {
         return;
     FP3_EACH_REGISTER (b->fast->plan.written, reg)
         for (uint32_t i = 0; i < l->count; i++) {
-            uint32_t *word = &b->run->columns[reg][l->object[i]];
+            uint32_t *word = &b->run->columns[reg][fp3_fast_object(l, i)];
             *word = (*word & 0x7fffffffu) > 0x7f800000u ? FP3_BITS_NAN : *word;
         }
 }
 
 /* Objects that are through. */
-static void settle(void *user, const fp3_fast_lanes *l) {
+static void settle(void *user, fp3_fast_lanes *l) {
     const block *b = user;
     const float *from[FP3_BANK_OBJECT_COUNT];
     look_for_failures(b, l);
@@ -277,11 +267,14 @@ static void begin_again(const block *b) {
     fp3_fast_lanes *l = &w->again;
     uint32_t list[FP3_BLOCK];
     for (uint32_t i = 0; i < w->suspect_count; i++)
-        list[i] = w->objects[w->suspects[i].lane];
-    number(l, list, 0, w->suspect_count);
+        list[i] = w->list ? w->list[w->suspects[i].lane] : w->first + w->suspects[i].lane;
+    begin(l, list, 0, w->suspect_count);
+    l->is_dense = 0; /* those who fall asleep come before others */
+    fp3_fast_count(l, NULL);
+    l->list = NULL;
     float(*to)[FP3_BLOCK] = is_interleaved(b->fast) ? l->own : l->rows;
     l->is_direct = 0;
-    memset(l->awake, 0xff, sizeof l->awake);
+    fp3_fast_wake(l);
     memset(&l->witness, 0, sizeof l->witness);
     const uint64_t all = fp3_fast_columns(b->fast);
     fp3_fast_gather(l, to, b->run->columns, all & ~changed(b->fast));
@@ -341,7 +334,7 @@ static int grow(block *b) {
 }
 
 /* Without `flags` states alone tell a failure. */
-static void settle_again(void *user, const fp3_fast_lanes *l) {
+static void settle_again(void *user, fp3_fast_lanes *l) {
     block *b = user;
     for (uint32_t i = 0; i < l->count; i++) {
         const fp3_failed f = failure_of(b, l, i);
@@ -357,7 +350,9 @@ fp3_status fp3_fast_block(fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
     const uint32_t callers = _mm_getcsr();
     fp3_drive drive = {fast, worker, run, &worker->now, 0, settle, &b};
     _mm_setcsr(0x1f80u | (fast->plan.config->nearest ? 0 : 0x6000u)); /* all masked; truncation */
-    number(&worker->now, list, first, count);
+    begin(&worker->now, list, first, count);
+    worker->list = list;
+    worker->first = first;
     take_up(&b);
     worker->suspect_count = 0;
     worker->is_grave = 0;

@@ -40,6 +40,7 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
 void fp3_fast_free(fp3_fast **fast);
 /* "native x86-64-v4", or "interpreter x86-64-v3 (why)". */
 const char *fp3_fast_how(const fp3_fast *fast);
+int fp3_fast_is_native(const fp3_fast *fast);
 /* The registers that a run reads or writes: they need a column. */
 uint64_t fp3_fast_columns(const fp3_fast *fast);
 

@@ -40,19 +40,15 @@ static fp3_status compile(const char *text, const char *kind, const char *path, 
 }
 
 static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *error) {
-    static const char *const names[] = FP3_FAST_NAMES;
     native->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!native->library)
         return fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
-    for (int i = 0; i < FP3_PARTS; i++) {
-        void *symbol = dlsym(native->library, names[i]);
-        memcpy(&native->part[i], &symbol, sizeof symbol);
-        if (!symbol) {
-            fp3_fast_native_close(native);
-            return fp3_fail(error, FP3_E_SYSTEM, "%s: %s is missing", path, names[i]);
-        }
-    }
-    return FP3_OK;
+    void *symbol = dlsym(native->library, FP3_FAST_NAME);
+    memcpy(&native->stretch, &symbol, sizeof symbol);
+    if (symbol)
+        return FP3_OK;
+    fp3_fast_native_close(native);
+    return fp3_fail(error, FP3_E_SYSTEM, "%s: " FP3_FAST_NAME " is missing", path);
 }
 
 /* A new file of our own in the cache or, without one, where temporary files go. */

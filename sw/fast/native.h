@@ -12,11 +12,13 @@
 #include "place.h"
 #include "plan.h"
 
-typedef void fp3_fast_native_part(const fp3_place *place, unsigned steps, unsigned number);
+/* So many steps, the first of them before + 1; parts: FP3_BEGINS, FP3_ENDS. */
+typedef void fp3_fast_stretch(const fp3_place *place, unsigned parts, unsigned steps,
+                              unsigned before);
 
 typedef struct {
     void *library;
-    fp3_fast_native_part *part[FP3_PARTS];
+    fp3_fast_stretch *stretch;
 } fp3_fast_native;
 
 /* kind: of the processor, for -march; lanes: of its vectors. The caller closes *native. FP3_E_SYSTEM: there

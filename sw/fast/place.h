@@ -5,6 +5,8 @@
 #define FP3_BLOCK 512 /* objects */
 #define FP3_SEEN_SUBNORMAL 1u
 #define FP3_SEEN_UNDERFLOW 2u
+#define FP3_BEGINS 1u /* of a stretch of steps: the first part comes before it ... */
+#define FP3_ENDS 2u   /* ... and the last part behind */
 
 /* Rows have FP3_BLOCK lanes, one for each object. */
 typedef struct {

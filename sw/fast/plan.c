@@ -112,24 +112,20 @@ static uint64_t writes_of(const fp3_fast_plan *plan, fp3_fast_part_number part) 
     return set;
 }
 
+/* What those asleep keep is read, too. */
 static void find_live(fp3_fast_plan *plan, uint64_t states) {
-    const uint64_t end = plan->config->interleave ? 0 : UINT64_MAX;
-    const uint64_t last = pass(plan, FP3_PART_LAST, end, 0) | (plan->sleeps ? states : 0);
-    uint64_t head = 0, live[FP3_PARTS];
+    for (fp3_fast_part_number i = FP3_PART_FIRST; i < FP3_PARTS; i++)
+        plan->part[i].written = writes_of(plan, i);
+    plan->left = plan->config->interleave ? 0 : UINT64_MAX;
+    const uint64_t last = pass(plan, FP3_PART_LAST, plan->left, 0) | (plan->sleeps ? states : 0);
+    uint64_t head = 0;
     for (uint64_t old = UINT64_MAX; head != old;) {
         old = head;
         head |= pass(plan, FP3_PART_STEP, head | last, last);
     }
     plan->live = head | last;
-    live[FP3_PART_FIRST] = pass(plan, FP3_PART_FIRST, plan->live, last);
-    live[FP3_PART_STEP] = head;
-    live[FP3_PART_LAST] = last;
-    for (fp3_fast_part_number i = FP3_PART_FIRST; i < FP3_PARTS; i++) {
-        const uint64_t after = i == FP3_PART_LAST ? end : plan->live, writes = writes_of(plan, i);
-        plan->part[i].kept = writes & after;
-        plan->part[i].loaded = live[i] | (plan->sleeps ? writes & after : 0);
-        plan->part[i].replaced = plan->part[i].loaded & writes;
-    }
+    plan->entered = pass(plan, FP3_PART_FIRST, plan->live, last) |
+                    (plan->sleeps ? plan->part[FP3_PART_FIRST].written & plan->live : 0);
 }
 
 /* ---- whose NaN it is ---- */

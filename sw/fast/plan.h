@@ -33,9 +33,7 @@ typedef enum { FP3_PART_FIRST, FP3_PART_STEP, FP3_PART_LAST, FP3_PARTS } fp3_fas
 
 typedef struct {
     uint32_t first, end; /* of the instructions */
-    uint64_t loaded;     /* rows read before they are written, or kept for those asleep */
-    uint64_t kept;       /* rows written and read later */
-    uint64_t replaced;   /* rows loaded and written: to execute it again takes what they held */
+    uint64_t written;    /* rows */
     uint64_t words;      /* of records, that it loads or stores */
     uint64_t stored;     /* those that it stores */
 } fp3_fast_part;
@@ -45,7 +43,9 @@ typedef struct {
     fp3_fast_word *code;
     uint32_t count;
     fp3_fast_part part[FP3_PARTS];
-    uint64_t live;         /* rows that count between two steps, and for those asleep */
+    uint64_t entered;      /* rows that count before the first part, ... */
+    uint64_t live;         /* ... between two steps, and for those asleep, ... */
+    uint64_t left;         /* ... and behind the last part */
     uint64_t written;      /* registers that an arithmetic operation writes */
     uint64_t constants;    /* shared constants that are read */
     uint64_t read, stored; /* record words: by ld and lds; by st */

@@ -10,6 +10,7 @@ typedef struct {
     const fp3_fast_plan *plan;
     FILE *to;
     fp3_fast_part_number part;
+    unsigned beside; /* vectors */
 } writer;
 
 /* ---- names ---- */
@@ -115,12 +116,12 @@ static void instruction(const writer *w, const fp3_fast_word *p, unsigned vector
     }
 }
 
-/* ---- a part ---- */
+/* ---- a stretch of steps ---- */
 
-/* All registers that its instructions name. */
-static uint64_t registers_of(const fp3_fast_plan *plan, fp3_fast_part_number part) {
-    uint64_t set = plan->part[part].loaded;
-    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
+/* All registers that the program names. */
+static uint64_t registers_of(const fp3_fast_plan *plan) {
+    uint64_t set = plan->entered | plan->live;
+    for (uint32_t pc = 0; pc < plan->count; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
         set |= (uint64_t)1 << in->d;
         for (uint32_t i = 0; i < fp3_operation_find(in->op)->sources; i++)
@@ -130,33 +131,60 @@ static uint64_t registers_of(const fp3_fast_plan *plan, fp3_fast_part_number par
     return set;
 }
 
-/* One step, or the whole of another part, for so many vectors side by side. */
-static void body(writer *w, unsigned beside) {
-    const fp3_fast_part *part = &w->plan->part[w->part];
-    for (unsigned vector = 0; vector < beside; vector++) {
-        FP3_EACH_REGISTER (registers_of(w->plan, w->part), reg) {
-            fprintf(w->to, "        fp3_v r%" PRIu32 "_%u", reg, vector);
-            if (part->loaded >> reg & 1) {
-                fprintf(w->to, " = ");
-                element(w, reg, vector);
-            }
+/* A part, once for all vectors. */
+static void part(writer *w, fp3_fast_part_number number) {
+    const fp3_fast_part *part = &w->plan->part[number];
+    w->part = number;
+    for (uint32_t pc = part->first; pc < part->end; pc++)
+        for (unsigned vector = 0; vector < w->beside; vector++)
+            instruction(w, &w->plan->code[pc], vector);
+}
+
+static void load_rows(const writer *w, uint64_t set) {
+    for (unsigned vector = 0; vector < w->beside; vector++)
+        FP3_EACH_REGISTER (set, reg) {
+            fprintf(w->to, "        r%" PRIu32 "_%u = ", reg, vector);
+            element(w, reg, vector);
             fprintf(w->to, ";\n");
         }
-        if (w->plan->sleeps)
-            fprintf(w->to, "        fp3_i awake_%u = awake[j + %u];\n", vector, vector);
-    }
-    for (uint32_t pc = part->first; pc < part->end; pc++)
-        for (unsigned vector = 0; vector < beside; vector++)
-            instruction(w, &w->plan->code[pc], vector);
-    for (unsigned vector = 0; vector < beside; vector++) {
-        FP3_EACH_REGISTER (part->kept, reg) {
+}
+
+static void keep_rows(const writer *w, uint64_t set) {
+    for (unsigned vector = 0; vector < w->beside; vector++)
+        FP3_EACH_REGISTER (set, reg) {
             fprintf(w->to, "        ");
             element(w, reg, vector);
             fprintf(w->to, " = r%" PRIu32 "_%u;\n", reg, vector);
         }
-        if (w->plan->sleeps)
-            fprintf(w->to, "        awake[j + %u] = awake_%u;\n", vector, vector);
+}
+
+/* Vectors side by side through the whole stretch: from step to step they are in variables. */
+static void body(writer *w) {
+    const fp3_fast_plan *plan = w->plan;
+    const uint64_t written = plan->part[FP3_PART_FIRST].written | plan->part[FP3_PART_STEP].written;
+    for (unsigned vector = 0; vector < w->beside; vector++) {
+        FP3_EACH_REGISTER (registers_of(plan), reg)
+            fprintf(w->to, "        fp3_v r%" PRIu32 "_%u;\n", reg, vector);
+        if (plan->sleeps)
+            fprintf(w->to, "        fp3_i awake_%u = awake[j + %u];\n", vector, vector);
     }
+    fprintf(w->to, "        if (parts & FP3_BEGINS) {\n");
+    load_rows(w, plan->entered);
+    part(w, FP3_PART_FIRST);
+    fprintf(w->to, "        } else {\n");
+    load_rows(w, plan->live);
+    fprintf(w->to, "        }\n"
+                   "        unsigned number = before;\n"
+                   "        for (unsigned i = 0; i < steps; i++) {\n        number++;\n");
+    part(w, FP3_PART_STEP);
+    fprintf(w->to, "        }\n        if (parts & FP3_ENDS) {\n");
+    part(w, FP3_PART_LAST);
+    keep_rows(w, (written | plan->part[FP3_PART_LAST].written) & plan->left);
+    fprintf(w->to, "        } else {\n");
+    keep_rows(w, written & plan->live);
+    fprintf(w->to, "        }\n");
+    for (unsigned vector = 0; plan->sleeps && vector < w->beside; vector++)
+        fprintf(w->to, "        awake[j + %u] = awake_%u;\n", vector, vector);
 }
 
 static void declare(const writer *w) {
@@ -176,33 +204,20 @@ static void declare(const writer *w) {
 }
 
 static void loop(writer *w, unsigned beside) {
+    w->beside = beside;
     fprintf(w->to,
-            "        for (; j + %u <= p->vectors; j += %u) {\n"
+            "    for (; j + %u <= p->vectors; j += %u) {\n"
             "        fp3_v *const here = (fp3_v *)p->rows + j;\n        (void)here;\n",
             beside, beside);
-    body(w, beside);
-    fprintf(w->to, "        }\n");
-}
-
-static void part(writer *w, unsigned beside) {
-    static const char *const names[] = FP3_FAST_NAMES;
-    fprintf(w->to, "void %s(const fp3_place *p, unsigned steps, unsigned number) {\n",
-            names[w->part]);
-    declare(w);
-    fprintf(w->to, "    for (unsigned i = 0; i < steps; i++) {\n        unsigned long j = 0;\n");
-    if (w->part == FP3_PART_STEP)
-        fprintf(w->to, "        number++;\n");
-    if (beside > 1)
-        loop(w, beside);
-    loop(w, 1);
-    fprintf(w->to, "    }\n    (void)number;\n}\n");
+    body(w);
+    fprintf(w->to, "    }\n");
 }
 
 /* Short programs leave the units idle unless many vectors are on the way. Long ones spill, but two chains of results wait for
  * each other less than one: more than two take the compiler too long. */
 static unsigned beside_of(const fp3_fast_plan *plan, unsigned lanes) {
     const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
-    const unsigned most = lanes == 16 ? 8 : 4;
+    const unsigned most = lanes == 16 ? 8 : 8;
     return count <= 40 ? most : count <= 250 ? 4 : 2;
 }
 
@@ -211,8 +226,13 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, f
     fprintf(to, "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FLAGS %d\n%s%s",
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->flags != 0,
             fp3_text_place, fp3_text_lanes);
-    for (w.part = FP3_PART_FIRST; w.part < FP3_PARTS; w.part++)
-        part(&w, w.part == FP3_PART_STEP ? beside_of(plan, lanes) : 1);
+    fprintf(to, "void " FP3_FAST_NAME
+                "(const fp3_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
+    declare(&w);
+    fprintf(to, "    unsigned long j = 0;\n");
+    loop(&w, beside_of(plan, lanes));
+    loop(&w, 1);
+    fprintf(to, "}\n");
     return ferror(to) ? fp3_fail(error, FP3_E_SYSTEM, "the program's C could not be written")
                       : FP3_OK;
 }

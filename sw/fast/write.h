@@ -1,4 +1,4 @@
-/* write.h - a program as C: the text of place.h and lanes.h, then a function for each part.
+/* write.h - a program as C: the text of place.h and lanes.h, then a function for a stretch of steps.
  *
  * Objects are independent, so several vectors of them go through a step side by side, as many as keep
  * the processor's units busy; each has its registers in variables of its own.
@@ -10,9 +10,8 @@
 
 #include <stdio.h>
 
-/* What the text defines: fp3_first, fp3_step, fp3_last, in the order of fp3_fast_part_number. */
-#define FP3_FAST_NAMES                                                                             \
-    { "fp3_first", "fp3_step", "fp3_last" }
+/* What the text defines: a fp3_fast_stretch, see native.h. */
+#define FP3_FAST_NAME "fp3_stretch"
 
 /* lanes: of a vector of the processor that it is for. FP3_E_SYSTEM: it could not be written. */
 fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error);

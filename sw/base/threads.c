@@ -1,0 +1,94 @@
+/* threads.c - see threads.h. */
+#include "threads.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+struct fp3_threads {
+    pthread_mutex_t lock; /* of all that follows */
+    pthread_cond_t work, done;
+    void (*task)(void *of, uint32_t number);
+    void *of;
+    uint32_t next, count; /* numbers that nobody has yet */
+    uint32_t busy;        /* helpers that have one */
+    uint32_t started, most;
+    int is_ending;
+    pthread_t thread[];
+};
+
+static void *help(void *user) {
+    fp3_threads *t = user;
+    pthread_mutex_lock(&t->lock);
+    while (!t->is_ending) {
+        if (t->next >= t->count) {
+            pthread_cond_wait(&t->work, &t->lock);
+            continue;
+        }
+        const uint32_t number = t->next++;
+        t->busy++;
+        pthread_mutex_unlock(&t->lock);
+        t->task(t->of, number);
+        pthread_mutex_lock(&t->lock);
+        if (--t->busy == 0)
+            pthread_cond_signal(&t->done);
+    }
+    pthread_mutex_unlock(&t->lock);
+    return NULL;
+}
+
+fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *error) {
+    fp3_threads *t = *threads = calloc(1, sizeof *t + most * sizeof t->thread[0]);
+    if (!t)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    t->most = most;
+    pthread_mutex_init(&t->lock, NULL);
+    pthread_cond_init(&t->work, NULL);
+    pthread_cond_init(&t->done, NULL);
+    return FP3_OK;
+}
+
+void fp3_threads_free(fp3_threads **threads) {
+    fp3_threads *t = *threads;
+    if (!t)
+        return;
+    pthread_mutex_lock(&t->lock);
+    t->is_ending = 1;
+    pthread_cond_broadcast(&t->work);
+    pthread_mutex_unlock(&t->lock);
+    for (uint32_t i = 0; i < t->started; i++)
+        pthread_join(t->thread[i], NULL);
+    pthread_cond_destroy(&t->done);
+    pthread_cond_destroy(&t->work);
+    pthread_mutex_destroy(&t->lock);
+    free(t);
+    *threads = NULL;
+}
+
+/* One that does not start leaves its part to the others. */
+static void start(fp3_threads *t, uint32_t count) {
+    while (t->started + 1 < count && t->started + 1 < t->most &&
+           !pthread_create(&t->thread[t->started], NULL, help, t))
+        t->started++;
+}
+
+void fp3_threads_run(fp3_threads *t, void (*task)(void *of, uint32_t number), void *of,
+                     uint32_t count) {
+    if (count > 1) {
+        pthread_mutex_lock(&t->lock);
+        t->task = task;
+        t->of = of;
+        t->count = count;
+        t->next = 1;
+        start(t, count);
+        pthread_cond_broadcast(&t->work);
+        pthread_mutex_unlock(&t->lock);
+    }
+    task(of, 0);
+    if (count > 1) {
+        pthread_mutex_lock(&t->lock);
+        t->next = t->count;
+        while (t->busy)
+            pthread_cond_wait(&t->done, &t->lock);
+        pthread_mutex_unlock(&t->lock);
+    }
+}
