@@ -6,11 +6,14 @@
 
 It runs the quick form of `bench speed` and compares each cell of the baseline. A machine that does other things can make
 any ratio large, and none small for long: a cell fails only if it is too large in each of three runs.
+
+Commands of the compiler and of scenes have limits in seconds of the processor; the best of three runs counts.
 """
 
 import argparse
 import json
 import pathlib
+import resource
 import statistics
 import subprocess
 import sys
@@ -66,6 +69,36 @@ def check(baseline, measured):
     return list(slow.values())
 
 
+def commands(folder):
+    """(what it does, its arguments, seconds of the processor that it may take, its exit code)."""
+    def scene(name, groups):
+        group = '{ program = "none.s"; objects = 2; set = { m = 4.2e5; T = 1.1e5; }; }'
+        (folder / name).write_text('config = "array"; groups = (' + ",\n".join(groups * [group]) + ");")
+        return ["run", "--engine", "isa", "--scene", str(folder / name)]
+    for config in ("single_full", "many_full"):
+        yield f"arenstorf by rk6 for {config}", ["compile", "programs/arenstorf.ode", "-i", "rk6", "-k", "-c", config], 0.1, 0
+    yield "a scene of 4,000 groups is refused", scene("few.scene", 4_000), 0.1, 2
+    yield "a scene of 100,000 groups is refused", scene("many.scene", 100_000), 2, 2
+
+
+def processor_seconds(fp3, arguments, code):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run([fp3, *arguments], cwd=ROOT, capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode != code:
+        sys.exit(f"bench_check.py: {done.stderr}")
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def slow_commands(fp3):
+    """Lines of those that take longer than they may."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, arguments, most, code in commands(pathlib.Path(folder)):
+            took = min(processor_seconds(fp3, arguments, code) for _ in range(TRIES))
+            if took > most:
+                yield f"{name}: {took:.3f} s of the processor, at most {most}"
+
+
 def new_baseline(measured):
     """The median of some runs."""
     runs = [measured() for _ in range(TRIES)]
@@ -78,6 +111,7 @@ def new_baseline(measured):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--bench", type=pathlib.Path, default=ROOT / "build/bench/bench", help="the program")
+    parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/fp3", help="the command")
     parser.add_argument("--engine", default="fast", help="of fp3: fast (default) or isa")
     parser.add_argument("--baseline", type=pathlib.Path, default=ROOT / "bench/baseline.json", help="the file of ratios")
     parser.add_argument("--write", action="store_true", help="make what is measured now the baseline")
@@ -90,7 +124,7 @@ def main():
         write(options.baseline, json.dumps(new_baseline(measured), indent=1) + "\n")
         return 0
     baseline = json.loads(options.baseline.read_text())
-    slow = check(baseline, measured)
+    slow = check(baseline, measured) + ([] if options.input else list(slow_commands(options.fp3)))
     print(f"baseline: for {baseline['target']}")
     print("\n".join(slow) if slow else f"{len(baseline['ratios'])} ratios within {baseline['margin']} times those of {options.baseline.name}")
     return 1 if slow else 0

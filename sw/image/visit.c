@@ -80,13 +80,14 @@ static int has_own(const fp3_image *image, fp3_visit *v) {
 }
 
 /* A .temp is stored only where it is no .temp in truth: something reads what an earlier visit left.
- * All else that is written is stored, as somebody may read it: the host, or nobody knows. */
+ * All else that is written is stored, as somebody may read it: the host, or nobody knows. That holds for
+ * the register of sleep, which is no .temp. */
 static void choose(const fp3_image *image, fp3_visit *v) {
     const uint64_t slept = v->slept < 0 ? 0 : BIT(v->slept);
     uint64_t written = 0;
     for (uint32_t i = 0; i < image->code_count; i++)
         written |= effect_of(image->code[i]).writes;
-    const uint64_t outside = (written & ~named(image, FP3_CLASS(FP3_SYMBOL_TEMP))) | slept;
+    const uint64_t outside = written & ~named(image, FP3_CLASS(FP3_SYMBOL_TEMP));
     v->loaded = live_in(image, outside) | slept;
     v->stored = outside | (v->loaded & written);
 }

@@ -27,6 +27,28 @@ def board(fp3, *arguments):
 
 
 @contextlib.contextmanager
+def host(fp3, ship, port):
+    """A run that has the port and does not end by itself."""
+    process = subprocess.Popen([fp3, "run", *ship[:-1], "1000000", "--engine", "board", "--port", port], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    try:
+        while process.poll() is None and port not in opened(process):
+            time.sleep(0.02)
+        time.sleep(0.5)                                    # in the middle of it
+        assert process.poll() is None, "the host has ended"
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def opened(process):
+    with contextlib.suppress(OSError):                     # it has just ended, or closed a file
+        return {os.readlink(entry) for entry in os.scandir(f"/proc/{process.pid}/fd")}
+    return set()
+
+
+@contextlib.contextmanager
 def peer(answer):
     """A port with somebody else behind it: answer(bytes) is what comes back."""
     master, line = pty.openpty()
@@ -123,23 +145,18 @@ def test_many_objects_of_a_model_on_a_noisy_line(root, fp3):
 
 
 def test_a_board_that_goes_away(fp3, ship):
-    with board(fp3) as (process, port):
-        host = subprocess.Popen([fp3, "run", *ship[:-1], "1000000", "--engine", "board", "--port", port], stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
-        time.sleep(1)
-        assert host.poll() is None
+    with board(fp3) as (process, port), host(fp3, ship, port) as other:
         fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "another program uses it")
         process.send_signal(signal.SIGKILL)
-        out, said = host.communicate(timeout=60)
-        assert host.returncode == 1 and not out and "the other side has gone" in said, said
+        out, said = other.communicate(timeout=60)
+        assert other.returncode == 1 and not out and "the other side has gone" in said, said
 
 
 def test_a_host_that_goes_away_leaves_a_board_that_the_next_one_can_use(fp3, ship):
     with board(fp3) as (_, port):
-        host = subprocess.Popen([fp3, "run", *ship[:-1], "1000000", "--engine", "board", "--port", port])
-        time.sleep(1)
-        host.kill()
-        host.wait()
+        with host(fp3, ship, port) as other:
+            other.kill()
+            assert other.wait() == -signal.SIGKILL
         same(run(fp3, *ship, "--engine", "board", "--port", port), run(fp3, *ship))
 
 

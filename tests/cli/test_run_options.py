@@ -159,11 +159,11 @@ def test_nothing_stands_in_what_is_typed(fp3, tmp_path):
                                                stderr=theirs)))
         os.write(ours, b"state x = 1\n")
     time.sleep(3)
-    shown = [os.read(ours, 65536) for ours, _ in started]
-    for _, process in started:
-        process.kill()
-        process.wait()
-    assert shown == [b"state x = 1\r\n"] * 3
+    assert [os.read(ours, 65536) for ours, _ in started] == [b"state x = 1\r\n"] * 3
+    for ours, process in started:                          # the end of what is typed: each has read it, and refuses it
+        os.write(ours, b"\x04")
+        assert process.wait(60) == 2
+        assert re.search(rb":1:7: error: found 'x', expected an equation", os.read(ours, 65536))
 
 
 def test_a_warning_has_a_line_of_its_own(fp3, tmp_path):

@@ -6,6 +6,7 @@ import re
 import struct
 import subprocess
 
+import h5py
 import pytest
 import random_models
 from runs import BUILD, fp3
@@ -187,7 +188,6 @@ def test_outputs_are_sums_and_so_are_invariants_and_times(switch, tmp_path):
 
 
 def test_hdf5_has_doubles(switch, tmp_path):
-    h5py = pytest.importorskip("h5py")
     fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1, "--output", tmp_path / "x.h5")
     last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1).stdout)
     with h5py.File(tmp_path / "x.h5") as file:

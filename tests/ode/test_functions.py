@@ -88,6 +88,19 @@ def test_special_cases_and_bits_on_the_engines(build, engine, config):
 
 
 @pytest.mark.smoke
+def test_powers_with_tiny_exponents(tmp_path, build):
+    """Whatever the exponent's size: 0 and infinity of 0, and 1 of any other number."""
+    path = tmp_path / "m.ode"
+    path.write_text("step 1\nparam n = 1\nstate x = 1\nstate y = 0\nx' = 0\ny' = x^n\n", encoding="utf-8")
+    for n in (3e-16, 2e-16, 1e-20, 1e-40, 5e-324):
+        for sign, x, power in ((1, "0", "0"), (-1, "0", "inf"), (1, "1e-45", "1"), (-1, "3e38", "1"), (1, "0.5", "1")):
+            done = run(build / "fp3", "run", path, "-e", "isa", "-c", "single_full", "-i", "euler", "-n", 1, "--set", f"x={x}",
+                       "--set", f"n={sign * n}", "--allow-failures")
+            assert re.search(rf"^y +{power} ", done.stdout, re.M), (n, sign, x, done.stdout + done.stderr)
+    assert re.search("^y +1 ", run(build / "fp3", "run", path, "-c", "single_full", "-i", "euler", "-n", 1, "--set", "x=0", "--set", "n=0").stdout, re.M)
+
+
+@pytest.mark.smoke
 def test_polynomials_are_those_that_the_tool_computes(root):
     done = run(sys.executable, root / "tools/polynomials.py", "--check")
     assert done.returncode == 0, done.stderr

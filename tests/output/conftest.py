@@ -2,7 +2,9 @@
 
 import csv
 import re
+import signal
 import subprocess
+import time
 
 import pytest
 
@@ -45,3 +47,18 @@ def start(fp3, root, tmp_path):
         assert done.returncode == code, done.stdout + done.stderr
         return Done(done, tmp_path / "out.csv")
     return start
+
+
+@pytest.fixture
+def killed_while_it_writes(fp3, root, tmp_path):
+    """A run that is killed after it has written some rows, and long before its end."""
+    def kill(output):
+        run = subprocess.Popen([fp3, "run", root / "programs/ship.ode", "-e", "isa", "-n", "4000000000", "--every", "1", "--output", output],
+                               cwd=tmp_path, stdout=subprocess.DEVNULL)
+        try:
+            while run.poll() is None and not any(path.stat().st_size for path in tmp_path.glob(".fp3-*")):
+                time.sleep(0.02)
+        finally:
+            run.kill()
+        assert run.wait() == -signal.SIGKILL and any(path.stat().st_size for path in tmp_path.glob(".fp3-*")), "the run ended before it wrote"
+    return kill

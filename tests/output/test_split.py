@@ -3,6 +3,7 @@
 import re
 import struct
 import subprocess
+import sys
 import zlib
 
 import pytest
@@ -140,7 +141,7 @@ def test_an_illegal_word_writes_nothing(start, tmp_path, engine, fp3):
 
 def test_logs_go_on_over_the_parts(start, root, tmp_path):
     done = start("ship.s", "--params", root / "programs/ship.cfg", "-c", "many", "-o", "8", "-n", "6", "--every", "2", "--kanata", "log", "--bus-log", "bus")
-    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--schedulers", "1", "--contexts", "16"],
+    check = subprocess.run([sys.executable, root / "tests/kanata/check.py", "log", "--schedulers", "1", "--contexts", "16"],
                            cwd=tmp_path, capture_output=True, text=True)
     assert check.returncode == 0 and f"{done.counter('retired')} instructions" in check.stdout, check.stdout + check.stderr
     assert len(re.findall("^h ", (tmp_path / "bus").read_text(), re.M)) == 3

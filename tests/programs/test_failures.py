@@ -92,6 +92,14 @@ def test_what_is_computed_ahead_is_of_the_next_step(run, config, visit, engine):
 
 
 @pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_what_sleep_alone_reads_is_of_its_step(run, engine):
+    which = ("--config", "many", "--engine", engine)
+    source = ".state x z\n.temp u\nstep: add x, x, 1.0\nmul u, x, 1e38\nsleep z, u, 1.0\n"
+    assert not run(source, *which, "--steps", "3", *values(x=0, z=0)).stderr
+    assert told(run(source, *which, "--steps", "4", *values(x=0, z=0), code=3))[0] == "object 0 in step 4: overflow"
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
 @pytest.mark.parametrize("config", ["single_full", "many_full"])
 def test_a_right_run_does_not_fail(fp3, tmp_path, config, engine):
     def start(text, integrator, steps, *options):

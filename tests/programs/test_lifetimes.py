@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 
+import h5py
 import pytest
 
 H = 0.0078125
@@ -122,7 +123,6 @@ def test_outputs_tell_who_lives(scene, tmp_path):
 
 
 def test_hdf5_tells_who_lives(scene, tmp_path):
-    h5py = pytest.importorskip("h5py")
     (tmp_path / "decay.ode").write_text(DECAY)
     scene(file("many_full", 4, group("decay.ode", 2, "born = [0, 2]; gone = 3;")), "--every", 1, "--output", "x.h5")
     with h5py.File(tmp_path / "x.h5") as of:

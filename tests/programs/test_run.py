@@ -3,6 +3,7 @@
 import re
 import struct
 import subprocess
+import sys
 import zlib
 
 import pytest
@@ -50,6 +51,18 @@ def test_both_engines_print_the_same_states(run, image, params):
     assert len(states["rtl"]) == 2 and states["rtl"] == states["isa"]
 
 
+@pytest.mark.parametrize("engine", ["rtl", "isa"])
+def test_who_was_found_asleep_is_not_visited_again(run, tmp_path, engine):
+    """The program's own lds finds what its own store has left: from the second visit on there is nobody to visit."""
+    (tmp_path / "x.s").write_text(".state v z\nfirst: lds z\nld v\nstep: add v, v, 1.0\nlast: add z, v, v\nst v\nst z\n")
+    counts = set()
+    for steps in ("3", "30"):
+        out = run("x.s", "--engine", engine, "-c", "many", "--visit", "1", "--steps", steps, "--set", "v=4", "--set", "z=0").stdout
+        assert re.search(r"^v +5 .*object 0$", out, re.M) and re.search(r"^z .* 0x41200000 ", out, re.M), out
+        counts.add(re.search(r"^issued_memory +(\d+)$", out, re.M)[1])
+    assert len(counts) == 1, "each visit more loads something"
+
+
 def test_many_objects_print_eight_and_the_rest_on_demand(run, image, params):
     many = ("--config", "array", "--objects", "20", "--visit", "3", "--steps", "7", *params)
     states = {}
@@ -92,7 +105,7 @@ def test_the_cycles_are_told_by_scheduler(run, image, params):
 def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
     done = run(image, "--config", "array", "--objects", "8", "--steps", "3", "--kanata", "log", *params)
     retired = re.search(r"^retired +(\d+)$", done.stdout, re.M)[1]
-    check = subprocess.run(["python3", root / "tests/kanata/check.py", "log", "--schedulers", "4", "--contexts", "24"],
+    check = subprocess.run([sys.executable, root / "tests/kanata/check.py", "log", "--schedulers", "4", "--contexts", "24"],
                            cwd=tmp_path, capture_output=True, text=True)
     assert check.returncode == 0 and f"{retired} instructions" in check.stdout, check.stdout + check.stderr
     fails(run(image, "--engine", "isa", "--kanata", "log2", *params), 2, "only the hardware")

@@ -10,6 +10,9 @@ SESSIONS = [("ship", "single", 30), ("ship_madd", "single", 30), ("ship_paper", 
             ("ship", "many", 4)]
 
 
+RETIRED, FLAGS = 0xb0, 0x40
+
+
 def start(*command, cwd):
     return subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True, text=True, timeout=300)
 
@@ -85,25 +88,28 @@ def reset_in_the_middle(session, times, length):
     show = [f"s {line.split()[1]} 00000000" for line in lines[start:] if line.startswith("r")]
     registers = [line for line in head if line.startswith("w") and int(line.split()[1], 16) & 0xffffff < 0x80]
     counters = [f"s {address:08x} 00000000" for address in range(0x80, 0x80 + 13 * 8, 8)]
+    soon = [f"s {address:08x} 00000000" for address in (RETIRED, FLAGS, RETIRED)]
     rows = []
     for cycles in times:
-        rows += [*head, f"z {cycles:x} {length:x}", *show, *registers, lines[start], *counters]
+        rows += [*head, f"z {cycles:x} {length:x}", *soon, *show, *registers, lines[start], *counters]
     session.write_text("\n".join(rows) + "\n")
     return session
 
 
-@pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), ("lanes", 8, (600,)),
+@pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), ("lanes", 8, (600,)), ("dual", 4, (300, 441)),
                                                     ("single", 1, (37, 150, 333))])
 def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, objects, times):
     """In the middle of a run it leaves what a long one leaves: memories as they are, and nothing on its way."""
     shown = []
     for length in (1, 80):
-        session = record(root, fp3, tmp_path, "ship_madd", config, 2 if objects > 1 else 20, "-o", objects)
+        session = record(root, fp3, tmp_path, "ship_dual" if config == "dual" else "ship_madd", config, 2 if objects > 1 else 20, "-o", objects)
         done = replay(root, icarus(config), reset_in_the_middle(session, times, length))
         assert done.returncode == 0, done.stdout
         *rows, last = done.stdout.splitlines()
         shown.append((rows, last.split(", ")[3]))        # ... and the hash of all retirements
         assert len(rows) > 30 * len(times) and "hash " in last
+        soon = [rows[i * len(rows) // len(times) + k] for i in range(len(times)) for k in range(3)]
+        assert all(row.endswith(" 00000000") for row in soon), f"something ends after a reset: {soon}"
         if objects > 1:                                  # every counter but the first, cycles, and the last, drain
             assert all(row.endswith(" 00000000") for row in rows if 0x88 <= int(row[:8], 16) < 0xe0), rows
     assert shown[0] == shown[1]

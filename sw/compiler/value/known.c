@@ -143,7 +143,7 @@ int fp3_known_constant(known_table *table, uint32_t expr, double *value) {
 
 /* See known.h, also of the next. */
 static double as_exponent(double a) {
-    return fabs(a) > 0x1p40 ? copysign(0x1p40, a) : fabs(a) < 0x1p-52 ? 0 : a;
+    return a == 0 || isnan(a) ? a : copysign(fmin(fmax(fabs(a), 0x1p-52), 0x1p40), a);
 }
 
 static double sign_of_power(double a) {

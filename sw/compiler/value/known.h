@@ -16,7 +16,7 @@ typedef enum {
     KNOWN_SUB,
     KNOWN_MUL,
     KNOWN_DIV,
-    KNOWN_EXPONENT, /* a as an exponent: beyond +-2^40 that, below 2^-52 zero, which changes no power in FP32 */
+    KNOWN_EXPONENT, /* a as an exponent: 0, or of its sign and from 2^-52 to 2^40, which changes no power in FP32 */
     KNOWN_SIGN, /* (-1)^a: 1 or -1; 0 if a is no integer */
     KNOWN_LOW,  /* what rounding to FP32 takes off a, rounded: the second word of a pair */
     KNOWN_HEAD, /* the upper 12 bits of a as FP32 has it, rounded to nearest ... */

@@ -1,0 +1,50 @@
+"""Runs a bench of cocotb inside Icarus, of the RTL or of a broken copy of it."""
+
+import functools
+import os
+import re
+import subprocess
+
+
+class Done:
+    """What a bench said, and whether all of its tests passed."""
+
+    def __init__(self, done, results):
+        self.said = done.stdout + done.stderr
+        self.passed = done.returncode == 0 and "<testcase" in results and "<failure" not in results
+        self.failed = re.findall(r'<testcase name="(\w+)"[^>]*>\s*<failure', results)
+
+
+def python(root):
+    """The Python that has cocotb."""
+    path = root / ".venv/bin/python"
+    assert path.exists(), "make setup makes .venv"
+    return path
+
+
+def compiled(tree, folder, top, file, *options):
+    """The module `top` with every module that it needs, from the RTL of `tree`."""
+    bench, clock = folder / f"{top}.vvp", folder / "clock.f"
+    clock.write_text("+timescale+1ns/1ps\n")
+    done = subprocess.run(["iverilog", "-g2012", "-s", top, "-c", "rtl/fp3.f", "-c", clock, *options, "-o", bench, file],
+                          cwd=tree, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return bench
+
+
+@functools.cache
+def config(root, *arguments):
+    """What cocotb says of where it lies."""
+    return subprocess.run([python(root), "-m", "cocotb.config", *arguments], capture_output=True, text=True, check=True).stdout.strip()
+
+
+def cocotb(root, folder, bench, module, **environment):
+    """Runs the tests of a Python module on what was compiled; `environment` is for them."""
+    results = folder / "results.xml"
+    results.unlink(missing_ok=True)
+    own = {"MODULE": module.stem, "TOPLEVEL": bench.stem, "TOPLEVEL_LANG": "verilog", "PYTHONPATH": str(module.parent),
+           "LIBPYTHON_LOC": config(root, "--libpython"), "VIRTUAL_ENV": str(root / ".venv"), "COCOTB_RESULTS_FILE": str(results),
+           "PYTHONDONTWRITEBYTECODE": "1", **{name: str(value) for name, value in environment.items()}}
+    done = subprocess.run(["vvp", "-n", "-M", config(root, "--lib-dir"), "-m", config(root, "--lib-name", "vpi", "icarus"), bench], cwd=folder,
+                          env={**os.environ, **own}, capture_output=True, text=True)
+    return Done(done, results.read_text() if results.exists() else "")
