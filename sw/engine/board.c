@@ -1,8 +1,8 @@
 /* board.c - the "board" engine: hardware behind a serial port, driven as driver.h says. */
-#include "ahead.h"
 #include "driver.h"
 #include "identity.h"
 #include "memory.h"
+#include "read_ahead.h"
 #include "session.h"
 
 #include "serial/frame.h"
@@ -16,12 +16,12 @@
 /* Milliseconds from one question whether a run has ended to the next: 0, 1, 2, 4 and so on. */
 #define LONGEST_PAUSE 128
 
-_Static_assert(FP3_AHEAD_WORDS <= FP3_FRAME_WORDS, "what is read ahead is one transfer");
+_Static_assert(FP3_READ_AHEAD_WORDS <= FP3_FRAME_WORDS, "what is read ahead is one transfer");
 
 typedef struct {
     fp3_driver driver; /* first: the calls of driver.h find it there */
     fp3_link *link;
-    fp3_ahead *ahead;
+    fp3_read_ahead *ahead;
     uint32_t window; /* the bits of an address that the hardware's port has */
     int is_clear;    /* nothing of an earlier host is left in its memories */
 } board_engine;
@@ -38,12 +38,12 @@ static fp3_status transfer_line(fp3_engine *engine, int is_write, uint32_t addre
     return status;
 }
 
-/* An fp3_ahead_read_fn. */
-static fp3_status read_ahead(void *user, uint32_t address, uint32_t words[FP3_AHEAD_WORDS],
+/* An fp3_read_ahead_read_fn. */
+static fp3_status read_ahead(void *user, uint32_t address, uint32_t words[FP3_READ_AHEAD_WORDS],
                              uint32_t *count) {
     uint32_t refused = 0;
-    fp3_status status = transfer_line(user, 0, address, words, FP3_AHEAD_WORDS, &refused);
-    *count = status ? 0 : refused ? refused - 1 : FP3_AHEAD_WORDS;
+    fp3_status status = transfer_line(user, 0, address, words, FP3_READ_AHEAD_WORDS, &refused);
+    *count = status ? 0 : refused ? refused - 1 : FP3_READ_AHEAD_WORDS;
     return status;
 }
 
@@ -52,13 +52,13 @@ static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *add
     const board_engine *self = engine->self;
     const uint32_t address = addresses[0];
     if (is_write)
-        fp3_ahead_forget(self->ahead, address, count);
-    if (is_write || !fp3_ahead_has(address))
+        fp3_read_ahead_forget(self->ahead, address, count);
+    if (is_write || !fp3_read_ahead_has(address))
         return transfer_line(engine, is_write, address, data, count, refused);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && !*refused && i < count; i++) {
         int is_there = 0;
-        status = fp3_ahead_get(self->ahead, address + 4 * i, &data[i], &is_there);
+        status = fp3_read_ahead_get(self->ahead, address + 4 * i, &data[i], &is_there);
         *refused = !status && !is_there ? i + 1 : 0;
     }
     return status;
@@ -133,7 +133,7 @@ static fp3_status board_open(fp3_engine *engine) {
     fp3_status status = check_def(def);
     if (status)
         return status;
-    if (!self || !(self->ahead = fp3_ahead_make(read_ahead, engine)))
+    if (!self || !(self->ahead = fp3_read_ahead_make(read_ahead, engine)))
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     self->driver.bus = &bus;
     self->window = window_of(engine->config);
@@ -158,7 +158,7 @@ static void board_close(fp3_engine *engine) {
     if (!self)
         return;
     fp3_link_close(&self->link);
-    fp3_ahead_free(self->ahead);
+    fp3_read_ahead_free(self->ahead);
     fp3_driver_close(engine);
     free(self);
 }

@@ -26,15 +26,16 @@ void fp3_fast_wake(fp3_fast_lanes *l) {
     l->is_awake = 1;
 }
 
-fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast) {
+fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
+                                 const fp3_fast *fast) {
     const unsigned wide = fast->sweep->lanes;
-    return (fp3_place){.rows = lanes->rows[0],
-                       .records = lanes->records,
-                       .constants = (const int *)run->constants,
-                       .table = fast->table,
-                       .awake = lanes->awake,
-                       .seen = &lanes->seen,
-                       .vectors = (lanes->count + wide - 1) / wide};
+    return (fp3_fast_place){.rows = lanes->rows[0],
+                            .records = lanes->records,
+                            .constants = (const int *)run->constants,
+                            .table = fast->table,
+                            .awake = lanes->awake,
+                            .seen = &lanes->seen,
+                            .vectors = (lanes->count + wide - 1) / wide};
 }
 
 static uint32_t filled(uint32_t count) { return (count + 15) / 16 * 16; }

@@ -74,7 +74,8 @@ uint32_t fp3_fast_object(const fp3_fast_lanes *lanes, uint32_t lane);
 void fp3_fast_wake(fp3_fast_lanes *lanes);
 
 /* A place of these lanes, for an executor. */
-fp3_place fp3_fast_place(fp3_fast_lanes *lanes, const fp3_fast_run *run, const fp3_fast *fast);
+fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
+                                 const fp3_fast *fast);
 
 /* Takes lanes, which are counted, out of `from`, in order: their rows and records in these sets, and all that is known of them.
  * The last one fills its vector. to is not from. */

@@ -44,7 +44,7 @@ static uint32_t raised(unsigned seen) {
 /* ---- executing ---- */
 
 static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
-    const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
+    const fp3_fast_place place = fp3_fast_place_of(lanes, d->run, d->fast);
     const fp3_fast *f = d->fast;
     lanes->seen = 0;
     lanes->is_awake &= !f->plan.sleeps;
@@ -59,7 +59,7 @@ static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s)
 }
 
 static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
-    const fp3_place place = fp3_fast_place(lanes, d->run, d->fast);
+    const fp3_fast_place place = fp3_fast_place_of(lanes, d->run, d->fast);
     lanes->is_awake &= !d->fast->plan.sleeps;
 #define WATCH(part, steps, number)                                                                 \
     d->fast->sweep->watch(&d->fast->watch, &place, part, steps, number, &lanes->witness)

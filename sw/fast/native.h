@@ -13,7 +13,7 @@
 #include "plan.h"
 
 /* So many steps, the first of them before + 1; parts: FP3_BEGINS, FP3_ENDS. */
-typedef void fp3_fast_stretch(const fp3_place *place, unsigned parts, unsigned steps,
+typedef void fp3_fast_stretch(const fp3_fast_place *place, unsigned parts, unsigned steps,
                               unsigned before);
 
 typedef struct {

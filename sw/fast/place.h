@@ -1,6 +1,6 @@
 /* place.h - the block of objects that code works on. Its text stands in front of that of lanes.h. */
-#ifndef FP3_PLACE_H
-#define FP3_PLACE_H
+#ifndef FP3_FAST_PLACE_H
+#define FP3_FAST_PLACE_H
 
 #define FP3_BLOCK 512 /* objects */
 #define FP3_SEEN_SUBNORMAL 1u
@@ -18,6 +18,6 @@ typedef struct {
     unsigned *
         seen; /* FP3_SEEN_*, by an executor that knows: products that were subnormal, or raised underflow */
     unsigned vectors; /* all lanes of the last one have an object's values, too */
-} fp3_place;
+} fp3_fast_place;
 
 #endif

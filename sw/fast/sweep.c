@@ -23,7 +23,7 @@ typedef struct {
 } source;
 
 typedef struct {
-    const fp3_place *place;
+    const fp3_fast_place *place;
     const fp3_fast_word *now;
     uint32_t number; /* of the step */
     int is_last;     /* part: those asleep take part */
@@ -37,7 +37,7 @@ typedef struct {
     fp3_v product[VECTORS];
 } machine;
 
-static fp3_v *row_of(const fp3_place *place, uint32_t reg) {
+static fp3_v *row_of(const fp3_fast_place *place, uint32_t reg) {
     return (fp3_v *)(void *)(place->rows + (size_t)reg * FP3_BLOCK);
 }
 
@@ -227,7 +227,7 @@ static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_numbe
     }
 }
 
-static void run(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
+static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number) {
     machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST};
     make_part(&m, plan, part, steps);
@@ -240,8 +240,8 @@ static int is_any(fp3_i mask) {
     return any != 0;
 }
 
-static void run_tiny(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
-                     uint32_t steps, uint32_t number) {
+static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
+                     fp3_fast_part_number part, uint32_t steps, uint32_t number) {
     machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_tiny = 1};
     make_part(&m, plan, part, steps);
     *place->seen |=
@@ -383,7 +383,7 @@ static void look_at_states(machine *m, uint64_t states, fp3_witness *witness) {
             look_at_state(m, reg, witness);
 }
 
-static void watch(const fp3_watch_plan *w, const fp3_place *place, fp3_fast_part_number part,
+static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast_part_number part,
                   uint32_t steps, uint32_t number, fp3_witness *witness) {
     const fp3_fast_part *of = &w->plan->part[part];
     machine m = {.place = place,

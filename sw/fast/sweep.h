@@ -35,15 +35,15 @@ typedef struct {
     unsigned lanes;
     const char *name; /* of the kind of processor, as gcc's -march has it */
     /* A part; the step part so many times, the first time as step number + 1. */
-    void (*run)(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
+    void (*run)(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number);
     /* The same without the processor's multiplier for subnormal numbers: see tiny.h. What it raises for
      * underflow is in place->seen. */
-    void (*run_tiny)(const fp3_fast_plan *plan, const fp3_place *place, fp3_fast_part_number part,
-                     uint32_t steps, uint32_t number);
+    void (*run_tiny)(const fp3_fast_plan *plan, const fp3_fast_place *place,
+                     fp3_fast_part_number part, uint32_t steps, uint32_t number);
     /* The same, and what it does to each object is added to *witness. */
-    void (*watch)(const fp3_watch_plan *plan, const fp3_place *place, fp3_fast_part_number part,
-                  uint32_t steps, uint32_t number, fp3_witness *witness);
+    void (*watch)(const fp3_watch_plan *plan, const fp3_fast_place *place,
+                  fp3_fast_part_number part, uint32_t steps, uint32_t number, fp3_witness *witness);
     /* 0: none of these values is infinite or a NaN. */
     int (*is_any_astray)(const float *row, unsigned count);
 } fp3_sweep;

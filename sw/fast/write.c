@@ -227,7 +227,7 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, f
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->flags != 0,
             fp3_text_place, fp3_text_lanes);
     fprintf(to, "void " FP3_FAST_NAME
-                "(const fp3_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
+                "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
     declare(&w);
     fprintf(to, "    unsigned long j = 0;\n");
     loop(&w, beside_of(plan, lanes));

@@ -70,7 +70,7 @@ static char *put_value(char *at, const fp3_column *column, size_t i) {
     return at;
 }
 
-static fp3_status csv_put(fp3_sink *sink, const fp3_block *block, fp3_error *error) {
+static fp3_status csv_put(fp3_sink *sink, const fp3_slice *block, fp3_error *error) {
     csv *self = (csv *)sink;
     const fp3_columns *columns = self->subject->columns;
     FILE *out = fp3_output_stream(self->output);

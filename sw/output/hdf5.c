@@ -166,7 +166,7 @@ static fp3_status write_gathered(const hdf5 *self, uint64_t rows, fp3_error *err
     return status;
 }
 
-static void gather(const hdf5 *self, const fp3_block *block) {
+static void gather(const hdf5 *self, const fp3_slice *block) {
     const fp3_columns *columns = self->subject->columns;
     for (size_t i = 0; i < columns->count; i++) {
         const size_t bytes = block->count * size_of(&columns->list[i]);
@@ -175,7 +175,7 @@ static void gather(const hdf5 *self, const fp3_block *block) {
     }
 }
 
-static fp3_status write_block(const hdf5 *self, const fp3_block *block, fp3_error *error) {
+static fp3_status write_block(const hdf5 *self, const fp3_slice *block, fp3_error *error) {
     const fp3_columns *columns = self->subject->columns;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < columns->count; i++)
@@ -189,7 +189,7 @@ static fp3_status write_block(const hdf5 *self, const fp3_block *block, fp3_erro
     return status;
 }
 
-static fp3_status hdf5_put(fp3_sink *sink, const fp3_block *block, fp3_error *error) {
+static fp3_status hdf5_put(fp3_sink *sink, const fp3_slice *block, fp3_error *error) {
     hdf5 *self = (hdf5 *)sink;
     const uint64_t row = block->number - self->from;
     fp3_status status = FP3_OK;

@@ -59,7 +59,7 @@ static double value_of(const fp3_column *column, size_t i) {
     return 0;
 }
 
-static fp3_status plot_put(fp3_sink *sink, const fp3_block *block, fp3_error *error) {
+static fp3_status plot_put(fp3_sink *sink, const fp3_slice *block, fp3_error *error) {
     plot *self = (plot *)sink;
     const fp3_figure *f = &self->figure;
     const fp3_columns *columns = f->subject->columns;

@@ -189,7 +189,7 @@ void fp3_recording_close(fp3_recording **recording) {
 
 static fp3_status take_snapshot(fp3_recording *r, fp3_error *error) {
     const fp3_source *source = &r->source;
-    fp3_block block = {.number = r->number++, .step = r->at, .time = (double)r->at * source->h};
+    fp3_slice block = {.number = r->number++, .step = r->at, .time = (double)r->at * source->h};
     if (r->targets.times)
         block.time = r->targets.times[r->at - 1];
     fp3_status status = FP3_OK;

@@ -23,12 +23,12 @@ typedef struct {
     uint64_t step;   /* of the run */
     double time;
     size_t first, count; /* objects, whose values the columns have */
-} fp3_block;
+} fp3_slice;
 
 typedef struct fp3_sink fp3_sink;
 struct fp3_sink {
     /* Blocks come in the order of snapshots, then of objects. */
-    fp3_status (*put)(fp3_sink *sink, const fp3_block *block, fp3_error *error);
+    fp3_status (*put)(fp3_sink *sink, const fp3_slice *block, fp3_error *error);
     /* After the last block: the file gets its name. */
     fp3_status (*publish)(fp3_sink *sink, fp3_error *error);
     void (*close)(fp3_sink *sink);

@@ -1,8 +1,8 @@
 /* cost.c - loads and stores of a visit, cycles, and what no order can beat. */
 #include "cost.h"
 
+#include "longest.h"
 #include "machine/cycles.h"
-#include "path.h"
 #include "timing.h"
 
 #include <assert.h>
@@ -138,7 +138,7 @@ fp3_status fp3_cost_find(const fp3_step_code *code, const fp3_config *config, fp
     fp3_status status = find_cycles(config, made, error);
     made->bound_issue = issue_bound(code, config);
     if (!status && !config->interleave)
-        status = fp3_path_longest(code, config, &made->bound_path, error);
+        status = fp3_longest_path(code, config, &made->bound_path, error);
     made->bound = made->bound_issue > made->bound_path ? made->bound_issue : made->bound_path;
     assert(status || !made->cycles || made->cycles >= made->bound - 1e-6);
     return status;

@@ -2,10 +2,10 @@
 #include "search.h"
 
 #include "interval.h"
+#include "longest.h"
 #include "loop.h"
 #include "machine/operation.h"
 #include "order.h"
-#include "path.h"
 #include "polish.h"
 #include "timing.h"
 
@@ -245,7 +245,7 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     char *is_ahead = malloc(count + 1);
     fp3_status status = is_ahead ? FP3_OK : no_memory(error);
     if (!status)
-        status = fp3_path_longest(m->code, m->config, &path, error);
+        status = fp3_longest_path(m->code, m->config, &path, error);
     if (!status)
         status = fp3_interval_make(m->block, &found, error);
     if (!status) {

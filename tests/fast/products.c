@@ -95,7 +95,7 @@ static void multiply(bench *b, uint32_t (*pairs)[2]) {
         all |= flags[i];
     }
     fp3_execute_end(&callers);
-    const fp3_place place = {
+    const fp3_fast_place place = {
         .rows = b->rows[0], .awake = b->awake, .seen = &seen, .vectors = LANES / b->sweep->lanes};
     const uint32_t mxcsr = _mm_getcsr();
     _mm_setcsr(0x1f80u | (b->config.nearest ? 0 : 0x6000u));

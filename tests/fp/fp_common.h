@@ -31,7 +31,7 @@ typedef struct {
     bool one;       /* only the pair a, b */
     uint32_t a, b;
     const char *program;
-} fp3_options;
+} fp3_fp_options;
 
 static inline uint64_t fp3_number(const char *text, uint64_t most, struct argp_state *state) {
     char *end;
@@ -42,7 +42,7 @@ static inline uint64_t fp3_number(const char *text, uint64_t most, struct argp_s
 }
 
 static inline error_t fp3_option(int key, char *arg, struct argp_state *state) {
-    fp3_options *opt = state->input;
+    fp3_fp_options *opt = state->input;
     switch (key) {
     case 's':
         opt->seed = fp3_number(arg, UINT32_MAX, state);
@@ -76,7 +76,7 @@ static inline error_t fp3_option(int key, char *arg, struct argp_state *state) {
 }
 
 /* Exits on a wrong command line. */
-static inline fp3_options fp3_parse(int argc, char **argv, const char *doc, uint64_t pairs) {
+static inline fp3_fp_options fp3_parse(int argc, char **argv, const char *doc, uint64_t pairs) {
     static const struct argp_option table[] = {
         {"op", 'o', "NAME", 0, "Only add, sub or mul", 0},
         {"row", 'r', "N", 0, "Only this row of tests/fp/fp_bench.v", 0},
@@ -86,7 +86,7 @@ static inline fp3_options fp3_parse(int argc, char **argv, const char *doc, uint
         {"b", 'b', "BITS", 0, "Replay one pair: second operand", 0},
         {0}};
     const struct argp argp = {table, fp3_option, NULL, doc, NULL, NULL, NULL};
-    fp3_options opt = {
+    fp3_fp_options opt = {
         .seed = 1, .pairs = pairs, .op = FP3_ALL, .row = FP3_ALL, .program = argv[0]};
     argp_parse(&argp, argc, argv, 0, NULL, &opt);
     return opt;

@@ -13,7 +13,7 @@
 enum { QUIET_NAN = 0x7fc00000, NO_REFERENCE = 77 /* exit status: skipped */ };
 
 typedef struct {
-    const fp3_options *opt;
+    const fp3_fp_options *opt;
     fp3_bench *bench;
     fp3_batch batch;
     unsigned reported;
@@ -166,7 +166,7 @@ static uint64_t run_one(test *t, fp3_bench_op op) {
 }
 
 int main(int argc, char **argv) {
-    const fp3_options opt =
+    const fp3_fp_options opt =
         fp3_parse(argc, argv, "Tests the binary32 cores against this machine's FPU.", 10000000);
     const char *why = host_differs();
     if (why) {

@@ -131,7 +131,7 @@ static uint64_t flush(const reference *ref, fp3_bench *bench, unsigned row, fp3_
 }
 
 /* Every pair of an 8-bit row, random pairs of another one, or the one pair asked for. */
-static uint64_t run(const fp3_options *opt, fp3_bench *bench, unsigned row, fp3_bench_op op,
+static uint64_t run(const fp3_fp_options *opt, fp3_bench *bench, unsigned row, fp3_bench_op op,
                     fp3_batch *t) {
     reference ref;
     uint64_t wrong = 0;
@@ -173,7 +173,7 @@ static uint64_t run(const fp3_options *opt, fp3_bench *bench, unsigned row, fp3_
 }
 
 int main(int argc, char **argv) {
-    const fp3_options opt = fp3_parse(
+    const fp3_fp_options opt = fp3_parse(
         argc, argv, "Tests the cores in small formats against tables of all numbers.", 1000000);
 
     if (opt.row > FP3_BENCH_BINARY16) {

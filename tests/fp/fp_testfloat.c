@@ -7,7 +7,8 @@
  */
 #include "fp_common.h"
 
-static uint64_t flush(const fp3_options *opt, fp3_bench *bench, fp3_batch *t, unsigned *reported) {
+static uint64_t flush(const fp3_fp_options *opt, fp3_bench *bench, fp3_batch *t,
+                      unsigned *reported) {
     uint64_t wrong = 0;
     for (unsigned row = FP3_BENCH_BINARY32; row < fp3_bench_rows(bench); row++)
         if (fp3_row_is_new(bench, row, (fp3_bench_op)opt->op))
@@ -30,7 +31,7 @@ static bool parse_line(const char *line, unsigned long field[4]) {
 }
 
 int main(int argc, char **argv) {
-    const fp3_options opt =
+    const fp3_fp_options opt =
         fp3_parse(argc, argv, "Tests the binary32 cores against vectors on stdin.", 0);
     if (opt.op == FP3_ALL || opt.row != FP3_ALL || opt.one) {
         fprintf(stderr, "fp_testfloat: --op is needed, and nothing else\n");

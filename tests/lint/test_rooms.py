@@ -4,6 +4,7 @@ An arrow from one file to another is an #include, a symbol that the one's object
 defines, or a module that the one instantiates.
 """
 
+import collections
 import re
 import statistics
 import subprocess
@@ -166,3 +167,12 @@ def test_no_file_is_too_long(root, folder):
 
 def test_a_module_fits_a_screen_or_two(root):
     assert statistics.median(lines(path) for path in hand_written(root, "rtl") if path.suffix == ".v") <= RTL_MEDIAN
+
+
+def test_a_guard_and_a_type_stand_once(root):
+    """Two headers behind one guard hide each other; two types of one name cannot meet in a file."""
+    texts = [path.read_text(encoding="utf-8") for folder in ("sw", "sim", "bench", "tests") for path in hand_written(root, folder) if path.suffix == ".h"]
+    guards = collections.Counter(re.search(r"^#ifndef (\w+)$", text, re.M)[1] for text in texts if "#ifndef" in text)
+    types = collections.Counter(name for text in texts for name in re.findall(r"^\} (fp3_\w+);$", text, re.M))
+    assert len(guards) > 100 and len(types) > 100
+    assert [name for name, count in (guards + types).items() if count > 1] == []

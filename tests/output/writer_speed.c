@@ -23,7 +23,7 @@ static double now(void) {
 }
 
 /* Values that differ, and cost little. */
-static void fill(const fp3_columns *columns, const fp3_block *block) {
+static void fill(const fp3_columns *columns, const fp3_slice *block) {
     const float base = (float)block->number + 0.001f * (float)block->first;
     for (size_t c = 0; c < columns->count; c++)
         for (int i = 0; i < (int)block->count; i++)
@@ -35,7 +35,7 @@ static fp3_status write_all(const fp3_subject *subject, fp3_error *error) {
     fp3_status status = fp3_hdf5_is_named(subject->path) ? fp3_hdf5_open(subject, &sink, error)
                                                          : fp3_csv_open(subject, &sink, error);
     for (uint64_t n = 0; !status && n < subject->snapshots; n++) {
-        fp3_block block = {.number = n, .step = n, .time = (double)n};
+        fp3_slice block = {.number = n, .step = n, .time = (double)n};
         for (; !status && block.first < subject->objects; block.first += block.count) {
             const size_t left = subject->objects - block.first, room = subject->columns->room;
             block.count = left < room ? left : room;

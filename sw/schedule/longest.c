@@ -1,5 +1,5 @@
-/* path.c - the longest dependence from step to step. */
-#include "path.h"
+/* longest.c - the longest dependence from step to step. */
+#include "longest.h"
 
 #include "machine/cycles.h"
 
@@ -54,7 +54,7 @@ static void path_from(const fp3_step_code *code, const fp3_config *config, uint3
     }
 }
 
-fp3_status fp3_path_longest(const fp3_step_code *code, const fp3_config *config, double *cycles,
+fp3_status fp3_longest_path(const fp3_step_code *code, const fp3_config *config, double *cycles,
                             fp3_error *error) {
     const uint32_t n = code->variable_count;
     *cycles = 0;
