@@ -18,7 +18,7 @@ static void compute(ode_parser *p, uint32_t from) {
 }
 
 const char *fp3_ode_constant_expected(double value, int is_lost) {
-    return is_lost        ? "a value made of none below 2.2e-308, where double ends"
+    return is_lost        ? "a value computed without numbers below 2.2e-308, the end of double"
            : isnan(value) ? "a finite value (this is not a number)"
            : isinf(value) ? "a finite value (this is infinite)"
                           : NULL;
@@ -31,8 +31,8 @@ static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
     if (value.size != size) {
         fp3_ode_wrong(&p->in, at, "%s (this is %s)",
                       size == 1   ? "a number"
-                      : size == 2 ? "a vector, as (1, 0)"
-                                  : "a vector, as (1, 0, 0)",
+                      : size == 2 ? "a vector such as (1, 0)"
+                                  : "a vector such as (1, 0, 0)",
                       fp3_ode_shape(value.size));
         return 0;
     }

@@ -26,7 +26,7 @@ static ode_dimension same(ode_parser *p, fp3_token at, const ode_dimension *a,
     if (fp3_ode_dimension_fits(a, b))
         return fp3_ode_dimension_common(a, b);
     if (!is_repeated(p, at))
-        fp3_ode_wrong(&p->in, at, "two values of one unit (these are in %s and %s)",
+        fp3_ode_wrong(&p->in, at, "two values with the same unit (these are in %s and %s)",
                       text_of(p, a, left), text_of(p, b, right));
     return any;
 }
@@ -36,8 +36,7 @@ static ode_dimension pure(ode_parser *p, fp3_token at, const ode_dimension *a) {
     if (a->kind == ODE_DIMENSION_NUMBER)
         return number;
     if (!fp3_ode_dimension_is_one(a) && !is_repeated(p, at))
-        fp3_ode_wrong(&p->in, at, "a value without a unit for it (this is in %s)",
-                      text_of(p, a, text));
+        fp3_ode_wrong(&p->in, at, "a value without a unit (this is in %s)", text_of(p, a, text));
     return one;
 }
 
@@ -47,7 +46,7 @@ static ode_dimension root(ode_parser *p, fp3_token at, const ode_dimension *a) {
     if (fp3_ode_dimension_power(a, 1, 2, &power))
         return power;
     if (!is_repeated(p, at))
-        fp3_ode_wrong(&p->in, at, "a value with a square root of its unit (this is in %s)",
+        fp3_ode_wrong(&p->in, at, "a value whose unit has a square root (this is in %s)",
                       text_of(p, a, text));
     return any;
 }
@@ -66,7 +65,7 @@ static ode_dimension power(ode_parser *p, fp3_token at, const ode_dimension *a,
                     eighths == floor(eighths);
     if (!is_number || !fp3_ode_dimension_power(a, (int)eighths, ODE_DIMENSION_ONE, &result)) {
         if (!is_repeated(p, at))
-            fp3_ode_wrong(&p->in, at, "a number as 2 or 0.5 for the power of what is in %s",
+            fp3_ode_wrong(&p->in, at, "a number such as 2 or 0.5 as the exponent of a value in %s",
                           text_of(p, a, text));
         return any;
     }

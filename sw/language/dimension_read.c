@@ -13,7 +13,7 @@ static int power_here(ode_parser *p) {
     for (size_t i = 0; is_good && i < length; i++)
         is_good = digits[i] >= '0' && digits[i] <= '9';
     if (!is_good) {
-        fp3_ode_lost(&p->in, "an integer from -99 to 99 as power of a unit");
+        fp3_ode_lost(&p->in, "an integer from -99 to 99 as the power of a unit");
         return 1;
     }
     int power = length == 2 ? 10 * (digits[0] - '0') + digits[1] - '0' : digits[0] - '0';
@@ -30,7 +30,7 @@ static void factor(ode_parser *p, ode_dimension *dimension, int sign) {
     char text[FP3_NAME_SIZE] = "";
     if (name.kind != FP3_TOKEN_NAME || name.length >= sizeof text ||
         memchr(name.text, '.', name.length)) {
-        fp3_ode_lost(&p->in, "a unit as m, 1/s or kg*m/s^2");
+        fp3_ode_lost(&p->in, "a unit such as m, 1/s or kg*m/s^2");
         return;
     }
     memcpy(text, name.text, name.length);

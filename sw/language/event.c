@@ -17,7 +17,7 @@ static uint32_t condition(ode_parser *p, fp3_token at) {
 static int add(ode_parser *p, fp3_token name, uint32_t state, uint32_t expr, ode_event *event) {
     for (uint32_t i = event->first; i < p->assignment_count; i++)
         if (p->assignments[i].state == state) {
-            fp3_ode_wrong(&p->in, name, "another state (this `when` gives it a value already)");
+            fp3_ode_wrong(&p->in, name, "another state (this `when` already gives it a value)");
             return 0;
         }
     if (p->assignment_count == ODE_ASSIGNMENTS) {

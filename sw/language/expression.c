@@ -52,11 +52,11 @@ static int may_stand(ode_parser *p, fp3_token name, const ode_symbol *s) {
     if (s->class == ODE_INVARIANT)
         fp3_ode_wrong(&p->in, name, "a name that is defined (this is an invariant)");
     else if (p->context == ODE_IN_CONSTANT)
-        fp3_ode_wrong(&p->in, name, "a number (only states may start at what is made of params)");
+        fp3_ode_wrong(&p->in, name, "a number (only the start of a state may use params)");
     else if (p->context == ODE_IN_START && s->class != ODE_PARAM)
         fp3_ode_wrong(&p->in, name, "numbers and params, which are known before the start");
     else if (p->context == ODE_IN_EXACT && s->class == ODE_STATE)
-        fp3_ode_wrong(&p->in, name, "t, params, or where a state starts, as %.*s(0)",
+        fp3_ode_wrong(&p->in, name, "t, params, or the start of a state, as in %.*s(0)",
                       (int)name.length, name.text);
     else if (p->context == ODE_IN_EXACT && has_state(p, s))
         fp3_ode_wrong(&p->in, name, "a definition without states (this is a closed form)");
@@ -82,7 +82,7 @@ static ode_value symbol_value(ode_parser *p, fp3_token name, const ode_symbol *s
 static ode_value start_of(ode_parser *p, fp3_token name, const ode_symbol *s, unsigned start,
                           unsigned size) {
     if (p->context != ODE_IN_EXACT)
-        fp3_ode_lost(&p->in, "an operator (the start of a state may stand in 'exact' alone)");
+        fp3_ode_lost(&p->in, "an operator (the start of a state is allowed only in 'exact')");
     fp3_ode_advance(&p->in);
     fp3_ode_expect(&p->in, "0", "0, as in v(0)");
     fp3_ode_expect(&p->in, ")", "')'");
@@ -147,7 +147,8 @@ static ode_value named(ode_parser *p) {
     if (is_call && s->class == ODE_STATE)
         return start_of(p, name, s, start, size);
     if (is_call)
-        fp3_ode_lost(&p->in, "an operator ('%.*s' is no function)", (int)s->at.length, s->at.text);
+        fp3_ode_lost(&p->in, "an operator ('%.*s' is not a function)", (int)s->at.length,
+                     s->at.text);
     return symbol_value(p, name, s, start, size);
 }
 

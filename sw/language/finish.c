@@ -21,7 +21,7 @@ static void resolve_second(ode_parser *p, ode_quantity *s) {
                           "an equation %s' = v as well, where v is a state: %s'' is then v'",
                           s->quantity.name, s->quantity.name);
     } else if (fp3_token_exists(p->states[v].first.at)) {
-        fp3_ode_wrong(&p->in, s->second.at, "no second equation for '%s' (line %u has one)",
+        fp3_ode_wrong(&p->in, s->second.at, "only one equation for '%s' (line %u has one)",
                       p->states[v].quantity.name, p->states[v].first.at.location.line);
     } else {
         p->states[v].first = s->second;

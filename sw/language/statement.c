@@ -48,7 +48,7 @@ static void model_statement(ode_parser *p, fp3_token keyword) {
     fp3_token name;
     char text[FP3_NAME_SIZE] = "";
     if (fp3_token_exists(p->model_at))
-        fp3_ode_wrong(&p->in, keyword, "no second name of the model (line %u has one)",
+        fp3_ode_wrong(&p->in, keyword, "only one name of the model (line %u has one)",
                       p->model_at.location.line);
     if (!name_here(p, "the name of the model", &name))
         return;
@@ -77,7 +77,7 @@ static unsigned size_here(ode_parser *p) {
     else if (fp3_ode_accept(&p->in, "3"))
         size = 3;
     else
-        fp3_ode_lost(&p->in, "2 or 3, the size of a vector (a unit stands behind the value)");
+        fp3_ode_lost(&p->in, "2 or 3, the size of a vector (write a unit after the value)");
     fp3_ode_expect(&p->in, "]", "']'");
     return size;
 }
@@ -133,7 +133,7 @@ static void time_statement(ode_parser *p, fp3_token keyword, ode_time *time) {
     fp3_token value_at = p->in.next;
     int length = (int)keyword.length;
     if (fp3_token_exists(time->at))
-        fp3_ode_wrong(&p->in, keyword, "no second '%.*s' (line %u has one)", length, keyword.text,
+        fp3_ode_wrong(&p->in, keyword, "only one '%.*s' (line %u has one)", length, keyword.text,
                       time->at.location.line);
     if (fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant)) {
         float single;
@@ -158,7 +158,7 @@ static void equation(ode_parser *p, fp3_token name, which_equation which) {
         ode_quantity *q = &p->states[s->first + start + i];
         ode_equation *e = which == FIRST ? &q->first : which == SECOND ? &q->second : &q->exact;
         if (fp3_token_exists(e->at)) {
-            fp3_ode_wrong(&p->in, name, "one such equation of it (line %u has another)",
+            fp3_ode_wrong(&p->in, name, "only one equation like this (line %u has another)",
                           e->at.location.line);
             return;
         }

@@ -151,6 +151,7 @@ ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsi
         fp3_ode_wrong(&p->in, name, "a component .x%s or .%c of it",
                       s->value.size == 3 ? ", .y" : "", s->value.size == 3 ? 'z' : 'y');
     else
-        fp3_ode_wrong(&p->in, name, "'%.*s' alone (it is no vector)", (int)base.length, base.text);
+        fp3_ode_wrong(&p->in, name, "'%.*s' without a component (it is not a vector)",
+                      (int)base.length, base.text);
     return NULL;
 }

@@ -48,8 +48,9 @@ static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t 
     if (!varies)
         return 1;
     if (op == FP3_EXPR_POWER && !p->exprs[operand[1]].is_known) {
-        fp3_ode_wrong(&p->in, at,
-                      "an exponent of numbers and params alone (any other x^y is exp(y*log(x)))");
+        fp3_ode_wrong(
+            &p->in, at,
+            "an exponent of numbers and params only (write exp(y*log(x)) for any other x^y)");
         return 0;
     }
     return 1;
@@ -112,7 +113,8 @@ static unsigned common_size(ode_parser *p, fp3_token at, fp3_expr_op op, ode_val
     case FP3_EXPR_SUB:
         if (a.size == b.size)
             return a.size;
-        fp3_ode_wrong(&p->in, at, "two numbers, or two vectors of one size (these are %s and %s)",
+        fp3_ode_wrong(&p->in, at,
+                      "two numbers, or two vectors of the same size (these are %s and %s)",
                       fp3_ode_shape(a.size), fp3_ode_shape(b.size));
         return 0;
     case FP3_EXPR_MUL:
@@ -146,7 +148,7 @@ ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, 
         return nothing;
     if (c.size == 1 && a.size == b.size)
         return each(p, at, FP3_EXPR_SELECT, operand, a.size);
-    fp3_ode_wrong(&p->in, at, "a number and two choices of one size (these are %s, %s and %s)",
+    fp3_ode_wrong(&p->in, at, "a number and two choices of the same size (these are %s, %s and %s)",
                   fp3_ode_shape(c.size), fp3_ode_shape(a.size), fp3_ode_shape(b.size));
     return nothing;
 }
@@ -156,8 +158,8 @@ static int two_vectors(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
         return 0;
     if (a.size == b.size && a.size > 1)
         return 1;
-    fp3_ode_wrong(&p->in, at, "two vectors of one size for '%.*s' (these are %s and %s)", shown(at),
-                  at.text, fp3_ode_shape(a.size), fp3_ode_shape(b.size));
+    fp3_ode_wrong(&p->in, at, "two vectors of the same size for '%.*s' (these are %s and %s)",
+                  shown(at), at.text, fp3_ode_shape(a.size), fp3_ode_shape(b.size));
     return 0;
 }
 

@@ -139,17 +139,17 @@ static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance
 /* result is of integrate: a state that leaves all bounds, or memory. */
 static fp3_status stopped(const orbit *o, const char *how, double t, int result, fp3_error *error) {
     if (result == FP3_CROSSING_STAYS)
-        return fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "no truth from time %.9g on: what an event does there makes it happen again",
-            o->reached);
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "no truth from time %.9g on: what an event does there triggers it again",
+                        o->reached);
     if (result == FP3_CROSSING_MOST)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "no truth from time %.9g on: more than %d events happened until then",
                         o->reached, FP3_EVENTS_MOST);
-    return fp3_fail(error, result == GSL_ENOMEM ? FP3_E_SYSTEM : FP3_E_ARGUMENT,
-                    "GSL's %s does not reach time %.9g: %s (an explicit method: no stiff model)",
-                    how, t, gsl_strerror(result));
+    return fp3_fail(
+        error, result == GSL_ENOMEM ? FP3_E_SYSTEM : FP3_E_ARGUMENT,
+        "GSL's %s does not reach time %.9g: %s (an explicit method, which stiff models defeat)",
+        how, t, gsl_strerror(result));
 }
 
 /* a and b are of state i. What has just begun to move is small beside what it is computed from: a
@@ -164,7 +164,7 @@ static int apart(const orbit *o, double a, double b, uint32_t i) {
 static fp3_status disagree(const fp3_quantity *state, double t, const char *which, double theirs,
                            double ours, fp3_error *error) {
     return fp3_fail(error, FP3_E_MISMATCH,
-                    "two truths of '%s' at time %.9g: GSL's rk8pd says %.17g, %s says %.17g",
+                    "two solutions of '%s' at time %.9g: GSL's rk8pd says %.17g, %s says %.17g",
                     state->name, t, ours, which, theirs);
 }
 

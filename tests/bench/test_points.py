@@ -101,7 +101,7 @@ def test_a_truth_that_disagrees_stops_it(build, root, tmp_path):
     assert wrong != text
     (tmp_path / "ship.ode").write_text(wrong)
     done = bench(build, tmp_path / "ship.ode", "-i", "rk4", "--json", tmp_path / "x.json")
-    assert done.returncode == 1 and "two truths of 'v'" in done.stderr and not (tmp_path / "x.json").exists()
+    assert done.returncode == 1 and "two solutions of 'v'" in done.stderr and not (tmp_path / "x.json").exists()
 
 
 def test_the_command_measures_the_same(fp3, root, tmp_path):

@@ -317,7 +317,7 @@ def test_refused(model, options, message):
 def test_names_of_the_model(model):
     path = model("param until = 3\nstate y = 1\ny' = -until*y\nstep 0.1\n")
     done = fp3("run", path, "-e", "isa", "--tolerance", "1e-4", status=2)
-    assert "adaptive steps have a 'until' of their own: found one in the model" in done.stderr
+    assert "adaptive steps add a 'until' of their own: found one in the model" in done.stderr
 
 
 @pytest.mark.parametrize("row, message", [

@@ -212,7 +212,7 @@ def test_an_image_with_its_values_is_the_same_program(switch, tmp_path):
     assert "x_low" in fp3(*run, "--set", "x=0.2", status=2).stderr
 
 
-REFUSED = [("x' = -x", ("--with", "exact-division"), "`exact-division` is of floats"),
+REFUSED = [("x' = -x", ("--with", "exact-division"), "`exact-division` applies to plain floats"),
            ("x' = -x", ("-k",), "found both --compensated and --double-single, expected one arithmetic")]
 
 

@@ -129,7 +129,7 @@ def test_positions_of_two_steps(model):
     for state in "xv":
         path = model(*lines[:-1], lines[-1].format("x < 0", state))
         refused = fp3("compile", path, "-i", "stoermer_verlet", status=2).stderr
-        assert "line 5: integrator 'stoermer_verlet' goes on from the positions of two steps: found an event" in refused
+        assert "line 5: integrator 'stoermer_verlet' works from the positions of two steps: found an event" in refused
 
 
 # ---- the truth ----
@@ -155,10 +155,10 @@ def test_what_changes_nothing_does_not_happen(model):
 
 
 @pytest.mark.parametrize("event, t, expected", [
-    ("when x < 0: v = -v/2", 10, "no truth from time 1.41421356 on: what an event does there makes it happen again"),
+    ("when x < 0: v = -v/2", 10, "no truth from time 1.41421356 on: what an event does there triggers it again"),
     ("when x < 0: x = 0, v = -v/2", 10, "no truth from time 4.24264069 on: more than 1000 events happened until then"),
     ("when x < 0: x = 0, v = -v/2", -1, "no truth at time -1: events cannot be followed back"),
-    ("when 1: v = v + 1", 1, "no truth from time 0 on: what an event does there makes it happen again"),
+    ("when 1: v = v + 1", 1, "no truth from time 0 on: what an event does there triggers it again"),
 ])
 def test_where_there_is_no_truth_it_says_why(model, event, t, expected):
     path = model("state x = 1", "state v = 0", "x' = v", "v' = -1", event)

@@ -343,7 +343,7 @@ def test_time_and_start_are_what_closed_forms_are_made_of(model):
 def test_derived_units_are_what_they_are_made_of(model, errors, unit, base):
     text = f"step 1\nstate x = 0\nx' = 0\nparam a = 1 [{unit}]\nparam b = 1 [{base}]\nc = a + b\n"
     model(text)
-    assert "expected two values of one unit" in errors(text.replace(f"[{base}]", f"[{base}*K]"))
+    assert "expected two values with the same unit" in errors(text.replace(f"[{base}]", f"[{base}*K]"))
 
 
 @pytest.mark.parametrize("line", [

@@ -320,7 +320,7 @@ def test_a_stiff_oscillator_with_little_damping_is_the_other_one(truth):
 
 def test_chaos_is_not_followed_for_ever(models, root):
     got = models("truth", root / "programs/lorenz.ode", 40)
-    assert (got.returncode, got.stdout) == (1, "") and re.match(r"two truths of 'x' at time 40: GSL's rk8pd says .*, rkck says ",
+    assert (got.returncode, got.stdout) == (1, "") and re.match(r"two solutions of 'x' at time 40: GSL's rk8pd says .*, rkck says ",
                                                                 got.stderr)
 
 
@@ -338,7 +338,7 @@ def test_a_state_without_bounds_is_said(models, tmp_path):
     path.write_text("state x = 1\nstep 1\nspan 1\nx' = x^2\n")
     assert models("truth", path, 0.9).stdout.split()[1].startswith("9.99999999")
     got = models("truth", path, 2)
-    assert (got.returncode, got.stdout, got.stderr) == (2, "", "GSL's rk8pd does not reach time 2: failure (an explicit method: no stiff model)\n")
+    assert (got.returncode, got.stdout, got.stderr) == (2, "", "GSL's rk8pd does not reach time 2: failure (an explicit method, which stiff models defeat)\n")
 
 
 def test_time_0_is_the_start(show, truth):

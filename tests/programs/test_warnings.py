@@ -10,9 +10,9 @@ DRAG = HEAD + "v' = -k*x - c*v\nT' = x\n"
 PLAIN = HEAD + "v' = -k*x\nT' = x - T\n"
 WELL = HEAD + "v' = -k*x\nT' = x\n"
 WARNINGS = [
-    (DRAG, "verlet", "line 9: 'verlet' is of order 1 here, not 2: v' depends on v, which is no position, and a splitting"),
-    (DRAG, "yoshida6", "line 9: 'yoshida6' is of order 1 here, not 6: v' depends on v, which is no position, and a splitting"),
-    (PLAIN, "pefrl", "line 10: 'pefrl' is of order 1 here, not 4: T' depends on T, which is no position, and a splitting"),
+    (DRAG, "verlet", "line 9: 'verlet' has order 1 here, not 2: v' depends on v, which is not a position, and a splitting"),
+    (DRAG, "yoshida6", "line 9: 'yoshida6' has order 1 here, not 6: v' depends on v, which is not a position, and a splitting"),
+    (PLAIN, "pefrl", "line 10: 'pefrl' has order 1 here, not 4: T' depends on T, which is not a position, and a splitting"),
     (WELL, "pefrl", ""), (DRAG, "rk4", ""), (DRAG, "semi_implicit_euler", ""),
 ]
 

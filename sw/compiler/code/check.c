@@ -49,14 +49,13 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
         if (key != FP3_KEY_NONE) {
             char others[200];
             say_who_has(config, ops[i].op, others, sizeof others);
-            return fp3_fail_at(
-                error, FP3_E_PROGRAM, NULL, at.line, at.column,
-                "%s%sneeds `%s`, which configuration '%s' does not have%s%s",
-                at.text ? at.text : "the model", at.text ? ": " : " ", fp3_key_name(key),
-                config->name, others,
-                key == FP3_KEY_ROUND && has_angles(step)
-                    ? " (sines and cosines of at most pi/2 do without: pass `small-angles`)"
-                    : "");
+            return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at.line, at.column,
+                               "%s%sneeds `%s`, which configuration '%s' does not have%s%s",
+                               at.text ? at.text : "the model", at.text ? ": " : " ",
+                               fp3_key_name(key), config->name, others,
+                               key == FP3_KEY_ROUND && has_angles(step)
+                                   ? " (for angles up to pi/2 the pass `small-angles` does without)"
+                                   : "");
         }
         const fp3_status status = check_rounding(config, ops[i].op, &at, error);
         if (status)

@@ -14,9 +14,10 @@ fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
     if (options->arithmetic != FP3_DOUBLE_SINGLE)
         return FP3_OK;
     if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "`exact-division` is of floats: double-single has quotients and roots of "
-                        "its own");
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "`exact-division` applies to plain floats: double-single has quotients and roots of "
+            "its own");
     if (!options->config->nearest || !options->config->subnormal)
         return fp3_fail(error, FP3_E_PROGRAM, "double-single needs %s, and configuration '%s' %s",
                         options->config->nearest ? "subnormal numbers" : "rounding to nearest",

@@ -6,7 +6,7 @@
 
 #include "options.h"
 
-#define TAKEN "adaptive steps have a '%s' of their own: found one in the model"
+#define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
 
 typedef struct {

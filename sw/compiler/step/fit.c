@@ -146,8 +146,8 @@ static fp3_status check_stoermer_events(const fitting *f, fp3_error *error) {
         const fp3_event *event = &f->model->events[i];
         if (fp3_fit_has_event(f->fit, f->model, event))
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "line %" PRIu32 ": integrator '%s' goes on from the positions of two "
-                            "steps: found an event, which would change one of them",
+                            "line %" PRIu32 ": integrator '%s' works from the positions of two "
+                            "steps: found an event, which would change only one of them",
                             event->line, f->integrator->name);
     }
     return FP3_OK;
@@ -225,8 +225,8 @@ fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
     const fp3_quantity *q = &model->states[fit->fallen];
     const int length = asprintf(
         warning,
-        "line %" PRIu32 ": '%s' is of order %u here, not %u: %s' depends on %s, which is no "
-        "position, and a splitting advances that as Euler's method does",
+        "line %" PRIu32 ": '%s' has order %u here, not %u: %s' depends on %s, which is not a "
+        "position, and a splitting advances it by Euler's method",
         model->exprs[q->derivative].line, integrator->name, fit->order, integrator->order, q->name,
         model->states[fit->by].name);
     if (length >= 0)
