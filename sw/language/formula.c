@@ -91,7 +91,8 @@ static fp3_status take(const ode_parser *p, fp3_token begin, uint32_t root, fp3_
         memcpy(made->names[i], p->params[i].quantity.name, FP3_NAME_SIZE);
     memcpy(made->exprs, p->exprs, p->expr_count * sizeof *made->exprs);
     made->column = begin.location.column;
-    snprintf(made->begin, sizeof made->begin, "%s", fp3_token_shown(begin, made->begin));
+    char shown[FP3_TOKEN_SHOWN_SIZE];
+    snprintf(made->begin, sizeof made->begin, "%s", fp3_token_shown(begin, shown));
     *formula = made;
     return FP3_OK;
 }
