@@ -14,7 +14,7 @@
 //           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
 `include "host/answer.vh"
-`include "lane/lane.vh"
+`include "lane/bundles.vh"
 `include "sequence/issued.vh"
 module tile_scheduler #(
 `include "config/config.vh"
@@ -150,7 +150,7 @@ module tile_scheduler #(
                     report_count, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
+    // What was granted TO_END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
     generate
         if (DUAL == 0) begin : g_granted
             wire granted;
@@ -158,10 +158,10 @@ module tile_scheduler #(
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
                                   retire_batch, retire_context, retire_register};
-            delay #(.W(1), .N(END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+            delay #(.W(1), .N(TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin
-                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", END + 1); $stop;
+                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", TO_END + 1); $stop;
                 end
         end
     endgenerate

@@ -144,7 +144,7 @@ def core(top, row, around):
 
 
 # Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
-GROUP = """`include "lane/lane.vh"
+GROUP = """`include "lane/bundles.vh"
 module top #(
 {parameters}) (
     input  wire                 clk_i,

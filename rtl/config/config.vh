@@ -39,9 +39,9 @@ parameter integer MUL_SPARE = MUL_LATENCY -
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
 parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
-// In cycles from what the lanes are told of an instruction: the result, and what they are told of its end.
-parameter integer RESULT = TIMING_OPERANDS + LATENCY,
-parameter integer END    = RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
+// In cycles from what the lanes are told of an instruction: to its result, and to what they are told of its end.
+parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
+parameter integer TO_END    = TO_RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
 // schedulers share an adder that z may want at once, or where z is what is read for y.

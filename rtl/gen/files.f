@@ -25,9 +25,10 @@ rtl/host/counters.v
 rtl/host/host_decode.v
 rtl/host/host_port.v
 rtl/host/hub.v
-rtl/lane/dual_lane.v
+rtl/lane/dual_end.v
 rtl/lane/dual_operands.v
 rtl/lane/lane.v
+rtl/lane/lane_end.v
 rtl/lane/lane_group.v
 rtl/lane/lane_operands.v
 rtl/lane/lane_report.v

@@ -16,12 +16,10 @@ module dual_operands #(
 `include "config/config.vh"
 ) (
     input  wire                     clk_i,
-    input  wire                     sum_write_i,
-    input  wire [REG_W-1:0]         sum_register_i,
-    input  wire [31:0]              sum_value_i,
-    input  wire                     product_write_i,
-    input  wire [REG_W-1:0]         product_register_i,
-    input  wire [31:0]              product_value_i,
+    // Of the product, of the sum
+    input  wire [1:0]               write_i,
+    input  wire [2*REG_W-1:0]       write_register_i,
+    input  wire [63:0]              write_value_i,
     input  wire [`DUAL_ISSUE_W-1:0] issue_i,           // cycle 0
     output wire [2*`OPERANDS_W-1:0] operands_o,        // cycle 3: of the product, of the sum
     output wire [31:0]              stored_o,          // likewise
@@ -30,23 +28,25 @@ module dual_operands #(
 `include "gen/choices.vh"
     `DUAL_ISSUE_FIELDS
     assign `DUAL_ISSUE = issue_i;
-    wire unused = &{issue_record, issue_register, issue_st_row, sum_register_i[0], product_register_i[0]};
+    wire unused = &{issue_record, issue_register, issue_st_row, write_register_i[0], write_register_i[REG_W]};
 
+    wire [BANK_W-1:0] sum_spot     = write_register_i[REG_W-1:1];
+    wire [BANK_W-1:0] product_spot = write_register_i[2*REG_W-1:REG_W+1];
     wire [31:0] sum_x, product_x, product_y;           // cycle 2
     wire [31:0] sum_y_read;                            // cycle 0
     reg  [31:0] sum_y_q;
     always @(posedge clk_i) sum_y_q <= sum_y_read;
-    ram_registered #(.ADDR_W(BANK_W)) u_sum_x (.clk_i(clk_i), .write_i(sum_write_i),
-        .write_addr_i(sum_register_i[REG_W-1:1]), .write_value_i(sum_value_i),
+    ram_registered #(.ADDR_W(BANK_W)) u_sum_x (.clk_i(clk_i), .write_i(write_i[0]),
+        .write_addr_i(sum_spot), .write_value_i(write_value_i[31:0]),
         .read_i(1'b1), .read_addr_i(issue_sum_x), .read_value_o(sum_x));
-    ram_registered #(.ADDR_W(BANK_W)) u_sum_y (.clk_i(clk_i), .write_i(product_write_i),
-        .write_addr_i(product_register_i[REG_W-1:1]), .write_value_i(product_value_i),
+    ram_registered #(.ADDR_W(BANK_W)) u_sum_y (.clk_i(clk_i), .write_i(write_i[1]),
+        .write_addr_i(product_spot), .write_value_i(write_value_i[63:32]),
         .read_i(1'b1), .read_addr_i(issue_sum_y), .read_value_o(sum_y_read));
-    ram_registered #(.ADDR_W(BANK_W)) u_product_x (.clk_i(clk_i), .write_i(sum_write_i),
-        .write_addr_i(sum_register_i[REG_W-1:1]), .write_value_i(sum_value_i),
+    ram_registered #(.ADDR_W(BANK_W)) u_product_x (.clk_i(clk_i), .write_i(write_i[0]),
+        .write_addr_i(sum_spot), .write_value_i(write_value_i[31:0]),
         .read_i(1'b1), .read_addr_i(issue_product_x), .read_value_o(product_x));
-    ram_registered #(.ADDR_W(BANK_W)) u_product_y (.clk_i(clk_i), .write_i(product_write_i),
-        .write_addr_i(product_register_i[REG_W-1:1]), .write_value_i(product_value_i),
+    ram_registered #(.ADDR_W(BANK_W)) u_product_y (.clk_i(clk_i), .write_i(write_i[1]),
+        .write_addr_i(product_spot), .write_value_i(write_value_i[63:32]),
         .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
 
     wire        twice_i1, half_i1, minus_x_i2, minus_y_i2, st_x_i2, st_y_i2;

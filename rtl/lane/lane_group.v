@@ -12,7 +12,7 @@
 //           takes a cycle for each lane: it is read when nothing moves.
 // Reset     Goes from group to group as an instruction does; the lanes have it with what they hear.
 `default_nettype none
-`include "lane/lane.vh"
+`include "lane/bundles.vh"
 module lane_group #(
     parameter N = 1,                   // lanes
 `include "config/config.vh"
@@ -57,21 +57,12 @@ module lane_group #(
         for (l = 0; l < N; l = l + 1) begin : g_lane
             localparam S = STREAMS;
             localparam [LANE_W-1:0] L = l;
-            if (DUAL != 0) begin : g_dual
-                dual_lane #(.CONFIG(CONFIG)) u_lane (
-                    .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                    .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
-                    .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
-                    .operands_o(operands_o[`OPERANDS_W*S*l +: `OPERANDS_W*S]), .result_i(result_i[`RESULT_W*S*l +: `RESULT_W*S]),
-                    .written_o(written_o[`WRITTEN_W*S*l +: `WRITTEN_W*S]));
-            end else begin : g_single
-                lane #(.CONFIG(CONFIG)) u_lane (
-                    .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                    .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
-                    .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
-                    .operands_o(operands_o[`OPERANDS_W*l +: `OPERANDS_W]), .result_i(result_i[`RESULT_W*l +: `RESULT_W]),
-                    .written_o(written_o[`WRITTEN_W*l +: `WRITTEN_W]));
-            end
+            lane #(.CONFIG(CONFIG)) u_lane (
+                .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
+                .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
+                .operands_o(operands_o[`OPERANDS_W*S*l +: `OPERANDS_W*S]), .result_i(result_i[`RESULT_W*S*l +: `RESULT_W*S]),
+                .written_o(written_o[`WRITTEN_W*S*l +: `WRITTEN_W*S]));
         end
     endgenerate
 

@@ -2,28 +2,25 @@
 //
 // Purpose   The register between a result and the registers' write port, and what the host and the trace hear of it.
 // Latency   One cycle.
-// Hazard    The row comes a cycle later than the rest: it waits for nothing else.
 //
-//     cycle    W                              W+1
-//              valid_i, writes_i, value_i     write_o, value_o; written_o; row_late_i
+//     cycle    W                  W+1
+//              end_i, value_i     write_o, value_o, written_o
 `default_nettype none
+`include "lane/end.vh"
 `include "lane/written.vh"
 module lane_result #(
 `include "config/config.vh"
 ) (
     input  wire                   clk_i,
     input  wire                   rst_i,
-    // W: an instruction ends ...
-    input  wire                   valid_i,
-    input  wire                   absent_i,       // ... of which there is no object
-    input  wire                   executed_i,
-    input  wire                   writes_i,       // ... and writes a register
-    input  wire                   raises_i,       // ... and flags_i are its exceptions
-    input  wire                   constant_i,     // the host writes a register
-    input  wire [REG_W-1:0]       register_i,     // {context, register}
-    input  wire [31:0]            value_i,
+    // W
+    input  wire [`END_W-1:0]      end_i,
+    input  wire                   raises_i,       // flags_i are its exceptions
     input  wire [4:0]             flags_i,
-    input  wire [ROW_W-1:0]       row_late_i,     // W+1
+    input  wire [31:0]            value_i,
+    input  wire                   constant_i,     // the host writes a register: no instruction ends
+    input  wire [REG_W-1:0]       constant_register_i,
+    // W+1
     // W+1
     output wire                   write_o,
     output wire [REG_W-1:0]       register_o,
@@ -31,17 +28,22 @@ module lane_result #(
     output wire [4:0]             flags_o,        // raised
     output wire [`WRITTEN_W-1:0]  written_o
 );
+    `END_FIELDS
+    assign `END = end_i;
+    wire unused = end_arithmetic;
+
     reg             write_q, retired_q, raises_q;
     reg [1:0]       end_q;
     reg [REG_W-1:0] register_q;
     reg [31:0]      value_q;
     reg [4:0]       flags_q;
     always @(posedge clk_i) begin
-        end_q      <= rst_i || !valid_i ? 2'd0 : absent_i ? 2'd1 : executed_i ? 2'd3 : 2'd2;
-        retired_q  <= !rst_i && writes_i;
-        write_q    <= !rst_i && (writes_i || constant_i);
+        end_q      <= rst_i || !end_valid ? 2'd0 : end_absent ? 2'd1 : end_executed ? 2'd3 : 2'd2;
+        retired_q  <= !rst_i && end_writes;
+        write_q    <= !rst_i && (end_writes || constant_i);
         raises_q   <= !rst_i && raises_i;
-        {register_q, value_q, flags_q} <= {register_i, value_i, flags_i};
+        register_q <= constant_i ? constant_register_i : end_register;
+        {value_q, flags_q} <= {value_i, flags_i};
     end
     assign write_o    = write_q && !rst_i;
     assign register_o = register_q;
@@ -52,7 +54,7 @@ module lane_result #(
     assign written_end      = end_q;
     assign written_valid    = retired_q;
     assign written_context  = {{16-CONTEXT_W{1'b0}}, register_q[REG_W-1:REGISTER_W]};
-    assign written_object   = {{32-ROW_W{1'b0}}, row_late_i};
+    assign written_object   = {{32-ROW_W{1'b0}}, end_row};
     assign written_register = {{6-REGISTER_W{1'b0}}, register_q[REGISTER_W-1:0]};
     assign written_value    = value_q;
     assign written_flags    = flags_o;

@@ -14,48 +14,40 @@
 //     cycle    W-3    W-2   W-1   W
 //     load     row    read        word_o
 `default_nettype none
+`include "lane/move.vh"
 module lane_store #(
 `include "config/config.vh"
 ) (
     input  wire                  clk_i,
     input  wire                  rst_i,
-    input  wire [1:0]            record_i,
-    // A store: cycle 0, 2, 3
-    input  wire                  st_i,
-    input  wire                  lasts_i,        // in the last part, which objects execute that fell asleep
-    input  wire [REGISTER_W-1:0] register_i,
-    input  wire [ROW_W-1:0]      row_i2_i,
-    input  wire                  absent_i2_i,    // there is no object
-    input  wire                  asleep_i2_i,
-    input  wire [31:0]           value_i3_i,
-    // A load
-    input  wire                  load_i,         // there is one: for the check
-    input  wire [ROW_W-1:0]      row_w3_i,
-    input  wire [REGISTER_W-1:0] register_w3_i,
-    output wire [31:0]           word_o,         // W
+    input  wire [`MOVE_W-1:0]    move_i,
+    input  wire [31:0]           value_i3_i,     // of a store
+    output wire [31:0]           word_o,         // of a load
     // The host
     input  wire                  host_i,         // host_address_i is what is read
     input  wire                  host_write_i,
     input  wire [STORE_W-1:0]    host_address_i,
     input  wire [31:0]           host_word_i
 );
+    `MOVE_FIELDS
+    assign `MOVE = move_i;
     wire                  st_i2, lasts_i2;
     wire [REGISTER_W-1:0] register_i2;
-    delay #(.W(2+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_i, lasts_i, register_i}),
+    delay #(.W(2+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_lasts, move_register}),
         .q_o({st_i2, lasts_i2, register_i2}));
 
-    wire [STORE_W-1:0] st_base = {row_i2_i, 3'd0} << record_i;
-    wire [STORE_W-1:0] ld_base = {row_w3_i, 3'd0} << record_i;
+    wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record;
+    wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record;
     reg                st_q, write_q;                                  // cycle 3, 4
     reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
     reg  [31:0]        write_word_q;
     always @(posedge clk_i) begin
-        st_q            <= !rst_i && st_i2 && !absent_i2_i && !(asleep_i2_i && !lasts_i2);
+        st_q            <= !rst_i && st_i2 && !move_st_absent && !(move_st_asleep && !lasts_i2);
         st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2};
         write_q         <= !rst_i && (st_q || host_write_i);
         write_address_q <= host_i ? host_address_i : st_address_q;
         write_word_q    <= host_i ? host_word_i : value_i3_i;
-        read_address_q  <= host_i ? host_address_i : ld_base | {{STORE_W-REGISTER_W{1'b0}}, register_w3_i};
+        read_address_q  <= host_i ? host_address_i : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register};
     end
     ram_registered #(.ADDR_W(STORE_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
         .write_addr_i(write_address_q), .write_value_i(write_word_q),
@@ -64,13 +56,13 @@ module lane_store #(
 `ifdef FP3_CHECK
     reg load_q;                                                        // W-2
     always @(posedge clk_i) begin
-        load_q <= !rst_i && load_i;
+        load_q <= !rst_i && move_load;
         if (!rst_i && load_q && write_q && write_address_q == read_address_q) begin
             $display("%m: word %0d is loaded in the cycle in which it is stored", read_address_q); $stop;
         end
     end
 `else
-    wire unused = load_i;
+    wire unused = move_load;
 `endif
 endmodule
 `default_nettype wire

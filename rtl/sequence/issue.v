@@ -4,12 +4,12 @@
 //           some cycles later into what its end needs (RETIRE, and the number of its step).
 //           Operands: x is b, y is a or what is stored, z is c or a.
 //
-// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o END cycles after issue_o, step_o RESULT: so that a
-//           lane has them where it needs them, TIMING_END cycles before the result and with it.
+// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o TO_END cycles after issue_o,
+//           step_o TO_RESULT: so a lane has them where it needs them, TIMING_END cycles before the result and with it.
 // Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
 //           round from its first issue to its last.
 //
-//     cycle     0          1           1 + END         1 + RESULT
+//     cycle     0          1           1 + TO_END      1 + TO_RESULT
 //               issue_i    issue_o     retire_o        step_o
 `default_nettype none
 `include "front/decoded.vh"
@@ -138,14 +138,14 @@ module issue #(
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
     assign retire_row        = row;
-    delay #(.W(`RETIRE_W), .N(END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
+    delay #(.W(`RETIRE_W), .N(TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     assign valid_o   = valid_q;
     assign context_o = issue_context;
 
     // The number of the step changes with the first of a sweep.
     wire       late, late_begins, late_newstep, late_lasts;
     reg [31:0] step_q;
-    delay #(.W(4), .N(RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
+    delay #(.W(4), .N(TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
         .q_o({late, late_begins, late_newstep, late_lasts}));
     always @(posedge clk_i)
         if (late)
@@ -160,7 +160,7 @@ module issue #(
                              : (begins ? base_i : now_q) + {31'd0, newstep};
     wire                 valid_late;
     wire [31:0]          now_late;
-    delay #(.W(33), .N(RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
+    delay #(.W(33), .N(TO_RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
     reg                  swept_q;              // an instruction has issued: instruction_q for batch_q
     reg  [`DECODED_W+`MARKS_W:0] instruction_q;
     always @(posedge clk_i) begin

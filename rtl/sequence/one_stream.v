@@ -45,6 +45,7 @@ module one_stream #(
     output wire                  last_o,        // the last of its sweep
     input  wire                  grant_i,
     output wire [4:0]            kinds_o,       // it issues: memory, sleep, chain, mul, add
+    output wire                  issued_late_o, // it has issued in the cycle before
     // Lanes and trace
     output wire [`ISSUE_W-1:0]   issue_o,
     output wire [`RETIRE_W-1:0]  retire_o,
@@ -92,6 +93,7 @@ module one_stream #(
     assign issued_context = {{16-CONTEXT_W{1'b0}}, context_number};
     assign issued_word    = word_late_q;
     assign issued_o       = `ISSUED;
+    assign issued_late_o  = issued_valid;
 
 `ifdef FP3_CHECK
     reg  [15:0] age [0:CONTEXTS-1];    // cycles since a context issued

@@ -16,7 +16,7 @@
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
-`include "lane/lane.vh"
+`include "lane/bundles.vh"
 module sequencer #(
 `include "config/config.vh"
 ) (
@@ -126,14 +126,14 @@ module sequencer #(
 
     // What is under way -----------------------------------------------------------------------------
     wire [4:0] kinds;                  // that issue: memory, sleep, chain, mul, add
-    wire       retired, paired;
+    wire       retired, paired, issued_late;
     generate
         if (DUAL != 0) begin : g_two
             two_streams #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
                 .open_i(open), .abort_i(abort), .record_i(record_i),
                 .valid_i(valid_q), .take_i(take), .decoded_i(decoded_q), .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .row_i(row_q), .known_o(known), .load_o(load), .busy_o(busy),
-                .kinds_o(kinds), .paired_o(paired),
+                .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign {adds_o, muls_o, last_o, step_o} = 35'd0;       // nobody shares, and nobody asks for the number of the step
             wire unused_one = &{base, end_step, batch, marks_q};
@@ -143,13 +143,13 @@ module sequencer #(
                 .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q), .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
-                .kinds_o(kinds),
+                .kinds_o(kinds), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .issued_o(issued_o));
             assign paired = 1'b0;
             wire unused_two = &row_q;
         end
     endgenerate
-    delay #(.W(1), .N(TIMING_TOLD + RESULT + TIMING_WRITE)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(busy && grant_i), .q_o(retired));
+    delay #(.W(1), .N(TIMING_TOLD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
     reg under_lasts_q;                 // the last that was taken is in a last part
     always @(posedge clk_i) if (load) under_lasts_q <= lasts_q;
     assign issuing = !fetch_empty || valid_q || busy;

@@ -37,6 +37,7 @@ module two_streams #(
     output wire                      busy_o,
     output wire [4:0]                kinds_o,      // what issues: memory, sleep, chain, mul, add
     output wire                      paired_o,     // two instructions
+    output wire                      issued_late_o,// one has issued in the cycle before
     // Lanes and trace: of sums and loads and stores, of products in the high bits
     output wire [`DUAL_ISSUE_W-1:0]  issue_o,
     output wire [`DUAL_RETIRE_W-1:0] retire_o,
@@ -106,13 +107,13 @@ module two_streams #(
     assign issue_o      = `DUAL_ISSUE;
 
     `DUAL_RETIRE_FIELDS
-    delay #(.W(5), .N(END)) u_ends (.clk_i(clk_i), .rst_i(rst_i),
+    delay #(.W(5), .N(TO_END)) u_ends (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({sum_valid, sum_valid && sum_adds, sum_valid && sum_loads, product_valid, product_valid && product_loads}),
         .q_o({retire_sum_valid, retire_sum_adds, retire_sum_loads, retire_product_valid, retire_product_loads}));
-    delay #(.W(2*REG_W), .N(END)) u_registers (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(2*REG_W), .N(TO_END)) u_registers (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_context, sum_register, product_context, product_register}),
         .q_o({retire_sum_context, retire_sum_register, retire_product_context, retire_product_register}));
-    delay #(.W(2*ROW_W), .N(END-1)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
+    delay #(.W(2*ROW_W), .N(TO_END-1)) u_rows (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_row, product_row}), .q_o({retire_sum_row, retire_product_row}));
     assign retire_load_row      = retire_product_loads ? retire_product_row : retire_sum_row;
     assign retire_load_register = retire_product_loads ? retire_product_register : retire_sum_register;
@@ -126,6 +127,7 @@ module two_streams #(
     end
     assign kinds_o  = (sum_kind_q & {5{sum_busy}}) | (product_kind_q & {5{product_busy}});
     assign paired_o = sum_busy && product_busy;
+    assign issued_late_o = sum_valid || product_valid;
 
     genvar p;
     generate

@@ -1,9 +1,12 @@
-// lane.vh: all bundles of a lane: what it is told, what it answers, and what goes to its arithmetic and back.
+// bundles.vh: all bundles of a lane: what it is told, what goes on inside, what it answers, and what goes to
+// its arithmetic and back.
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 `include "lane/dual_issue.vh"
 `include "lane/dual_retire.vh"
 `include "lane/access.vh"
+`include "lane/move.vh"
+`include "lane/end.vh"
 `include "lane/report.vh"
 `include "lane/written.vh"
 `include "unit/socket.vh"

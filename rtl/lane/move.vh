@@ -1,0 +1,16 @@
+// move.vh: the bundle MOVE, the words that a lane loads from its store and stores there.
+// front/decoded.vh shows how a bundle is used. lane_store says in which cycle each is.
+//
+//     record                      a record has 8 << record words
+//     st, lasts, register         a store: in the last part of a visit; of which register
+//     st_row, st_absent, st_asleep   of which object, two cycles later: there is none, it sleeps
+//     load                        a word is loaded
+//     load_row, load_register     which one; or, without load, the row that is looked at
+`define MOVE_W (7 + 2*REGISTER_W + 2*ROW_W)
+`define MOVE_FIELDS \
+    wire [1:0] move_record; \
+    wire move_st, move_lasts, move_st_absent, move_st_asleep, move_load; \
+    wire [REGISTER_W-1:0] move_register, move_load_register; \
+    wire [ROW_W-1:0] move_st_row, move_load_row;
+`define MOVE {move_record, move_st, move_lasts, move_st_absent, move_st_asleep, move_load, move_register, move_load_register, \
+    move_st_row, move_load_row}
