@@ -17,6 +17,10 @@
 `include "sequence/issued.vh"
 module fp3 #(
 `include "gen/parameters.vh"
+,
+// verilator lint_off UNUSEDPARAM
+`include "config/derived.vh"
+// verilator lint_on UNUSEDPARAM
 ) (
     // The bus: AXI4-Lite
     input  wire                 s_axi_aclk,
@@ -64,16 +68,16 @@ module fp3 #(
     // Reset reaches far: from a register, and from group to group of the lanes. It lasts until it has passed the last
     // one, whose reports would still be old; so long nothing is taken from the bus. At power-up all are in reset.
     wire             clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
-    reg [GROUPS+1:0] reset_q = {GROUPS+2{1'b1}};
+    localparam integer RESET = GROUPS + TIMING_RESET;
+    reg [RESET-1:0]  reset_q = {RESET{1'b1}};
     wire             rst = reset_q[0];
     reg              irq_q;
-    always @(posedge clk) reset_q <= bus_rst ? {GROUPS+2{1'b1}} : reset_q >> 1;
+    always @(posedge clk) reset_q <= bus_rst ? {RESET{1'b1}} : reset_q >> 1;
 
-    // What streams: objects and their status, programs and lists. Below those windows everything is alone. As many
-    // requests may be under way as fill the path to the lanes and back; of one object, few.
-    localparam STREAM = 1 << ADDRESS_SPACE_HI | {16'd0, ADDR_WINDOW_PROGRAM | (ADDR_WINDOW_AWAKE & ~ADDR_WINDOW_CONSTANTS)};
+    // As many requests may be under way as fill the path to the lanes and back; of one object, few.
+    localparam [31:0] STREAM = {8'd0, ADDRESS_STREAM};
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
-    localparam READS_W  = STORE_WORDS != 0 ? $clog2(GROUPS + 13) : 2;
+    localparam READS_W  = STORE_WORDS != 0 ? $clog2(MEMORY_LATENCY + TIMING_BUS) : 2;
     wire                 asks, taken, write;
     wire [ADDRESS_W-1:0] address;
     wire [31:0]          wdata;

@@ -1,11 +1,11 @@
 // tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
 //
-// Purpose   Puts together what belongs to one program: host registers, counters, the sequencer and
+// Purpose   Puts together what belongs to one program: the host port, the sequencer and
 //           the lanes that follow it, each group of four a cycle after the one before.
 //
 //           host_port ─► sequencer ─► group ─► group ─► ...
-//               ▲            ▲                           │
-//               └─ counters  └──────── reports ◄─────────┘
+//                            ▲                           │
+//                            └──────── reports ◄─────────┘
 //
 // Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says; adds_o and
 //           muls_o ask for a unit two cycles before the first lane says the instruction, five before its
@@ -14,6 +14,8 @@
 //           The host accesses lanes, and writes the program, only between runs.
 `default_nettype none
 `include "host/answer.vh"
+`include "gen/settings.vh"
+`include "gen/events.vh"
 `include "lane/bundles.vh"
 `include "sequence/issued.vh"
 module tile_scheduler #(
@@ -40,34 +42,27 @@ module tile_scheduler #(
     output wire [`WRITTEN_W*STREAMS*LANES-1:0]  written_o,
     output wire [`ISSUED_W*STREAMS-1:0] issued_o           // trace
 );
-`include "gen/registers.vh"
 `include "host/lane_host.vh"
 
     // The host -------------------------------------------------------------------------------
     wire                 start, stop, running, illegal, program_write, access, host_write;
-    wire [31:0]          steps, visit, clock, host_wdata, word;
-    wire [1:0]           record;
-    wire [PROGRAM_W-1:0] step, step_end, last_end, illegal_pc, program_addr;
+    wire [31:0]          host_wdata, word;
+    wire [`SETTINGS_W-1:0] settings;
+    wire [`EVENTS_W-1:0]   events;
+    wire [PROGRAM_W-1:0] illegal_pc, program_addr;
     wire [2:0]           space;
     wire [19:0]          address;
-    wire                 counters_clear, counters_read, counters_high;
-    wire [3:0]           counters_index;
-    wire [31:0]          counters_value;
     wire [4:0]           flags;
-    host_port #(.CONFIG(CONFIG), .MEMORY_LATENCY(GROUPS + TIMING_ACCESS)) u_host_port (
+    host_port #(.CONFIG(CONFIG)) u_host_port (
         .clk_i(clk_i), .rst_i(rst_i),
         .req_valid_i(req_valid_i), .req_write_i(req_write_i),
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
-        .start_o(start), .stop_o(stop), .steps_o(steps), .visit_o(visit), .clock_o(clock),
-        .record_o(record), .step_o(step), .step_end_o(step_end), .end_o(last_end),
-        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags),
+        .start_o(start), .stop_o(stop), .settings_o(settings),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
-        .wdata_o(host_wdata), .rdata_i(word),
-        .counters_clear_o(counters_clear), .counters_read_o(counters_read), .counters_index_o(counters_index),
-        .counters_high_o(counters_high),
-        .counters_value_i(counters_value));
+        .wdata_o(host_wdata), .rdata_i(word));
 
     // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for one asks for
     // nothing else until it is there.
@@ -98,12 +93,10 @@ module tile_scheduler #(
     wire [32*(GROUPS+1)-1:0]        data;
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
-    wire [COUNTERS-1:0]             events;
     assign running_o = running;
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
-        .start_i(start), .stop_i(stop), .steps_i(steps), .visit_i(visit), .clock_i(clock), .record_i(record),
-        .step_i(step), .step_end_i(step_end), .end_i(last_end),
+        .start_i(start), .stop_i(stop), .settings_i(settings),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
@@ -139,10 +132,6 @@ module tile_scheduler #(
                 .written_o(written[`WRITTEN_W*STREAMS*F +: `WRITTEN_W*STREAMS*N]));
         end
     endgenerate
-
-    counters #(.N(COUNTERS)) u_counters (
-        .clk_i(clk_i), .clear_i(rst_i || counters_clear), .event_i(events),
-        .read_i(counters_read), .index_i(counters_index), .high_i(counters_high), .value_o(counters_value));
 
     // The last group has no next one; sequencer hears the rest of its report.
     wire unused = &{resets[GROUPS], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],

@@ -9,7 +9,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, parameters, decode, timing, c, rdl, pages, fusesoc).
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, rdl, pages, fusesoc).
 """
 
 import argparse
@@ -18,7 +18,7 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, pages, parameters, rdl, registers, timing, verilog
+from fp3gen import c, decode, fusesoc, host, pages, parameters, rdl, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import MARK
@@ -38,7 +38,9 @@ def outputs(root):
         "rtl/gen/parameters.vh": parameters.parameters_verilog(known, regs),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
-        "rtl/gen/shown.vh": parameters.shown_verilog(regs, known),
+        "rtl/gen/host_map.vh": host.host_map_verilog(regs, isa["revision"]),
+        "rtl/gen/settings.vh": host.settings_verilog(regs),
+        "rtl/gen/events.vh": host.events_verilog(regs),
         "rtl/gen/fp3.rdl": rdl.rdl_file(isa, regs, known, configs, parameters.default_row(known)),
         "rtl/gen/files.f": fusesoc.file_list(root),
         "fp3.core": fusesoc.core_file(root, configs),
@@ -47,7 +49,7 @@ def outputs(root):
         "sw/gen/operations.h": c.operations_c(isa, registers.exceptions(regs)),
         "rtl/gen/estimates.vh": verilog.estimates_verilog(),
         "sw/gen/estimates.h": c.estimates_c(),
-        "sw/gen/registers.h": c.registers_c(regs),
+        "sw/gen/registers.h": c.registers_c(regs, isa["revision"]),
         "sw/gen/configs.h": c.configs_c(known, configs),
         "sw/gen/timing.h": timing.timing_c(cycles),
         "sw/gen/integrators.h": c.integrators_c(root),

@@ -3,7 +3,7 @@
 // Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has the frames.
 //
 //           rxd ──► uart_rx ──► slip_rx ──► request_rx ─┐
-//           txd ◄── uart_tx ◄── slip_tx ◄── answer_tx ◄─┴─ execute ◄──► the bus
+//           txd ◄── uart_tx ◄── slip_tx ◄── answer_tx ◄─┴─ transact ◄─► the bus
 //
 // Latency   An answer's first byte is on its way some cycles after the request's last byte and what the bus takes.
 // Promise   Every whole and right frame that begins while no other one is executed or answered has one answer.
@@ -72,7 +72,7 @@ module uart_bridge #(
     uart_tx #(.DIVISOR(DIVISOR)) u_uart_tx (
         .clk_i(clk_i), .rst_i(rst_i), .valid_i(says), .ready_o(said), .byte_i(said_byte), .txd_o(uart_txd));
 
-    execute #(.ADDRESS_W(ADDRESS_W)) u_execute (
+    transact #(.ADDRESS_W(ADDRESS_W)) u_transact (
         .clk_i(clk_i), .rst_i(rst_i),
         .idle_o(idle), .request_i(request), .sequence_i(sequence_in), .write_i(write), .last_i(last), .address_i(address),
         .store_i(store), .store_at_i(store_at), .store_word_i(store_word),

@@ -7,47 +7,9 @@
 //     ) ( ...
 //     lane #(.CONFIG(CONFIG)) u_lane ( ...
 //
-// The other names follow from CONFIG and are not to be set. A module uses those that it needs.
+// The other names follow from CONFIG (derived.vh) and are not to be set. A module uses those that it needs.
 // verilator lint_off UNUSEDPARAM
 `include "gen/config_keys.vh"
 ,
-// Widths: of the number of a register, of a context (the constants are one more, or two), of a word of
-// program, of a word of store, of a row of store (a record has at least 8 words), of a lane; of a
-// register's number with its context's, and in a bank of sums or products.
-parameter integer REGISTER_W = $clog2(REGISTERS),
-parameter integer CONTEXT_W  = $clog2(CONTEXTS + 1 + DUAL),
-parameter integer PROGRAM_W  = $clog2(PROGRAM_WORDS),
-parameter integer STORE_W    = $clog2(STORE_WORDS),
-parameter integer ROW_W      = STORE_W - 3,
-parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
-parameter integer REG_W      = CONTEXT_W + REGISTER_W,
-parameter integer BANK_W     = REG_W - 1,
-// Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.
-parameter integer STREAMS    = DUAL + 1,
-// What fp_value does: VALUES, CHOICE_W
-`include "gen/config_values.vh"
-// What the machine takes of cycles: TIMING_...
-`include "gen/timing.vh"
-// Plain registers behind a core: what its latency has more than its cuts.
-parameter integer ADD_SPARE = ADD_LATENCY -
-    ({31'd0, ADD_CUTS[0]} + {31'd0, ADD_CUTS[1]} + {31'd0, ADD_CUTS[2]} + {31'd0, ADD_CUTS[3]}
-     + {31'd0, ADD_CUTS[4]} + {31'd0, ADD_CUTS[5]} + {31'd0, ADD_CUTS[6]}),
-parameter integer MUL_SPARE = MUL_LATENCY -
-    ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
-     + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
-// Where contexts take turns, from operands to result; and as if all operands were read as soon as a sum's scaled one.
-parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
-                               : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
-parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
-// In cycles from what the lanes are told of an instruction: to its result, and to what they are told of its end.
-parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
-parameter integer TO_END    = TO_RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
-// There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
-// registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
-// schedulers share an adder that z may want at once, or where z is what is read for y.
-parameter integer Z_LATE  = INTERLEAVE != 0 && CHAIN != 0 && VALUES == 0 && SCHEDULERS == 1 ? MUL_LATENCY : 0,
-// And: from an issue to the next one of the same context, at least; and from the last issue
-// of a round to its last report, through the lanes and back.
-parameter integer GAP     = LATENCY + TIMING_GAP,
-parameter integer SETTLE  = LATENCY + LANES + TIMING_SETTLE
+`include "config/derived.vh"
 // verilator lint_on UNUSEDPARAM

@@ -16,7 +16,7 @@
 `default_nettype none
 module fp_add #(
     parameter       EXP       = 8,     // exponent bits, > $clog2(FRAC + 4)
-    parameter       FRAC      = 23,    // fraction bits, >= 2
+    parameter       FRAC      = 23,    // fraction bits, 2 to 30
     parameter       SUBNORMAL = 1,     // 1: gradual underflow, 0: flush to zero
     parameter       NEAREST   = 1,     // 1: to nearest, ties to even, 0: toward zero
     // A register after: 0 compare, 1 swap, 2 align in part, 3 align, 4 add, 5 pick, 6 choose.
@@ -31,6 +31,14 @@ module fp_add #(
 );
     localparam S = FRAC + 4;           // a sum: carry, hidden bit, fraction, guard, round
     localparam N = $clog2(S);          // bits of a shift amount
+    generate
+        if (FRAC < 2 || FRAC > 30) begin : g_frac
+            FRAC_must_be_2_to_30 u_error ();
+        end
+        if (EXP <= N) begin : g_exp
+            EXP_must_be_more_than_clog2_of_FRAC_plus_4 u_error ();
+        end
+    endgenerate
 
     wire [FRAC:0]   big1, little1;
     wire [FRAC+1:0] diff1;

@@ -1,7 +1,8 @@
 // fp_mul: floating-point multiplier, IEEE 754, subnormals and flags included.
 //
-// Purpose   z = a * b in a binary format with EXP >= 3, FRAC <= 30; default binary32, round to nearest
-//           even, gradual underflow, tininess after rounding, every NaN result 7FC00000.
+// Purpose   z = a * b in a binary format with EXP >= 3, FRAC from 2 to 30 (SW bits hold the shift); default binary32, round
+//           to nearest even, gradual underflow, tininess after rounding, every NaN result 7FC00000. A device's own
+//           fp_mul_product may have a narrower range, and refuses the rest (rtl/fpga/).
 // Latency   popcount(CUTS) cycles, one operation per cycle; CUTS = 0 is a function of a_i, b_i.
 //           There is no reset, enable or valid bit: a tag travels beside it.
 //           Places: 0 operands classified, 1 partial products, 2 first sums, 3 product,
@@ -15,6 +16,7 @@
 //     fp_mul #(.CUTS(7'b0101000)) u (.clk_i(clk), .a_i(x), .b_i(y), .z_o(z), .flags_o(f));
 //     // two edges later z = x * y: 3F800001 * 40000000 = 40000001, f = 0
 `default_nettype none
+`include "fp/place.vh"
 module fp_mul #(
     parameter       EXP       = 8,
     parameter       FRAC      = 23,
@@ -29,8 +31,11 @@ module fp_mul #(
 );
     localparam SW = 6;                 // shift amount: less than 2*FRAC + 3
     generate
-        if (FRAC > 30) begin : g_frac
-            fp_mul_FRAC_must_be_at_most_30 u_error ();
+        if (FRAC < 2 || FRAC > 30) begin : g_frac
+            FRAC_must_be_2_to_30 u_error ();
+        end
+        if (EXP < 3) begin : g_exp
+            EXP_must_be_at_least_3 u_error ();
         end
     endgenerate
 
@@ -66,7 +71,7 @@ module fp_mul #(
 
     // Beside the product: how far to shift it, its exponent, its class.
     wire [SW-1:0] shift_2;
-    wire [EXP+4:0] place_2;
+    wire [`PLACE_W-1:0] place_2, place_3, place_4, place_5;
     fp_mul_scale #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .SW(SW), .CUTS(CUTS[2:1]))
         u_scale (.clk_i(clk_i), .ae_i(ae_0), .be_i(be_0), .af_i(af_0), .bf_i(bf_0),
                  .a_normal_i(a_normal_0), .b_normal_i(b_normal_0),
@@ -75,16 +80,15 @@ module fp_mul #(
     cut #(.W(5), .ON(CUTS[1])) u_1 (.clk_i(clk_i),
         .d_i({nv, a_nan || b_nan, inf, zero, sign_0}), .q_o({nv_1, quiet_1, inf_1, zero_1, sign_1}));
     wire nan = nv_1 || quiet_1;
-    wire [4:0] class_2;
+    wire [4:0] class_2, class_3, class_4, class_5;
     cut #(.W(5), .ON(CUTS[2])) u_2 (.clk_i(clk_i),
         .d_i({nv_1, nan, inf_1 && !nan, zero_1 && !nan, sign_1 && !nan}), .q_o(class_2));
 
     // abc9 believes that multipliers take no time, and would hurry the shift instead of the
     // product; keep makes it see both as early.
     (* keep *) wire [SW-1:0] shift_3;
-    wire [EXP+9:0] side_3, side_4, side_5;
-    cut #(.W(SW+EXP+10), .ON(CUTS[3])) u_3 (.clk_i(clk_i),
-        .d_i({shift_2, place_2, class_2}), .q_o({shift_3, side_3}));
+    cut #(.W(SW+`PLACE_W+5), .ON(CUTS[3])) u_3 (.clk_i(clk_i),
+        .d_i({shift_2, place_2, class_2}), .q_o({shift_3, place_3, class_3}));
 
     // Shift by sixteens, fours and ones; what falls off below is sticky.
     wire [2*FRAC+18:0] wide = {16'd0, p, 1'b0};
@@ -115,8 +119,8 @@ module fp_mul #(
         end
     endgenerate
     wire [1:0] by_1;
-    cut #(.W(FRAC+EXP+18+LOST), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
-        .d_i({fours, lost, shift_3[1:0], side_3}), .q_o({fours_4, losts_4, by_1, side_4}));
+    cut #(.W(W4+LOST+2+`PLACE_W+5), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
+        .d_i({fours, lost, shift_3[1:0], place_3, class_3}), .q_o({fours_4, losts_4, by_1, place_4, class_4}));
 
     wire [W1-1:0]   fine, t;
     wire            lost_4 = |losts_4;
@@ -126,14 +130,13 @@ module fp_mul #(
     // ONE adder rounds: the top bit, from a register, chooses in front of it, and what it chooses (lower) is asked in front
     // of the register.
     localparam [0:0] ONE = CUTS[5];
-    wire            low_4 = side_4[9];                   // low of place_2: low_5, earlier
     wire            lower, st;
-    cut #(.W(FRAC+EXP+15), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
-        .d_i({fine, stick, ONE && !fine[FRAC+2] && !low_4, side_4}), .q_o({t, st, lower, side_5}));
-    wire [EXP-1:0]  field_5;
-    wire            low_5, over_5, by1_5, by2_5, gone_5, nv_5, nan_5, inf_5, zero_5, sign_5;
-    assign {field_5, low_5, over_5, by1_5, by2_5, gone_5, nv_5, nan_5, inf_5, zero_5, sign_5}
-        = side_5;
+    cut #(.W(W1+2+`PLACE_W+5), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
+        .d_i({fine, stick, ONE && !fine[FRAC+2] && !place_4[`PLACE_LOW], place_4, class_4}), .q_o({t, st, lower, place_5, class_5}));
+    `PLACE_FIELDS
+    assign `PLACE = place_5;
+    wire            nv_5, nan_5, inf_5, zero_5, sign_5;
+    assign {nv_5, nan_5, inf_5, zero_5, sign_5} = class_5;
 
     // Both places of the leading one are rounded, by half a unit, and the top bit of t chooses beside
     // the adders; with ONE, lower chooses in front of one adder. A tie then clears the last bit.
@@ -141,8 +144,8 @@ module fp_mul #(
     // infinity itself.
     wire top   = t[FRAC+2];
     localparam [0:0] HALF = NEAREST != 0;
-    wire [EXP+FRAC:0] hi = {field_5, lower ? t[FRAC:0] : t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
-    wire [EXP+FRAC:0] lo = ONE ? hi : {field_5, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
+    wire [EXP+FRAC:0] hi = {place_field, lower ? t[FRAC:0] : t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};
+    wire [EXP+FRAC:0] lo = ONE ? hi : {place_field, t[FRAC:0]} + {{EXP+FRAC{1'b0}}, HALF};
     wire hi_lo_unused = &{hi[0], lo[0]};
     wire lo_tie  = HALF && t[0] && !st;
     wire hi_tie  = lower ? lo_tie : HALF && t[1:0] == 2'b10 && !st;
@@ -153,11 +156,11 @@ module fp_mul #(
     // so the first index is that bit, and both answers wait for it.
     localparam [1:0] ALL_0 = 2'd0, ALL_1 = 2'd1;
     wire       usual = !nan_5 && !inf_5 && !zero_5;
-    wire [1:0] right  = {1'b1, low_5};
-    wire [1:0] tiny   = {gone_5, gone_5 || low_5};
+    wire [1:0] right  = {1'b1, place_low};
+    wire [1:0] tiny   = {place_gone, place_gone || place_low};
     wire [1:0] flush  = tiny & {2{SUBNORMAL == 0}};
-    wire [1:0] beyond = {over_5 || by1_5, over_5} & {2{usual && !gone_5}};
-    wire [1:0] brink  = {by2_5, by1_5 && !low_5} & {2{usual && !gone_5}};     // beyond if it carries
+    wire [1:0] beyond = {place_over || place_by1, place_over} & {2{usual && !place_gone}};
+    wire [1:0] brink  = {place_by2, place_by1 && !place_low} & {2{usual && !place_gone}};     // beyond if it carries
     wire [11:0] early [0:1];
     generate
         for (i = 0; i < 2; i = i + 1) begin : g_top
@@ -173,10 +176,10 @@ module fp_mul #(
     wire [1:0] exponent_5, lowest_5, top_5, rest_5, of_5;
     wire       tiny_5, lossy_5;                       // lossy: inexact whatever t is
     assign {exponent_5, lowest_5, top_5, rest_5, of_5, tiny_5, lossy_5} = top ? early[1] : early[0];
-    wire       some_5 = usual && (t[0] || st || (t[1] && (top || low_5)));
+    wire       some_5 = usual && (t[0] || st || (t[1] && (top || place_low)));
     wire       near   = HALF && SUBNORMAL != 0 && t[0];        // rounds to normal with a finer last place
     wire [1:0] nx_5   = some_5 || lossy_5 ? ALL_1 : of_5;
-    wire [1:0] uf_5   = !tiny_5 || !(some_5 || lossy_5) ? ALL_0 : near ? {1'b1, top || low_5} : ALL_1;    // not of lo or hi
+    wire [1:0] uf_5   = !tiny_5 || !(some_5 || lossy_5) ? ALL_0 : near ? {1'b1, top || place_low} : ALL_1;    // not of lo or hi
 
     wire [EXP+FRAC-1:0] hi_6, lo_6;
     wire [1:0] exponent_6, lowest_6, top_6, rest_6, of_6, uf_6, nx_6;

@@ -12,7 +12,7 @@
 //     // two edges later p == x * y
 `default_nettype none
 module fp_mul_product #(
-    parameter       FRAC = 23,         // fraction bits, at most 36
+    parameter       FRAC = 23,         // fraction bits, 2 to 30: fp_mul checks it
     parameter [3:0] CUTS = 0
 ) (
     input  wire              clk_i,

@@ -10,8 +10,9 @@
 // Latency   popcount(CUTS), beside fp_mul_product: bit 0 is place 1 of fp_mul, bit 1 place 2.
 //
 //     fp_mul_scale u (..., .shift_o(shift), .place_o(place));
-//     // place: {exponent field, low, over, by1, by2, gone}, as fp_mul names them
+//     // place: the bundle PLACE
 `default_nettype none
+`include "fp/place.vh"
 module fp_mul_scale #(
     parameter       EXP       = 8,
     parameter       FRAC      = 23,
@@ -24,28 +25,28 @@ module fp_mul_scale #(
     input  wire [FRAC-1:0] af_i, bf_i,
     input  wire            a_normal_i, b_normal_i,
     output wire [SW-1:0]   shift_o,
-    output wire [EXP+4:0]  place_o
+    output wire [`PLACE_W-1:0] place_o
 );
     localparam XW  = (EXP > SW ? EXP : SW) + 2;     // signed exponent
     localparam TOP = (1 << EXP) - 1;                // exponent field of an infinity
     localparam MID = FRAC + TOP / 2;
 
-    function [SW-1:0] last;            // index of the leading one, four bits at a time
+    function [SW-1:0] leading;            // index of the leading one, four bits at a time
         input [FRAC-1:0] x;
         reg   [FRAC+2:0] y;
         reg   [SW-3:0]   g;
         begin
             y    = {3'b000, x};
-            last = 0;
+            leading = 0;
             for (g = 0; 4*g < FRAC; g = g + 1)
                 if (|y[4*g +: 4])
-                    last = {g, y[4*g+3] || y[4*g+2], y[4*g+3] || (!y[4*g+2] && y[4*g+1])};
+                    leading = {g, y[4*g+3] || y[4*g+2], y[4*g+3] || (!y[4*g+2] && y[4*g+1])};
         end
     endfunction
 
     // Both n are found before it is known which one counts. A zero exponent counts as 1.
     wire both = a_normal_i && b_normal_i;
-    wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? last(bf_i) : last(af_i);
+    wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? leading(bf_i) : leading(af_i);
     wire [XW-1:0] a = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i};
     wire [XW-1:0] b = {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i};
     // a + b - MID: the three bits of a place become two, so that one carry goes through, not two.
@@ -72,12 +73,13 @@ module fp_mul_scale #(
     assign shift_o = SUBNORMAL == 0 ? FRAC[SW-1:0] : under_2 ? room_2 | {SW{beyond_2}} : n_2;
 
     // All that the exponent says is asked there: nothing waits for it.
-    wire [EXP-1:0] field   = exponent_2[EXP-1:0] & {EXP{!under_2}};
-    wire           low     = under_2 || exponent_2 == 0;
-    wire           over    = !under_2 && exponent_2 >= TOP[XW-1:0];
-    wire           by1     = exponent_2 == TOP[XW-1:0] - 1;     // short of overflow
-    wire           by2     = exponent_2 == TOP[XW-1:0] - 2;
-    wire           gone    = SUBNORMAL == 0 && under_2;         // flushed whatever the product
-    assign place_o = {field, low, over, by1, by2, gone};
+    `PLACE_FIELDS
+    assign place_field = exponent_2[EXP-1:0] & {EXP{!under_2}};
+    assign place_low   = under_2 || exponent_2 == 0;
+    assign place_over  = !under_2 && exponent_2 >= TOP[XW-1:0];
+    assign place_by1   = exponent_2 == TOP[XW-1:0] - 1;
+    assign place_by2   = exponent_2 == TOP[XW-1:0] - 2;
+    assign place_gone  = SUBNORMAL == 0 && under_2;
+    assign place_o     = `PLACE;
 endmodule
 `default_nettype wire

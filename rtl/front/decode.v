@@ -22,11 +22,11 @@ module decode #(
     `DECODED_FIELDS
     assign decoded_o = `DECODED;
 
-    wire [4:0] op = word_i[OP_HI:OP_LO];
+    wire [CODE_W-1:0] op = code_of(word_i);
     wire [5:0] field_d = word_i[D_HI:D_LO];
     wire [6:0] field_a = word_i[A_HI:A_LO];
     wire [6:0] field_b = word_i[B_HI:B_LO];
-    wire [6:0] field_c = word_i[C_HI:C_LO];
+    wire [6:0] field_c = more_code(word_i) ? 7'd0 : word_i[C_HI:C_LO];
 
     // Where it goes
     wire valued = choice != CHOICE_NONE;

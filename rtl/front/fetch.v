@@ -15,34 +15,44 @@
 //           not taken.
 `default_nettype none
 `include "front/marks.vh"
+`include "gen/settings.vh"
 module fetch #(
-    parameter ADDR_W = 9               // 2^ADDR_W instruction words
+`include "config/config.vh"
 ) (
     input  wire              clk_i,
     input  wire              rst_i,
     // Program memory
     input  wire              write_i,
-    input  wire [ADDR_W-1:0] write_addr_i,
+    input  wire [PROGRAM_W-1:0] write_addr_i,
     input  wire [31:0]       write_word_i,
-    // A run; what describes it is stable from start_i to its end
+    // A run; its settings are stable from start_i to its end
     input  wire              start_i,
     input  wire              stop_i,
-    input  wire [31:0]       steps_i,   // >= 1
-    input  wire [ADDR_W-1:0] step_i,    // first word of the step part
-    input  wire [ADDR_W-1:0] step_end_i,// its last word
-    input  wire [ADDR_W-1:0] end_i,     // the program's last word
+    input  wire [`SETTINGS_W-1:0] settings_i,
+    input  wire [31:0]       steps_i,   // of this visit, >= 1
     input  wire              skip_i,    // no more steps
     input  wire              more_i,    // another visit follows this one
     output wire              again_o,   // it begins
     // To decode
     input  wire              advance_i,
     output wire              valid_o,
-    output wire [ADDR_W-1:0] pc_o,
+    output wire [PROGRAM_W-1:0] pc_o,
     output wire [31:0]       word_o,
     output wire [`MARKS_W-1:0] marks_o, // its place in its visit
     output wire              empty_o    // nothing left to deliver
 );
-    reg [ADDR_W-1:0] pc_q;
+    // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: the words where the parts begin and end
+    // fit the program counter.
+    `SETTINGS_FIELDS
+    assign `SETTINGS = settings_i;
+    wire [PROGRAM_W-1:0] step = setting_step[PROGRAM_W-1:0];
+    reg  [PROGRAM_W-1:0] step_end_q, end_q;   // the last words of the step part and of the program
+    always @(posedge clk_i) begin
+        step_end_q <= setting_last[PROGRAM_W-1:0] - 1'b1;
+        end_q      <= setting_size[PROGRAM_W-1:0] - 1'b1;
+    end
+
+    reg [PROGRAM_W-1:0] pc_q;
     reg [31:0]       steps_q;           // step parts left to end, this one too; with pending_q one less
     reg              pending_q;         // so that a late advance_i enables no 32 flip-flops
     reg              none_q;            // none left
@@ -52,12 +62,12 @@ module fetch #(
 
     // Whether pc_q is at an end is found a cycle ahead, for each word that may come next.
     reg  steps_over, ends, again_over, again_ends, zero_over, zero_ends;
-    reg  [ADDR_W-1:0] before_step_end_q, before_end_q;
+    reg  [PROGRAM_W-1:0] before_step_end_q, before_end_q;
     always @(posedge clk_i) begin
-        {again_over, again_ends} <= {step_i == step_end_i, step_i == end_i};
-        {zero_over, zero_ends}   <= {step_end_i == {ADDR_W{1'b0}}, end_i == {ADDR_W{1'b0}}};
-        before_step_end_q        <= step_end_i - 1'b1;
-        before_end_q             <= end_i - 1'b1;
+        {again_over, again_ends} <= {step == step_end_q, step == end_q};
+        {zero_over, zero_ends}   <= {step_end_q == {PROGRAM_W{1'b0}}, end_q == {PROGRAM_W{1'b0}}};
+        before_step_end_q        <= step_end_q - 1'b1;
+        before_end_q             <= end_q - 1'b1;
         if (anew)                       {steps_over, ends} <= {zero_over, zero_ends};
         else if (advance_i && active_q) {steps_over, ends} <= again ? {again_over, again_ends}
                                                                     : {pc_q == before_step_end_q, pc_q == before_end_q};
@@ -76,23 +86,23 @@ module fetch #(
 
     always @(posedge clk_i)
         if (anew) begin
-            pc_q     <= {ADDR_W{1'b0}};
+            pc_q     <= {PROGRAM_W{1'b0}};
             none_q   <= steps_i == 32'd1;
             begins_q <= 1'b1;
             lasts_q  <= 1'b0;
         end else if (advance_i && active_q) begin
-            pc_q     <= again ? step_i : pc_q + 1'b1;
+            pc_q     <= again ? step : pc_q + 1'b1;
             none_q   <= none_q || (again && one);
             begins_q <= 1'b0;
             lasts_q  <= lasts_q || (steps_over && !again);
         end
 
     // The word is registered behind the memory, whose own output is late in its cycle.
-    reg [ADDR_W-1:0] pc_1q, pc_2q;
+    reg [PROGRAM_W-1:0] pc_1q, pc_2q;
     reg [`MARKS_W-1:0] marks_1q, marks_2q;
     reg              valid_1q, valid_2q;
 
-    ram_registered #(.ADDR_W(ADDR_W)) u_program (
+    ram_registered #(.ADDR_W(PROGRAM_W)) u_program (
         .clk_i(clk_i), .write_i(write_i), .write_addr_i(write_addr_i), .write_value_i(write_word_i),
         .read_i(advance_i), .read_addr_i(pc_q), .read_value_o(word_o));
 
@@ -113,7 +123,7 @@ module fetch #(
         if (advance_i) begin
             pc_1q    <= pc_q;
             pc_2q    <= pc_1q;
-            marks_1q <= {begins_q, ends && !again, pc_q == step_i, lasts_q};       // as marks.vh has them
+            marks_1q <= {begins_q, ends && !again, pc_q == step, lasts_q};       // as marks.vh has them
             marks_2q <= marks_1q;
         end
 
@@ -124,7 +134,7 @@ module fetch #(
 
 `ifdef FP3_CHECK
     reg                 held_q, stop_q;
-    reg [ADDR_W+31+4:0] shown_q;
+    reg [PROGRAM_W+31+4:0] shown_q;
     always @(posedge clk_i) begin
         held_q  <= valid_o && !advance_i && !stop_i && !rst_i;
         stop_q  <= stop_i && !rst_i;

@@ -25,6 +25,4 @@ parameter integer NEAREST         = CONFIG[671:640],
 parameter integer ADD_LATENCY     = CONFIG[703:672],
 parameter integer MUL_LATENCY     = CONFIG[735:704],
 parameter [6:0]   ADD_CUTS        = CONFIG[742:736],
-parameter [6:0]   MUL_CUTS        = CONFIG[774:768],
-parameter integer GROUP           = 4,                          // lanes that hear the same in the same cycle
-parameter integer GROUPS          = (LANES + GROUP - 1) / GROUP
+parameter [6:0]   MUL_CUTS        = CONFIG[774:768]

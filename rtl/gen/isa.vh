@@ -28,7 +28,8 @@ localparam [31:0] BITS_NAN        = 32'h7fc00000;
 localparam [31:0] BITS_ONE        = 32'h3f800000;
 localparam [31:0] BITS_MINUS_ZERO = 32'h80000000;
 
-// Opcodes.
+// Codes of instructions, and the bits of one.
+localparam CODE_W         = 5;
 localparam [4:0] OP_ADD   = 5'd1;
 localparam [4:0] OP_SUB   = 5'd2;
 localparam [4:0] OP_MUL   = 5'd3;

@@ -34,6 +34,4 @@ parameter [799:0] CONFIG = {
     CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES, INTERLEAVE},
 // verilator lint_on WIDTHCONCAT
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
-parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0),
-parameter integer GROUP  = 4,                          // lanes that hear the same in the same cycle
-parameter integer GROUPS = (LANES + GROUP - 1) / GROUP
+parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)

@@ -3,26 +3,31 @@
 // verilator lint_off UNUSEDPARAM
 
 // Registers.
-localparam [15:0] ADDR_ID        = 16'h0000;
-localparam [15:0] ADDR_SHAPE     = 16'h0004;
-localparam [15:0] ADDR_MEMORY    = 16'h0008;
-localparam [15:0] ADDR_FEATURES  = 16'h000c;
-localparam [15:0] ADDR_CONTROL   = 16'h0010;
-localparam [15:0] ADDR_STATUS    = 16'h0014;
-localparam [15:0] ADDR_RECORD    = 16'h0018;
-localparam [15:0] ADDR_FAULT     = 16'h001c;
-localparam [15:0] ADDR_STEPS     = 16'h0020;
-localparam [15:0] ADDR_STEP      = 16'h0024;
-localparam [15:0] ADDR_LAST      = 16'h0028;
-localparam [15:0] ADDR_SIZE      = 16'h002c;
-localparam [15:0] ADDR_ARRAY     = 16'h0030;
-localparam [15:0] ADDR_STORE     = 16'h0034;
-localparam [15:0] ADDR_VISIT     = 16'h0038;
-localparam [15:0] ADDR_CLOCK     = 16'h003c;
-localparam [15:0] ADDR_FLAGS     = 16'h0040;
-localparam [15:0] ADDR_INTERRUPT = 16'h0044;
+localparam [15:0] ADDR_ID            = 16'h0000;
+localparam [15:0] ADDR_SHAPE         = 16'h0004;
+localparam [15:0] ADDR_MEMORY        = 16'h0008;
+localparam [15:0] ADDR_FEATURES      = 16'h000c;
+localparam [15:0] ADDR_CONTROL       = 16'h0010;
+localparam [15:0] ADDR_STATUS        = 16'h0014;
+localparam [15:0] ADDR_RECORD        = 16'h0018;
+localparam [15:0] ADDR_FAULT         = 16'h001c;
+localparam [15:0] ADDR_STEPS         = 16'h0020;
+localparam [15:0] ADDR_STEP          = 16'h0024;
+localparam [15:0] ADDR_LAST          = 16'h0028;
+localparam [15:0] ADDR_SIZE          = 16'h002c;
+localparam [15:0] ADDR_ARRAY         = 16'h0030;
+localparam [15:0] ADDR_STORE         = 16'h0034;
+localparam [15:0] ADDR_VISIT         = 16'h0038;
+localparam [15:0] ADDR_CLOCK         = 16'h003c;
+localparam [15:0] ADDR_FLAGS         = 16'h0040;
+localparam [15:0] ADDR_INTERRUPT     = 16'h0044;
+localparam [15:0] ADDR_FEATURES_MORE = 16'h0048;
 
 // Fields of registers.
+localparam ID_REVISION_HI              = 7;
+localparam ID_REVISION_LO              = 0;
+localparam ID_LETTERS_HI               = 31;
+localparam ID_LETTERS_LO               = 8;
 localparam SHAPE_REGISTERS_HI          = 7;
 localparam SHAPE_REGISTERS_LO          = 0;
 localparam SHAPE_CONSTANTS_HI          = 15;
@@ -41,6 +46,8 @@ localparam FEATURES_NEAREST_HI         = 4;
 localparam FEATURES_NEAREST_LO         = 4;
 localparam FEATURES_DUAL_HI            = 5;
 localparam FEATURES_DUAL_LO            = 5;
+localparam FEATURES_MORE_HI            = 7;
+localparam FEATURES_MORE_LO            = 7;
 localparam FEATURES_ADD_LATENCY_HI     = 15;
 localparam FEATURES_ADD_LATENCY_LO     = 8;
 localparam FEATURES_MUL_LATENCY_HI     = 23;
@@ -102,6 +109,7 @@ localparam STATUS_STEP_LO              = 5;
 
 // Counters: 64 bits in two words each.
 localparam COUNTERS                             = 14;
+localparam COUNTER_W                            = 4;
 localparam [15:0] ADDR_COUNTERS                 = 16'h0080;
 localparam [15:0] ADDR_COUNTER_CYCLES           = 16'h0080;
 localparam [15:0] ADDR_COUNTER_ISSUED_ADD       = 16'h0088;
@@ -117,22 +125,6 @@ localparam [15:0] ADDR_COUNTER_STALL_WRITEBACK  = 16'h00d0;
 localparam [15:0] ADDR_COUNTER_STALL_ASLEEP     = 16'h00d8;
 localparam [15:0] ADDR_COUNTER_STALL_DRAIN      = 16'h00e0;
 localparam [15:0] ADDR_COUNTER_PAIRED           = 16'h00e8;
-
-// Counters: the bit of each among the events of a cycle.
-localparam EVENT_CYCLES           = 0;
-localparam EVENT_ISSUED_ADD       = 1;
-localparam EVENT_ISSUED_MUL       = 2;
-localparam EVENT_ISSUED_CHAIN     = 3;
-localparam EVENT_ISSUED_SLEEP     = 4;
-localparam EVENT_ISSUED_MEMORY    = 5;
-localparam EVENT_RETIRED          = 6;
-localparam EVENT_STALL_FETCH      = 7;
-localparam EVENT_STALL_DEPENDENCY = 8;
-localparam EVENT_STALL_UNIT       = 9;
-localparam EVENT_STALL_WRITEBACK  = 10;
-localparam EVENT_STALL_ASLEEP     = 11;
-localparam EVENT_STALL_DRAIN      = 12;
-localparam EVENT_PAIRED           = 13;
 
 // Windows onto the memories.
 localparam [15:0] ADDR_WINDOW_CONSTANTS = 16'h2000;
@@ -150,5 +142,8 @@ localparam ADDRESS_WORD_LO      = 2;
 localparam ADDRESS_BROADCAST    = 255;
 localparam SPACE_OBJECTS        = 2;
 localparam SPACE_STATUS         = 3;
+
+// An address streams if it has one of these bits: accesses there follow each other, any other one is alone.
+localparam [23:0] ADDRESS_STREAM = 24'h809000;
 
 // verilator lint_on UNUSEDPARAM

@@ -15,7 +15,7 @@ module host_decode #(
     output wire        counters_o,
     output wire        program_o,
     output wire        memory_o,
-    output wire [3:0]  counter_o,      // which one
+    output wire [5:0]  counter_o,      // which one
     output wire [2:0]  space_o,        // which memory: lane_host.vh
     output wire [19:0] address_o       // its word
 );
@@ -38,10 +38,11 @@ module host_decode #(
     wire [31:0] piece = word >> PIECE_W;
     wire        near  = piece[31:6] == 26'd0;
     wire        low   = part == 2'd0 && addr_i[21:16] == 6'd0;
+    wire [5:0]  counter = {addr_i[8:7] - ADDR_COUNTERS[8:7], addr_i[6:3]};
 
     wire whole = addr_i[1:0] == 2'd0;
     wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
-    wire counters_d  = low && addr_i[15:7] == ADDR_COUNTERS[15:7] && {28'd0, addr_i[6:3]} < COUNTERS;
+    wire counters_d  = low && addr_i[15:9] == ADDR_COUNTERS[15:9] && addr_i[8:7] != 2'd0 && {26'd0, counter} < COUNTERS;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && {26'd0, index} < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && HAS_STORE[index];
@@ -51,7 +52,7 @@ module host_decode #(
 
     reg        registers_q, counters_q, program_q, memory_q;
     reg [2:0]  space_q;
-    reg [3:0]  counter_q;
+    reg [5:0]  counter_q;
     reg [19:0] address_q;
     always @(posedge clk_i) begin
         registers_q <= whole && registers_d;
@@ -60,7 +61,7 @@ module host_decode #(
         memory_q    <= whole && (constants_d || awake_d || wake_d || objects_d || status_d);
         space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
                      : status_d ? HOST_STATUS : HOST_OBJECT;
-        counter_q   <= addr_i[6:3];
+        counter_q   <= counter;
         address_q   <= low ? {7'd0, addr_i[14:2]} : word[19:0];
     end
     assign {registers_o, counters_o, program_o, memory_o} = {registers_q, counters_q, program_q, memory_q};

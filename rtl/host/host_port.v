@@ -1,15 +1,17 @@
-// host_port: the host's registers and its windows onto the memories.
+// host_port: the host's registers, its counters, and its windows onto the memories.
 //
-// Purpose   Loads programs, constants and objects, starts and stops
-//           runs, and shows how they went. isa/registers.toml is the map; every scheduler has one.
+// Purpose   Loads programs, constants and objects, starts and stops runs, and shows how they went. Each
+//           scheduler has one. isa/registers.toml is the map: which registers there are, what can be read and
+//           written, and which of them are settings of a run, which are kept here and handed on as a bundle.
 // Latency   A request is decoded (host_decode), checked, and executed, a cycle each. A write is answered while it is
-//           executed, a read of a register or counter two cycles later, any other read MEMORY_LATENCY + 1 cycles later.
-// Promise   Every request is answered. What has no register, no such access or no sense is
-//           answered with an error and changes nothing.
-// Hazard    A request may come in every cycle. But one to a register, a counter or a constant is alone: none is
-//           before it without an answer, none comes until it is answered and then four cycles more have passed,
-//           and its address and data stand all the time.
-//           With start_o, step_o <= step_end_o <= end_o.
+//           executed, a read of a register or counter two cycles later, any other read MEMORY_LATENCY + 1 cycles later:
+//           from access_o to the word on rdata_i are MEMORY_LATENCY cycles (isa/timing.toml).
+// Promise   Every request is answered. A request to an address without a register, with an access that the
+//           register does not have, or with a value out of its range is answered with an error and changes nothing.
+// Hazard    A request may come in every cycle. But a request to a register, a counter or a constant comes alone: all
+//           requests before it have been answered, the next one comes at least four cycles after its answer,
+//           and its address and data stay as they are until then.
+//           With start_o, step < last <= size in the settings.
 //
 //     cycle           0     1     2     3     4    ..  3+M   M = MEMORY_LATENCY
 //     req_valid_i     1     0     0     0     0
@@ -19,57 +21,43 @@
 //     answer_read     0     0     0     0     0         1    a memory
 `default_nettype none
 `include "host/answer.vh"
+`include "gen/settings.vh"
+`include "gen/events.vh"
 module host_port #(
-    parameter MEMORY_LATENCY = 1,      // cycles from access_o to the word on rdata_i, at least 1
 `include "config/config.vh"
 ) (
-    input  wire                 clk_i,
-    input  wire                 rst_i,
+    input  wire                   clk_i,
+    input  wire                   rst_i,
     // Requests and answers
-    input  wire                 req_valid_i,
-    input  wire                 req_write_i,
-    input  wire [23:0]          req_addr_i,
-    input  wire [31:0]          req_wdata_i,
-    output wire [`ANSWER_W-1:0] answer_o,
-    output wire                 irq_o,
+    input  wire                   req_valid_i,
+    input  wire                   req_write_i,
+    input  wire [23:0]            req_addr_i,
+    input  wire [31:0]            req_wdata_i,
+    output wire [`ANSWER_W-1:0]   answer_o,
+    output wire                   irq_o,
     // The scheduler's run
-    output wire                 start_o,
-    output wire                 stop_o,
-    output wire [31:0]          steps_o,
-    output wire [31:0]          visit_o,
-    output wire [31:0]          clock_o,
-    output wire [1:0]           record_o,                 // its logarithm less 3
-    output wire [PROGRAM_W-1:0] step_o,
-    output wire [PROGRAM_W-1:0] step_end_o,
-    output wire [PROGRAM_W-1:0] end_o,
-    input  wire                 running_i,
-    input  wire                 illegal_i,
-    input  wire [PROGRAM_W-1:0] illegal_pc_i,
-    input  wire [4:0]           flags_i,                  // raised in this cycle
+    output wire                   start_o,
+    output wire                   stop_o,
+    output wire [`SETTINGS_W-1:0] settings_o,             // stable from start_o to the end of the run
+    input  wire                   running_i,
+    input  wire                   illegal_i,
+    input  wire [PROGRAM_W-1:0]   illegal_pc_i,
+    input  wire [4:0]             flags_i,                // raised in this cycle
+    input  wire [`EVENTS_W-1:0]   events_i,
     // Its memories
-    output wire                 program_write_o,
-    output wire [PROGRAM_W-1:0] program_addr_o,
-    output wire                 access_o,
-    output wire                 write_o,
-    output wire [2:0]           space_o,                  // see lane_host.vh
-    output wire [19:0]          addr_o,
-    output wire [31:0]          wdata_o,
-    input  wire [31:0]          rdata_i,
-    // Its counters
-    output wire                 counters_clear_o,
-    output wire                 counters_read_o,
-    output wire [3:0]           counters_index_o,
-    output wire                 counters_high_o,
-    input  wire [31:0]          counters_value_i          // in the next cycle
+    output wire                   program_write_o,
+    output wire [PROGRAM_W-1:0]   program_addr_o,
+    output wire                   access_o,
+    output wire                   write_o,
+    output wire [2:0]             space_o,                // see lane_host.vh
+    output wire [19:0]            addr_o,
+    output wire [31:0]            wdata_o,
+    input  wire [31:0]            rdata_i
 );
-`include "gen/isa.vh"
 `include "gen/registers.vh"
-`include "gen/shown.vh"
+`include "gen/host_map.vh"
 `include "host/lane_host.vh"
-    localparam [31:0] REGISTERS_32 = REGISTERS;
-    localparam [31:0] CONTEXTS_32  = CONTEXTS;
-    localparam [31:0] PROGRAM_32   = PROGRAM_WORDS;
-    localparam [31:0] STORE_32     = STORE_WORDS;
+    localparam [31:0] STORE_32 = STORE_WORDS;
 
     // Decode a request, check it, execute it. What is alone stands until it is answered.
     reg         check_q, write_q, ok_q;
@@ -82,7 +70,7 @@ module host_port #(
     wire        in_registers, in_counters, in_program, in_memory;
     wire [2:0]  space;
     wire [19:0] address;
-    wire [3:0]  counter;
+    wire [5:0]  counter;
     wire        ours = in_registers || in_counters;
     host_decode #(.CONFIG(CONFIG)) u_decode (
         .clk_i(clk_i), .write_i(req_write_i), .addr_i(req_addr_i),
@@ -104,45 +92,45 @@ module host_port #(
         {space_q, address_q, memory_wdata_q} <= {space, address, wdata_q};
     end
 
-    // The run's description and its outcome
-    reg [31:0]        steps_q, visit_q, clock_q;
-    reg [1:0]         record_q;
-    reg [PROGRAM_W:0] step_q, last_q, size_q;
-    reg               done_q, illegal_q, stopped_q, was_running_q;
+    // The settings of a run, and its outcome
+    wire [`SETTINGS_W-1:0] settings;
+    `SETTINGS_FIELDS
+    assign `SETTINGS  = settings;
+    assign settings_o = settings;
+    reg                 done_q, illegal_q, stopped_q, was_running_q;
     reg [PROGRAM_W-1:0] fault_q;
-    reg [4:0]         flags_q;
-    reg               irq_enable_q, ended_q;
+    reg [4:0]           flags_q;
+    reg                 irq_enable_q, ended_q;
 
-    // Whether an access to a register has a meaning is told of its address first, then of what happens now. That keeps
+    // Whether an access to a register has a meaning: its address is looked at first, then what happens now. That keeps
     // the path short.
-    reg  runnable, is_index, is_small, is_record;          // a record: its low bits say is_record, the others are zero, is_small
+    reg  runnable;
     reg  has_q;                                           // there is such an access
-    reg  starts_q, sets_q, sets_index_q, sets_record_q;   // it writes: a start, what describes a run; an index, a record
+    reg  starts_q, sets_q;                                // it is a write: a start; a setting
+    reg  [RANGES-1:0] ranged_q, fits_q;                   // of a setting with this range; the value is in this range
     wire [4:0] register = req_addr_i[6:2];
     wire starts = req_write_i && register == ADDR_CONTROL[6:2] && req_wdata_i[CONTROL_START_LO];
-    reg  has, sets, sets_index;
-    always @* begin
-        {has, sets, sets_index} = 3'b000;
-        case (register)
-            ADDR_CONTROL[6:2]:   has = req_write_i && !(starts && req_wdata_i[CONTROL_STOP_LO]);
-            ADDR_INTERRUPT[6:2]: has = 1'b1;
-            ADDR_STEPS[6:2]:     {has, sets} = {1'b1, req_write_i};
-            ADDR_VISIT[6:2], ADDR_CLOCK[6:2], ADDR_RECORD[6:2]: {has, sets} = {STORE_WORDS != 0, req_write_i};
-            ADDR_STEP[6:2], ADDR_LAST[6:2], ADDR_SIZE[6:2]: {has, sets, sets_index} = {1'b1, {2{req_write_i}}};
-            default:             has = !req_write_i && register <= ADDR_FLAGS[6:2];
-        endcase
-    end
+    wire stops  = req_write_i && register == ADDR_CONTROL[6:2] && req_wdata_i[CONTROL_STOP_LO];
     always @(posedge clk_i) begin
-        {has_q, starts_q, sets_q, sets_index_q} <= {has, starts, sets, sets_index};
-        sets_record_q <= req_write_i && register == ADDR_RECORD[6:2];
-        runnable      <= step_q < last_q && last_q <= size_q;
-        is_index      <= req_wdata_i <= PROGRAM_32;
-        is_small      <= req_wdata_i[31:3] == 29'd0;
-        is_record     <= req_wdata_i[2:0] >= 3'd3 && req_wdata_i[2:0] <= 3'd6;
+        has_q    <= req_write_i ? WRITABLE[register] && !(starts && stops) : READABLE[register];
+        starts_q <= starts;
+        sets_q   <= req_write_i && IS_SETTING[register];
+        runnable <= setting_step < setting_last && setting_last <= setting_size;
     end
-    wire [2:0] record = {1'b0, record_q} + 3'd3;
-    // A list is told of objects that the lane has rows for, a power of two. A list of numbers is only emptied.
-    wire [31:0] rows   = STORE_32 >> record;
+    genvar r;
+    generate
+        for (r = 0; r < RANGES; r = r + 1) begin : g_range
+            localparam [31:0] LEAST = RANGE_LEAST[32*r +: 32], MOST = RANGE_MOST[32*r +: 32], OF = RANGE_OF[32*r +: 32];
+            localparam W = $clog2(MOST + 1);
+            always @(posedge clk_i) begin
+                ranged_q[r] <= req_write_i && OF[register];
+                fits_q[r]   <= (req_wdata_i >> W) == 32'd0 && req_wdata_i[W-1:0] - LEAST[W-1:0] <= MOST[W-1:0] - LEAST[W-1:0];
+            end
+        end
+    endgenerate
+
+    // A list takes objects that the lane has rows for, a power of two. A list of numbers is only emptied.
+    wire [31:0] rows   = STORE_32 >> ({1'b0, setting_record} + SETTING_LEAST[8*ADDR_RECORD +: 3]);
     wire        in_row = (req_wdata_i & ~(rows - 32'd1)) == 32'd0;
     reg         is_row, is_count;
     always @(posedge clk_i) begin
@@ -155,51 +143,42 @@ module host_port #(
     // The outcome is known in the cycle after the end: until then the run goes on.
     wire busy = running_i || was_running_q;
 
-    wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable)
-                             && !(sets_index_q && !is_index) && !(sets_record_q && !(is_small && is_record));
+    wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable) && !(|(ranged_q & ~fits_q));
     wire beyond = (space == HOST_AWAKE && !is_count) || (space == HOST_WAKE && !is_row);
     wire ok = in_registers ? register_ok                  // this access has a meaning now
             : in_counters  ? !write_q
             : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
 
-    // What a read shows, in parts: one mux would be the longest path of the whole.
-    wire [31:0] third = {27'd0, register_q[0] ? {3'd0, ended_q, irq_enable_q} : flags_q};
-    reg  [31:0] first, second;
+    // What the registers show: the configuration, settings, and the outcome. One mux of them all would be the longest
+    // path of the processor: one register of each group is chosen, and a group in the next cycle.
+    localparam GROUP_SIZE = 8, READ_GROUPS = REGISTER_COUNT / GROUP_SIZE;
+    wire [32*REGISTER_COUNT-1:0] kept;                    // the settings as the host wrote them
+    reg  [32*REGISTER_COUNT-1:0] words;
     always @* begin
-        first  = 32'd0;
-        second = 32'd0;
-        case (register_q[2:0])
-            ADDR_ID[4:2]:       first = {24'h465033, ISA_REVISION};
-            ADDR_SHAPE[4:2]:    first = {CONTEXTS_32[15:0], REGISTERS_32[7:0], REGISTERS_32[7:0]};
-            ADDR_MEMORY[4:2]:   first = PROGRAM_32;
-            ADDR_FEATURES[4:2]: first = REGISTER_FEATURES;
-            ADDR_STATUS[4:2]:   first = {28'd0, {stopped_q, illegal_q, done_q} & {3{!busy}}, busy};
-            ADDR_RECORD[4:2]:   first = {29'd0, record};
-            ADDR_FAULT[4:2]:    first = {{32-PROGRAM_W{1'b0}}, fault_q};
-            default: ;
-        endcase
-        case (register_q[2:0])
-            ADDR_STEPS[4:2]:    second = steps_q;
-            ADDR_STEP[4:2]:     second = {{31-PROGRAM_W{1'b0}}, step_q};
-            ADDR_LAST[4:2]:     second = {{31-PROGRAM_W{1'b0}}, last_q};
-            ADDR_SIZE[4:2]:     second = {{31-PROGRAM_W{1'b0}}, size_q};
-            ADDR_ARRAY[4:2]:    second = REGISTER_ARRAY;
-            ADDR_STORE[4:2]:    second = STORE_32;
-            ADDR_VISIT[4:2]:    second = visit_q;
-            ADDR_CLOCK[4:2]:    second = clock_q;
-        endcase
+        words = SHOWN | kept;
+        words[8*ADDR_STATUS + STATUS_RUNNING_LO +: 1]   = busy;
+        words[8*ADDR_STATUS + STATUS_DONE_LO +: 1]      = done_q && !busy;
+        words[8*ADDR_STATUS + STATUS_ILLEGAL_LO +: 1]   = illegal_q && !busy;
+        words[8*ADDR_STATUS + STATUS_STOPPED_LO +: 1]   = stopped_q && !busy;
+        words[8*ADDR_FAULT +: PROGRAM_W]                = fault_q;
+        words[8*ADDR_FLAGS +: 5]                        = flags_q;
+        words[8*ADDR_INTERRUPT + INTERRUPT_ENABLE_LO +: 1] = irq_enable_q;
+        words[8*ADDR_INTERRUPT + INTERRUPT_ENDED_LO +: 1]  = ended_q;
     end
 
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
     // may change, so it still has its meaning. What is read stands a cycle longer.
-    reg  [31:0] first_q, second_q, third_q;
-    reg         counters_high_q;
-    reg  [3:0]  counter_q;
+    reg  [32*READ_GROUPS-1:0] groups_q;
+    reg  [COUNTER_W-1:0]      counter_q;
+    reg                       counters_high_q;
+    integer                   g;
     always @(posedge clk_i) begin
-        {first_q, second_q, third_q} <= {first, second, third};
-        {counter_q, counters_high_q} <= {counter, register_q[0]};
+        for (g = 0; g < READ_GROUPS; g = g + 1) groups_q[32*g +: 32] <= words[32*GROUP_SIZE*g + 32*register_q[2:0] +: 32];
+        {counter_q, counters_high_q} <= {counter[COUNTER_W-1:0], register_q[0]};
     end
-    wire [31:0] shown = in_counters ? counters_value_i : register_q[4] ? third_q : register_q[3] ? second_q : first_q;
+    wire unused = &counter;            // the map has room for more than there are
+    wire [31:0] count;
+    wire [31:0] shown = in_counters ? count : groups_q[32*register_q[4:3] +: 32];
 
     // The answers
     wire        fetched, fetched_ok;
@@ -218,45 +197,46 @@ module host_port #(
     assign {answer_read, answer_read_error, answer_rdata} = {read_q, read_error_q, rdata_q};
     assign answer_o = `ANSWER;
 
-    // Which register a write is for is told while it is checked; what enables that register then is that it may.
+    // Which register a write is for is found while it is checked; whether it may be written enables the register then.
     wire writes = check_q && write_q && in_registers && !rst_i;
-    reg  to_control_q, to_interrupt_q, to_record_q, to_steps_q, to_step_q, to_last_q, to_size_q, to_visit_q, to_clock_q;
+    reg  to_control_q, to_interrupt_q;
     always @(posedge clk_i) begin
         to_control_q   <= writes && register_q == ADDR_CONTROL[6:2];
         to_interrupt_q <= writes && register_q == ADDR_INTERRUPT[6:2];
-        to_record_q    <= writes && register_q == ADDR_RECORD[6:2];
-        to_steps_q     <= writes && register_q == ADDR_STEPS[6:2];
-        to_step_q      <= writes && register_q == ADDR_STEP[6:2];
-        to_last_q      <= writes && register_q == ADDR_LAST[6:2];
-        to_size_q      <= writes && register_q == ADDR_SIZE[6:2];
-        to_visit_q     <= writes && register_q == ADDR_VISIT[6:2];
-        to_clock_q     <= writes && register_q == ADDR_CLOCK[6:2];
     end
+    genvar n;
+    generate
+        for (n = 0; n < REGISTER_COUNT; n = n + 1) begin : g_register
+            localparam integer W = SETTING_BITS[32*n +: 32], AT = SETTING_AT[32*n +: 32];
+            if (IS_SETTING[n]) begin : g_setting
+                reg         to_q;
+                reg [W-1:0] value_q;
+                always @(posedge clk_i) begin
+                    to_q <= writes && register_q == n;
+                    if (rst_i)             value_q <= SETTING_RESET[32*n +: W];
+                    else if (to_q && ok_q) value_q <= wdata_q[W-1:0] - SETTING_LEAST[32*n +: W];
+                end
+                assign settings[AT +: W]  = value_q;
+                assign kept[32*n +: 32]   = {{32-W{1'b0}}, value_q} + SETTING_LEAST[32*n +: 32];
+            end else begin : g_none
+                assign kept[32*n +: 32] = 32'd0;
+                if (W != 0) begin : g_zero
+                    assign settings[AT +: W] = {W{1'b0}};
+                end
+            end
+        end
+    endgenerate
     wire start        = to_control_q && ok_q && wants_start;
     wire to_interrupt = to_interrupt_q && ok_q;
     reg  start_q, clear_q;             // a start reaches far: it begins in the next cycle
     reg  no_steps_q;
     always @(posedge clk_i) begin
-        no_steps_q <= steps_q == 32'd0;
+        no_steps_q <= setting_steps == 32'd0;
         start_q    <= start && !no_steps_q && !rst_i;
         clear_q    <= start;
     end
     assign start_o = start_q;
     assign stop_o  = to_control_q && ok_q && wants_stop && running_i;
-
-    always @(posedge clk_i)
-        if (rst_i) begin
-            {steps_q, visit_q, clock_q, record_q} <= 98'd0;
-            {step_q, last_q, size_q}              <= {3*(PROGRAM_W+1){1'b0}};
-        end else if (ok_q) begin
-            if (to_record_q) record_q <= wdata_q[1:0] + 2'd1;
-            if (to_steps_q)  steps_q  <= wdata_q;
-            if (to_step_q)   step_q   <= wdata_q[PROGRAM_W:0];
-            if (to_last_q)   last_q   <= wdata_q[PROGRAM_W:0];
-            if (to_size_q)   size_q   <= wdata_q[PROGRAM_W:0];
-            if (to_visit_q)  visit_q  <= wdata_q;
-            if (to_clock_q)  clock_q  <= wdata_q;
-        end
 
     always @(posedge clk_i)
         if (rst_i) begin
@@ -278,27 +258,14 @@ module host_port #(
             if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];
         end
 
-    // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: their ends
-    // fit the program counter.
-    reg  [PROGRAM_W:0] step_end_q, last_end_q;
-    always @(posedge clk_i) begin
-        step_end_q <= last_q - 1'b1;
-        last_end_q <= size_q - 1'b1;
-    end
-    assign {steps_o, visit_o, clock_o, record_o} = {steps_q, visit_q, clock_q, record_q};
-    assign step_o     = step_q[PROGRAM_W-1:0];
-    assign step_end_o = step_end_q[PROGRAM_W-1:0];
-    assign end_o      = last_end_q[PROGRAM_W-1:0];
-    wire unused = step_q[PROGRAM_W] | step_end_q[PROGRAM_W] | last_end_q[PROGRAM_W];
-
     assign {access_o, write_o, space_o, addr_o} = {access_q, writes_q, space_q, address_q};
     assign program_write_o  = load_q;
     assign program_addr_o   = address_q[PROGRAM_W-1:0];
     assign wdata_o          = memory_wdata_q;
-    assign counters_clear_o = clear_q;
-    assign counters_read_o  = ours_q;
-    assign counters_index_o = counter_q;
-    assign counters_high_o  = counters_high_q;
+
+    counters #(.N(`EVENTS_W), .INDEX_W(COUNTER_W)) u_counters (
+        .clk_i(clk_i), .clear_i(rst_i || clear_q), .event_i(events_i),
+        .read_i(ours_q), .index_i(counter_q), .high_i(counters_high_q), .value_o(count));
 
     assign irq_o       = irq_enable_q && ended_q;
 
@@ -318,8 +285,8 @@ module host_port #(
         end
     end
     always @(posedge clk_i)
-        if (!rst_i && start_o && !(step_o <= step_end_o && step_end_o <= end_o)) begin
-            $display("%m: a run starts whose steps are the words %0d to %0d of 0 to %0d", step_o, step_end_o, end_o); $stop;
+        if (!rst_i && start_o && !(setting_step < setting_last && setting_last <= setting_size)) begin
+            $display("%m: a run starts whose steps are the words %0d to %0d of %0d", setting_step, setting_last - 1'b1, setting_size); $stop;
         end
 `endif
 endmodule

@@ -12,6 +12,7 @@
 //     cycle     0          1           1 + TO_END      1 + TO_RESULT
 //               issue_i    issue_o     retire_o        step_o
 `default_nettype none
+`include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "lane/issue.vh"
@@ -22,7 +23,7 @@ module issue #(
     input  wire                        clk_i,
     input  wire                        rst_i,
     // The run and the round
-    input  wire [1:0]                  record_i,
+    input  wire [`SETTINGS_W-1:0]      settings_i,
     input  wire                        open_i,        // a round begins
     input  wire [31:0]                 base_i,        // the number of the last step before it
     input  wire [31:0]                 end_i,         // of its last step
@@ -116,7 +117,9 @@ module issue #(
     assign issue_one      = one_q;
     assign issue_st       = st_q;
     assign issue_lasts    = lasts_q;
-    assign issue_record   = record_i;
+    `SETTINGS_FIELDS
+    assign `SETTINGS      = settings_i;
+    assign issue_record   = setting_record;
     assign issue_register = d_q;
     assign issue_row      = row;
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};

@@ -10,6 +10,7 @@
 //           What describes the next instruction stays while valid_i is high. take_i ends it: with load_o, or with known_o
 //           where its mask is empty.
 `default_nettype none
+`include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
@@ -23,7 +24,7 @@ module one_stream #(
     // The run and the round
     input  wire                  open_i,        // a round begins
     input  wire                  abort_i,       // drop everything
-    input  wire [1:0]            record_i,
+    input  wire [`SETTINGS_W-1:0]    settings_i,
     input  wire [31:0]           base_i,        // the number of the last step before the round
     input  wire [31:0]           end_i,         // of its last step
     // The next instruction
@@ -83,7 +84,7 @@ module one_stream #(
     wire                 adds, muls;
     wire [CONTEXT_W-1:0] context_number;
     issue #(.CONFIG(CONFIG)) u_issue (.clk_i(clk_i), .rst_i(rst_i),
-        .record_i(record_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
+        .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
         .issue_i(issue), .first_i(first_q), .batch_i(batch_q), .current_i(current),
         .decoded_i(decoded_q), .marks_i(marks_q),
         .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),

@@ -8,15 +8,16 @@
 //              idle ◄───┘  └────── nothing left to issue ◄───┘
 //
 // Latency   At rest means SETTLE cycles after the last issue: then every report has come.
-// Hazard    start_i comes only when running_o is low. steps_i, visit_i and clock_i then stay as they are
-//           until the end of the run; steps_i is not 0.
+// Hazard    start_i comes only when running_o is low. The settings then stay as they are
+//           until the end of the run; steps is not 0.
 //           A stop waits for the end of a last part that has begun, so that no object is stored half.
 //
-//     steps_i = 5, visit_i = 2, clock_i = 100:
+//     steps = 5, visit = 2, clock = 100:
 //     round      1    2    3
 //     steps_o    2    2    1
 //     base_o   100  102  104        the number of the last step before it
 `default_nettype none
+`include "gen/settings.vh"
 module rounds #(
 `include "config/config.vh"
 ) (
@@ -26,9 +27,7 @@ module rounds #(
     input  wire           start_i,
     input  wire           stop_i,
     input  wire           illegal_i,   // an instruction that this build does not have: the run ends
-    input  wire [31:0]    steps_i,
-    input  wire [31:0]    visit_i,     // steps per visit; 0: all
-    input  wire [31:0]    clock_i,     // steps before this run
+    input  wire [`SETTINGS_W-1:0] settings_i,
     output wire           running_o,
     // What is going on
     input  wire [ROW_W:0] count_i,     // objects to be visited
@@ -43,6 +42,8 @@ module rounds #(
     output wire [31:0]    base_o,      // the number of the last step before it
     output wire [31:0]    end_o        // the number of its last step
 );
+    `SETTINGS_FIELDS
+    assign `SETTINGS = settings_i;
     localparam integer SETTLE_W = $clog2(SETTLE + 1);
     localparam [2:0] IDLE = 3'd0, WAIT = 3'd1, PLAN = 3'd2, OPEN = 3'd3, RUN = 3'd4;
 
@@ -82,18 +83,18 @@ module rounds #(
 
     always @(posedge clk_i) begin
         settle_q <= state_q == WAIT ? settle_q - 1'b1 : SETTLE[SETTLE_W-1:0];
-        if (start_i) {left_q, base_q, steps_q} <= {steps_i, clock_i, 32'd0};
+        if (start_i) {left_q, base_q, steps_q} <= {setting_steps, setting_clock, 32'd0};
         else if (state_q == PLAN) begin
-            steps_q <= all_q ? left_q : visit_i;
+            steps_q <= all_q ? left_q : setting_visit;
             base_q  <= base_q + steps_q;
         end else if (round_o) left_q <= rest_q;
         if (open_o) rest_q <= left_q - steps_q;
         end_q  <= base_q + steps_q;
         none_left_q <= left_q == 32'd0;
-        no_visit_q  <= visit_i == 32'd0;
-        high_more_q <= visit_i[31:16] > left_q[31:16];
-        high_same_q <= visit_i[31:16] == left_q[31:16];
-        low_more_q  <= visit_i[15:0] > left_q[15:0];
+        no_visit_q  <= setting_visit == 32'd0;
+        high_more_q <= setting_visit[31:16] > left_q[31:16];
+        high_same_q <= setting_visit[31:16] == left_q[31:16];
+        low_more_q  <= setting_visit[15:0] > left_q[15:0];
         all_q       <= no_visit_q || high_more_q || (high_same_q && low_more_q);
     end
     assign running_o = state_q != IDLE;
@@ -104,15 +105,15 @@ module rounds #(
     assign {steps_o, base_o, end_o} = {steps_q, base_q, end_q};
 
 `ifdef FP3_CHECK
-    reg [95:0] run_q;                  // what describes the run
+    reg [`SETTINGS_W-1:0] run_q;
     always @(posedge clk_i)
         if (!rst_i) begin
-            if (start_i) run_q <= {steps_i, visit_i, clock_i};
-            if (start_i && (running_o || steps_i == 32'd0)) begin
+            if (start_i) run_q <= settings_i;
+            if (start_i && (running_o || setting_steps == 32'd0)) begin
                 $display("%m: a run starts within a run, or has no steps"); $stop;
             end
-            if (running_o && run_q != {steps_i, visit_i, clock_i}) begin
-                $display("%m: what describes the run changes within it"); $stop;
+            if (running_o && run_q != settings_i) begin
+                $display("%m: a setting of the run changes within it"); $stop;
             end
         end
 `endif

@@ -14,6 +14,8 @@
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
 `include "front/decoded.vh"
+`include "gen/settings.vh"
+`include "gen/events.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
 `include "lane/bundles.vh"
@@ -22,16 +24,10 @@ module sequencer #(
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // A run; what describes it is stable from start_i to its end
+    // A run; its settings are stable from start_i to its end
     input  wire                 start_i,
     input  wire                 stop_i,
-    input  wire [31:0]          steps_i,        // >= 1
-    input  wire [31:0]          visit_i,        // steps per visit; 0: all
-    input  wire [31:0]          clock_i,        // steps before this run
-    input  wire [1:0]           record_i,       // a record has 8 << record_i words
-    input  wire [PROGRAM_W-1:0] step_i,
-    input  wire [PROGRAM_W-1:0] step_end_i,
-    input  wire [PROGRAM_W-1:0] end_i,
+    input  wire [`SETTINGS_W-1:0] settings_i,
     output wire                 running_o,
     output wire                 illegal_o,      // the word at illegal_pc_o ends the run
     output wire [PROGRAM_W-1:0] illegal_pc_o,
@@ -50,10 +46,9 @@ module sequencer #(
     output wire [31:0]               step_o,    // the number of the step
     input  wire [`REPORT_W-1:0]      report_i,
     // What happens in this cycle
-    output wire [COUNTERS-1:0]          events_o,
+    output wire [`EVENTS_W-1:0]         events_o,
     output wire [`ISSUED_W*STREAMS-1:0] issued_o
 );
-`include "gen/registers.vh"
     `REPORT_FIELDS
     assign `REPORT = report_i;
 
@@ -61,7 +56,7 @@ module sequencer #(
     wire [31:0] steps, base, end_step;
     reg         illegal_q;
     rounds #(.CONFIG(CONFIG)) u_rounds (.clk_i(clk_i), .rst_i(rst_i),
-        .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .steps_i(steps_i), .visit_i(visit_i), .clock_i(clock_i),
+        .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .settings_i(settings_i),
         .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing),
         .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base), .end_o(end_step));
 
@@ -73,9 +68,9 @@ module sequencer #(
     wire                  ready, fetched, fetch_empty, again, more, skip;
     wire [PROGRAM_W-1:0]  fetch_pc;
     wire [31:0]           fetch_word;
-    fetch #(.ADDR_W(PROGRAM_W)) u_fetch (.clk_i(clk_i), .rst_i(rst_i),
+    fetch #(.CONFIG(CONFIG)) u_fetch (.clk_i(clk_i), .rst_i(rst_i),
         .write_i(program_write_i), .write_addr_i(program_addr_i), .write_word_i(program_word_i),
-        .start_i(starts), .stop_i(abort), .steps_i(steps), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
+        .start_i(starts), .stop_i(abort), .settings_i(settings_i), .steps_i(steps),
         .skip_i(skip), .more_i(more), .again_o(again),
         .advance_i(ready), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
         .marks_o(marks), .empty_o(fetch_empty));
@@ -130,7 +125,7 @@ module sequencer #(
     generate
         if (DUAL != 0) begin : g_two
             two_streams #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
-                .open_i(open), .abort_i(abort), .record_i(record_i),
+                .open_i(open), .abort_i(abort), .settings_i(settings_i),
                 .valid_i(valid_q), .take_i(take), .decoded_i(decoded_q), .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .row_i(row_q), .known_o(known), .load_o(load), .busy_o(busy),
                 .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
@@ -139,7 +134,7 @@ module sequencer #(
             wire unused_one = &{base, end_step, batch, marks_q};
         end else begin : g_one
             one_stream #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
-                .open_i(open), .abort_i(abort), .record_i(record_i), .base_i(base), .end_i(end_step),
+                .open_i(open), .abort_i(abort), .settings_i(settings_i), .base_i(base), .end_i(end_step),
                 .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q), .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
@@ -157,27 +152,22 @@ module sequencer #(
     wire unused = &{`DECODED, `MARKS, report_flags, report_answer};      // the streams'; the host's
 
     // Every running cycle is an issue or exactly one stall -----------------------------------------
-    wire quiet      = running_o && !busy;
-    wire unit       = busy && !grant_i;
-    wire asleep     = quiet && valid_q && seen_q && drops_q;
-    wire dependency = quiet && known && goes_q && !load;
-    wire starved    = quiet && in_round && issuing && !asleep && !dependency;
-    wire drain      = quiet && !asleep && !dependency && !starved;
-    reg [COUNTERS-1:0] events;
-    always @* begin
-        events = {COUNTERS{1'b0}};
-        events[EVENT_CYCLES]           = running_o;
-        {events[EVENT_ISSUED_MEMORY], events[EVENT_ISSUED_SLEEP], events[EVENT_ISSUED_CHAIN],
-         events[EVENT_ISSUED_MUL], events[EVENT_ISSUED_ADD]} = kinds;
-        events[EVENT_PAIRED]           = paired;
-        events[EVENT_RETIRED]          = retired;
-        {events[EVENT_STALL_FETCH], events[EVENT_STALL_DEPENDENCY], events[EVENT_STALL_UNIT],
-         events[EVENT_STALL_ASLEEP], events[EVENT_STALL_DRAIN]} = {starved, dependency, unit, asleep, drain};
-    end
-    assign events_o = events;
+    wire quiet = running_o && !busy;
+    `EVENTS_FIELDS
+    assign event_cycles = running_o;
+    assign {event_issued_memory, event_issued_sleep, event_issued_chain, event_issued_mul, event_issued_add} = kinds;
+    assign event_retired          = retired;
+    assign event_stall_fetch      = quiet && in_round && issuing && !event_stall_asleep && !event_stall_dependency;
+    assign event_stall_dependency = quiet && known && goes_q && !load;
+    assign event_stall_unit       = busy && !grant_i;
+    assign event_stall_writeback  = 1'b0;
+    assign event_stall_asleep     = quiet && valid_q && seen_q && drops_q;
+    assign event_stall_drain      = quiet && !event_stall_asleep && !event_stall_dependency && !event_stall_fetch;
+    assign event_paired           = paired;
+    assign events_o               = `EVENTS;
 
 `ifdef FP3_CHECK
-    wire [5:0] causes = {busy && grant_i, unit, asleep, dependency, starved, drain};
+    wire [5:0] causes = {busy && grant_i, event_stall_unit, event_stall_asleep, event_stall_dependency, event_stall_fetch, event_stall_drain};
     reg        ends_q, under_ends_q;   // the last of a visit
     reg        part_q;                 // a last part has begun to issue, and was not dropped
     always @(posedge clk_i) begin

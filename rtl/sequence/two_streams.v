@@ -10,6 +10,7 @@
 // Hazard    Nothing but dual_pace protects a context from itself: between two issues of one context at least GAP cycles
 //           pass. What describes the next instruction stays while valid_i is high. take_i ends it: it comes with load_o.
 `default_nettype none
+`include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "sequence/issued.vh"
 `include "lane/dual_issue.vh"
@@ -22,7 +23,7 @@ module two_streams #(
     // The run and the round
     input  wire                      open_i,       // a round begins
     input  wire                      abort_i,      // drop everything
-    input  wire [1:0]                record_i,
+    input  wire [`SETTINGS_W-1:0]    settings_i,
     // The next instruction
     input  wire                      valid_i,
     input  wire                      take_i,
@@ -102,7 +103,9 @@ module two_streams #(
     delay #(.W(1), .N(TIMING_EARLY)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(sum_valid), .q_o(valid_late));
     delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row), .q_o(issue_st_row));
     assign issue_st     = issue_st_now && valid_late;
-    assign issue_record = record_i;
+    `SETTINGS_FIELDS
+    assign `SETTINGS    = settings_i;
+    assign issue_record = setting_record;
     assign issue_sum_y  = spot(sum_y, sum_context);
     assign issue_o      = `DUAL_ISSUE;
 

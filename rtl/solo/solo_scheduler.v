@@ -17,6 +17,7 @@
 `default_nettype none
 `include "front/decoded.vh"
 `include "unit/socket.vh"
+`include "gen/settings.vh"
 module solo_scheduler #(
 `include "config/config.vh"
 ) (
@@ -25,10 +26,7 @@ module solo_scheduler #(
     // A run
     input  wire                            start_i,
     input  wire                            stop_i,
-    input  wire [31:0]                     steps_i,
-    input  wire [PROGRAM_W-1:0]            step_i,
-    input  wire [PROGRAM_W-1:0]            step_end_i,
-    input  wire [PROGRAM_W-1:0]            end_i,
+    input  wire [`SETTINGS_W-1:0]          settings_i,
     output wire                            running_o,
     output wire                            illegal_o,       // the word at issue_pc_o ends the run
     // The host: program, registers, constants (above the registers)
@@ -67,17 +65,19 @@ module solo_scheduler #(
 `include "gen/choices.vh"
 
     // Fetch and decode ------------------------------------------------------------------------
+    `SETTINGS_FIELDS
+    assign `SETTINGS = settings_i;
     wire                 advance;
     wire                 fetched, fetch_empty;
     wire [PROGRAM_W-1:0] fetch_pc;
     wire [31:0]          fetch_word;
     wire [4:0]           unused_fetch;                    // visits are for many objects
 
-    fetch #(.ADDR_W(PROGRAM_W)) u_fetch (
+    fetch #(.CONFIG(CONFIG)) u_fetch (
         .clk_i(clk_i), .rst_i(rst_i),
         .write_i(host_program_i), .write_addr_i(host_program_addr_i), .write_word_i(host_wdata_i),
         .start_i(start_i), .stop_i(stop_i || illegal_o),
-        .steps_i(steps_i), .step_i(step_i), .step_end_i(step_end_i), .end_i(end_i),
+        .settings_i(settings_i), .steps_i(setting_steps),
         .skip_i(1'b0), .more_i(1'b0), .again_o(unused_fetch[4]),
         .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
         .marks_o(unused_fetch[3:0]),

@@ -112,6 +112,9 @@ static fp3_status ask_shape(fp3_bare *fp3) {
         status = get(fp3, 0, FP3_ADDR_MEMORY, &fp3->program_words);
     if (!status)
         status = get(fp3, 0, FP3_ADDR_FEATURES, &fp3->features);
+    fp3->features_more = 0;
+    if (!status && FIELD(fp3->features, FEATURES_MORE))
+        status = get(fp3, 0, FP3_ADDR_FEATURES_MORE, &fp3->features_more);
     if (!status)
         status = get(fp3, 0, FP3_ADDR_STORE, &fp3->store);
     if (!status)
@@ -129,7 +132,7 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus) {
     fp3->failed_at = 0;
     fp3->schedulers = FP3_BARE_SCHEDULERS; /* not known yet: what is asked is scheduler 0 */
     fp3_status status = get(fp3, 0, FP3_ADDR_ID, &id);
-    if (!status && id >> 8 != 0x465033u)
+    if (!status && FIELD(id, ID_LETTERS) != FP3_ID_LETTERS)
         return FP3_E_MISMATCH;
     if (!status)
         status = ask_shape(fp3);

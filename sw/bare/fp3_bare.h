@@ -68,9 +68,10 @@ typedef struct {
     uint32_t schedulers, lanes;   /* lanes of each scheduler */
     uint32_t registers, contexts; /* of each object; of each lane */
     uint32_t program_words,
-        store;          /* store: words of each lane, 0: one object, which is its registers */
-    uint32_t features;  /* the register of this name */
-    uint32_t failed_at; /* the address of the last transfer that failed */
+        store;              /* store: words of each lane, 0: one object, which is its registers */
+    uint32_t features;      /* the register of this name */
+    uint32_t features_more; /* likewise, 0 where the hardware has none */
+    uint32_t failed_at;     /* the address of the last transfer that failed */
     uint8_t revision;
     uint8_t record[FP3_BARE_SCHEDULERS];  /* of the program that is loaded; 0: none */
     uint8_t running[FP3_BARE_SCHEDULERS]; /* since start, until poll or wait says that it ended */

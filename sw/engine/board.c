@@ -168,7 +168,8 @@ fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config,
     fp3_link *link = NULL;
     fp3_status status = fp3_link_open(port, baud_of(baud), &link, error);
     for (int i = 0; !status && i < FP3_IDENTITY_WORDS; i++)
-        status = fp3_link_transfer(link, 0, fp3_identity_addresses[i], &words[i], 1, &refused);
+        if (fp3_identity_has(words, i))
+            status = fp3_link_transfer(link, 0, fp3_identity_addresses[i], &words[i], 1, &refused);
     fp3_link_close(&link);
     if (!status)
         status = fp3_identity_check_id(words[0], error);

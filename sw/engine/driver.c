@@ -90,14 +90,15 @@ fp3_status fp3_driver_peek(fp3_engine *engine, uint32_t address, uint32_t *data)
 
 fp3_status fp3_driver_open(fp3_engine *engine) {
     fp3_driver *self = engine->self;
-    uint32_t words[FP3_IDENTITY_WORDS];
+    uint32_t words[FP3_IDENTITY_WORDS] = {0};
     fp3_status status = FP3_OK;
     if (engine->def.bus_log)
         status = fp3_output_open(engine->def.bus_log, &self->output, engine->def.error);
     if (!status && self->output)
         self->log = fp3_output_stream(self->output);
     for (int i = 0; !status && i < FP3_IDENTITY_WORDS; i++)
-        status = fp3_driver_get(engine, fp3_identity_addresses[i], &words[i]);
+        if (fp3_identity_has(words, i))
+            status = fp3_driver_get(engine, fp3_identity_addresses[i], &words[i]);
     return status ? status : fp3_identity_check(engine->config, words, engine->def.error);
 }
 

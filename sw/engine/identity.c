@@ -6,25 +6,30 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define VALUE(field, value) ((uint32_t)(value) << FP3_##field##_LO)
-#define ID (0x46503300u | FP3_ISA_REVISION)
+#define ID (FP3_ID_LETTERS << FP3_ID_LETTERS_LO | FP3_ISA_REVISION)
 
 const uint32_t fp3_identity_addresses[FP3_IDENTITY_WORDS] = {
-    FP3_ADDR_ID, FP3_ADDR_SHAPE, FP3_ADDR_MEMORY, FP3_ADDR_STORE, FP3_ADDR_ARRAY, FP3_ADDR_FEATURES,
+#define X(NAME, word) FP3_ADDR_##NAME,
+    FP3_SHOWN(X, c)
+#undef X
 };
 
 static void identity_of(const fp3_config *c, uint32_t words[FP3_IDENTITY_WORDS]) {
     const uint32_t list[FP3_IDENTITY_WORDS] = {
-        ID,
-        VALUE(SHAPE_REGISTERS, c->registers) | VALUE(SHAPE_CONSTANTS, c->registers) |
-            VALUE(SHAPE_CONTEXTS, c->contexts),
-        c->program_words,
-        c->store_words,
-        VALUE(ARRAY_TILES, c->tiles) | VALUE(ARRAY_SCHEDULERS, c->schedulers) |
-            VALUE(ARRAY_LANES, c->lanes),
-        FP3_FEATURES_OF(c),
+#define X(NAME, word) word,
+        FP3_SHOWN(X, c)
+#undef X
     };
     memcpy(words, list, sizeof list);
+}
+
+int fp3_identity_has(const uint32_t words[FP3_IDENTITY_WORDS], int i) {
+    enum {
+#define X(NAME, word) AT_##NAME,
+        FP3_SHOWN(X, c)
+#undef X
+    };
+    return i != AT_FEATURES_MORE || (words[AT_FEATURES] >> FP3_FEATURES_MORE_LO & 1);
 }
 
 static int is_of(const fp3_config *config, const uint32_t words[FP3_IDENTITY_WORDS]) {

@@ -4,10 +4,15 @@
 
 #include "machine/config.h"
 
-#define FP3_IDENTITY_WORDS 6
+#include "gen/registers.h"
+
+#define FP3_IDENTITY_WORD(NAME, word) +1
+#define FP3_IDENTITY_WORDS (0 FP3_SHOWN(FP3_IDENTITY_WORD, 0))
 
 /* Byte addresses of `id` and of the other registers that describe a build. */
 extern const uint32_t fp3_identity_addresses[FP3_IDENTITY_WORDS];
+/* Whether hardware that has these words before number i has that one, too; if not, it stands for 0. */
+int fp3_identity_has(const uint32_t words[FP3_IDENTITY_WORDS], int i);
 
 /* The first named configuration that has these words; NULL: there is none. */
 const fp3_config *fp3_identity_find(const uint32_t words[FP3_IDENTITY_WORDS]);

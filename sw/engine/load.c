@@ -14,7 +14,7 @@ static fp3_needs needs_of(const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
         fp3_instruction instruction;
         if (!fp3_word_decode(image->code[i], &instruction, NULL))
-            needs.operations |= UINT32_C(1) << instruction.op;
+            needs.operations |= fp3_operation_bit(instruction.op);
     }
     return needs;
 }

@@ -4,26 +4,31 @@
 /* clang-format off */
 
 /* Byte addresses of 32-bit words. */
-#define FP3_ADDR_ID        0x0000u
-#define FP3_ADDR_SHAPE     0x0004u
-#define FP3_ADDR_MEMORY    0x0008u
-#define FP3_ADDR_FEATURES  0x000cu
-#define FP3_ADDR_CONTROL   0x0010u
-#define FP3_ADDR_STATUS    0x0014u
-#define FP3_ADDR_RECORD    0x0018u
-#define FP3_ADDR_FAULT     0x001cu
-#define FP3_ADDR_STEPS     0x0020u
-#define FP3_ADDR_STEP      0x0024u
-#define FP3_ADDR_LAST      0x0028u
-#define FP3_ADDR_SIZE      0x002cu
-#define FP3_ADDR_ARRAY     0x0030u
-#define FP3_ADDR_STORE     0x0034u
-#define FP3_ADDR_VISIT     0x0038u
-#define FP3_ADDR_CLOCK     0x003cu
-#define FP3_ADDR_FLAGS     0x0040u
-#define FP3_ADDR_INTERRUPT 0x0044u
+#define FP3_ADDR_ID            0x0000u
+#define FP3_ADDR_SHAPE         0x0004u
+#define FP3_ADDR_MEMORY        0x0008u
+#define FP3_ADDR_FEATURES      0x000cu
+#define FP3_ADDR_CONTROL       0x0010u
+#define FP3_ADDR_STATUS        0x0014u
+#define FP3_ADDR_RECORD        0x0018u
+#define FP3_ADDR_FAULT         0x001cu
+#define FP3_ADDR_STEPS         0x0020u
+#define FP3_ADDR_STEP          0x0024u
+#define FP3_ADDR_LAST          0x0028u
+#define FP3_ADDR_SIZE          0x002cu
+#define FP3_ADDR_ARRAY         0x0030u
+#define FP3_ADDR_STORE         0x0034u
+#define FP3_ADDR_VISIT         0x0038u
+#define FP3_ADDR_CLOCK         0x003cu
+#define FP3_ADDR_FLAGS         0x0040u
+#define FP3_ADDR_INTERRUPT     0x0044u
+#define FP3_ADDR_FEATURES_MORE 0x0048u
 
 /* Fields of registers. */
+#define FP3_ID_REVISION_HI              7
+#define FP3_ID_REVISION_LO              0
+#define FP3_ID_LETTERS_HI               31
+#define FP3_ID_LETTERS_LO               8
 #define FP3_SHAPE_REGISTERS_HI          7
 #define FP3_SHAPE_REGISTERS_LO          0
 #define FP3_SHAPE_CONSTANTS_HI          15
@@ -42,6 +47,8 @@
 #define FP3_FEATURES_NEAREST_LO         4
 #define FP3_FEATURES_DUAL_HI            5
 #define FP3_FEATURES_DUAL_LO            5
+#define FP3_FEATURES_MORE_HI            7
+#define FP3_FEATURES_MORE_LO            7
 #define FP3_FEATURES_ADD_LATENCY_HI     15
 #define FP3_FEATURES_ADD_LATENCY_LO     8
 #define FP3_FEATURES_MUL_LATENCY_HI     23
@@ -101,8 +108,16 @@
 #define FP3_STATUS_STEP_HI              31
 #define FP3_STATUS_STEP_LO              5
 
-/* What register `features` must show for a configuration. */
-#define FP3_FEATURES_OF(config) ((config)->chain << FP3_FEATURES_CHAIN_LO | (config)->bypass << FP3_FEATURES_BYPASS_LO | (config)->writeback_stall << FP3_FEATURES_WRITEBACK_STALL_LO | (config)->subnormal << FP3_FEATURES_SUBNORMAL_LO | (config)->nearest << FP3_FEATURES_NEAREST_LO | (config)->dual << FP3_FEATURES_DUAL_LO | (config)->add_latency << FP3_FEATURES_ADD_LATENCY_LO | (config)->mul_latency << FP3_FEATURES_MUL_LATENCY_LO | (config)->interleave << FP3_FEATURES_INTERLEAVE_LO | (config)->sleep << FP3_FEATURES_SLEEP_LO | (config)->flags << FP3_FEATURES_FLAGS_LO | (config)->status << FP3_FEATURES_STATUS_LO | (config)->scale << FP3_FEATURES_SCALE_LO | (config)->select << FP3_FEATURES_SELECT_LO | (config)->estimate << FP3_FEATURES_ESTIMATE_LO | (config)->round << FP3_FEATURES_ROUND_LO)
+/* X(NAME, word): the registers that show the configuration, and what they must show for this one. */
+#define FP3_SHOWN(X, config)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                           \
+    X(ID,            (3u & 255) << 0 | (4608051u & 16777215) << 8)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
+    X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                         \
+    X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                          \
+    X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | (0u & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
+    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                 \
+    X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
+    X(FEATURES_MORE, 0u)
+#define FP3_ID_LETTERS 0x465033u
 
 /* Counters: 48 bits in two words each, low word first. */
 #define FP3_ADDR_COUNTER_CYCLES           0x0080u

@@ -17,6 +17,9 @@
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */
 #define FP3_TIMING_ROUND         13u /* of a round, beyond its sweeps and one settling: plan, open, fetch and decode, and the last issue's way out */
 #define FP3_TIMING_RUN           1u  /* of a run, beyond its rounds and one settling */
+#define FP3_TIMING_RESET         2u  /* how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one */
+#define FP3_TIMING_BUS           8u  /* from the handshake of a read to its response, beyond the memory that is read */
+#define FP3_TIMING_SOLO_ACCESS   1u  /* from the host's access of a register's word to the word */
 #define FP3_TIMING_SOLO_OPERANDS 1u  /* from an issue to its operands */
 #define FP3_TIMING_SOLO_READ     2u  /* from the issue that a bypass allows to the issue that reads the register file */
 #define FP3_TIMING_SOLO_AROUND   4u  /* of a run, before the first issue and after the last write */

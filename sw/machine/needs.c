@@ -31,8 +31,9 @@ static int find_short(const fp3_needs *needs, const fp3_config *config) {
 }
 
 static int has_operations(const fp3_needs *needs, const fp3_config *config) {
-    for (uint32_t op = 0; op < 32; op++)
-        if (needs->operations >> op & 1 && fp3_operation_lacks(config, op) != FP3_KEY_NONE)
+    for (unsigned i = 0; i < fp3_operation_count; i++)
+        if (needs->operations >> i & 1 &&
+            fp3_operation_lacks(config, fp3_operations[i].code) != FP3_KEY_NONE)
             return 0;
     return 1;
 }

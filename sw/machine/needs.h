@@ -5,7 +5,7 @@
 #include "config.h"
 
 typedef struct {
-    uint32_t operations; /* bit k: operation with code k; fp3_needs_check takes them as given */
+    uint64_t operations; /* of fp3_operation_bit; fp3_needs_check takes them as given */
     uint32_t registers;  /* of an object */
     uint32_t constants, words;
     int is_visited; /* words: with the loads and stores of a visit */

@@ -16,6 +16,14 @@ int fp3_operation_is_arithmetic(const fp3_operation *operation) {
     return !(operation->path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON));
 }
 
+uint64_t fp3_operation_bit(uint32_t code) {
+    const fp3_operation *operation = fp3_operation_find(code);
+    return operation ? UINT64_C(1) << (operation - fp3_operations) : 0;
+}
+
+_Static_assert(sizeof fp3_operations / sizeof *fp3_operations <= 64,
+               "fp3_operation_bit has a bit for each");
+
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code) {
     const fp3_operation *operation = fp3_operation_find(code);
     if (!operation || operation->needs == FP3_KEY_NONE ||
@@ -64,6 +72,10 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
                          .a = GET(word, A),
                          .b = GET(word, B),
                          .c = GET(word, C)};
+    if (i.op == MASK(OP)) {
+        i.op = FP3_CODE_MORE + i.c;
+        i.c = 0;
+    }
     const fp3_operation *operation = fp3_operation_find(i.op);
     if (!operation)
         return fp3_fail(error, FP3_E_PROGRAM, "0x%08x is no instruction: opcode %u is unknown",
@@ -81,5 +93,7 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 }
 
 uint32_t fp3_word_encode(const fp3_instruction *i) {
-    return PUT(i->op, OP) | PUT(i->d, D) | PUT(i->a, A) | PUT(i->b, B) | PUT(i->c, C);
+    const uint32_t code = i->op < FP3_CODE_MORE ? PUT(i->op, OP) | PUT(i->c, C)
+                                                : PUT(MASK(OP), OP) | PUT(i->op - FP3_CODE_MORE, C);
+    return code | PUT(i->d, D) | PUT(i->a, A) | PUT(i->b, B);
 }

@@ -45,6 +45,9 @@ int fp3_operation_is_arithmetic(const fp3_operation *operation);
 /* Whether it adds b doubled or halved. */
 int fp3_operation_scales(uint32_t code);
 
+/* Its bit in a set of operations; 0: there is no such code. */
+uint64_t fp3_operation_bit(uint32_t code);
+
 /* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it. */
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 

@@ -1,6 +1,8 @@
 /* code.c - see code.h. */
 #include "code.h"
 
+#include "machine/operation.h"
+
 uint32_t fp3_code_variable(const fp3_step_code *code, uint32_t variable) {
     return code->param_registers ? 2 * variable : variable;
 }
@@ -26,7 +28,7 @@ fp3_needs fp3_code_needs(const fp3_step_code *code) {
     for (int part = 0; part < 3; part++) {
         needs.words += counts[part];
         for (uint32_t i = 0; i < counts[part]; i++)
-            needs.operations |= UINT32_C(1) << parts[part][i].op;
+            needs.operations |= fp3_operation_bit(parts[part][i].op);
     }
     return needs;
 }

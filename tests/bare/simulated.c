@@ -180,7 +180,11 @@ static void look_at_memory(void) {
     EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
     memory[FP3_ADDR_ARRAY / 4] = 0x00010101;
     memory[FP3_ADDR_SHAPE / 4] = 0x00012020;
-    EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.lanes == 1 && fp3.registers == 32);
+    memory[FP3_ADDR_FEATURES_MORE / 4] = 0x1234; /* earlier hardware refuses a read there */
+    EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.lanes == 1 && fp3.registers == 32 &&
+           fp3.features_more == 0);
+    memory[FP3_ADDR_FEATURES / 4] |= 1u << FP3_FEATURES_MORE_LO;
+    EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.features_more == 0x1234);
     EXPECT(!fp3_bare_stop(&fp3, FP3_ALL) && memory[FP3_ADDR_CONTROL / 4] == 2);
 }
 

@@ -82,12 +82,12 @@ def of_an_object(chance):
 
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
-                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x48 + 4 * chance.randrange(14),
+                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x4c + 4 * chance.randrange(13),
                           0x400000 + 4 * chance.randrange(1 << 20)))
 
 
 def never_written(chance):
-    return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], 0x80 + 4 * chance.randrange(26),
+    return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], AT["features_more"], 0x80 + 4 * chance.randrange(26),
                           AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + 0x10000 * chance.randrange(1, 32),
                           AT["constants"] + 4 * REGISTERS, 0xc00000 + NOWHERE + 4 * chance.randrange(1 << 19),
                           *([] if RUN["store"] else [AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)])))
@@ -141,7 +141,7 @@ async def writer(cpu, left):
 
 async def reader(cpu, left):
     """Beside the writer: what never changes, and what there is not."""
-    fixed = {AT[name]: await cpu.get(AT[name]) for name in ("id", "shape", "memory", "features", "array", "store", "status")}
+    fixed = {AT[name]: await cpu.get(AT[name]) for name in ("id", "shape", "memory", "features", "features_more", "array", "store", "status")}
     assert fixed[AT["id"]] >> 8 == 0x465033
     while cpu.count < left:
         if cpu.chance.random() < 0.5:

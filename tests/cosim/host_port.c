@@ -97,6 +97,7 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_SHAPE, READ},
                      {FP3_ADDR_MEMORY, READ},
                      {FP3_ADDR_FEATURES, READ},
+                     {FP3_ADDR_FEATURES_MORE, READ},
                      {FP3_ADDR_CONTROL, WRITE},
                      {FP3_ADDR_STATUS, READ},
                      {FP3_ADDR_FAULT, READ},
@@ -446,9 +447,15 @@ static void nonsense_does_not_start(bench *b) {
         fail(b, "an index beyond the memory", FP3_ADDR_SIZE, 0, 1);
     want(b, "a refused write changes nothing:", FP3_ADDR_SIZE, count);
     want(b, "a refused write changes nothing:", FP3_ADDR_LAST, last);
-    for (uint32_t log2 = 0; b->config->interleave && log2 < 9; log2++)
+    for (uint32_t log2 = 0; b->config->interleave && log2 < 32; log2++)
         if (put(b, FP3_ADDR_RECORD, log2) != (log2 < 3 || log2 > 6))
             fail(b, "a record of 8 to 64 words", FP3_ADDR_RECORD, log2, 3);
+    for (uint32_t bit = 3; b->config->interleave && bit < 32; bit++)
+        if (put(b, FP3_ADDR_RECORD, 3 | UINT32_C(1) << bit) != 1)
+            fail(b, "a record beyond 64 words", FP3_ADDR_RECORD, bit, 1);
+    for (uint32_t bit = 31; UINT32_C(1) << bit > size; bit--)
+        if (put(b, FP3_ADDR_SIZE, UINT32_C(1) << bit) != 1)
+            fail(b, "an index beyond the memory", FP3_ADDR_SIZE, bit, 1);
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         put(b, FP3_ADDR_STEP, shapes[i][0]);
         put(b, FP3_ADDR_LAST, shapes[i][1]);
@@ -552,7 +559,7 @@ static void what_is_left_out_is_illegal(bench *b) {
         const int has = fp3_operation_lacks(b->config, of->code) == FP3_KEY_NONE &&
                         !fp3_operation_mixes(b->config, &all_zero);
         load(b, 1);
-        const uint32_t step = get(b, FP3_ADDR_STEP), word = of->code << FP3_FIELD_OP_LO;
+        const uint32_t step = get(b, FP3_ADDR_STEP), word = fp3_word_encode(&all_zero);
         must(b, "a word", FP3_ADDR_WINDOW_PROGRAM + 4 * step, word);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);

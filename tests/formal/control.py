@@ -196,11 +196,11 @@ DUAL_PACE = Subject(
 
 # ---- the bus --------------------------------------------------------------------------------------
 
-QUICK, SLOW = {"PATIENCE": 0}, {"PATIENCE": 1}
+QUICK, SLOW, FOUR = ({"PATIENCE": patience, "PLACES_W": places} for patience, places in ((0, 1), (1, 1), (0, 2)))
 
 AXI_LITE = Subject(
-    "axi_lite_spec", ("axi_lite.v", "responses.v"), "a host port that takes and answers within {PATIENCE} cycles",
-    [SLOW], [
+    "axi_lite_spec", ("axi_lite.v", "responses.v"), "2^{PLACES_W} places, a host port that takes and answers within {PATIENCE} cycles",
+    [{"PATIENCE": 1, "PLACES_W": places} for places in (1, 2, 4)], [
         ("a write without its data", "write_turn    = aw_q && w_q &&", "write_turn    = aw_q &&", QUICK),
         ("an address changes while it waits", "if (s_axi_awready) awaddr_q", "awaddr_q", QUICK),
         ("write without room", "aw_q && w_q && write_room &&", "aw_q && w_q &&", QUICK),
@@ -232,6 +232,8 @@ RESPONSES = AXI_LITE._replace(sources=("responses.v", "axi_lite.v"), shapes=[], 
         ("two responses in one place", "value_q[filled_q[DEPTH_W-1:0]] <= value_i", "value_q[0] <= value_i", QUICK),
         ("data change while they stand", "if (answered_i) value_q", "value_q", QUICK),
         ("room for one too many", "!kept[DEPTH_W] && !(&kept[DEPTH_W-1:0])", "!kept[DEPTH_W]", QUICK),
+        ("only the lowest bit of a place's number", "value_q[filled_q[DEPTH_W-1:0]] <= value_i", "value_q[filled_q[DEPTH_W-1:0] & {{DEPTH_W-1{1'b0}}, 1'b1}] <= value_i", FOUR),
+        ("half of the places stay empty", "!(&kept[DEPTH_W-1:0])", "!kept[DEPTH_W-1]", FOUR),
         ("response is repeated", "if (take)       taken_q", "if (take && room_q) taken_q", QUICK),
         ("response survives reset", "{gone_q, filled_q, taken_q} <= {3*(DEPTH_W+1){1'b0}}", "{gone_q, taken_q} <= {2*(DEPTH_W+1){1'b0}}", QUICK),
         ("idle waits for the master", "idle_o  = gone_q == filled_q", "idle_o  = gone_q == taken_q", QUICK),
@@ -242,8 +244,8 @@ RESPONSES = AXI_LITE._replace(sources=("responses.v", "axi_lite.v"), shapes=[], 
 
 ANY, NONE = {"ADDRESS_W": 24, "PATIENCE": 1}, {"ADDRESS_W": 24, "PATIENCE": 0}
 
-EXECUTE = Subject(
-    "execute_spec", ("execute.v",), "{ADDRESS_W} bits of address, a slave that answers within {PATIENCE} cycles",
+TRANSACT = Subject(
+    "transact_spec", ("transact.v",), "{ADDRESS_W} bits of address, a slave that answers within {PATIENCE} cycles",
     [ANY], [
         ("address of a write is taken back", "aw_q ? !m_axi_awready", "aw_q ? 1'b0", ANY),
         ("data are taken back", "w_q  ? !m_axi_wready", "w_q  ? 1'b0", ANY),
@@ -274,5 +276,5 @@ EXECUTE = Subject(
 
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, EXECUTE):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT):
         yield from subject.cases()

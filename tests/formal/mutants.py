@@ -32,7 +32,7 @@ BUGS = [
     Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero0 ^ b_zero0", "odd = 1'b0"),
     Bug("mul", "sticky dropped", "fp_mul.v", "stick = lost_4 ||", "stick ="),
     Bug("mul", "ties away from zero", "fp_mul.v", "lo[1] && !lo_tie", "lo[1]"),
-    Bug("mul", "tininess before rounding", "fp_mul.v", "near ? {1'b1, top || low_5} : ALL_1", "ALL_1"),
+    Bug("mul", "tininess before rounding", "fp_mul.v", "near ? {1'b1, top || place_low} : ALL_1", "ALL_1"),
     Bug("mul", "overflow at rounding missed", "fp_mul.v", "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0", "beyond[i] ? ALL_1 : ALL_0"),
     Bug("mul", "0 * inf is valid", "fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
     Bug("mul", "a tile forgotten", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),

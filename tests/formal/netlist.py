@@ -22,8 +22,9 @@ class Format(NamedTuple):
 
 
 def sources(rtl):
-    """The hardware, file name -> text."""
-    return {path.name: path.read_text() for path in rtl.glob("**/*.v") if "fpga" not in path.parts}
+    """The hardware, file name -> text; what is included has its folder in the name."""
+    modules = {path.name: path.read_text() for path in rtl.glob("**/*.v") if "fpga" not in path.parts}
+    return modules | {path.relative_to(rtl).as_posix(): path.read_text() for path in rtl.glob("*/*.vh")}
 
 
 class Yosys:
@@ -34,6 +35,7 @@ class Yosys:
         """Run a script in a folder of these files; the text of the file that it leaves."""
         with tempfile.TemporaryDirectory(prefix="fp3-prove-") as folder:
             for name, text in files.items():
+                (Path(folder) / name).parent.mkdir(exist_ok=True)
                 (Path(folder) / name).write_text(text)
             run = subprocess.run([self.path, "-q", "-p", script], cwd=folder, capture_output=True, text=True)
             if run.returncode:

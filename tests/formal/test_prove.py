@@ -13,7 +13,7 @@ SHORT = {
     "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry)"],
     "mutants in tiles": ["mutants", "--case", "seeded: a carry"],
     "control": ["control", "--case", "^(?!pace, (16|24) |dual_pace, [39] |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127"
-                "|seeded: (?!a (flag falls|write|grant (in|for a)|pause too|response)))"],
+                "|axi_lite, 2.4|seeded: (?!a (flag falls|write|grant (in|for a)|pause too|response)|only the lowest))"],
     "mul in 12 bits": ["mul", "--exp", "5", "--frac", "6"],
     "product": ["mul", "--case", "^(?!all pairs)"],
     "cuts": ["cuts", "--case", "0x(04|4|7f)$"],

@@ -107,7 +107,7 @@ BUGS = [
     Bug("difference zero keeps its sign", "sub", 3, SWAP, "&& !(nought && differ0)", ""),
     Bug("difference moved too far", "sub", 3, NEAR, "== D - i", "== D - 1 - i"),
     Bug("product sticky forgets a shift", "mul", 3, MUL, "stick = lost_4 ||", "stick ="),
-    Bug("product tiny before rounding", "mul", 3, MUL, "near ? {1'b1, top || low_5} : ALL_1", "ALL_1"),
+    Bug("product tiny before rounding", "mul", 3, MUL, "near ? {1'b1, top || place_low} : ALL_1", "ALL_1"),
     Bug("product overflows unseen at rounding", "mul", 3, MUL, "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0",
         "beyond[i] ? ALL_1 : ALL_0"),
     Bug("product truncated to no number", "mul", 2, MUL, "lowest   = beyond[i] && !HALF ? ALL_0 : exponent", "lowest   = exponent"),
@@ -164,8 +164,21 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
     assert again.returncode == 1 and "FAIL" in again.stdout, f"{replay}\n{again.stdout}{again.stderr}"
 
 
-@pytest.mark.parametrize("frac, refused", [(30, False), (31, True)])
-def test_a_product_of_a_wider_format_is_refused(root, tmp_path, frac, refused):
-    done = subprocess.run(["iverilog", "-g2005", "-y", "rtl/fp", "-y", "rtl/lib", f"-Pfp_mul.FRAC={frac}", "-s", "fp_mul", "-o", tmp_path / "x",
-                           "rtl/fp/fp_mul.v"], cwd=root, capture_output=True, text=True)
-    assert (done.returncode != 0) == refused == ("fp_mul_FRAC_must_be_at_most_30" in done.stderr), done.stderr
+FORMATS = [("fp_mul", "rtl/fp", 8, 2, None), ("fp_mul", "rtl/fp", 8, 30, None), ("fp_mul", "rtl/fp", 3, 23, None),
+           ("fp_mul", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_mul", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp_mul", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
+           ("fp_add", "rtl/fp", 4, 2, None), ("fp_add", "rtl/fp", 7, 30, None),
+           ("fp_add", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_add", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp_add", "rtl/fp", 3, 2, "EXP_must_be_more_than_clog2_of_FRAC_plus_4"),
+           *((("fp_mul_product", f"rtl/fpga/{family.lower()}", None, frac, message))
+             for family, least in (("ECP5", 18), ("iCE40", 16)) for message in (f"FRAC_must_be_{least}_to_23_with_the_multipliers_of_an_{family}",)
+             for frac in (7, least - 1, 24))]
+
+
+@pytest.mark.parametrize("module, folder, exp, frac, message", FORMATS)
+def test_a_format_that_a_core_does_not_have_is_refused(root, tmp_path, module, folder, exp, frac, message):
+    done = subprocess.run(["iverilog", "-g2005", "-I", "rtl", "-y", "rtl/fp", "-y", "rtl/lib", *([f"-P{module}.EXP={exp}"] if exp else []),
+                           f"-P{module}.FRAC={frac}", "-s", module, "-o", tmp_path / "x", f"{folder}/{module}.v"],
+                          cwd=root, capture_output=True, text=True)
+    assert (done.returncode != 0) == bool(message), done.stderr
+    assert not message or message in done.stderr, done.stderr

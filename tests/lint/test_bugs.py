@@ -32,6 +32,7 @@ def formal(root, rows):
 
 LISTS = {
     "tests/modules/test_modules.py": lambda root, at: formal(root, [bug for promise in at.BUGS.values() for bug in promise]),
+    "tests/modules/test_parts.py": lambda root, at: formal(root, [bug for part in at.BUGS.values() for bug in part]),
     "tests/formal/mutants.py": lambda root, at: formal(root, at.BUGS),
     "tests/formal/scale.py": lambda root, at: formal(root, at.BUGS),
     "tests/formal/control.py": lambda root, at: [(name, source(root, subject.sources[0]), right) for subject in vars(at).values()

@@ -1,4 +1,4 @@
-"""Where z is read later than x and y (Z_LATE, rtl/config/config.vh), no bit and no cycle comes of it; elsewhere it may not be.
+"""Where z is read later than x and y (Z_LATE, rtl/config/derived.vh), no bit and no cycle comes of it; elsewhere it may not be.
 
 A recorded run is replayed in Icarus by the hardware with something changed: its answers, cycles and the hash of all
 retirements tell whether it is still the same.
@@ -20,7 +20,7 @@ step:
     msub v, v, s, h
     sub  s, s, h
 """
-CONFIG, LATE = "config/config.vh", "SCHEDULERS == 1 ? MUL_LATENCY : 0"
+CONFIG, LATE = "config/derived.vh", "SCHEDULERS == 1 ? MUL_LATENCY : 0"
 # What is changed: (configuration, objects, program, file, right, other)
 SAME = {
     "never late": ("many", 2, PROGRAM, CONFIG, LATE, "SCHEDULERS == 1 ? 0 : 0"),

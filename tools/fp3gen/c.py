@@ -3,8 +3,8 @@
 from .check import Bad, NAME
 from .configs import config_value
 from .estimates import estimates
-from .isa import UNITS, WRITES, counter_of
-from .registers import address_rows, counter_rows, exceptions, field_rows
+from .isa import MORE, UNITS, WRITES, counter_of
+from .registers import address_rows, counter_rows, exceptions, field_rows, shown, shown_word
 from .text import MARK, columns
 
 STRING_LIMIT = 4095  # bytes of a string literal that every C11 compiler takes
@@ -20,9 +20,9 @@ def defines(rows):
     return columns([(f"#define {name} ", str(value)) for name, value in rows])
 
 
-def x_macro(name, rows):
+def x_macro(name, rows, arguments="X"):
     cells = [[f"    X({row[0]}, "] + [f"{c}, " for c in row[1:-1]] + [f"{row[-1]})"] for row in rows]
-    lines = [f"#define {name}(X)"] + columns(cells)
+    lines = [f"#define {name}({arguments})"] + columns(cells)
     width = max(map(len, lines))
     return [line.ljust(width) + " \\" for line in lines[:-1]] + [lines[-1]]
 
@@ -58,6 +58,8 @@ def isa_c(isa):
                   for name, bank in isa["bank"].items()]), "",
         "/* Bits of numbers. */",
         *defines([(f"FP3_BITS_{name.upper()}", f"0x{value:08x}u") for name, value in isa["bits"].items()]), "",
+        "/* A code from here on is all ones in field op, and the rest in field c. */",
+        *defines([("FP3_CODE_MORE", MORE)]), "",
         "enum fp3_opcode {",
         *columns([(f"    FP3_OP_{op['name'].upper()} ", f"= {op['code']},") for op in isa["op"]]),
         "};",
@@ -90,19 +92,19 @@ def estimates_c():
         "static const unsigned short fp3_estimates[2048] = {", *[f"    {line}" for line in lines], "};"])
 
 
-def registers_c(regs):
+def registers_c(regs, revision):
     def at(address):
         return f"0x{address:04x}u"
 
-    features = next(row["fields"] for row in regs["register"] if row["name"] == "features")
+    shows = [(row, shown(row, regs, revision, "(config)->{}".format, "(({}) != 0)", "{}u")) for row in regs["register"] if "shows" in row]
     return c_header("registers", "isa/registers.toml", [
         "/* Byte addresses of 32-bit words. */",
         *defines([(f"FP3_ADDR_{row['name'].upper()}", at(row["at"])) for row in regs["register"]]), "",
         "/* Fields of registers. */",
         *defines([("FP3_" + name, value) for name, value in field_rows(regs)]), "",
-        "/* What register `features` must show for a configuration. */",
-        "#define FP3_FEATURES_OF(config) ("
-        + " | ".join(f"(config)->{name} << FP3_FEATURES_{name.upper()}_LO" for name in features) + ")", "",
+        "/* X(NAME, word): the registers that show the configuration, and what they must show for this one. */",
+        *x_macro("FP3_SHOWN", [(row["name"].upper(), shown_word(row, values)) for row, values in shows], "X, config"),
+        "#define FP3_ID_LETTERS " + hex(next(row["shows"][1] for row in regs["register"] if row["name"] == "id")) + "u", "",
         "/* Counters: 48 bits in two words each, low word first. */",
         *defines([(f"FP3_ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]), "",
         "/* X(NAME, name, address) */",

@@ -14,6 +14,7 @@ PATHS = {
 UNITS = ("adder", "multiplier", "value", "comparison", "store")
 WRITES = ("always", "sometimes", "never")
 BITS = ("nan", "one", "minus_zero")
+MORE = 128  # codes from here on: all ones in field op, and what is more than this in field c
 FILE = "isa.toml"
 
 
@@ -44,10 +45,11 @@ def check_op(op, width, config_keys, flags):
     where = f"op '{op.get('name', '?')}'"
     keys(op, FILE, where, {"name": str, "code": int, "operands": list, "path": list, "meaning": str},
          {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str})
-    need(1 <= op["code"] < 1 << width["op"], FILE,
-         f"{where}: code {op['code']} is not in 1 .. {(1 << width['op']) - 1}")
     need(op["operands"] in (list("d"), list("da"), list("dab"), list("dabc")), FILE,
          f"{where}: operands must be d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
+    last, most = (1 << width["op"]) - 2, MORE + (1 << width["c"]) - 1
+    need(1 <= op["code"] <= last or MORE <= op["code"] <= most and "c" not in op["operands"], FILE,
+         f"{where}: code {op['code']} is not in 1 .. {last}" + ("" if "c" in op["operands"] else f", nor in {MORE} .. {most}"))
     need(tuple(op["path"]) in PATHS, FILE, f"{where}: there is no path {op['path']!r} "
          f"(there are {', '.join(' and '.join(path) for path in PATHS)})")
     key = op.get("needs")
@@ -81,12 +83,20 @@ def check_isa(isa, config_keys, flags):
              f"key '{key}': it has a 'lack', but no instruction needs it")
 
 
+def code_bits(isa):
+    """Bits of a code as hardware compares it: those of field op, unless an instruction has more."""
+    hi, lo = isa["field"]["op"]
+    return max(hi - lo + 1, max(op["code"] for op in isa["op"]).bit_length())
+
+
 def counter_of(op):
     return PATHS[tuple(op["path"])]
 
 
 def word(isa, op, operands):
-    value = op["code"] << isa["field"]["op"][1]
+    (hi, lo), c = isa["field"]["op"], isa["field"]["c"][1]
+    more = (2 << hi - lo) - 1 << lo
+    value = op["code"] << lo if op["code"] < MORE else more | op["code"] - MORE << c
     for letter in op["operands"]:
         value |= operands[letter] << isa["field"][letter][1]
     return value

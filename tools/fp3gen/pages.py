@@ -1,7 +1,7 @@
 """Reference pages: docs/isa.md, registers.md and configurations.md."""
 
 from .configs import config_value
-from .isa import word
+from .isa import MORE, word
 from .registers import ACCESS, counter_rows
 from .text import markdown, page
 
@@ -38,7 +38,8 @@ def isa_page(isa):
         "", "## The word", "", *layout(fields, {name: name for name in fields}), "",
         "`d` names the destination, `a`, `b` and `c` the operands. An operand that an instruction does not",
         "have must be 0. A word with any other code than those below ends the run as illegal; code 0 stays",
-        "free, so erased memory is never executed.", "",
+        f"free, so erased memory is never executed. Codes from {MORE} on are all ones in `op` with the code less {MORE} in `c`: room for",
+        "instructions without an operand `c`.", "",
         "## Banks", "",
         *markdown(["operand codes", "in assembly", "bank"],
                   [[f"{b['base']} .. {b['base'] + b['count'] - 1}",
@@ -57,7 +58,8 @@ def isa_page(isa):
     for op in isa["op"]:
         text, code = example(isa, op)
         used = {name: name if name in op["operands"] else "0" for name in fields}
-        used["op"] = f"op = {op['code']}"
+        used["op"] = f"op = {op['code']}" if op["code"] < MORE else "all ones"
+        used["c"] = used["c"] if op["code"] < MORE else str(op["code"] - MORE)
         body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {path(op)}."]
         body += [f"Where `{op['needs']}` is 1."] if "needs" in op else []
         body += [op["note"]] if "note" in op else []

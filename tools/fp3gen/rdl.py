@@ -2,11 +2,10 @@
 
 import textwrap
 
-from .registers import counter_rows
+from .registers import counter_rows, shown
 from .text import MARK
 
 SW = {"ro": "r", "rw": "rw", "wo": "w"}
-ID = 0x465033  # rtl/host/host_port.v shows it before the revision
 
 
 def text(words):
@@ -27,13 +26,11 @@ def field(properties, name, pair, reset):
     return f"field {{ {' '.join(properties)} }} {name}{bits}{'' if reset is None else f' = {reset}'};"
 
 
-def register_fields(row, revision):
+def register_fields(row, regs, revision):
     """The fields; a register without any has one, `value`."""
     fields = row.get("fields") or {"value": [31, 0]}
     pulses = row["access"] == "wo"
-    shows = [key.upper() for key in row["shows"]] if "shows" in row else None
-    if row["name"] == "id":
-        shows = [f"0x{ID << 8 | revision:08x}"]
+    shows = shown(row, regs, revision, str.upper, "({}) > 0 ? 1 : 0") if "shows" in row else None
     interrupts = row.get("interrupt", {})
     for i, (name, pair) in enumerate(fields.items()):
         if shows:
@@ -71,7 +68,7 @@ def scheduler(isa, regs, known, defaults):
     parameters = ",\n".join(f"    longint unsigned {key.upper()} = {defaults[key]}" for key in names)
     registers = []
     for row in regs["register"]:
-        registers += block("reg", [f"desc = {text(row['doc'])};", *present(row), *register_fields(row, isa["revision"])],
+        registers += block("reg", [f"desc = {text(row['doc'])};", *present(row), *register_fields(row, regs, isa["revision"])],
                            f"{row['name']} @ 0x{row['at']:04x}")
     registers += [f"fp3_counter {row['name']} @ 0x{at:04x}; {row['name']}->desc = {text(row['doc'])};" for row, at in counter_rows(regs)]
     space = regs["address"]["space"][1]

@@ -2,6 +2,8 @@
 
 from .check import NAME, bit_ranges, keys, named, need
 
+FEATURE_WORDS = ("features", "features_more")  # the registers that keys of configs.toml have a place in, 32 bits each
+MOST_COUNTERS = 48                            # host_decode finds a counter's number from address bits 8 to 3
 ACCESS = {"ro": "read only", "rw": "read and write", "wo": "write only"}
 
 
@@ -16,11 +18,29 @@ def check_reset(row, file, where):
         need(name in fields, file, f"{where}: 'interrupt' names '{name}', which is no field")
 
 
+def check_range(row, known):
+    """The range of a setting, which its field has room for and its value after a reset is in."""
+    file, where = "registers.toml", f"register '{row['name']}'"
+    need(is_setting(row), file, f"{where}: 'range' is for what is read and written and is no interrupt")
+    ends = row["range"]
+    need(len(ends) == 2 and type(ends[0]) is int and type(ends[1]) in (int, str), file, f"{where}: range must be [least, most], not {ends!r}")
+    least, most = ends
+    if isinstance(most, str):
+        need(known.get(most, {}).get("power_of_two") and least == 0, file, f"{where}: range: '{most}' is no key that is a power of two, or the least is not 0")
+    else:
+        hi, lo = next(iter(row.get("fields", {"": [31, 0]}).values()))
+        need(0 <= least < most < 2 << hi - lo, file, f"{where}: range {ends!r} is empty, or its field has no room for it")
+        need(least <= row.get("reset", 0) <= most, file, f"{where}: it is reset to {row.get('reset', 0)}, which is not in its range")
+
+
 def check_keys_named(regs, known):
     """known: the keys of configs.toml."""
     for row in regs["register"] + regs["window"] + regs["space"]:
         for name in (name for key in ("needs", "shows", "holds", "instead") for name in row.get(key, ())):
-            need(name in known, "registers.toml", f"'{row['name']}' needs, shows or holds '{name}', which is no key of configs.toml")
+            need(name in known or name in ("revision", "more") or isinstance(name, int), "registers.toml",
+                 f"'{row['name']}' needs, shows or holds '{name}', which is no key of configs.toml")
+        if "range" in row:
+            check_range(row, known)
 
 
 def check_registers(regs, counted):
@@ -37,7 +57,7 @@ def check_registers(regs, counted):
     for row in regs["register"]:
         where = f"register '{row.get('name', '?')}'"
         keys(row, file, where, {"name": str, "at": int, "access": str, "doc": str},
-             {"fields": dict, "needs": list, "shows": list, "reset": int, "interrupt": dict})
+             {"fields": dict, "needs": list, "shows": list, "range": list, "reset": int, "interrupt": dict})
         bit_ranges(row.get("fields", {}), file, where)
         check_reset(row, file, where)
         for name in row.get("fields", {}):
@@ -46,11 +66,11 @@ def check_registers(regs, counted):
         keys(row, file, f"counter '{row.get('name', '?')}'", {"name": str, "doc": str})
     for row in regs["window"]:
         keys(row, file, f"window '{row.get('name', '?')}'",
-             {"name": str, "at": int, "words": int, "holds": list, "access": str, "doc": str}, {"needs": list})
+             {"name": str, "at": int, "words": int, "holds": list, "access": str, "doc": str}, {"needs": list, "stream": bool})
     for row in regs["space"]:
         where = f"space '{row.get('name', '?')}'"
         keys(row, file, where, {"name": str, "at": int, "holds": list, "access": str, "doc": str},
-             {"fields": dict, "needs": list, "instead": list})
+             {"fields": dict, "needs": list, "instead": list, "stream": bool})
         bit_ranges(row.get("fields", {}), file, where)
     for what in ("register", "counter", "window", "space"):
         named(regs[what], file, what)
@@ -66,8 +86,8 @@ def check_registers(regs, counted):
              f"window '{row['name']}' has no room: the next starts at 0x{above['at']:04x}")
     counters = [{"name": "counter " + row["name"], "at": regs["counters"]["at"] + 8 * i, "bytes": 8}
                 for i, row in enumerate(regs["counter"])]
-    need(regs["counters"]["at"] % 128 == 0 and len(counters) <= 16, file,
-         "[counters]: at is to be a multiple of 128, for at most 16 counters: rtl/host/host_decode.v takes a counter's number from address bits 6 to 3")
+    need(regs["counters"]["at"] == 128 and len(counters) <= MOST_COUNTERS, file,
+         f"[counters]: at must be 128, for at most {MOST_COUNTERS} counters: rtl/host/host_decode.v takes a counter's number from address bits 8 to 3")
     owner = {}
     for row in regs["register"] + counters + windows:
         at, name = row["at"], row["name"]
@@ -79,15 +99,75 @@ def check_registers(regs, counted):
         for word in range(at, at + row.get("bytes", 4), 4):
             need(word not in owner, file, f"'{owner.get(word)}' and '{name}' overlap at 0x{word:04x}")
             owner[word] = name
+    for row in regs["register"]:
+        need(row["at"] < regs["counters"]["at"], file, f"'{row['name']}' at 0x{row['at']:04x} is not below the counters")
 
 
 def show_keys(regs, config_keys):
-    """The fields of register `features` are the keys of configs.toml that have a place in it."""
-    for row in regs.get("register", []):
-        if row.get("name") == "features":
-            fields = {name: key["feature"] for name, key in config_keys.items() if "feature" in key}
-            row["fields"] = dict(sorted(fields.items(), key=lambda item: item[1]))
-            row["shows"] = list(row["fields"])
+    """The registers FEATURE_WORDS have fields for the keys of configs.toml that have a place in them."""
+    places = {name: key["feature"] for name, key in config_keys.items() if "feature" in key}
+    for name, pair in places.items():
+        need(len(pair) == 2 and 0 <= pair[1] <= pair[0] < 32 * len(FEATURE_WORDS) and pair[1] // 32 == pair[0] // 32, "configs.toml",
+             f"key '{name}': feature must be [high, low] within one of {len(FEATURE_WORDS)} words of 32 bits, not {pair!r}")
+    for i, word in enumerate(FEATURE_WORDS):
+        for row in regs.get("register", []):
+            if row.get("name") == word:
+                fields = {name: [hi % 32, lo % 32] for name, (hi, lo) in places.items() if lo // 32 == i}
+                shows = dict(zip(row.get("fields", {}), row.get("shows", [])))
+                if row.get("fields", {}) | fields:
+                    row["fields"] = dict(sorted((row.get("fields", {}) | fields).items(), key=lambda item: item[1]))
+                    row["shows"] = [shows.get(name, name) for name in row["fields"]]
+
+
+def is_setting(row):
+    """Whether the host port keeps it for the runs to come."""
+    return row["access"] == "rw" and "interrupt" not in row
+
+
+def settings(regs):
+    return [row for row in regs["register"] if is_setting(row)]
+
+
+def number(row):
+    return row["at"] // 4
+
+
+def shown(row, regs, revision, key, choose, literal="{}"):
+    """What the fields of a register show, of one without fields its word: expressions of a language. key: a key's name there;
+    choose: 1 or 0, by whether an expression is not 0; literal: a number."""
+    def value(what):
+        if what == "more":
+            more = next(reg for reg in regs["register"] if reg["name"] == FEATURE_WORDS[1])
+            return choose.format(" | ".join(map(key, more["fields"]))) if "fields" in more else literal.format(0)
+        return literal.format(what if isinstance(what, int) else revision) if what == "revision" or isinstance(what, int) else key(what)
+
+    return [value(what) for what in row["shows"]]
+
+
+def shown_word(row, values):
+    """The whole word of such a register, as an expression that C and Verilog read."""
+    if "fields" not in row:
+        return values[0]
+    return " | ".join(f"({value} & {(2 << hi - lo) - 1}) << {lo}" for value, (hi, lo) in zip(values, row["fields"].values()))
+
+
+def stream_mask(regs):
+    """Address bits of which each address of a memory that streams has one, and no other address any."""
+    space = regs["address"]["space"][1]
+    memories = [(row["at"], row["words"], row) for row in regs["window"]] + [(row["at"] << space, 1, row) for row in regs["space"]]
+    ends = regs["counters"]["at"] + 8 * len(regs["counter"])
+    alone = [(at, words) for at, words, row in memories if not row.get("stream")] + [(0, ends // 4)]
+    taken = 0
+    for at, words in alone:
+        for offset in range(words):
+            taken |= at + 4 * offset
+    bits = 0
+    for at, words, row in memories:
+        if row.get("stream"):
+            free = at & ~taken
+            need(free, "registers.toml", f"'{row['name']}' has no address bit that says that it streams: those that do not have all of them, too")
+            bits |= 1 << free.bit_length() - 1
+    return bits
 
 
 def exceptions(regs):

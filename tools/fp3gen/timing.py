@@ -5,7 +5,8 @@ from .check import keys, need
 from .text import MARK, columns
 
 FILE = "timing.toml"
-NAMES = ("share", "early", "grant", "operands", "told", "end", "dual_end", "write", "gap", "access", "settle", "round", "run", "solo_operands", "solo_read", "solo_around")
+NAMES = ("share", "early", "grant", "operands", "told", "end", "dual_end", "write", "gap", "access", "settle", "round", "run",
+         "reset", "bus", "solo_access", "solo_operands", "solo_read", "solo_around")
 MOST = 255
 
 
@@ -20,7 +21,7 @@ def timing_verilog(timing):
     """Part of config.vh's list of parameters."""
     rows = [(f"parameter integer TIMING_{name.upper()} ", f"= {row['cycles']}, ", f"// {row['meaning']}")
             for name, row in timing.items() if row["rtl"]]
-    return [f"// {MARK.format(source='isa/timing.toml')}", "// Included by rtl/config/config.vh. In cycles.", *columns(rows)]
+    return [f"// {MARK.format(source='isa/timing.toml')}", "// Included by rtl/config/derived.vh. In cycles.", *columns(rows)]
 
 
 def timing_c(timing):

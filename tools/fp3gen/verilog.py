@@ -2,7 +2,8 @@
 
 from .configs import MASK_BITS, keys_of
 from .estimates import estimates
-from .registers import address_rows, counter_rows, field_rows
+from .isa import code_bits
+from .registers import address_rows, counter_rows, field_rows, stream_mask
 from .text import MARK, columns
 
 
@@ -18,8 +19,7 @@ def verilog_header(source, sections):
 
 
 def isa_verilog(isa):
-    hi, lo = isa["field"]["op"]
-    bits = hi - lo + 1
+    bits = code_bits(isa)
     return verilog_header("isa/isa.toml", [
         ("The revision that register `id` shows.",
          [("[7:0] ", "ISA_REVISION", f"8'd{isa['revision']}")]),
@@ -31,15 +31,14 @@ def isa_verilog(isa):
           for key in ("base", "count")]),
         ("Bits of numbers.",
          [("[31:0] ", f"BITS_{name.upper()}", f"32'h{value:08x}") for name, value in isa["bits"].items()]),
-        ("Opcodes.",
-         [(f"[{bits - 1}:0] ", f"OP_{op['name'].upper()}", f"{bits}'d{op['code']}") for op in isa["op"]]),
+        ("Codes of instructions, and the bits of one.",
+         [("", "CODE_W", bits)] + [(f"[{bits - 1}:0] ", f"OP_{op['name'].upper()}", f"{bits}'d{op['code']}") for op in isa["op"]]),
     ])
 
 
 def mnemonic_verilog(isa):
     """For benches: an opcode as text, padded with blanks."""
-    hi, lo = isa["field"]["op"]
-    bits, width = hi - lo + 1, max(len(op["name"]) for op in isa["op"])
+    bits, width = code_bits(isa), max(len(op["name"]) for op in isa["op"])
     rows = [(f"        {bits}'d{op['code']}: ", f'mnemonic = "{op["name"]:<{width}}";') for op in isa["op"]]
     rows.append(("        default: ", f'mnemonic = "{"?":<{width}}";'))
     return [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module.",
@@ -67,14 +66,14 @@ def registers_verilog(regs):
                         for row in regs["register"]]),
         ("Fields of registers.", [("", name, value) for name, value in field_rows(regs)]),
         ("Counters: 64 bits in two words each.",
-         [("", "COUNTERS", len(regs["counter"])), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
+         [("", "COUNTERS", len(regs["counter"])), ("", "COUNTER_W", max(4, (len(regs["counter"]) - 1).bit_length())), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
          + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
-        ("Counters: the bit of each among the events of a cycle.",
-         [("", f"EVENT_{row['name'].upper()}", i) for i, row in enumerate(regs["counter"])]),
         ("Windows onto the memories.", [("[15:0] ", f"ADDR_WINDOW_{row['name'].upper()}", at(row["at"]))
                                         for row in regs["window"]]),
         ("The parts of an address, and what they say.",
          [("", name, value) for name, value in address_rows(regs)]),
+        ("An address streams if it has one of these bits: accesses there follow each other, any other one is alone.",
+         [(f"[{regs['address']['scheduler'][1] - 1}:0] ", "ADDRESS_STREAM", f"24'h{stream_mask(regs):06x}")]),
     ])
 
 

@@ -4,6 +4,8 @@
 //           the MULT18X18D, whose delay without them bounds the clock.
 // Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
 //           The hidden bit comes late: without cut 0 the multiplier waits for it.
+// Range     FRAC from 18 to 23: with fewer bits there is no high part, with more the rows of logic below are too short.
+//           Anything else (a format of 8 bits has FRAC 3 or so) ends elaboration: take the generic module.
 // Tiles     A significand is 18 low bits and a high part of at most 6. Three tiles are multipliers,
 //           the one of both high parts is logic. The hidden bit is multiplied as any other: the
 //           additions that the generic version makes for it are not needed.
@@ -21,6 +23,11 @@ module fp_mul_product #(
 );
     localparam L = 18;                 // low part, the width of a multiplier
     localparam H = FRAC + 1 - L;       // high part
+    generate
+        if (FRAC < 18 || FRAC > 23) begin : g_frac
+            FRAC_must_be_18_to_23_with_the_multipliers_of_an_ECP5 u_error ();
+        end
+    endgenerate
     localparam IN = CUTS[0] ? "CLK0" : "NONE", OUT = CUTS[1] ? "CLK0" : "NONE";
 
     wire [17:0] al = a_i[L-1:0], bl = b_i[L-1:0];

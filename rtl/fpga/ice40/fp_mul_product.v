@@ -3,6 +3,7 @@
 // Purpose   Takes the place of rtl/fp/fp_mul_product.v: four SB_MAC16, whose own registers are those at cuts 0
 //           and 1, and one addition.
 // Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
+// Range     FRAC from 16 to 23, as there is one low part of 16 bits. Anything else ends elaboration: take the generic module.
 // Tiles     A significand is 16 low bits and a high part of at most 8. The hidden bit is multiplied as any other.
 // Hazard    nextpnr takes a multiplier for registered on both sides, whatever its parameters say. Without cuts 0
 //           and 1 it does not see the paths through the multipliers.
@@ -20,6 +21,11 @@ module fp_mul_product #(
 );
     localparam L = 16;                 // low part, the width of a multiplier
     localparam H = FRAC + 1 - L;       // high part
+    generate
+        if (FRAC < 16 || FRAC > 23) begin : g_frac
+            FRAC_must_be_16_to_23_with_the_multipliers_of_an_iCE40 u_error ();
+        end
+    endgenerate
 
     wire [15:0] al = a_i[L-1:0], bl = b_i[L-1:0];
     wire [15:0] ah = {{L-H{1'b0}}, a_i[FRAC:L]}, bh = {{L-H{1'b0}}, b_i[FRAC:L]};

@@ -30,6 +30,9 @@
 #define FP3_BITS_ONE        0x3f800000u
 #define FP3_BITS_MINUS_ZERO 0x80000000u
 
+/* A code from here on is all ones in field op, and the rest in field c. */
+#define FP3_CODE_MORE 128
+
 enum fp3_opcode {
     FP3_OP_ADD   = 1,
     FP3_OP_SUB   = 2,

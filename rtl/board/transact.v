@@ -1,4 +1,4 @@
-// execute: carries out a request as a master of AXI4-Lite, and keeps its answer.
+// transact: carries out a request as a master of AXI4-Lite, and keeps its answer.
 //
 // Purpose   The words of a request go to, or come from, addresses that grow by 4, one transfer after the other, until
 //           the bus answers one with an error. The store has those to write, or those that were read.
@@ -8,7 +8,7 @@
 //           is an error, as the bus's own are.
 // Hazard    It waits for the bus as long as that takes: a slave that never answers stops the bridge until the reset.
 `default_nettype none
-module execute #(
+module transact #(
     parameter ADDRESS_W = 24           // bits of a byte address on the bus, < 32
 ) (
     input  wire                 clk_i,

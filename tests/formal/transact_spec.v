@@ -1,10 +1,10 @@
-// execute_spec: the promises of execute.v, for requests as request_rx makes them and a slave that keeps to the rules
+// transact_spec: the promises of transact.v, for requests as request_rx makes them and a slave that keeps to the rules
 // of AXI and takes and answers a transfer within PATIENCE cycles.
 //
 // The spec keeps the request, how many of its words have a response, and one word of the store: of any number,
 // chosen once (one_word.v).
 `default_nettype none
-module execute_spec #(
+module transact_spec #(
     parameter ADDRESS_W = 8,
     parameter PATIENCE  = 2,
     parameter LEMMAS    = 1
@@ -30,7 +30,7 @@ module execute_spec #(
     wire [ADDRESS_W-1:0] awaddr, araddr;
     wire [2:0]           awprot, arprot;
     wire [3:0]           wstrb;
-    execute #(.ADDRESS_W(ADDRESS_W)) u_execute (.clk_i(clk_i), .rst_i(rst_i), .idle_o(idle), .request_i(request_i),
+    transact #(.ADDRESS_W(ADDRESS_W)) u_transact (.clk_i(clk_i), .rst_i(rst_i), .idle_o(idle), .request_i(request_i),
         .sequence_i(sequence_i), .write_i(write_i), .last_i(last_i), .address_i(address_i), .store_i(store_i),
         .store_at_i(store_at_i), .store_word_i(store_word_i), .answer_o(answer), .done_i(done_i), .sequence_o(sequence),
         .status_o(status), .words_o(words), .word_at_i(word_at_i), .word_o(word),
@@ -39,8 +39,8 @@ module execute_spec #(
         .m_axi_bresp(bresp_i), .m_axi_bvalid(bvalid_i), .m_axi_bready(bready),
         .m_axi_araddr(araddr), .m_axi_arprot(arprot), .m_axi_arvalid(arvalid), .m_axi_arready(arready_i),
         .m_axi_rdata(rdata_i), .m_axi_rresp(rresp_i), .m_axi_rvalid(rvalid_i), .m_axi_rready(rready));
-    (* hierconn *) wire [5:0] \u_execute.u_store.which ;
-    wire [5:0] which = \u_execute.u_store.which ;
+    (* hierconn *) wire [5:0] \u_transact.u_store.which ;
+    wire [5:0] which = \u_transact.u_store.which ;
 
     wire aw = awvalid && awready_i, w = wvalid && wready_i, ar = arvalid && arready_i;
     wire b = bvalid_i && bready, r = rvalid_i && rready;
@@ -164,35 +164,35 @@ module execute_spec #(
         if (reset_q) assert (idle && !answer && !awvalid && !wvalid && !arvalid);
     end
 
-    (* hierconn *) wire        \u_execute.aw_q , \u_execute.w_q , \u_execute.ar_q , \u_execute.kept_q , \u_execute.u_store.it_q ;
-    (* hierconn *) wire [1:0]  \u_execute.state_q ;
-    (* hierconn *) wire [5:0]  \u_execute.word_q ;
-    (* hierconn *) wire [6:0]  \u_execute.status_q ;
-    (* hierconn *) wire [7:0]  \u_execute.sequence_q ;
-    (* hierconn *) wire [31:0] \u_execute.address_q , \u_execute.u_store.word_q , \u_execute.u_store.read_q ;
-    wire fetches = \u_execute.state_q == 2'd1, waits = \u_execute.state_q == 2'd2;
+    (* hierconn *) wire        \u_transact.aw_q , \u_transact.w_q , \u_transact.ar_q , \u_transact.kept_q , \u_transact.u_store.it_q ;
+    (* hierconn *) wire [1:0]  \u_transact.state_q ;
+    (* hierconn *) wire [5:0]  \u_transact.word_q ;
+    (* hierconn *) wire [6:0]  \u_transact.status_q ;
+    (* hierconn *) wire [7:0]  \u_transact.sequence_q ;
+    (* hierconn *) wire [31:0] \u_transact.address_q , \u_transact.u_store.word_q , \u_transact.u_store.read_q ;
+    wire fetches = \u_transact.state_q == 2'd1, waits = \u_transact.state_q == 2'd2;
     generate
         if (LEMMAS != 0) begin : g_lemmas
             always @* if (started_q) begin
                 assert (answer == (busy_q && over_q));
-                assert (\u_execute.aw_q == (waits && write_q && !aw_done_q));
-                assert (\u_execute.w_q == (waits && write_q && !w_done_q));
-                assert (\u_execute.ar_q == (waits && !write_q && !ar_done_q));
+                assert (\u_transact.aw_q == (waits && write_q && !aw_done_q));
+                assert (\u_transact.w_q == (waits && write_q && !w_done_q));
+                assert (\u_transact.ar_q == (waits && !write_q && !ar_done_q));
                 assert (waits || !(aw_done_q || w_done_q || ar_done_q));
                 assert (write_q ? !ar_done_q : !(aw_done_q || w_done_q));
                 assert (!waits || !outside);
-                assert (\u_execute.kept_q == kept_q);
-                if (kept_q || busy_q) assert (\u_execute.sequence_q == sequence_q && \u_execute.status_q == status_q);
+                assert (\u_transact.kept_q == kept_q);
+                if (kept_q || busy_q) assert (\u_transact.sequence_q == sequence_q && \u_transact.status_q == status_q);
                 if (busy_q) assert (request_q[38] == write_q && (!write_q || kept_q));
                 if (busy_q && !(write_q && over_q)) assert (request_q[37:32] == last_q);
                 if (busy_q && !over_q)
-                    assert (\u_execute.word_q == count_q[5:0] && \u_execute.address_q == at && status_q == 7'd0 && count_q <= {1'b0, last_q});
+                    assert (\u_transact.word_q == count_q[5:0] && \u_transact.address_q == at && status_q == 7'd0 && count_q <= {1'b0, last_q});
                 // The store
-                if (known_q) assert (\u_execute.u_store.word_q == word_q);
-                if (waits) assert (\u_execute.u_store.it_q == (count_q[5:0] == which));
-                if (answer && looks_q) assert (\u_execute.u_store.it_q );
-                if (\u_execute.u_store.it_q && (waits && write_q || answer && looks_q))
-                    assert (\u_execute.u_store.read_q == \u_execute.u_store.word_q );
+                if (known_q) assert (\u_transact.u_store.word_q == word_q);
+                if (waits) assert (\u_transact.u_store.it_q == (count_q[5:0] == which));
+                if (answer && looks_q) assert (\u_transact.u_store.it_q );
+                if (\u_transact.u_store.it_q && (waits && write_q || answer && looks_q))
+                    assert (\u_transact.u_store.read_q == \u_transact.u_store.word_q );
                 // How long it takes
                 assert (aw_waits_q <= PATIENCE && w_waits_q <= PATIENCE && ar_waits_q <= PATIENCE && thinks_q <= PATIENCE);
                 if (!waits) assert ({aw_waits_q, w_waits_q, ar_waits_q, thinks_q, since_q} == {5*W{1'b0}});

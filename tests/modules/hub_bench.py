@@ -1,0 +1,47 @@
+"""hub against its header: who is asked, what comes back, and that nobody is asked or answered in reset."""
+
+import random
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, Timer
+
+WROTE, READ = 1 << 35, 1 << 33
+MASK = (1 << 36) - 1
+
+
+@cocotb.test()
+async def hub_asks_and_answers(dut):
+    chance, n = random.Random(1), dut.N.value
+    cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+    dut.rst_i.value = 1
+    for name in ("req_valid_i", "req_write_i", "req_addr_i", "req_wdata_i", "answer_i"):
+        getattr(dut, name).value = 0
+    await RisingEdge(dut.clk_i)
+    asked, held, answer = 0, None, 0
+    for _ in range(3000):
+        await FallingEdge(dut.clk_i)
+        reset = chance.random() < 0.3
+        valid, write = chance.random() < 0.6, chance.randrange(2)
+        who = chance.choice((*range(n + 1), 255))
+        address, data = who << 24 | chance.getrandbits(24), chance.getrandbits(32)
+        answers = [chance.getrandbits(36) if chance.random() < 0.5 else 0 for _ in range(n)]
+        dut.rst_i.value, dut.req_valid_i.value, dut.req_write_i.value = int(reset), int(valid), write
+        dut.req_addr_i.value, dut.req_wdata_i.value = address, data
+        dut.answer_i.value = sum(word << 36 * i for i, word in enumerate(answers))
+        await Timer(1, "ns")
+        # What the last cycle asked for, in this one.
+        assert dut.req_valid_o.value == asked
+        if held:
+            assert (dut.req_write_o.value, dut.req_addr_o.value, dut.req_wdata_o.value) == held
+        got = dut.answer_o.value.integer
+        assert got == (answer & ~(WROTE | READ) if reset else answer) & MASK, "an answer in reset, or another one"
+        assert dut.req_ready_o.value == int(not reset)
+        nobody = who != 255 and who >= n
+        asked = 0 if reset or not valid else (1 if nobody else (1 << n) - 1 if who == 255 else 1 << who)
+        if valid:
+            held = (write, 1 if nobody else address & 0xffffff, data)
+        answer = 0
+        for word in answers:
+            answer |= word
+        await RisingEdge(dut.clk_i)

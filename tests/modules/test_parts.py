@@ -1,0 +1,135 @@
+"""Small modules alone, each against a model of its header (cocotb in Icarus); and broken ones."""
+
+import json
+from typing import NamedTuple
+
+import pytest
+
+import simulate
+from bugs import Bug, source, tree
+
+DUAL = {"interleave": 1, "dual": 1, "scale": 1, "registers": 8}
+FULL = {"interleave": 1, "chain": 1, "scale": 1, "select": 1, "estimate": 1, "round": 1, "sleep": 1, "registers": 32}
+PLAIN = {"registers": 64}
+
+
+class Part(NamedTuple):
+    """A module with these parameters, and its bench."""
+    module: str
+    bench: str
+    parameters: dict
+    told: dict = {}                      # the environment of the bench
+
+
+def decode(keys, words):
+    known = dict.fromkeys(("interleave", "dual", "chain", "scale", "select", "estimate", "round", "sleep"), 0)
+    return Part("decode", "decode", {key.upper(): value for key, value in {**known, **keys}.items()},
+                {"FP3_KEYS": json.dumps(keys), "FP3_WORDS": words})
+
+
+def memory(module, latency, forward, enable, **parameters):
+    return Part(module, "memory", parameters, {"FP3_LATENCY": latency, "FP3_FORWARD": forward, "FP3_ENABLE": enable})
+
+
+PARTS = {
+    "decode, dual": decode(DUAL, 6000),
+    "decode, everything for one object in turn": decode(FULL, 4000),
+    "decode, as little as can be": decode(PLAIN, 2000),
+    "hub": Part("hub", "hub", {"N": 3}),
+    "counters": Part("counters", "counters", {"N": 18, "INDEX_W": 5}),
+    "ram_1r1w": memory("ram_1r1w", 1, 0, 1, ADDR_W=4, W=9),
+    "lutram_1r1w": memory("lutram_1r1w", 0, 0, 0, ADDR_W=4, W=9),
+    "ram_registered": memory("ram_registered", 2, 0, 1, ADDR_W=4, W=9),
+    "ram_forward, few words": memory("ram_forward", 1, 1, 0, ADDR_W=4, W=9),
+    "ram_forward, many words": memory("ram_forward", 1, 1, 0, ADDR_W=8, W=9),
+    "shift_right_sticky, by ones": Part("shift_right_sticky", "shift", {"W": 26, "N": 5, "UNIT": 1}),
+    "shift_right_sticky, by eights": Part("shift_right_sticky", "shift", {"W": 26, "N": 2, "UNIT": 8}),
+    "shift_right_sticky, beyond its width": Part("shift_right_sticky", "shift", {"W": 8, "N": 3, "UNIT": 4}),
+    "fp_rint": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 0}),
+    "fp_rint, cut": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 1}),
+    "fp_rint, truncated": Part("fp_rint", "rint", {"NEAREST": 0, "CUT": 1}),
+    "uart_rx": Part("uart_rx", "uart_rx", {"DIVISOR": 8}),
+    "slip_tx": Part("slip_tx", "slip_tx", {}),
+}
+SCALED = "!((half || twice) && (a_odd || b_even))"
+BUGS = {
+    "decode, dual": [
+        Bug("halves are not kept apart", "decode.v", SCALED, "!(twice && (a_odd || b_even))"),
+        Bug("doubles are not kept apart", "decode.v", SCALED, "!(half && (a_odd || b_even))"),
+        Bug("a scaled sum", "decode.v", SCALED, "!((half || twice) && a_odd)"),
+        Bug("a scaled operand and a product", "decode.v", SCALED, "!((half || twice) && b_even)"),
+    ],
+    "hub": [
+        Bug("a write is answered in reset", "hub.v", "{answer_wrote && !rst_i,", "{answer_wrote,"),
+        Bug("a read is answered in reset", "hub.v", "answer_read && !rst_i,", "answer_read,"),
+        Bug("schedulers are asked in reset", "hub.v", "req_valid_i && !rst_i", "req_valid_i"),
+        Bug("nobody is somebody", "hub.v", "nobody ? NOWHERE : req_addr_i[23:0]", "req_addr_i[23:0]"),
+    ],
+    "counters": [
+        Bug("an event of the clear's cycle counts", "counters.v", "event_q <= clear_i ? {N{1'b0}} : event_i", "event_q <= event_i"),
+        Bug("an event of the cycle before the clear counts", "counters.v", "if (clear_i) count_q <= {W{1'b0}};", "if (clear_i) count_q <= {{W-1{1'b0}}, event_q[k]};"),
+        Bug("the first four for all", "counters.v", "which_q <= index_i[INDEX_W-1:2];", "which_q <= {INDEX_W-2{1'b0}};"),
+        Bug("the first sixteen for all", "counters.v", "which_q <= index_i[INDEX_W-1:2];", "which_q <= index_i[3:2];"),
+        Bug("the high word is the low one", "counters.v", "64*index_i[1:0] + 32*high_i", "64*index_i[1:0]"),
+    ],
+    "ram_1r1w": [
+        Bug("ones at power-up", "ram_1r1w.v", "memory[i] = {W{1'b0}};", "memory[i] = {W{1'b1}};"),
+        Bug("one word is not zero at power-up", "ram_1r1w.v", "memory[i] = {W{1'b0}};", "memory[i] = i == 5;"),
+        Bug("a read without read_i", "ram_1r1w.v", "if (read_i)  read_q", "read_q"),
+    ],
+    "lutram_1r1w": [Bug("not zero at power-up", "lutram_1r1w.v", "memory[i] = {W{1'b0}};", "memory[i] = i == 5;")],
+    "ram_registered": [Bug("not zero at power-up", "ram_registered.v", "memory[i] = {W{1'b0}};", "memory[i] = i == 5;")],
+    "ram_forward, few words": [
+        Bug("what is not written is forwarded", "ram_forward.v", "write_i && write_addr_i == read_addr_i", "write_addr_i == read_addr_i"),
+        Bug("half of an address is compared", "ram_forward.v", "write_i && write_addr_i == read_addr_i",
+            "write_i && write_addr_i[ADDR_W-2:0] == read_addr_i[ADDR_W-2:0]"),
+    ],
+    "ram_forward, many words": [
+        Bug("the word of this cycle", "ram_forward.v", "forward_q ? write_value_q : word", "forward_q ? write_value_i : word"),
+        Bug("half of an address is compared", "ram_forward.v", "write_i && write_addr_i == read_addr_i",
+            "write_i && write_addr_i[ADDR_W-2:0] == read_addr_i[ADDR_W-2:0]"),
+    ],
+    "shift_right_sticky, by eights": [
+        Bug("the amount without its upper bits", "shift_right_sticky.v", "wire [A-1:0] n = {{A-N{1'b0}}, n_i} << $clog2(UNIT)",
+            "wire [N-1:0] n = n_i << $clog2(UNIT)"),
+        Bug("by ones", "shift_right_sticky.v", "d_i >> n;", "d_i >> n_i;"),
+    ],
+    "shift_right_sticky, beyond its width": [
+        Bug("sticky without its upper bits", "shift_right_sticky.v", "({W{1'b1}} << n)", "({W{1'b1}} << n[A-2:0])"),
+        Bug("the amount without its uppermost bit", "shift_right_sticky.v", "d_i >> n;", "d_i >> n[A-2:0];"),
+    ],
+    "fp_rint": [
+        Bug("0.75 is a tie", "fp_rint.v", "(half_q ? behind_q : {1'b0, behind_q[22:1]})", "{1'b0, behind_q[22:1]}"),
+        Bug("0.75 is rounded down", "fp_rint.v", "guard = half_q ||", "guard ="),
+        Bug("ties away from zero", "fp_rint.v", "guard && (rest || odd)", "guard"),
+        Bug("the sign of a zero is lost", "fp_rint.v", "assign z_o = {kept_c[31],", "assign z_o = {kept_c[31] && !small_c,"),
+    ],
+    "fp_rint, truncated": [Bug("rounds to nearest", "fp_rint.v", "NEAREST != 0 && guard", "guard")],
+    "uart_rx": [
+        Bug("a bad stop bit is a good one", "uart_rx.v", "if (sample) bad_q <= !line;", "if (sample && bit_q != STOP) bad_q <= !line;"),
+        Bug("the stop bit is a bit of the byte", "uart_rx.v", "if (sample && bit_q != STOP) byte_q", "if (sample) byte_q"),
+        Bug("no stop bit is awaited", "uart_rx.v", "STOP = 4'd10", "STOP = 4'd9"),
+    ],
+    "slip_tx": [
+        Bug("an escape survives reset", "slip_tx.v", "if (rst_i)                   escape_q <= 1'b0;\n        else if", "if"),
+        Bug("an escape that the line does not take", "slip_tx.v", "valid_i && ready_i) escape_q", "valid_i) escape_q"),
+    ],
+}
+
+
+def run(root, folder, part, tree):
+    chosen = [f"-P{part.module}.{key}={value}" for key, value in part.parameters.items()]
+    vvp = simulate.compiled(tree, folder, part.module, source(tree, f"{part.module}.v"), *chosen, "-y", tree / "rtl/board")
+    return simulate.cocotb(root, folder, vvp, root / f"tests/modules/{part.bench}_bench.py", FP3_ISA=root / "isa/isa.toml", **part.told)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_keeps_its_promises(root, tmp_path, name):
+    done = run(root, tmp_path, PARTS[name], root)
+    assert done.passed, done.said
+
+
+@pytest.mark.parametrize("name, bug", [pytest.param(name, bug, id=f"{name}: {bug.name}") for name in BUGS for bug in BUGS[name]])
+def test_a_broken_part_is_seen(root, tmp_path, name, bug):
+    done = run(root, tmp_path, PARTS[name], tree(root, tmp_path, bug))
+    assert done.failed and not done.passed, done.said
