@@ -10,6 +10,12 @@ WORD = 1 << 32
 HIGH = 0x10000
 
 
+def settings(dut, steps, visit, clock):
+    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, the first in the low bits."""
+    index = (len(dut.settings_i) - 2 - 3 * 32) // 3
+    return steps << 2 | visit << 34 + 3 * index | clock << 66 + 3 * index
+
+
 class Run:
     """A run, and the sequencer around rounds: what is left to issue, and the last part of a visit."""
 
@@ -68,7 +74,7 @@ async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None):
     """To its end; returns the number of rounds. Hangs are seen."""
     settle = int(dut.SETTLE.value)
     this = Run(dut, chance, steps, visit, clock)
-    dut.steps_i.value, dut.visit_i.value, dut.clock_i.value, dut.start_i.value = steps, visit, clock, 1
+    dut.settings_i.value, dut.start_i.value = settings(dut, steps, visit, clock), 1
     this.inputs()
     await RisingEdge(dut.clk_i)
     dut.start_i.value = 0
@@ -90,7 +96,7 @@ async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None):
 
 async def reset(dut):
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "steps_i", "visit_i", "clock_i"):
+    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "settings_i"):
         getattr(dut, name).value = 0
     dut.rst_i.value = 1
     for _ in range(3):

@@ -14,7 +14,7 @@ BENCHES = {
 # By the promise that must be seen to be broken.
 BUGS = {
     "rounds_divides_the_steps_into_visits": [
-        Bug("the first visit is the last", "rounds.v", "steps_q <= all_q ? left_q : visit_i", "steps_q <= left_q"),
+        Bug("the first visit is the last", "rounds.v", "steps_q <= all_q ? left_q : setting_visit", "steps_q <= left_q"),
         Bug("a visit of as many steps as there are is none", "rounds.v", "no_visit_q || high_more_q", "no_visit_q && high_more_q"),
         Bug("the clock stands still", "rounds.v", "base_q  <= base_q + steps_q;", "base_q  <= base_q;"),
         Bug("the last step of a round is that of the one before", "rounds.v", "end_q  <= base_q + steps_q;", "end_q  <= base_q;"),
