@@ -22,6 +22,16 @@ def python(root):
     return path
 
 
+def config_word(tree, values):
+    """The parameter CONFIG with these values of keys, and the others as they are by default."""
+    text = (tree / "rtl/gen/config_keys.vh").read_text()
+    width, word = re.search(r"CONFIG = (\d+)'h(\w+)", text).groups()
+    word, at = int(word, 16), {key: int(low) for key, low in re.findall(r"(\w+)\s*= CONFIG\[\d+:(\d+)\]", text)}
+    for key, value in values.items():
+        word = word & ~(0xffffffff << at[key]) | value << at[key]
+    return f"{width}'h{word:x}"
+
+
 def compiled(tree, folder, top, file, *options):
     """The module `top` with every module that it needs, from the RTL of `tree`."""
     bench, clock = folder / f"{top}.vvp", folder / "clock.f"

@@ -63,6 +63,13 @@ def test_the_folded_ship_takes_thirteen_cycles_or_twelve(root, fp3, run, tmp_pat
     assert cycles(full[1]) - cycles(full[0]) == 5 * count * CONTEXTS
 
 
+def test_a_lane_without_an_object_raises_nothing(run, tmp_path):
+    """The registers of three lanes are 0 and the constant is infinite: their product would be invalid."""
+    (tmp_path / "x.s").write_text(".state x = r0\n.shared k\n.temp p = r1\nstep: mul p, x, k\nadd x, x, 1.0\n")
+    assert re.search("^flags +none$", run("x.s", "-c", "dual", "-o", 1, "-n", 2, "--set", "x=1", "--set", "k=inf"), re.MULTILINE)
+    assert re.search("^flags +invalid$", run("x.s", "-c", "dual", "-o", 1, "-n", 2, "--set", "x=0", "--set", "k=inf", status=3), re.MULTILINE)
+
+
 @pytest.mark.parametrize("word, wrong", [
     ("add r1, r2, k0", "word 0 (add) writes a sum to a register of odd number"),
     ("mul r2, r2, k0", "word 0 (mul) writes a product to a register of even number"),
