@@ -335,10 +335,9 @@ static fp3_status run(options *o, const fp3_run_task *of, const fp3_engine_def *
         warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
-        status = fp3_run_record_is_asked(&o->record) ? record(o, of, engine, &cost, error)
-                 : of->scene               ? fp3_scene_run(of->scene, engine, o->steps, &cost.stats)
-                 : fp3_run_is_adaptive(of) ? fp3_adaptive_run(engine, o->steps, &cost.stats)
-                                           : fp3_engine_run(engine, o->steps, &cost.stats);
+        status = fp3_run_record_is_asked(&o->record)
+                     ? record(o, of, engine, &cost, error)
+                     : fp3_engine_advance(engine, o->steps, &cost.stats);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;

@@ -152,25 +152,51 @@ static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats 
     return status;
 }
 
-/* Else it would go on making attempts that change nothing. */
-static fp3_status check_sleep(const fp3_engine *engine) {
-    for (uint32_t i = 0; engine->config->interleave && i < engine->layout.count; i++) {
-        const fp3_image *image = engine->layout.groups[i].image;
-        if (image && fp3_adaptive_is(image) && fp3_image_slept(image) < 0)
-            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                            "%sadaptive steps of many objects need 'sleep': expected a program "
-                            "that is compiled for configuration '%s'",
-                            fp3_engine_prefix(i, engine->layout.count).text, engine->config->name);
-    }
-    return FP3_OK;
+static int is_adaptive(const fp3_members *group) {
+    return group->image && fp3_adaptive_is(group->image);
 }
 
-fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t attempts, fp3_stats *stats) {
+/* Else it would go on making attempts that change nothing. */
+static fp3_status check_sleep(const fp3_engine *engine, const fp3_members *group) {
+    const uint32_t count = engine->layout.count;
+    if (!engine->config->interleave || fp3_image_slept(group->image) >= 0)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "%sadaptive steps of many objects need 'sleep': expected a program that is "
+                    "compiled for configuration '%s'",
+                    fp3_engine_prefix((uint32_t)(group - engine->layout.groups), count).text,
+                    engine->config->name);
+}
+
+/* Objects with fixed steps are gone after the last of them, and the others go on. */
+static fp3_status end_fixed(fp3_engine *engine, uint64_t steps) {
+    const uint64_t end = engine->made + steps;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        if (!is_adaptive(group))
+            status = fp3_engine_live(engine, group->first, group->objects,
+                                     end ? 0 : FP3_FOREVER - 1, end ? end : FP3_FOREVER);
+    }
+    return status;
+}
+
+fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats) {
     fp3_stats sum = {0};
-    fp3_status status = check_sleep(engine);
+    fp3_status status = FP3_OK;
+    uint32_t adaptive = 0;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        if (is_adaptive(&engine->layout.groups[i])) {
+            status = check_sleep(engine, &engine->layout.groups[i]);
+            adaptive++;
+        }
+    if (!status && adaptive && adaptive < engine->layout.count) {
+        status = end_fixed(engine, most);
+        most = most > FP3_ADAPTIVE_ATTEMPTS ? most : FP3_ADAPTIVE_ATTEMPTS;
+    }
     if (!status)
-        status = engine->config->interleave ? fp3_engine_run(engine, attempts, &sum)
-                                            : run_and_look(engine, attempts, &sum);
+        status = adaptive && !engine->config->interleave ? run_and_look(engine, most, &sum)
+                                                         : fp3_engine_run(engine, most, &sum);
     if (stats)
         *stats = sum;
     return status;

@@ -13,10 +13,16 @@ typedef struct {
     fp3_engine *engine;
 } machine;
 
+typedef void release_fn(void *what);
+typedef struct {
+    void *what;
+    release_fn *release;
+} kept;
+
 struct fp3_measure_machines {
     machine machine[ENGINES_MOST];
     unsigned count;
-    fp3_compiled **kept;
+    kept *kept;
     size_t kept_count;
     fp3_error error;
 };
@@ -33,7 +39,7 @@ void fp3_measure_machines_close(fp3_measure_machines **machines) {
     for (unsigned i = 0; i < m->count; i++)
         fp3_engine_close(&m->machine[i].engine);
     for (size_t i = 0; i < m->kept_count; i++)
-        fp3_compiled_free(&m->kept[i]);
+        m->kept[i].release(m->kept[i].what);
     free(m->kept);
     free(m);
     *machines = NULL;
@@ -75,15 +81,32 @@ fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const cha
     return FP3_OK;
 }
 
-fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, fp3_compiled *compiled,
-                                     fp3_error *error) {
-    fp3_compiled **more =
-        realloc(machines->kept, (machines->kept_count + 1) * sizeof *machines->kept);
+static fp3_status keep(fp3_measure_machines *machines, void *what, release_fn *release,
+                       fp3_error *error) {
+    kept *more = realloc(machines->kept, (machines->kept_count + 1) * sizeof *machines->kept);
     if (!more) {
-        fp3_compiled_free(&compiled);
+        release(what);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
     machines->kept = more;
-    more[machines->kept_count++] = compiled;
+    more[machines->kept_count++] = (kept){what, release};
     return FP3_OK;
+}
+
+static void release_model(void *model) { fp3_model_free(&(fp3_model *){model}); }
+static void release_program(void *compiled) { fp3_compiled_free(&(fp3_compiled *){compiled}); }
+
+fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, void *memory,
+                                     fp3_error *error) {
+    return keep(machines, memory, free, error);
+}
+
+fp3_status fp3_measure_machines_keep_model(fp3_measure_machines *machines, fp3_model *model,
+                                           fp3_error *error) {
+    return keep(machines, model, release_model, error);
+}
+
+fp3_status fp3_measure_machines_keep_program(fp3_measure_machines *machines, fp3_compiled *compiled,
+                                             fp3_error *error) {
+    return keep(machines, compiled, release_program, error);
 }

@@ -17,9 +17,13 @@ void fp3_measure_machines_close(fp3_measure_machines **machines);
 fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const char *name,
                                        const char *config, unsigned threads, uint64_t objects,
                                        fp3_engine **engine, fp3_error *error);
-/* Frees it in the end. */
-fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, fp3_compiled *compiled,
+/* What points use; each is freed in the end, or at once if there is no memory. */
+fp3_status fp3_measure_machines_keep(fp3_measure_machines *machines, void *memory,
                                      fp3_error *error);
+fp3_status fp3_measure_machines_keep_model(fp3_measure_machines *machines, fp3_model *model,
+                                           fp3_error *error);
+fp3_status fp3_measure_machines_keep_program(fp3_measure_machines *machines, fp3_compiled *compiled,
+                                             fp3_error *error);
 const fp3_error *fp3_measure_machines_error(const fp3_measure_machines *machines);
 
 #endif

@@ -1,9 +1,9 @@
 /* measure.c - see measure.h: a model by everything that solves it. */
 #include "measure.h"
 
-#include "engine.h"
 #include "gsl.h"
 #include "loop.h"
+#include "programs.h"
 
 #include "bench/equations.h"
 #include "bench/native.h"
@@ -96,10 +96,7 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
     if (!status)
         status = fp3_measure_machines_open(&m->machines, error);
     if (!status)
-        status = fp3_measure_add_engine(&m->points, &m->problem, options, m->machines, error);
-    if (!status)
-        status = fp3_measure_add_adaptive(&m->points, &m->problem, options, m->machines,
-                                          &m->adaptive, error);
+        status = fp3_measure_add_programs(&m->points, &m->problem, options, m->machines, error);
     if (!status)
         status = fp3_measure_add_loop(&m->points, &m->problem, options, error);
     if (!status)
@@ -109,7 +106,6 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
 
 void fp3_measure_close(fp3_measure *m) {
     fp3_measure_points_close(&m->points);
-    fp3_measure_adaptive_close(&m->adaptive);
     fp3_bench_native_close(&m->native);
     fp3_measure_machines_close(&m->machines);
     fp3_measure_problem_close(&m->problem);

@@ -5,7 +5,6 @@
 #ifndef FP3_MEASURE_H
 #define FP3_MEASURE_H
 
-#include "adaptive.h"
 #include "machines.h"
 #include "options.h"
 
@@ -18,7 +17,6 @@ typedef struct {
     fp3_measure_problem problem;
     fp3_measure_points points;
     fp3_measure_machines *machines;
-    fp3_measure_adaptive *adaptive;
     fp3_bench_native *native;
 } fp3_measure;
 

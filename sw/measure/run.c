@@ -4,6 +4,7 @@
 #include "bench/variants.h"
 
 #include <fp3/adaptive.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,20 +92,6 @@ fp3_status fp3_measure_run_compare(const fp3_measure_problem *p, size_t variants
     return FP3_OK;
 }
 
-fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_problem *p, double h,
-                                 uint64_t steps, double *ends, double *seconds, uint64_t *cycles,
-                                 fp3_error *error) {
-    fp3_stats stats;
-    fp3_status status = prepare(e, p, h, error);
-    if (status)
-        return status;
-    const double begin = fp3_measure_now();
-    status = fp3_engine_run(e->engine, steps, &stats);
-    *seconds = fp3_measure_now() - begin;
-    *cycles = stats.counter[FP3_COUNTER_CYCLES];
-    return status ? said(e, status, error) : read_ends(e, p, ends, error);
-}
-
 /* Of the variants: the others are the same. */
 static fp3_status check_ends(const fp3_measure_run *e, const fp3_measure_problem *p,
                              fp3_error *error) {
@@ -121,18 +108,40 @@ static fp3_status check_ends(const fp3_measure_run *e, const fp3_measure_problem
     return fp3_fail(error, FP3_E_LIMIT, "%s", text);
 }
 
-fp3_status fp3_measure_run_adaptive(const fp3_measure_run *e, const fp3_measure_problem *p,
-                                    uint64_t attempts, double *ends, double *seconds,
-                                    fp3_stats *stats, fp3_error *error) {
-    fp3_status status = prepare(e, p, p->model->step, error);
+static void set(fp3_model *model, const char *name, double value) {
+    const uint32_t param = fp3_model_param(model, name);
+    if (param != FP3_NONE)
+        model->params[param].value = value;
+}
+
+static double smallest_scale(const fp3_measure_problem *p) {
+    double least = INFINITY;
+    for (uint32_t i = 0; i < p->model->state_count; i++)
+        least = p->scale[i] > 0 ? fmin(least, p->scale[i]) : least;
+    return isfinite(least) ? least : 1;
+}
+
+static void set_tolerance(fp3_model *model, const fp3_measure_problem *p, double tolerance) {
+    set(model, "tolerance", tolerance);
+    set(model, "absolute", tolerance * smallest_scale(p));
+    set(model, "locate", tolerance * p->end);
+}
+
+fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_problem *p,
+                                 const fp3_measure_pace *pace, double *ends, double *seconds,
+                                 fp3_stats *stats, fp3_error *error) {
+    if (e->adapted)
+        set_tolerance(e->adapted, p, pace->tolerance);
+    fp3_status status = prepare(e, p, pace->h, error);
     if (status)
         return status;
     const double begin = fp3_measure_now();
-    status = fp3_adaptive_run(e->engine, attempts, stats);
+    status = fp3_engine_advance(e->engine, pace->count, stats);
     *seconds = fp3_measure_now() - begin;
     if (status)
         return said(e, status, error);
-    status = check_ends(e, p, error);
+    if (e->adapted)
+        status = check_ends(e, p, error);
     return status ? status : read_ends(e, p, ends, error);
 }
 

@@ -10,20 +10,25 @@ typedef struct {
     fp3_engine *engine;
     const fp3_compiled *compiled;
     const fp3_measure_machines *machines;
-    const fp3_model *adapted; /* of adaptive steps: its params are those of the run; else NULL */
-    int is_flipped;           /* a bit of what the first object ends with */
+    fp3_model *adapted; /* of adaptive steps: a run gives it its params; else NULL */
+    int is_flipped;     /* a bit of what the first object ends with */
 } fp3_measure_run;
 
-/* `steps` steps of h. Fills the states of the variants, row by row. FP3_E_MISMATCH: objects that are
- * the same variant end with different bits. *seconds and *cycles are of the run alone. */
-fp3_status fp3_measure_run_solve(const fp3_measure_run *run, const fp3_measure_problem *problem,
-                                 double h, uint64_t steps, double *ends, double *seconds,
-                                 uint64_t *cycles, fp3_error *error);
+/* How objects come from the start to the end. */
+typedef struct {
+    double h; /* of a step; of adaptive ones where they begin */
+    double
+        tolerance; /* of an adaptive step; its `absolute` is that times the smallest scale of a state */
+    uint64_t count; /* of steps; of adaptive ones the most attempts */
+    double made;    /* by one object, steps or attempts, on average: for who asks, not read */
+} fp3_measure_pace;
 
-/* The same of run->adapted, with its values, until all objects have ended. FP3_E_LIMIT: an object did not. */
-fp3_status fp3_measure_run_adaptive(const fp3_measure_run *run, const fp3_measure_problem *problem,
-                                    uint64_t attempts, double *ends, double *seconds,
-                                    fp3_stats *stats, fp3_error *error);
+/* Fills the states of the variants, row by row. FP3_E_MISMATCH: objects that are the same variant end with
+ * different bits. FP3_E_LIMIT: an object does not end with so many attempts. *seconds and *stats are of the run
+ * alone. */
+fp3_status fp3_measure_run_solve(const fp3_measure_run *run, const fp3_measure_problem *problem,
+                                 const fp3_measure_pace *pace, double *ends, double *seconds,
+                                 fp3_stats *stats, fp3_error *error);
 
 /* How many objects a timed run has in which each makes so many steps and takes `each` seconds with one
  * thread: always whole rounds of the variants. */

@@ -257,7 +257,7 @@ static fp3_status run_adaptive_part(fp3_recording *r) {
     fp3_stats part = {0};
     fp3_status status = fp3_targets_set(&r->targets, &r->source, (size_t)r->next - 1);
     if (!status)
-        status = fp3_adaptive_run(r->source.engine, r->attempts, &part);
+        status = fp3_engine_advance(r->source.engine, r->attempts, &part);
     const fp3_status counted = add_counters(r, &part);
     return status ? status : counted;
 }

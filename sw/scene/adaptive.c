@@ -1,7 +1,6 @@
 /* adaptive.c - see adaptive.h. */
 #include "adaptive.h"
 
-#include "engine/backend.h"
 #include "lifetime.h"
 
 #include <fp3/adaptive.h>
@@ -62,33 +61,4 @@ fp3_status fp3_scene_adaptive_check(const fp3_settings *s, const config_setting_
                 "with a tolerance choose their own");
     }
     return FP3_OK;
-}
-
-/* ---- the run ---- */
-
-/* Objects with fixed steps are gone after the last of them, and the others go on. */
-static fp3_status end_fixed(const fp3_scene *scene, fp3_engine *engine, uint64_t steps) {
-    const uint64_t end = engine->made + steps;
-    fp3_status status = FP3_OK;
-    for (size_t i = 0; !status && i < scene->group_count; i++) {
-        const fp3_scene_group *group = &scene->groups[i];
-        if (!fp3_adaptive_is(group->program->image))
-            status = fp3_engine_live(engine, group->first, group->objects,
-                                     end ? 0 : FP3_FOREVER - 1, end ? end : FP3_FOREVER);
-    }
-    return status;
-}
-
-fp3_status fp3_scene_run(const fp3_scene *scene, fp3_engine *engine, uint64_t steps,
-                         fp3_stats *stats) {
-    const size_t adaptive = fp3_scene_adaptive_count(scene);
-    if (!adaptive)
-        return fp3_engine_run(engine, steps, stats);
-    if (adaptive == scene->group_count)
-        return fp3_adaptive_run(engine, steps, stats);
-    const fp3_status status = end_fixed(scene, engine, steps);
-    return status ? status
-                  : fp3_adaptive_run(engine,
-                                     steps > FP3_ADAPTIVE_ATTEMPTS ? steps : FP3_ADAPTIVE_ATTEMPTS,
-                                     stats);
 }

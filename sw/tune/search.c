@@ -38,8 +38,11 @@ static double cycles(const seeker *s, uint64_t steps) {
 
 static fp3_status look(const seeker *s, uint64_t steps, double *found) {
     const fp3_search *q = s->search;
+    const fp3_stepping how = {.steps = steps};
+    fp3_meter_found of;
     const fp3_status status =
-        fp3_meter_read(q->meter, q->sample, s->candidate->measured, steps, found, s->error);
+        fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &of, s->error);
+    *found = of.worst;
     s->row->looks++;
     s->row->lowest = fmin(s->row->lowest, *found);
     if (!status && (*found <= q->target || !s->row->steps || *found < s->row->error)) {

@@ -5,8 +5,6 @@
  */
 #include "search.h"
 
-#include "meter_adaptive.h"
-
 #include <fp3/adaptive.h>
 #include <math.h>
 #include <stdio.h>
@@ -66,7 +64,7 @@ static double find_most(const seeker *s) {
 
 static void note(const seeker *s, const point *p, double absolute) {
     fp3_tune_row *row = s->row;
-    const double cost = cycles(s, p->found.attempts);
+    const double cost = cycles(s, p->found.made);
     row->lowest = fmin(row->lowest, p->found.worst);
     if (is_good(s, p) ? row->is_met && cost >= row->cycles
                       : row->is_met || (row->tolerance > 0 && !(p->found.worst < row->error)))
@@ -74,7 +72,7 @@ static void note(const seeker *s, const point *p, double absolute) {
     row->is_met = is_good(s, p);
     row->tolerance = p->tolerance;
     row->absolute = absolute;
-    row->attempts = p->found.attempts;
+    row->attempts = p->found.made;
     row->error = p->found.worst;
     row->cycles = cost;
 }
@@ -83,10 +81,9 @@ static fp3_status look(seeker *s, double tolerance, point *p) {
     const fp3_search *q = s->search;
     p->tolerance = tidy(fmin(fmax(tolerance, LEAST), MOST));
     const double absolute = tidy(p->tolerance * s->size);
-    const fp3_meter_control control = {
-        .tolerance = p->tolerance, .absolute = absolute, .most = s->most};
-    const fp3_status status = fp3_meter_adaptive(q->meter, q->sample, s->candidate->measured,
-                                                 &control, &p->found, s->error);
+    const fp3_stepping how = {.tolerance = p->tolerance, .absolute = absolute, .most = s->most};
+    const fp3_status status =
+        fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &p->found, s->error);
     s->looks++;
     s->row->looks++;
     if (!status)
@@ -104,7 +101,7 @@ static double factor(const seeker *s, const point *p) {
 static int is_hopeless(const seeker *s, const point *p) {
     const unsigned order = s->candidate->integrator->embedded_order;
     return p->found.worst < SMALL &&
-           p->found.attempts * pow(p->found.worst / s->search->target, 1.0 / (order + 1)) >
+           p->found.made * pow(p->found.worst / s->search->target, 1.0 / (order + 1)) >
                HOPELESS * s->most;
 }
 
@@ -148,8 +145,7 @@ static fp3_status divide(seeker *s, point tight, point loose) {
     fp3_status status = FP3_OK;
     int may_guess = is_good(s, &tight);
     while (!status && s->looks < LOOKS_MOST && loose.tolerance > CLOSE * tight.tolerance) {
-        if (is_good(s, &tight) &&
-            tight.found.attempts - loose.found.attempts < ALIKE * tight.found.attempts &&
+        if (is_good(s, &tight) && tight.found.made - loose.found.made < ALIKE * tight.found.made &&
             isfinite(loose.found.worst))
             break;
         if (!is_good(s, &tight) && is_hopeless(s, &loose))

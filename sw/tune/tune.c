@@ -1,5 +1,4 @@
 /* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
-#include "meter_adaptive.h"
 #include "search.h"
 
 #include "machine/config.h"
@@ -248,17 +247,21 @@ static int is_the_method(tuner *k, size_t i, double target) {
     return 1;
 }
 
+static uint64_t whole_looks(uint64_t steps) {
+    return (steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS * FP3_TUNE_LOOKS;
+}
+
 static fp3_status try_one(tuner *k, size_t i, double target) {
     const fp3_tuning *t = k->t;
     fp3_tune_row *row = &k->t->rows[i];
-    const fp3_search search = {
-        .sample = &k->seen,
-        .meter = &k->meter,
-        .config = k->def->config,
-        .target = target,
-        .first = (t->baseline_steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS * FP3_TUNE_LOOKS,
-        .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
-        .cheaper = t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
+    const fp3_search search = {.sample = &k->seen,
+                               .meter = &k->meter,
+                               .config = k->def->config,
+                               .target = target,
+                               .first = whole_looks(t->baseline_steps),
+                               .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
+                               .cheaper =
+                                   t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
     char text[80];
     snprintf(text, sizeof text, "%s, %s%s", row->integrator,
              fp3_arithmetic_of(row->arithmetic)->name, row->is_adaptive ? ", adaptive" : "");
@@ -304,21 +307,18 @@ static fp3_status measure_baseline(tuner *k) {
     if (status)
         return status;
     t->baseline_cycles = fp3_candidate_cycles(rk4, k->def->config, (double)t->baseline_steps);
-    return fp3_meter_read(&k->meter, &k->seen, rk4->measured,
-                          (t->baseline_steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS *
-                              FP3_TUNE_LOOKS,
-                          &t->baseline_error, k->error);
+    const fp3_stepping how = {.steps = whole_looks(t->baseline_steps)};
+    fp3_meter_found found;
+    status = fp3_meter_read(&k->meter, &k->seen, rk4->measured, &how, &found, k->error);
+    t->baseline_error = found.worst;
+    return status;
 }
 
 static fp3_status measure_unseen(tuner *k, const fp3_tune_row *row, const fp3_compiled *compiled) {
-    const fp3_meter_control control = {
-        .tolerance = row->tolerance, .absolute = row->absolute, .most = INFINITY};
+    const fp3_stepping how = {row->steps, row->tolerance, row->absolute, INFINITY};
     fp3_meter_found found;
-    if (!row->is_adaptive)
-        return fp3_meter_read(&k->held, &k->unseen, compiled, row->steps, &k->t->error_held_out,
-                              k->error);
     const fp3_status status =
-        fp3_meter_adaptive(&k->held, &k->unseen, compiled, &control, &found, k->error);
+        fp3_meter_read(&k->held, &k->unseen, compiled, &how, &found, k->error);
     k->t->error_held_out = found.worst;
     return status;
 }

@@ -110,7 +110,7 @@ def test_steps_limit_attempts_where_all_groups_choose(scene):
 
 
 def test_a_c_program_runs_them(scene, tmp_path):
-    """fp3_scene_run is what the command does."""
+    """fp3_engine_advance is what the command does."""
     told = scene([CHOOSING, FIXED], settings='engine = "isa"; steps = 9;', config="shared_full").stdout
     done = subprocess.run([f"{BUILD}/tests/scene_api", tmp_path / "x.scene"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -193,7 +193,7 @@ def test_a_tolerance_that_nothing_meets(tune, tmp_path):
 
 def test_without_a_truth_there_is_no_choice(tune, root):
     done, row = tune(root / "programs/lorenz.ode", "--tolerance", "1e-3", "--span", "60")
-    assert done.returncode == 3 and "no truth to measure errors against: two truths of" in done.stderr and row is None
+    assert done.returncode == 3 and "no truth to measure errors against: two solutions of" in done.stderr and row is None
 
 
 @pytest.mark.parametrize("arguments, said", [

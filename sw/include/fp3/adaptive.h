@@ -8,7 +8,7 @@
  *         fp3_compile(model, integrator, &how, &compiled, &error))
  *         fprintf(stderr, "%s\n", error.text);
  *     // Load compiled->image and write its inputs, as fp3/start.h shows, then:
- *     if (fp3_adaptive_run(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
+ *     if (fp3_engine_advance(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
  *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report))
  *         fprintf(stderr, "%s\n", error.text);
  *     else
@@ -78,11 +78,13 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]);
 
-/* Runs until all objects have ended, or have made this number of attempts since the call. *stats (it may
- * be NULL) is the sum of the runs that this takes: where objects sleep one, where one object cannot sleep as many as it takes
- * not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
- * FP3_E_PROGRAM: the configuration interleaves and the program has no sleep. */
-fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t attempts, fp3_stats *stats);
+/* Runs what is loaded, whatever its steps are. Of fixed ones each object makes `most`. Adaptive ones go on until
+ * each object has ended, or has made `most` attempts; beside groups with fixed steps it has FP3_ADAPTIVE_ATTEMPTS at
+ * least. *stats (it may be NULL) is the sum of the runs that this takes: one, but where one object cannot sleep as
+ * many as it takes not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
+ * FP3_E_PROGRAM: the configuration interleaves, and a program of adaptive steps has no sleep. */
+fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
+#define fp3_adaptive_run fp3_engine_advance /* its name before */
 
 typedef struct {
     uint32_t least, median, most;

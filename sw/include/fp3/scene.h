@@ -10,7 +10,7 @@
  *     fp3_engine *engine = NULL;
  *     float x;
  *     if (fp3_engine_open(&def, &engine) || fp3_scene_load(scene, engine, &error) ||
- *         fp3_scene_run(scene, engine, scene->steps, NULL) || fp3_engine_get(engine, 0, "x", &x))
+ *         fp3_engine_advance(engine, scene->steps, NULL) || fp3_engine_get(engine, 0, "x", &x))
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_engine_close(&engine);
  *     fp3_scene_close(&scene);
@@ -75,13 +75,6 @@ fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
  * FP3_E_ARGUMENT: also if objects have lifetimes or only some groups adaptive steps, which splits a run, and a program's first or last part does
  * more than prepare and complete values. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
-
-/* Runs what fp3_scene_load has loaded. Objects with fixed steps make this number of them. Those of groups with
- * adaptive steps (fp3/adaptive.h) run until they have ended, with `steps` attempts at most if all groups
- * are of that kind, else with FP3_ADAPTIVE_ATTEMPTS or `steps`, whichever is more. Errors as of fp3_engine_run; which
- * objects did not end, fp3_adaptive_report_make tells for each group. */
-fp3_status fp3_scene_run(const fp3_scene *scene, fp3_engine *engine, uint64_t steps,
-                         fp3_stats *stats);
 
 FP3_API_END
 

@@ -1,0 +1,434 @@
+/* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
+ *
+ * Fixed time steps are span/1, span/2, span/4, ...: all end at the same time, exactly. Adaptive ones have
+ * tolerances 10^-2, 10^-3, ... A short run of the variants alone says which of them are worth a point.
+ */
+#include "programs.h"
+
+#include "run.h"
+
+#include <fp3/adaptive.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define CONFIG "many_full" /* whose program the engines in software run */
+#define CHECKED_STEPS 8    /* of fixed ones, of the runs in which engines are compared */
+#define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
+#define RUNGS_AFTER 10 /* beyond the first time step that solves it: 1,024 times as many steps */
+#define SOLVED 0.1     /* ... if the error was once below this */
+#define ERROR_MOST 0.5
+#define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
+#define HARDWARE_MOST 3e5  /* instructions of an adaptive run under Verilator */
+#define PACES_MOST 32
+
+/* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
+static const char *const hardware[] = {"many_full", "single_full", "many", "single",
+                                       "lanes",     "uncut",       "paper"};
+enum { HARDWARE = sizeof hardware / sizeof *hardware };
+/* Cycles of adaptive steps depend on the objects: a run is needed, of the first two alone. */
+enum { HARDWARE_ADAPTIVE = 2 };
+
+/* One integrator in one arithmetic, with fixed or adaptive steps. */
+typedef struct {
+    fp3_measure_points *points;
+    const fp3_measure_problem *problem;
+    const fp3_measure_options *options;
+    fp3_measure_machines *machines;
+    const char *name; /* of the integrator */
+    const fp3_integrator *integrator;
+    fp3_arithmetic arithmetic;
+    fp3_model *adapted;                /* NULL: steps are fixed */
+    fp3_compiled *compiled;            /* for CONFIG */
+    fp3_measure_pace pace[PACES_MOST]; /* worth a point, the coarsest first */
+    double *ends[PACES_MOST];          /* of the variants, with each */
+    double seconds[PACES_MOST];        /* that they took, alone */
+    unsigned count;
+    fp3_measure_pace brief; /* of the runs in which engines are compared ... */
+    double *brief_ends;     /* ... and its ends */
+} family;
+
+/* What a point runs. */
+typedef struct {
+    fp3_measure_run run;
+    fp3_measure_pace pace;
+} task;
+
+static size_t room(const family *f) {
+    return (size_t)f->problem->variants * f->problem->model->state_count + 1;
+}
+
+static fp3_status make_ends(const family *f, double **ends, fp3_error *error) {
+    *ends = calloc(room(f), sizeof **ends);
+    return *ends ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+static fp3_measure_run run_of(const family *f, const fp3_compiled *compiled) {
+    return (fp3_measure_run){.compiled = compiled, .machines = f->machines, .adapted = f->adapted};
+}
+
+/* ---- points ---- */
+
+static fp3_measure_point blank(const family *f, const char *engine, const char *config) {
+    return (fp3_measure_point){.engine = engine,
+                               .integrator = f->name,
+                               .arithmetic = fp3_arithmetic_of(f->arithmetic)->name,
+                               .config = config,
+                               .problem = f->problem};
+}
+
+static void leave_out(const family *f, const char *engine, const char *config, double tolerance,
+                      const char *why) {
+    fp3_measure_point point = blank(f, engine, config);
+    point.tolerance = tolerance;
+    fp3_measure_points_leave_out(f->points, &point, why);
+}
+
+static fp3_status add(const family *f, fp3_measure_point *point, unsigned i, fp3_error *error) {
+    point->tolerance = f->pace[i].tolerance;
+    point->h = f->adapted ? 0 : f->pace[i].h;
+    point->steps = f->adapted ? 0 : f->pace[i].count;
+    fp3_measure_point *added = fp3_measure_points_add(f->points, point);
+    if (!added) {
+        free(point->self);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    memcpy(added->ends, f->ends[i], (room(f) - 1) * sizeof *added->ends);
+    return FP3_OK;
+}
+
+/* Its ends are known from the sample. */
+static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *error) {
+    const fp3_measure_problem *p = point->problem;
+    const task *t = point->self;
+    fp3_stats stats;
+    double *ends = calloc(p->variants * p->model->state_count + 1, sizeof *ends);
+    fp3_status status =
+        ends ? fp3_measure_run_solve(&t->run, p, &t->pace, ends, seconds, &stats, error)
+             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_measure_run_compare(p, p->variants, ends, "a timed run", point->ends,
+                                         "the run of the variants alone", error);
+    free(ends);
+    return status;
+}
+
+static void close_run(fp3_measure_point *point) { free(point->self); }
+
+static fp3_status add_software(const family *f, unsigned i, unsigned threads, fp3_error *error) {
+    fp3_measure_point point = blank(f, f->options->engine, NULL);
+    task *t = calloc(1, sizeof *t);
+    if (!t)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *t = (task){run_of(f, f->compiled), f->pace[i]};
+    point.run = run;
+    point.close = close_run;
+    point.self = t;
+    point.threads = threads;
+    point.expected = f->seconds[i] / f->problem->variants;
+    point.objects = fp3_measure_run_objects(f->options, f->pace[i].made, point.expected, threads);
+    const fp3_status status = fp3_measure_machines_engine(
+        f->machines, f->options->engine, CONFIG, threads, point.objects, &t->run.engine, error);
+    if (status)
+        free(t);
+    return status ? status : add(f, &point, i, error);
+}
+
+/* ---- other engines, and hardware ---- */
+
+/* One of them ends with the bits of the engine that is measured. *objects, *cycles: of its run. */
+static fp3_status agree(const family *f, const fp3_compiled *compiled, const char *name,
+                        const char *config, const fp3_measure_pace *pace, const double *wanted,
+                        uint64_t *objects, uint64_t *cycles, fp3_error *error) {
+    const size_t variants = f->problem->variants;
+    double seconds, *ends;
+    fp3_stats stats = {0};
+    fp3_measure_run r = run_of(f, compiled);
+    fp3_status status = make_ends(f, &ends, error);
+    if (!status)
+        status = fp3_measure_machines_engine(f->machines, name, config, 1,
+                                             strcmp(name, "rtl") ? variants : 0, &r.engine, error);
+    if (!status)
+        status = fp3_measure_run_solve(&r, f->problem, pace, ends, &seconds, &stats, error);
+    *objects = status ? 0 : fp3_engine_objects(r.engine);
+    *cycles = stats.counter[FP3_COUNTER_CYCLES];
+    if (!status)
+        status = fp3_measure_run_compare(f->problem, *objects < variants ? *objects : variants,
+                                         wanted, f->options->engine, ends, name, error);
+    free(ends);
+    return status;
+}
+
+/* *compiled is NULL, and the configuration is left out, if it cannot run that. */
+static fp3_status compile(const family *f, const char *engine, const char *config,
+                          fp3_compiled **compiled, fp3_error *error) {
+    fp3_compile_def def = fp3_compile_default();
+    def.config = config;
+    def.arithmetic = f->arithmetic;
+    *compiled = NULL;
+    const fp3_status status = fp3_compile(f->adapted ? f->adapted : f->problem->model,
+                                          f->integrator, &def, compiled, error);
+    if (status == FP3_E_PROGRAM || status == FP3_E_LIMIT) {
+        leave_out(f, engine, config, 0, error->text);
+        return FP3_OK;
+    }
+    return status ? status : fp3_measure_machines_keep_program(f->machines, *compiled, error);
+}
+
+/* Of fixed steps a short run shows that cycles are what is predicted. */
+static fp3_status add_predicted(const family *f, const fp3_compiled *compiled, const char *config,
+                                fp3_error *error) {
+    uint64_t objects = 0, cycles = 0;
+    fp3_measure_point point = blank(f, "rtl", config);
+    fp3_status status =
+        agree(f, compiled, "rtl", config, &f->brief, f->brief_ends, &objects, &cycles, error);
+    const uint64_t predicted = fp3_compiled_cycles(compiled, CHECKED_STEPS);
+    if (!status && predicted && predicted != cycles)
+        status = fp3_fail(error, FP3_E_MISMATCH,
+                          "%" PRIu64 " cycles are predicted on %s, and %" PRIu64 " measured",
+                          predicted, config, cycles);
+    point.objects = objects;
+    for (unsigned i = 0; !status && i < f->count; i++) {
+        point.cycles =
+            (double)fp3_compiled_cycles(compiled, f->pace[i].count) / (double)point.objects;
+        status = add(f, &point, i, error);
+    }
+    return status;
+}
+
+/* Cycles of adaptive steps are measured, where that does not take too long. */
+static fp3_status add_measured(const family *f, const fp3_compiled *compiled, const char *config,
+                               fp3_error *error) {
+    fp3_engine *engine = NULL;
+    fp3_status status =
+        fp3_measure_machines_engine(f->machines, "rtl", config, 1, 0, &engine, error);
+    for (unsigned i = 0; !status && i < f->count; i++) {
+        fp3_measure_point point = blank(f, "rtl", config);
+        uint64_t cycles = 0;
+        if (f->pace[i].made * compiled->instructions * (double)fp3_engine_objects(engine) >
+            HARDWARE_MOST)
+            continue;
+        status = agree(f, compiled, "rtl", config, &f->pace[i], f->ends[i], &point.objects, &cycles,
+                       error);
+        point.cycles = (double)cycles / (double)point.objects;
+        if (!status)
+            status = add(f, &point, i, error);
+    }
+    return status;
+}
+
+static fp3_status add_hardware(const family *f, const char *config, fp3_error *error) {
+    fp3_compiled *compiled;
+    const fp3_status status = compile(f, "rtl", config, &compiled, error);
+    if (status || !compiled)
+        return status;
+    return (f->adapted ? add_measured : add_predicted)(f, compiled, config, error);
+}
+
+/* ---- which time steps or tolerances ---- */
+
+/* Number k of those that are tried; 0: there are no more. */
+static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
+    const fp3_measure_options *o = f->options;
+    const unsigned digits = o->fewest_digits + k * o->digits_apart;
+    if (f->adapted)
+        *pace = (fp3_measure_pace){.h = f->problem->model->step,
+                                   .tolerance = pow(10, -(double)digits),
+                                   .count = 1ull << o->most_rungs};
+    else
+        *pace = (fp3_measure_pace){.h = ldexp(f->problem->end, -(int)k), .count = 1ull << k};
+    return f->adapted ? digits <= o->most_digits : k < o->most_rungs;
+}
+
+/* Takes what it is given, or frees it. */
+static void keep(family *f, const fp3_measure_pace *pace, double *ends, double seconds) {
+    f->pace[f->count] = *pace;
+    f->ends[f->count] = ends;
+    f->seconds[f->count++] = seconds;
+}
+
+/* One run of the variants. *is_over: finer ones are not tried; *is_worth: it is kept. */
+static fp3_status try_pace(family *f, const fp3_measure_run *r, fp3_measure_pace *pace,
+                           double *ends, double *median, double *seconds, int *is_over,
+                           fp3_error *error) {
+    fp3_stats stats = {0};
+    double worst;
+    *median = INFINITY;
+    fp3_status status = fp3_measure_run_solve(r, f->problem, pace, ends, seconds, &stats, error);
+    *is_over = status != FP3_OK;
+    if (f->adapted && status == FP3_E_ARGUMENT) /* the arithmetic has no such tolerance */
+        return FP3_OK;
+    if (f->adapted && status == FP3_E_LIMIT) {
+        leave_out(f, f->options->engine, NULL, pace->tolerance,
+                  "an object does not come to its end");
+        return FP3_OK;
+    }
+    pace->made =
+        f->adapted ? (double)stats.object_steps / f->problem->variants : (double)pace->count;
+    if (!status)
+        fp3_measure_problem_errors(f->problem, ends, median, &worst);
+    return status;
+}
+
+/* Those that solve it, up to one beyond the best. */
+static fp3_status sample(family *f, fp3_error *error) {
+    fp3_measure_run r = run_of(f, f->compiled);
+    double best = INFINITY, seconds = 0;
+    unsigned worse = 0, first = UINT32_MAX - RUNGS_AFTER;
+    int is_over = 0;
+    fp3_measure_pace pace;
+    r.is_flipped = f->adapted && f->options->is_flipped;
+    fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
+                                                    f->problem->variants, &r.engine, error);
+    for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
+         k++) {
+        double median, *ends;
+        if ((f->adapted ? 1 : 2) * seconds >= SAMPLE_SECONDS || worse >= RUNGS_WORSE ||
+            k > first + RUNGS_AFTER)
+            break;
+        status = make_ends(f, &ends, error);
+        if (!status)
+            status = try_pace(f, &r, &pace, ends, &median, &seconds, &is_over, error);
+        worse = f->adapted || median < best || best > SOLVED ? 0 : worse + 1;
+        best = fmin(best, median);
+        if (status || is_over || !(median < ERROR_MOST) || worse >= RUNGS_WORSE) {
+            free(ends);
+            continue;
+        }
+        first = f->count ? first : k;
+        keep(f, &pace, ends, seconds);
+    }
+    return status;
+}
+
+/* ---- all of it ---- */
+
+/* Of fixed steps a few, of the largest that is worth a point; an adaptive run of some steps would be none. */
+static fp3_status run_brief(family *f, fp3_error *error) {
+    fp3_measure_run r = run_of(f, f->compiled);
+    fp3_stats stats;
+    double seconds;
+    f->brief = f->pace[0];
+    if (!f->adapted)
+        f->brief.count = CHECKED_STEPS;
+    r.is_flipped = f->options->is_flipped;
+    fp3_status status = make_ends(f, &f->brief_ends, error);
+    if (!status && f->adapted) {
+        memcpy(f->brief_ends, f->ends[0], room(f) * sizeof *f->brief_ends);
+        return FP3_OK;
+    }
+    if (!status)
+        status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
+                                             f->problem->variants, &r.engine, error);
+    if (!status)
+        status = fp3_measure_run_solve(&r, f->problem, &f->brief, f->brief_ends, &seconds, &stats,
+                                       error);
+    return status;
+}
+
+static fp3_status add_all(family *f, fp3_error *error) {
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    uint64_t objects, cycles;
+    fp3_status status = run_brief(f, error);
+    if (!status && strcmp(f->options->engine, "isa") != 0)
+        status = agree(f, f->compiled, "isa", CONFIG, &f->brief, f->brief_ends, &objects, &cycles,
+                       error);
+    for (int i = 0; !status && i < (f->adapted ? HARDWARE_ADAPTIVE : HARDWARE); i++)
+        status = add_hardware(f, hardware[i], error);
+    for (unsigned i = 0; !status && i < f->count; i++) {
+        status = add_software(f, i, 1, error);
+        if (!status && cores > 1 && f->options->has_threads)
+            status = add_software(f, i, (unsigned)cores, error);
+    }
+    return status;
+}
+
+static fp3_status add_family(family *f, fp3_error *error) {
+    fp3_measure_points_say(f->points, "%s: %s, %s", f->problem->model->name, f->name,
+                           fp3_arithmetic_of(f->arithmetic)->name);
+    fp3_status status = compile(f, f->options->engine, CONFIG, &f->compiled, error);
+    if (status || !f->compiled)
+        return status;
+    status = sample(f, error);
+    if (!status && f->count)
+        status = add_all(f, error);
+    if (!status && !f->count && !f->adapted)
+        leave_out(f, f->options->engine, NULL, 0, "no time step that was tried solves it");
+    for (unsigned i = 0; i < f->count; i++)
+        free(f->ends[i]);
+    free(f->brief_ends);
+    return status;
+}
+
+/* *adapted is NULL: the model cannot have adaptive steps, and is left out. */
+static fp3_status adapt(family *f, fp3_error *error) {
+    const fp3_adaptive_def def = {.tolerance = 1e-5, .until = f->problem->end};
+    char *name = malloc(strlen(f->name) + 16);
+    fp3_model *model = NULL;
+    fp3_status status = name ? fp3_measure_machines_keep(f->machines, name, error)
+                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (status)
+        return status;
+    sprintf(name, "%s adaptive", f->name);
+    f->name = name;
+    status = fp3_model_copy(f->problem->model, &model, error);
+    if (!status)
+        status = fp3_measure_machines_keep_model(f->machines, model, error);
+    if (!status)
+        status = fp3_model_adapt(model, &def, error);
+    f->adapted = status ? NULL : model;
+    if (status != FP3_E_PROGRAM)
+        return status;
+    leave_out(f, f->options->engine, NULL, 0, error->text);
+    return FP3_OK;
+}
+
+/* With adaptive steps: plain and compensated; docs/command.md says so. */
+static int is_measured(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
+                       int is_adaptive) {
+    return fp3_arithmetic_applies(arithmetic, integrator, is_adaptive) &&
+           !(is_adaptive && arithmetic == FP3_DOUBLE_SINGLE);
+}
+
+static fp3_status add_integrator(const family *shared, const char *name, int is_adaptive,
+                                 fp3_error *error) {
+    fp3_integrator *integrator = NULL;
+    fp3_status status = fp3_integrator_find(name, &integrator, error);
+    for (int i = 0; !status && i < FP3_ARITHMETICS; i++) {
+        family f = *shared;
+        f.integrator = integrator;
+        f.arithmetic = (fp3_arithmetic)i;
+        f.name = name;
+        if (!is_measured(f.arithmetic, integrator, is_adaptive))
+            continue;
+        if (is_adaptive)
+            status = adapt(&f, error);
+        if (!status && (f.adapted || !is_adaptive))
+            status = add_family(&f, error);
+        if (status) {
+            const fp3_error why = *error;
+            fp3_fail(error, status, "%s, %s: %s", f.name, fp3_arithmetic_of(f.arithmetic)->name,
+                     why.text);
+        }
+    }
+    fp3_integrator_free(&integrator);
+    return status;
+}
+
+fp3_status fp3_measure_add_programs(fp3_measure_points *points, const fp3_measure_problem *problem,
+                                    const fp3_measure_options *options,
+                                    fp3_measure_machines *machines, fp3_error *error) {
+    const family shared = {
+        .points = points, .problem = problem, .options = options, .machines = machines};
+    fp3_status status = FP3_OK;
+    const char *name;
+    for (int is_adaptive = 0; is_adaptive < 2; is_adaptive++)
+        for (unsigned i = 0; !status && (name = options->integrators ? options->integrators[i]
+                                                                     : fp3_integrator_name(i));
+             i++)
+            status = add_integrator(&shared, name, is_adaptive, error);
+    return status;
+}
