@@ -206,10 +206,10 @@ static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, doub
         print_line(stats, bus);
         return;
     }
-    printf("%-16s %.3g s for this simulation", "simulator", stats->seconds);
+    printf("%-16s %.3g s", "simulator", stats->seconds);
     if (stats->seconds > 0)
         printf(", %.3g %s/second", cycles / stats->seconds, is_rtl ? "cycles" : "instructions");
-    printf("; no time of the hardware\n");
+    printf("; simulation time, not FPGA time\n");
 }
 
 /* An engine without cycles. */

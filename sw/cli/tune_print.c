@@ -68,40 +68,40 @@ static void print_choice(const fp3_tune_row *best, double baseline) {
                best->absolute, best->attempts);
     else
         printf("h = %.9g, %" PRIu64 " steps", (double)best->h, best->steps);
-    printf(": %.1f cycles, %.3f of that, error %.2e\n", best->cycles, best->cycles / baseline,
-           best->error);
+    printf(": %.1f cycles, %.3f of the baseline, error %.2e\n", best->cycles,
+           best->cycles / baseline, best->error);
 }
 
 /* If none of n independent objects is beyond, a share p of the range is with (1 - p)^n. */
 static void print_held_out(const fp3_tuning *t) {
     if (!t->ranges) {
-        printf("%-16s none: there are no ranges, so only one set of parameters was looked at\n",
+        printf("%-16s none: there are no ranges, so only one set of parameters was tried\n",
                "held out");
         return;
     }
-    printf("%-16s error %.2e at most of %" PRIu32 " objects that the choice has not seen",
+    printf("%-16s error %.2e at most, over %" PRIu32 " objects that were not in the sample",
            "held out", t->error_held_out, t->held_out);
     if (t->rounds > 1)
-        printf(", the sample number %" PRIu32
-               ": those before failed, and were added to what it saw",
+        printf("; this is held-out sample %" PRIu32
+               ", the ones before failed and joined the sample",
                t->rounds);
     putchar('\n');
     if (t->is_met)
-        printf(
-            "%-16s with 95 %% confidence at most %.1f %% of the ranges has a larger error than the "
-            "tolerance\n",
-            "safety", 100 * (1 - pow(0.05, 1.0 / t->held_out)));
+        printf("%-16s with 95 %% confidence, the error is above the tolerance on at most %.1f %% "
+               "of the "
+               "ranges\n",
+               "safety", 100 * (1 - pow(0.05, 1.0 / t->held_out)));
 }
 
 void fp3_tune_print_all(const fp3_tune_print *out, const fp3_tune_def *def, const fp3_tuning *t) {
     const fp3_tune_row *best = best_of(t);
     print_rows(t);
-    printf("%-16s %s over %.9g, error at most %g; the sample (%" PRIu32 " object%s, %" PRIu32
-           " range%s) has to meet %g\n",
+    printf("%-16s %s from 0 to %.9g, error at most %g; the sample (%" PRIu32 " object%s, %" PRIu32
+           " range%s) must meet %g\n",
            "asked", out->program, t->span, def->tolerance, t->sample, t->sample == 1 ? "" : "s",
            t->ranges, t->ranges == 1 ? "" : "s", t->target);
-    printf("%-16s rk4, plain, %" PRIu64 " steps of the model's: %.1f cycles, error %.2e\n",
-           "compared with", t->baseline_steps, t->baseline_cycles, t->baseline_error);
+    printf("%-16s rk4, plain, %" PRIu64 " steps of the model's h: %.1f cycles, error %.2e\n",
+           "baseline", t->baseline_steps, t->baseline_cycles, t->baseline_error);
     if (!best)
         return;
     print_choice(best, t->baseline_cycles);

@@ -167,11 +167,12 @@ static void explain(const seeker *s, uint64_t most) {
     if (row->is_met)
         snprintf(row->why, sizeof row->why, "meets the target");
     else if (isfinite(s->search->cheaper))
-        snprintf(row->why, sizeof row->why, "not with the %" PRIu64 " steps that cost less", most);
+        snprintf(row->why, sizeof row->why, "the %" PRIu64 " steps that cost less miss the target",
+                 most);
     else
         snprintf(row->why, sizeof row->why,
-                 "not with the %" PRIu64
-                 " steps that were looked at, nor, by its order, with %" PRIu64,
+                 "the %" PRIu64 " steps that were tried miss the target, and by its order %" PRIu64
+                 " would, too",
                  row->steps, most);
 }
 
@@ -186,7 +187,7 @@ fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candi
     row->lowest = row->error = INFINITY;
     if (!most) {
         row->cycles = cycles(&s, FP3_TUNE_LOOKS);
-        snprintf(row->why, sizeof row->why, "no cheaper: %d steps cost more than the best",
+        snprintf(row->why, sizeof row->why, "skipped: %d steps cost more than the best",
                  FP3_TUNE_LOOKS);
         return FP3_OK;
     }

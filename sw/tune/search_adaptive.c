@@ -213,9 +213,10 @@ static void explain(const seeker *s) {
     if (row->is_met)
         snprintf(row->why, sizeof row->why, "meets the target");
     else if (isfinite(s->search->cheaper))
-        snprintf(row->why, sizeof row->why, "not with the %.0f attempts that cost less", s->most);
+        snprintf(row->why, sizeof row->why, "the %.0f attempts that cost less miss the target",
+                 s->most);
     else
-        snprintf(row->why, sizeof row->why, "not with any tolerance that was looked at");
+        snprintf(row->why, sizeof row->why, "no tolerance that was tried meets the target");
 }
 
 fp3_status fp3_search_tolerance(const fp3_search *search, const fp3_candidate *candidate,
@@ -231,7 +232,7 @@ fp3_status fp3_search_tolerance(const fp3_search *search, const fp3_candidate *c
     s.most = find_most(&s);
     if (s.most < 1) {
         row->cycles = cycles(&s, 1);
-        snprintf(row->why, sizeof row->why, "no cheaper: one attempt costs more than the best");
+        snprintf(row->why, sizeof row->why, "skipped: one attempt costs more than the best");
         return FP3_OK;
     }
     for (unsigned i = 0; !status && i < count; i++) {

@@ -242,7 +242,7 @@ static int is_the_method(tuner *k, size_t i, double target) {
     row->steps = row->looks = 0;
     row->is_met = 0;
     row->lowest = row->error = INFINITY;
-    snprintf(row->why, sizeof row->why, "not looked at: plain, the error of the method is %.1e",
+    snprintf(row->why, sizeof row->why, "skipped: the error of the method itself, plain, is %.1e",
              plain->error);
     return 1;
 }
