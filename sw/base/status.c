@@ -48,6 +48,17 @@ fp3_status fp3_fail_at(fp3_error *error, fp3_status status, const char *path, un
     return status;
 }
 
+const char *fp3_version(uint32_t *number) {
+    uint32_t n = 0, part = 0;
+    for (const char *c = FP3_VERSION; *c; c++) {
+        part = *c == '.' ? 0 : 10 * part + (uint32_t)(*c - '0');
+        n = *c == '.' ? 100 * n : n - n % 100 + part;
+    }
+    if (number)
+        *number = n;
+    return FP3_VERSION;
+}
+
 int fp3_exit_code(fp3_status status) {
     switch (status) {
     case FP3_OK:

@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 struct fp3_threads {
     pthread_mutex_t lock; /* of all that follows */
@@ -34,6 +35,11 @@ static void *help(void *user) {
     }
     pthread_mutex_unlock(&t->lock);
     return NULL;
+}
+
+uint32_t fp3_threads_processors(void) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    return processors > 1 ? (uint32_t)processors : 1;
 }
 
 fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *error) {

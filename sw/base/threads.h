@@ -13,6 +13,9 @@
 
 typedef struct fp3_threads fp3_threads;
 
+/* At least 1. */
+uint32_t fp3_threads_processors(void);
+
 /* No more than `most` at once, the caller's own among them. The caller frees *threads. */
 fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *error);
 void fp3_threads_free(fp3_threads **threads);

@@ -20,7 +20,7 @@ typedef struct {
     fp3_program_def def;
     const char *observed[OBSERVED_MAX];
     fp3_params *params;
-    int wants_report;
+    int wants_report, is_native;
 } options;
 
 enum {
@@ -34,7 +34,8 @@ enum {
     KEY_MODEL,
     KEY_DOUBLE,
     KEY_TOLERANCE,
-    KEY_UNTIL
+    KEY_UNTIL,
+    KEY_NATIVE
 };
 
 static const struct argp_option table[] = {
@@ -56,6 +57,11 @@ static const struct argp_option table[] = {
     {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits; may be repeated", 0},
     {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none; may be repeated", 0},
     {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
+    {"native", KEY_NATIVE, NULL, 0,
+     "Write what engine fast executes instead of assembly, for fp3 run --native on machines "
+     "without "
+     "a compiler",
+     0},
     {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
     {"params", KEY_PARAMS, "FILE", 0,
      "Write what the host gives the program, for fp3 run --params; what is computed from h and "
@@ -148,6 +154,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_REPORT:
         o->wants_report = o->def.compile.finds_savings = 1;
         break;
+    case KEY_NATIVE:
+        o->is_native = 1;
+        break;
     case KEY_LIST:
         exit(list());
     case ARGP_KEY_ARG:
@@ -165,6 +174,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         fp3_arguments_model(state, o->model, o->def.is_model);
         fp3_run_adaptive_check(&o->def, 1, state);
         o->def.is_model = 1;
+        if (o->is_native && !o->assembly)
+            argp_error(state, "--native: expected --output FILE");
         if (fp3_params_count(o->params) && !o->values)
             argp_error(state, "--set: values are of the host's, and go to --params FILE");
         break;
@@ -210,6 +221,24 @@ static fp3_status write_values(const options *o, const fp3_program *program, fp3
     return status;
 }
 
+/* Nothing is executed, so the program need not be compiled twice. */
+static fp3_status write_native(const options *o, const fp3_compiled *c, fp3_error *error) {
+    fp3_engine *engine = NULL;
+    fp3_engine_def def = fp3_engine_default();
+    def.engine = "fast";
+    def.config = o->def.compile.config;
+    def.objects = 1;
+    def.is_interpreted = 1;
+    def.error = error;
+    fp3_status status = fp3_engine_open(&def, &engine);
+    if (!status)
+        status = fp3_engine_load(engine, c->image);
+    if (!status)
+        status = fp3_engine_write_native(engine, o->assembly);
+    fp3_engine_close(&engine);
+    return status;
+}
+
 static fp3_status write_outputs(const options *o, const fp3_program *program, fp3_error *error) {
     const fp3_compiled *c = program->compiled;
     fp3_status status = FP3_OK;
@@ -217,7 +246,9 @@ static fp3_status write_outputs(const options *o, const fp3_program *program, fp
         status = write_values(o, program, error);
     if (!status && o->image)
         status = fp3_image_save(c->image, o->image, error);
-    if (!status && o->assembly)
+    if (!status && o->is_native)
+        status = write_native(o, c, error);
+    else if (!status && o->assembly)
         status = fp3_file_write(o->assembly, c->assembly, strlen(c->assembly), error);
     if (!status && o->wants_report)
         report(c);

@@ -53,6 +53,7 @@ enum {
     KEY_COMPRESS,
     KEY_PLOT,
     KEY_THREADS,
+    KEY_NATIVE,
     KEY_TOLERANCE,
     KEY_UNTIL,
     KEY_DOUBLE
@@ -82,12 +83,12 @@ static const struct argp_option table[] = {
     {"baud", KEY_BAUD, "N", 0,
      "With --engine board: the rate of the port, 9600 to 3000000 (default: 115200)", 0},
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
+    {"native", KEY_NATIVE, "FILE", 0, "Of engine fast: the code of fp3 compile --native", 0},
     {"steps", 'n', "N", 0,
      "How often the step part runs (default: 1; with --times until the last of them; with "
      "--tolerance 1000000, and objects end before)",
      0},
-    {"objects", 'o', "N", 0, "How many objects (default: all contexts of the configuration full)",
-     0},
+    {"objects", 'o', "N", 0, "How many (default: all contexts of the configuration full)", 0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
     {"params", KEY_PARAMS, "FILE", 0,
@@ -198,6 +199,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_THREADS:
         o->on.threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
+        break;
+    case KEY_NATIVE:
+        o->on.native = text;
         break;
     case KEY_PORT:
         o->on.port = text;

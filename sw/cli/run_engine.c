@@ -25,6 +25,7 @@ void fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def) {
     def->visit = on->visit ? (uint32_t)on->visit : def->visit;
     def->cycle_limit = on->cycle_limit;
     def->threads = (uint32_t)on->threads;
+    def->native = on->native;
     def->bus_log = on->bus_log;
     def->bus_waits = on->bus_waits;
     def->port = on->port;

@@ -6,7 +6,7 @@
 #include <fp3/engine.h>
 
 typedef struct {
-    const char *engine, *bus_log, *kanata, *port;
+    const char *engine, *bus_log, *kanata, *port, *native;
     uint64_t cycle_limit, visit, threads, bus_waits, baud;
     double clock; /* Hz; 0: not given */
 } fp3_run_engine;

@@ -16,7 +16,7 @@ typedef struct {
     const char *name;
     fp3_status (*open)(fp3_engine *engine);
     void (*close)(fp3_engine *engine); /* also after an open that failed */
-    /* Before a load: a program that the backend cannot execute is refused, and nothing is changed. NULL:
+    /* Before a load, of a group that has been placed: a program that the backend cannot execute is refused, and nothing is changed. NULL:
      * there is none. */
     fp3_status (*check)(fp3_engine *engine, const fp3_members *group);
     fp3_status (*load)(fp3_engine *engine);
@@ -38,6 +38,8 @@ typedef struct {
     /* A copy of those that failed in the last run, by object; the caller frees *failed. NULL: the engine does
      * not know, and the run is made again. */
     fp3_status (*failures)(fp3_engine *engine, fp3_failed **failed, size_t *count);
+    /* See fp3_engine_write_native; NULL: there is no native code. */
+    fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
     int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;

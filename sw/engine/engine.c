@@ -1,5 +1,6 @@
 /* engine.c - opens and closes engines of every backend. */
 #include "backend.h"
+#include "checks.h"
 #include "life.h"
 #include "origin.h"
 
@@ -8,15 +9,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COOKIE 0x46503346u
+/* In front of a definition, in each version; the lower half is its size. */
+#define COOKIE(size) (0x46500000u | (uint32_t)(size))
 
 static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa, &fp3_backend_fast,
                                               &fp3_backend_board};
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-fp3_engine_def fp3_engine_default(void) {
-    return (fp3_engine_def){.engine = "rtl", .config = "single", .cookie = COOKIE};
+void fp3_engine_set_default(fp3_engine_def *def, size_t size) {
+    memset(def, 0, size);
+    if (size == sizeof *def)
+        *def = (fp3_engine_def){.engine = "rtl", .config = "single"};
+    def->cookie = COOKIE(size);
+}
+
+static fp3_status check_cookie(const fp3_engine_def *def) {
+    if (def->cookie == COOKIE(sizeof *def))
+        return FP3_OK;
+    if (def->cookie >> 16 != COOKIE(0) >> 16) /* then def->error may be anything, too */
+        return FP3_E_ARGUMENT;
+    return fp3_fail(def->error, FP3_E_ARGUMENT,
+                    "fp3_engine_def has %" PRIu32
+                    " bytes, and %zu in this library: the program was "
+                    "compiled with headers of another version than " FP3_VERSION,
+                    def->cookie & 0xffff, sizeof *def);
 }
 
 const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
@@ -41,6 +58,16 @@ size_t fp3_engine_room(const char *engine, const char *config) {
 
 const char *fp3_engine_how(const fp3_engine *engine) {
     return engine->backend->how ? engine->backend->how(engine) : "";
+}
+
+fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path) {
+    fp3_status status = fp3_engine_check_loaded(engine);
+    if (!status && (!engine->backend->write_native || engine->layout.count != 1))
+        status =
+            fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                     "native code is of engine 'fast' with one program, not of '%s' with %" PRIu32,
+                     engine->backend->name, engine->layout.count);
+    return status ? status : engine->backend->write_native(engine, path);
 }
 
 static fp3_status count_objects(fp3_engine *engine) {
@@ -102,7 +129,7 @@ static fp3_status check_bus(const fp3_engine_def *def, const fp3_backend *backen
 
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     *engine = NULL;
-    if (def->cookie != COOKIE) /* then def->error may be anything, too */
+    if (check_cookie(def))
         return FP3_E_ARGUMENT;
 
     const fp3_config *config = NULL;
@@ -110,6 +137,10 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
     if (!backend)
         return FP3_E_ARGUMENT;
     fp3_status status = check_bus(def, backend);
+    if (!status && def->native && !backend->write_native)
+        status = fp3_fail(def->error, FP3_E_ARGUMENT,
+                          "native %s: engine '%s' executes no native code; fast does", def->native,
+                          def->engine);
     if (!status)
         status = fp3_config_choose(def->config, &config, def->error);
     return status ? status : fp3_engine_open_as(def, config, engine);

@@ -9,12 +9,12 @@
 #include "checks.h"
 #include "fast/fast.h"
 #include "machine/ahead.h"
+#include "words.h"
 
 #include <fp3/isa.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define ASLEEP 1         /* since before the first run */
 #define BLOCKS_AT_ONCE 8 /* that a thread takes up */
@@ -69,12 +69,6 @@ static fp3_status no_memory(fp3_engine *engine) {
 
 /* ---- open, close, load ---- */
 
-static uint32_t threads_of(const fp3_engine *engine) {
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const uint32_t asked = engine->def.threads;
-    return asked ? asked : processors > 1 ? (uint32_t)processors : 1;
-}
-
 static fp3_status check_def(fp3_engine *engine) {
     const fp3_engine_def *def = &engine->def;
     if (def->retire)
@@ -97,12 +91,12 @@ static fp3_status fast_open(fp3_engine *engine) {
         return status;
     if (!self)
         return no_memory(engine);
-    self->hand_count = threads_of(engine);
+    self->hand_count = engine->def.threads ? engine->def.threads : fp3_threads_processors();
     self->groups = calloc(schedulers, sizeof *self->groups);
     self->shared = calloc((size_t)schedulers * engine->config->registers, sizeof *self->shared);
     self->hands = calloc(self->hand_count, sizeof *self->hands);
     if (engine->config->status)
-        self->status = calloc(engine->objects, sizeof *self->status);
+        self->status = fp3_words_make(engine, engine->objects);
     const int is_there =
         self->groups && self->shared && self->hands && (self->status || !engine->config->status);
     return is_there ? fp3_threads_make(self->hand_count, &self->threads, engine->def.error)
@@ -128,19 +122,19 @@ static void fast_close(fp3_engine *engine) {
     for (uint32_t i = 0; self->hands && i < self->hand_count; i++)
         fp3_fast_worker_free(&self->hands[i].worker);
     for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
-        free(self->column[i]);
+        fp3_words_free(engine, self->column[i], engine->objects);
     free(self->hands);
     free(self->groups);
     free(self->shared);
-    free(self->status);
-    free(self->slept_in);
+    fp3_words_free(engine, self->status, engine->objects);
+    fp3_words_free(engine, self->slept_in, engine->objects);
     free(self);
 }
 
 static fp3_status need_column(fp3_engine *engine, uint32_t reg) {
     fast *self = engine->self;
     if (!self->column[reg])
-        self->column[reg] = calloc(engine->objects, sizeof *self->column[reg]);
+        self->column[reg] = fp3_words_make(engine, engine->objects);
     return self->column[reg] ? FP3_OK : no_memory(engine);
 }
 
@@ -152,12 +146,20 @@ static fp3_status need_columns(fp3_engine *engine, uint64_t set) {
     return status;
 }
 
+static fp3_fast_def def_of(const fp3_engine *engine, const fp3_members *members) {
+    return (fp3_fast_def){.config = engine->config,
+                          .code = &members->program,
+                          .states = fp3_engine_states_of(members),
+                          .is_interpreted = engine->def.is_interpreted,
+                          .is_without_compiler = engine->def.is_without_compiler,
+                          .native = engine->def.native};
+}
+
 static fp3_status load_group(fp3_engine *engine, uint32_t i) {
     const fp3_members *members = &engine->layout.groups[i];
     group *g = &((fast *)engine->self)->groups[i];
-    const fp3_fast_def def = {engine->config, &members->program,
-                              g->is_ahead = calloc(members->program.count + 1u, 1),
-                              fp3_engine_states_of(members), engine->def.is_interpreted};
+    fp3_fast_def def = def_of(engine, members);
+    def.is_ahead = g->is_ahead = calloc(members->program.count + 1u, 1);
     if (!g->is_ahead)
         return no_memory(engine);
     fp3_ahead_find(&members->program, def.states, g->is_ahead);
@@ -166,7 +168,8 @@ static fp3_status load_group(fp3_engine *engine, uint32_t i) {
 }
 
 static fp3_status fast_check(fp3_engine *engine, const fp3_members *members) {
-    return fp3_fast_check(engine->config, &members->program, engine->def.error);
+    const fp3_fast_def def = def_of(engine, members);
+    return fp3_fast_check(&def, engine->def.error);
 }
 
 static fp3_status fast_load(fp3_engine *engine) {
@@ -249,7 +252,7 @@ static fp3_status fast_list(fp3_engine *engine) {
         if (!g->awake)
             g->awake = calloc(members->objects, sizeof *g->awake);
         if (!self->slept_in)
-            self->slept_in = calloc(engine->objects, sizeof *self->slept_in);
+            self->slept_in = fp3_words_make(engine, engine->objects);
         if (!g->awake || !self->slept_in)
             return no_memory(engine);
         g->awake_count = 0;
@@ -384,7 +387,9 @@ static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     for (uint32_t i = 0; i < self->count; i++)
         self->work.blocks += blocks_of(engine, i);
     fp3_status status = need_workers(engine, hands_for(engine));
-    if (!status && steps)
+    if (!status && steps && engine->def.tasks)
+        engine->def.tasks(engine->def.tasks_user, take_part, self, self->used);
+    else if (!status && steps)
         fp3_threads_run(self->threads, take_part, self, self->used);
     for (uint32_t i = 0; !status && i < self->used; i++) {
         stats->flags |= fp3_fast_flags(self->hands[i].worker);
@@ -460,6 +465,11 @@ static fp3_status fast_failures(fp3_engine *engine, fp3_failed **failed, size_t 
     return FP3_OK;
 }
 
+static fp3_status fast_write_native(fp3_engine *engine, const char *path) {
+    const fast *self = engine->self;
+    return fp3_fast_write_native(self->groups[0].program, path, engine->def.error);
+}
+
 static const char *fast_how(const fp3_engine *engine) {
     const fast *self = engine->self;
     return self->count ? fp3_fast_how(self->groups[0].program) : "";
@@ -481,6 +491,7 @@ const fp3_backend fp3_backend_fast = {
     .list = fast_list,
     .run = fast_run,
     .failures = fast_failures,
+    .write_native = fast_write_native,
     .how = fast_how,
     .is_in_host = 1,
 };

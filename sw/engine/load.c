@@ -89,7 +89,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
-    return engine->backend->check ? engine->backend->check(engine, to) : FP3_OK;
+    return FP3_OK;
 }
 
 static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
@@ -120,18 +120,26 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
 }
 
 /* Messages about a group begin with its number, where there are several. */
+static void say_group(const fp3_engine *engine, fp3_status status, size_t i, size_t count) {
+    if (!status || !engine->def.error || count == 1)
+        return;
+    const fp3_error why = *engine->def.error;
+    fp3_fail(engine->def.error, status, "%s%s", fp3_engine_prefix(i, count).text, why.text);
+}
+
 static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
                               fp3_layout *layout) {
     fp3_status status = fp3_layout_make(engine->config, (uint32_t)count, layout, engine->def.error);
     for (size_t i = 0; !status && i < count; i++) {
         status = prepare(engine, &groups[i], check, &layout->groups[i]);
-        if (status && engine->def.error && count > 1) {
-            const fp3_error why = *engine->def.error;
-            fp3_fail(engine->def.error, status, "%s%s", fp3_engine_prefix(i, count).text, why.text);
-        }
+        say_group(engine, status, i, count);
     }
     if (!status)
         status = fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
+    for (size_t i = 0; !status && engine->backend->check && i < count; i++) {
+        status = engine->backend->check(engine, &layout->groups[i]);
+        say_group(engine, status, i, count);
+    }
     return status;
 }
 

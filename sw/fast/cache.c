@@ -60,15 +60,22 @@ void fp3_cache_find(const char *text, fp3_cache *cache) {
                  hash(text));
 }
 
-static int is_whole(const char *data, size_t size, const char *text) {
+const char *fp3_cache_text(const char *data, size_t size, size_t *text_size) {
     trailer end;
-    const size_t text_size = strlen(text), behind = text_size + sizeof end;
-    if (size < behind)
-        return 0;
+    if (size < sizeof end)
+        return NULL;
     memcpy(&end, data + size - sizeof end, sizeof end);
-    return end.mark == MARK && end.text_size == text_size &&
-           memcmp(data + size - behind, text, text_size) == 0 &&
-           end.crc == crc32_z(0, (const unsigned char *)data, size - sizeof end);
+    if (end.mark != MARK || end.text_size > size - sizeof end ||
+        end.crc != crc32_z(0, (const unsigned char *)data, size - sizeof end))
+        return NULL;
+    *text_size = end.text_size;
+    return data + size - sizeof end - end.text_size;
+}
+
+static int is_whole(const char *data, size_t size, const char *text) {
+    size_t text_size = 0;
+    const char *found = fp3_cache_text(data, size, &text_size);
+    return found && text_size == strlen(text) && memcmp(found, text, text_size) == 0;
 }
 
 int fp3_cache_has(const fp3_cache *cache, const char *text) {

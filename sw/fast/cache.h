@@ -4,6 +4,7 @@
 
 #include <fp3/status.h>
 #include <limits.h>
+#include <stddef.h>
 
 typedef struct {
     char directory[PATH_MAX]; /* "": none that can be used */
@@ -14,6 +15,8 @@ typedef struct {
 void fp3_cache_find(const char *text, fp3_cache *cache);
 /* Whether the entry is there, whole, and of this text. */
 int fp3_cache_has(const fp3_cache *cache, const char *text);
+/* The text in an entry of these bytes, not ended by 0; NULL: it is none, or damaged. */
+const char *fp3_cache_text(const char *data, size_t size, size_t *text_size);
 /* Gives the library in file, which nobody else knows, the text and a checksum, and the entry's name.
  * After a failure it is as if there were no cache. */
 fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *text,

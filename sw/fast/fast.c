@@ -16,13 +16,6 @@
 
 /* ---- a program ---- */
 
-fp3_status fp3_fast_check(const fp3_config *config, const fp3_code *code, fp3_error *error) {
-    fp3_fast_plan plan;
-    const fp3_status status = fp3_fast_plan_make(config, code, 0, &plan, error);
-    fp3_fast_plan_free(&plan);
-    return status;
-}
-
 typedef struct {
     int is_interpreted;
     char most[16]; /* the best kind of processor that may be used; "": any */
@@ -51,15 +44,30 @@ static fp3_status read_wish(wish *w, fp3_error *error) {
     return FP3_OK;
 }
 
-static void open_native(fp3_fast *f, int is_interpreted) {
+static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_error why = {.text = "asked for"};
     fp3_status status = FP3_E_SYSTEM;
-    if (!is_interpreted)
-        status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, &f->native, &why);
-    if (status)
+    if (!is_interpreted && !f->native.library)
+        status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, may_compile,
+                                      &f->native, &why);
+    if (status && !f->native.library)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
     else
         snprintf(f->how, sizeof f->how, "native %s", f->sweep->name);
+}
+
+/* Of a lesser kind of processor than this one, maybe. */
+static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
+    fp3_fast_kind kind;
+    fp3_status status = fp3_fast_native_kind(path, &kind, error);
+    if (status)
+        return status;
+    f->sweep = fp3_sweep_choose(f->plan.config, kind.name);
+    if (strcmp(f->sweep->name, kind.name) != 0)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s is native code for %s; this processor is %s at most", path, kind.name,
+                        f->sweep->name);
+    return fp3_fast_native_load(&f->plan, path, f->sweep->name, f->sweep->lanes, &f->native, error);
 }
 
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error) {
@@ -70,15 +78,30 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
     fp3_status status = read_wish(&w, error);
     if (!status)
         status = fp3_fast_plan_make(def->config, def->code, def->states, &f->plan, error);
+    f->sweep = fp3_sweep_choose(def->config, w.most);
+    if (!status && def->native && !def->is_interpreted && !w.is_interpreted)
+        status = open_file(f, def->native, error);
     if (status) {
         fp3_fast_free(fast);
         return status;
     }
     f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states};
-    f->sweep = fp3_sweep_choose(def->config, w.most);
     fp3_estimate_table(f->table);
-    open_native(f, def->is_interpreted || w.is_interpreted);
+    open_native(f, def->is_interpreted || w.is_interpreted, !def->is_without_compiler);
     return FP3_OK;
+}
+
+fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error) {
+    fp3_fast_def dry = *def;
+    fp3_fast *fast = NULL;
+    dry.is_interpreted |= !def->native; /* nothing is compiled for it */
+    const fp3_status status = fp3_fast_make(&dry, &fast, error);
+    fp3_fast_free(&fast);
+    return status;
+}
+
+fp3_status fp3_fast_write_native(const fp3_fast *f, const char *path, fp3_error *error) {
+    return fp3_fast_native_write(&f->plan, path, f->sweep->name, f->sweep->lanes, error);
 }
 
 void fp3_fast_free(fp3_fast **fast) {

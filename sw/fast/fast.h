@@ -30,10 +30,13 @@ typedef struct {
     const uint8_t *is_ahead; /* of each word: it works for the step that follows */
     uint64_t states;         /* registers whose values must be finite */
     int is_interpreted;      /* 1: no native code is made */
+    int is_without_compiler; /* 1: ... but for what the cache has */
+    const char *native; /* a file of fp3_fast_write_native that must have the program, or NULL */
 } fp3_fast_def;
 
-/* FP3_E_PROGRAM: the engine cannot execute it, see fp3_fast_plan_make. */
-fp3_status fp3_fast_check(const fp3_config *config, const fp3_code *code, fp3_error *error);
+/* FP3_E_PROGRAM: the engine cannot execute it, see fp3_fast_plan_make; or as of fp3_fast_native_load. is_ahead may be
+ * NULL. */
+fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error);
 /* The caller frees *fast. FP3_E_PROGRAM as of fp3_fast_check; FP3_E_ARGUMENT: the variable FP3_FAST asks for
  * what is not there. Without a compiler the program is interpreted. */
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error);
@@ -41,6 +44,8 @@ void fp3_fast_free(fp3_fast **fast);
 /* "native x86-64-v4", or "interpreter x86-64-v3 (why)". */
 const char *fp3_fast_how(const fp3_fast *fast);
 int fp3_fast_is_native(const fp3_fast *fast);
+/* See fp3_fast_native_write. */
+fp3_status fp3_fast_write_native(const fp3_fast *fast, const char *path, fp3_error *error);
 /* The registers that a run reads or writes: they need a column. */
 uint64_t fp3_fast_columns(const fp3_fast *fast);
 

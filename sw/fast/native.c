@@ -2,6 +2,7 @@
 #include "native.h"
 
 #include "base/cc.h"
+#include "base/file.h"
 #include "cache.h"
 #include "write.h"
 
@@ -9,9 +10,12 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-/* The first line of the text names the compiler and its options, so that they count in the cache. */
+/* The first line of the text is for a file that is shipped. The second names the compiler and its options, so
+ * that they count in the cache. */
+#define LINE "/* fp3 " FP3_VERSION " "
 #define OPTIONS                                                                                    \
     "-O1", "-w", "-std=gnu11", "-ffp-contract=off", "-frounding-math", "-fPIC", "-shared",         \
         "-nostdlib"
@@ -23,7 +27,7 @@ static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsign
     FILE *to = open_memstream(text, &size);
     if (!to)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    fprintf(to, "/* %s -march=%s", fp3_cc(), kind);
+    fprintf(to, LINE "%s */\n/* %s -march=%s", kind, fp3_cc(), kind);
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         fprintf(to, " %s", options[i]);
     fprintf(to, " */\n");
@@ -80,7 +84,7 @@ static fp3_status make(const fp3_cache *cache, const char *text, const char *kin
 }
 
 fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
-                                fp3_fast_native *native, fp3_error *error) {
+                                int may_compile, fp3_fast_native *native, fp3_error *error) {
     char *text = NULL;
     fp3_cache cache;
     *native = (fp3_fast_native){0};
@@ -88,9 +92,93 @@ fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, uns
     if (!status) {
         fp3_cache_find(text, &cache);
         if (!fp3_cache_has(&cache, text) || load(cache.path, native, error))
-            status = make(&cache, text, kind, native, error);
+            status = may_compile ? make(&cache, text, kind, native, error)
+                                 : fp3_fail(error, FP3_E_SYSTEM,
+                                            "not in the cache, and no compiler "
+                                            "may be started");
     }
     free(text);
+    return status;
+}
+
+/* ---- a file that is shipped ---- */
+
+fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, const char *kind,
+                                 unsigned lanes, fp3_error *error) {
+    const char *slash = strrchr(path, '/');
+    const int length = slash == path ? 1 : slash ? (int)(slash - path) : 1;
+    char *text = NULL, file[PATH_MAX];
+    fp3_cache as;
+    if (strlen(path) >= PATH_MAX)
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(ENAMETOOLONG));
+    snprintf(as.path, sizeof as.path, "%s", path);
+    snprintf(as.directory, sizeof as.directory, "%.*s", length, slash ? path : ".");
+    fp3_status status = write_text(plan, kind, lanes, &text, error);
+    if (!status && !make_file(&as, file))
+        status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
+    else if (!status) {
+        status = compile(text, kind, file, error);
+        if (!status && chmod(file, 0644))
+            status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
+        if (!status)
+            status = fp3_cache_keep(&as, file, text, error);
+        if (status)
+            unlink(file);
+    }
+    free(text);
+    return status;
+}
+
+/* *text belongs to the caller: that of a whole file of this version. */
+static fp3_status read_file(const char *path, char **text, fp3_error *error) {
+    size_t size = 0, text_size = 0;
+    char *data = NULL;
+    fp3_status status = fp3_file_read(path, &data, &size, error);
+    const char *found = status ? NULL : fp3_cache_text(data, size, &text_size);
+    if (!status && !found)
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "%s is damaged, or no file of fp3 compile --native", path);
+    else if (!status && (text_size < sizeof LINE || memcmp(found, LINE, sizeof LINE - 1) != 0))
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "%s was made by another version of fp3; this one is " FP3_VERSION, path);
+    else if (!status && !(*text = strndup(found, text_size)))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(data);
+    return status;
+}
+
+fp3_status fp3_fast_native_kind(const char *path, fp3_fast_kind *kind, fp3_error *error) {
+    char *text = NULL;
+    const fp3_status status = read_file(path, &text, error);
+    if (!status)
+        snprintf(kind->name, sizeof kind->name, "%.*s", (int)strcspn(text + sizeof LINE - 1, " \n"),
+                 text + sizeof LINE - 1);
+    free(text);
+    return status;
+}
+
+/* The compiler need not be here, nor have the same name. */
+static const char *behind_compiler(const char *text) {
+    const char *line = strchr(text, '\n');
+    line = line ? strstr(line, " -march=") : NULL;
+    return line ? line : "";
+}
+
+fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, const char *kind,
+                                unsigned lanes, fp3_fast_native *native, fp3_error *error) {
+    char *text = NULL, *own = NULL;
+    fp3_status status = read_file(path, &text, error);
+    *native = (fp3_fast_native){0};
+    if (!status)
+        status = write_text(plan, kind, lanes, &own, error);
+    if (!status && strcmp(behind_compiler(text), behind_compiler(own)) != 0)
+        status =
+            fp3_fail(error, FP3_E_ARGUMENT,
+                     "%s is native code of another program, or for another configuration", path);
+    if (!status)
+        status = load(path, native, error);
+    free(text);
+    free(own);
     return status;
 }
 

@@ -4,6 +4,7 @@ import os
 import re
 import stat
 import subprocess
+import zlib
 
 import pytest
 
@@ -71,6 +72,29 @@ def test_threads_do_not_matter(run):
     options = ["programs/kepler.ode", "-c", "many_full", "--steps", 60, "-o", 20000, "--all", "--spread", "r_x=0.9:1.1"]
     one = run(*options, "--threads", 1)
     assert run(*options, "--threads", 2) == one == run(*options, "--threads", 5)
+
+
+def test_threads_and_memory_of_the_caller(build):
+    """Also: versions; two engines in two threads."""
+    out = subprocess.run([build / "tests/hooks"], capture_output=True, text=True, timeout=60)
+    assert (out.returncode, out.stdout) == (0, "ok\n"), out.stdout + out.stderr
+
+
+def test_threads_share_nothing_unguarded(root, build, tmp_path):
+    """The same under the thread sanitizer, in which the rooms that have threads are compiled."""
+    (tmp_path / "empty.c").write_text("int main(void) { return 0; }\n")
+    if subprocess.run(["gcc", "-fsanitize=thread", "-o", tmp_path / "empty", tmp_path / "empty.c"], capture_output=True).returncode or \
+            subprocess.run([tmp_path / "empty"], capture_output=True).returncode:
+        pytest.skip("gcc has no thread sanitizer that runs here")
+    if build.name.endswith("-san"):
+        pytest.skip("the rest of the library has another sanitizer")
+    sources = [*(root / "sw/fast").glob("[!s]*.c"), *(root / "sw/engine").glob("*.c"), root / "sw/base/threads.c", root / "tests/fast/hooks.c"]
+    made = subprocess.run(["gcc", "-fsanitize=thread", "-std=c11", "-D_GNU_SOURCE", "-O1", "-g", "-w", "-ffp-contract=off", "-Isw/include", "-Isw", "-Isim",
+                           "-o", tmp_path / "hooks", *sources, build / "lib/libfp3.a", *"-lgsl -lgslcblas -lconfig -lz -ldl -lm".split()],
+                          cwd=root, capture_output=True, text=True, timeout=300)
+    assert made.returncode == 0, made.stderr
+    out = subprocess.run([tmp_path / "hooks"], capture_output=True, text=True, timeout=120)
+    assert (out.returncode, out.stdout, out.stderr) == (0, "ok\n", ""), out.stdout + out.stderr
 
 
 def test_more_objects_than_any_store_has(run):
@@ -202,3 +226,74 @@ def test_a_full_disk(fp3, root, tmp_path):
 def test_the_cache_is_its_owner_s(run, tmp_path):
     run(*SHIP)
     assert stat.S_IMODE((tmp_path / "cache").stat().st_mode) == 0o700
+
+
+# ---- native code in a file ----
+
+
+@pytest.fixture
+def native(fp3, root, tmp_path):
+    """`fp3 compile --native` of a model; gives the file."""
+
+    def make(model, name, **environment):
+        done = subprocess.run([fp3, "compile", model, "-c", "many_full", "--native", "-o", tmp_path / name], cwd=root, capture_output=True, text=True,
+                              env={**os.environ, "FP3_CACHE_DIR": str(tmp_path / "none"), **environment}, timeout=120)
+        assert done.returncode == 0, done.stderr
+        return tmp_path / name
+
+    return make
+
+
+MODEL = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-o", 20]
+
+
+def test_a_program_goes_to_a_machine_without_a_compiler(run, native, tmp_path):
+    file = native("programs/ship.ode", "ship.native")
+    there = {"FP3_CC": "/nonexistent/cc", "FP3_CACHE_DIR": "/dev/null/x"}
+    expected = run(*MODEL)
+    assert run(*MODEL, "--native", file, **there) == expected and run.how.startswith("native x86-64")
+    assert run(*MODEL, "--native", file, FP3_FAST="interpreter", **there) == expected and run.how.startswith("interpreter")
+    plain = native("programs/ship.ode", "plain.native", FP3_FAST="x86-64")
+    assert run(*MODEL, "--native", plain, **there) == expected and run.how == "native x86-64"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "plain.native", "ship.native"]
+
+
+def resealed(data, old, new):
+    """With another text and the checksum of that: as a program that is right, but another, would have."""
+    assert data.count(old) >= 1 and len(old) == len(new)
+    body = data[:-16].replace(old, new)
+    return body + data[-16:-8] + zlib.crc32(body).to_bytes(4, "little") + data[-4:]
+
+
+def test_a_file_of_native_code_that_does_not_fit_is_refused(run, native):
+    """Another program, configuration, version, processor; damaged at any place; none at all: with a reason, and without a number."""
+    file = native("programs/ship.ode", "ship.native")
+    data = file.read_bytes()
+    version = re.search(rb"/\* fp3 (\S+) (\S+) \*/", data)
+    cases = {"of another program": ["programs/kepler.ode", "-c", "many_full"], "or for another configuration": ["programs/ship.ode", "-c", "small"]}
+    for said, other in cases.items():
+        assert run(*other, "--native", file, status=2) == "" and said in run.stderr, run.stderr
+    spoiled = {"made by another version": resealed(data, version[0], version[0].replace(version[1], b"9" * len(version[1]))),
+               "is native code for x86-64-v9": resealed(data, version[0], version[0].replace(version[2], b"x86-64-v9"[:len(version[2])].ljust(len(version[2])))),
+               "of another program": resealed(data, b"fp3_mul(", b"fp3_add(")}
+    if len(version[2]) < len("x86-64-v9"):
+        del spoiled["is native code for x86-64-v9"]
+    for n in (0, 15, len(data) // 2, len(data) - 1):
+        spoiled[f"is damaged ({n})"] = data[:n]
+    for place in range(0, len(data), len(data) // 12):
+        spoiled[f"is damaged, at {place}"] = data[:place] + bytes([data[place] ^ 16]) + data[place + 1:]
+    for said, text in spoiled.items():
+        file.write_bytes(text)
+        assert run(*MODEL, "--native", file, status=2) == "" and re.split(r",? \(|, at", said)[0] in run.stderr, (said, run.stderr)
+    file.unlink()
+    run(*MODEL, "--native", file, status=2)
+    assert "cannot open" in run.stderr
+    run(*MODEL, "--native", file, engine="isa", status=2)
+    assert "executes no native code" in run.stderr
+
+
+def test_native_code_that_cannot_be_written(fp3, root, tmp_path):
+    for environment, output in [({"FP3_CC": "false"}, tmp_path / "x"), ({}, tmp_path / "no" / "x"), ({}, "/dev/null/x")]:
+        done = subprocess.run([fp3, "compile", "programs/ship.ode", "-c", "many_full", "--native", "-o", output], cwd=root, capture_output=True,
+                              text=True, env={**os.environ, **environment}, timeout=60)
+        assert done.returncode in (1, 2) and done.stderr.startswith("fp3 compile: ") and not list(tmp_path.iterdir()), done.stderr

@@ -25,6 +25,9 @@
  * Objects that run different programs form groups (fp3_engine_load_groups). They need a
  * configuration with several schedulers.
  *
+ * Threads: an engine is of one thread at a time; engines in different threads do not disturb each other. Callbacks
+ * come in the thread that calls the engine. Only `tasks` leads into other threads, those of the caller.
+ *
  * After `make install` a program that uses it is built with
  *     cc ship.c $(pkg-config --cflags --libs fp3)
  */
@@ -80,9 +83,25 @@ typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
  * slept. Must not call the engine. */
 typedef void fp3_progress_fn(void *user, double share);
 
-/* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error,
- * retire_user, trace_user and progress_user point to; they must outlive the engine. */
+/* A caller's own threads: calls task(of, number) for each number below count, in any of them and in any order, and
+ * returns when all these calls have. */
+typedef void fp3_task_fn(void *of, uint32_t number);
+typedef void fp3_tasks_fn(void *user, fp3_task_fn *task, void *of, uint32_t count);
+
+/* A caller's own memory. allocate: aligned to 64 bytes, whatever is in it, or NULL; size is a multiple of 64. */
 typedef struct {
+    void *(*allocate)(void *user, size_t size);
+    void (*release)(void *user, void *memory, size_t size);
+    void *user;
+} fp3_allocator;
+
+/* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error and each
+ * `user` point to; they must outlive the engine. */
+typedef struct {
+    uint32_t
+        cookie; /* set by fp3_engine_default(): catches a forgotten default, and a program that was
+                         compiled with the headers of another version */
+    fp3_error *error;     /* where this engine's calls say why they failed; NULL: nowhere */
     const char *engine;   /* "rtl" (default), "isa", "fast" or "board" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
     uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none; fast and
@@ -105,7 +124,15 @@ typedef struct {
     /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
      * processor. The results are the same. */
     uint32_t threads;
+    fp3_tasks_fn *tasks; /* fast only: threads of the caller; NULL (default): those of the engine */
+    void *tasks_user;
+    fp3_allocator allocator; /* fast only: of what all objects hold; {0} (default): malloc */
     int is_interpreted; /* fast only: 1: without native code, which is worth its time in long runs */
+    /* fast only: 1: no compiler is started; what is neither in the cache nor in `native` is interpreted. */
+    int is_without_compiler;
+    /* fast only: a file of fp3_engine_write_native, or NULL. A program is loaded only if the file has its code, made by this version for
+     * a processor like this one. It is read when a program is loaded; who can write to it can execute what he wants. */
+    const char *native;
     /* board only: the name of its serial port; its rate, 0 (default): 115200. fp3_engine_find says which
      * configuration is there. */
     const char *port;
@@ -116,8 +143,6 @@ typedef struct {
      * h HIGH LOW, of rtl, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
      * row within the lane, register, bits, flags. */
     const char *bus_log;
-    fp3_error *error; /* where this engine's calls say why they failed; NULL: nowhere */
-    uint32_t cookie;  /* set by fp3_engine_default(); catches a forgotten default */
 } fp3_engine_def;
 
 /* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
@@ -137,11 +162,18 @@ const char *fp3_counter_name(fp3_counter counter);
 /* Whether its name begins with "stall_". */
 int fp3_counter_is_stall(fp3_counter counter);
 
+/* For fp3_engine_default(); size: of fp3_engine_def where it is called. */
+void fp3_engine_set_default(fp3_engine_def *def, size_t size);
 /* "rtl", "single", no cycle limit, an object for each context, one visit per run, no callbacks. */
-fp3_engine_def fp3_engine_default(void);
+static inline fp3_engine_def fp3_engine_default(void) {
+    fp3_engine_def def;
+    fp3_engine_set_default(&def, sizeof def);
+    return def;
+}
 
 /* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first.
- * FP3_E_ARGUMENT: no such engine or configuration, or too many objects. FP3_E_SYSTEM: the simulated
+ * FP3_E_ARGUMENT: no such engine or configuration, too many objects, or a definition of another version of the
+ * library. FP3_E_SYSTEM: the simulated
  * hardware of "rtl" was not found or does not fit this library; the message says where it was looked
  * for. The environment variable FP3_RTL_DIR names another directory. */
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
@@ -169,6 +201,11 @@ size_t fp3_engine_room(const char *engine, const char *config);
 /* How the loaded program is executed: of "fast" "native x86-64-v4", or "interpreter x86-64-v3" and, in
  * brackets, why there is no native code. "" of other engines. Belongs to the engine until the next load. */
 const char *fp3_engine_how(const fp3_engine *engine);
+
+/* What "fast" would execute for the loaded program, compiled for this kind of processor (or a lesser one that FP3_FAST
+ * names) and kept in a file, for `native` of an engine on a machine without a compiler. FP3_E_ARGUMENT: the engine is not
+ * "fast", or has not one group with a program. FP3_E_SYSTEM: the compiler failed, or the file cannot be written. */
+fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
 
 /* Loads the code and the constants that have values; everything else keeps its contents. The image
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has

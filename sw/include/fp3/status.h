@@ -7,11 +7,15 @@
  * A call returns a status; on failure it also writes one line into the caller's fp3_error
  * (or nothing, where that is NULL). What a failed call would have made is left NULL or unchanged,
  * unless its own comment says otherwise. No pointer may be NULL unless its comment says so.
+ *
+ * Threads: the library has no state of its own. Two threads may call at the same time with different objects
+ * (engines, images, scenes ...), and read what neither changes; one object is of one thread at a time.
  */
 #ifndef FP3_STATUS_H
 #define FP3_STATUS_H
 
 #include <fp3/api.h>
+#include <stdint.h>
 
 FP3_API_BEGIN
 
@@ -45,6 +49,10 @@ __attribute__((format(printf, 6, 7))) fp3_status fp3_fail_at(fp3_error *error, f
                                                              const char *path, unsigned line,
                                                              unsigned column, const char *format,
                                                              ...);
+
+/* The version of the library that a program is linked with, as "0.1.0"; FP3_VERSION is that of the headers which
+ * it was compiled with. *number (may be NULL): 10000 times the first, 100 times the second, and the third. */
+const char *fp3_version(uint32_t *number);
 
 /* The exit code of a command that ends with this status: 0 well, 1 failed, 2 bad input or usage, 3
  * objects failed in a run, or there was no truth. */
