@@ -1,7 +1,6 @@
 /* start.c - values of a program's inputs, rounded once. */
-#include <fp3/start.h>
+#include "start.h"
 
-#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,11 +12,93 @@
 #include "compiler/inputs.h"
 #include "text/number.h"
 
-/* In double, and which number of the step's table it is; FP3_NONE: none, it is of a state's start. */
+/* Where an input comes from: a variable of the step, or a known value. */
 typedef struct {
-    double value;
-    uint32_t known;
-} input;
+    uint32_t variable, known; /* FP3_NONE: not from there */
+} origin;
+
+struct fp3_start {
+    const fp3_compiled *compiled;
+    const fp3_compilation *compilation;
+    origin *origins;           /* of each input */
+    uint32_t *wanted, count;   /* inputs */
+    int has_variables;         /* some of them are variables */
+    fp3_known_subset subset;   /* of the others */
+    double *known, *variables; /* values */
+};
+
+/* In the order of fp3_inputs_make. */
+static origin origin_of(const fp3_compilation *k, uint32_t input) {
+    const fp3_step *step = &k->p.step;
+    const conversion *c = &k->p.code;
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        if (fp3_inputs_has_variable(&step->variables[i]) && input-- == 0)
+            return (origin){i, FP3_NONE};
+    if (input < c->code.param_count)
+        return (origin){FP3_NONE, c->params[input]};
+    input -= c->code.param_count;
+    for (uint32_t i = 0; i < c->code.constant_count; i++)
+        if (fp3_inputs_has_constant(step, c, i) && input-- == 0)
+            return (origin){FP3_NONE, c->constants[i]};
+    return (origin){FP3_NONE, FP3_NONE};
+}
+
+static fp3_status choose(fp3_start *s, const char *is_wanted, fp3_error *error) {
+    const known_table *table = &s->compilation->p.step.known;
+    char *is_known_wanted = calloc(table->count + 1u, 1);
+    fp3_status status = is_known_wanted ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < s->compiled->input_count; i++) {
+        if (is_wanted && !is_wanted[i])
+            continue;
+        const origin o = s->origins[i] = origin_of(s->compilation, i);
+        s->wanted[s->count++] = i;
+        if (o.known == FP3_NONE)
+            s->has_variables = 1;
+        else
+            is_known_wanted[o.known] = 1;
+    }
+    if (!status)
+        status = fp3_known_choose(table, is_known_wanted, &s->subset, error);
+    free(is_known_wanted);
+    return status;
+}
+
+fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, fp3_start **start,
+                          fp3_error *error) {
+    const fp3_compilation *k = compiled->self;
+    fp3_start *s = *start = calloc(1, sizeof *s);
+    if (!s)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    s->compiled = compiled;
+    s->compilation = k;
+    s->origins = calloc(compiled->input_count + 1u, sizeof *s->origins);
+    s->wanted = calloc(compiled->input_count + 1u, sizeof *s->wanted);
+    s->known = calloc(k->p.step.known.count + 1u, sizeof *s->known);
+    s->variables = calloc(k->p.step.variable_count + 1u, sizeof *s->variables);
+    fp3_status status = s->origins && s->wanted && s->known && s->variables
+                            ? FP3_OK
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = choose(s, is_wanted, error);
+    if (status)
+        fp3_start_close(start);
+    return status;
+}
+
+void fp3_start_close(fp3_start **start) {
+    fp3_start *s = *start;
+    if (!s)
+        return;
+    fp3_known_release(&s->subset);
+    free(s->origins);
+    free(s->wanted);
+    free(s->known);
+    free(s->variables);
+    free(s);
+    *start = NULL;
+}
+
+/* ---- values ---- */
 
 /* " (line 3 of the model)", or nothing. */
 static void say_line(const fp3_compilation *k, uint32_t id, char *text, size_t size) {
@@ -27,10 +108,11 @@ static void say_line(const fp3_compilation *k, uint32_t id, char *text, size_t s
         snprintf(text, size, " (line %" PRIu32 " of the model)", line);
 }
 
-static fp3_status round_all(const fp3_compiled *made, const input *inputs, float *values,
-                            fp3_error *error) {
-    for (uint32_t i = 0; i < made->input_count; i++) {
-        const double wanted = inputs[i].value;
+static fp3_status round_all(const fp3_start *s, float *values, fp3_error *error) {
+    for (uint32_t n = 0; n < s->count; n++) {
+        const uint32_t i = s->wanted[n];
+        const origin o = s->origins[i];
+        const double wanted = o.known == FP3_NONE ? s->variables[o.variable] : s->known[o.known];
         char line[48];
         const char *expected = fp3_number_single(wanted, &values[i]);
         if (!expected && !isfinite(values[i]))
@@ -38,53 +120,50 @@ static fp3_status round_all(const fp3_compiled *made, const input *inputs, float
                                      : "a finite number";
         if (!expected)
             continue;
-        say_line(made->self, inputs[i].known, line, sizeof line);
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s", made->inputs[i].formula,
-                        line, wanted, expected);
+        say_line(s->compilation, o.known, line, sizeof line);
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s",
+                        s->compiled->inputs[i].formula, line, wanted, expected);
     }
     return FP3_OK;
 }
 
-/* In the order of fp3_inputs_make. */
-static uint32_t list(const fp3_compilation *k, const double *start, const double *known,
-                     input *inputs) {
+fp3_status fp3_start_values(fp3_start *s, const double *params, const double *initial, double h,
+                            float *values, fp3_error *error) {
+    const fp3_compilation *k = s->compilation;
     const fp3_step *step = &k->p.step;
-    const conversion *c = &k->p.code;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < step->variable_count; i++)
-        if (fp3_inputs_has_variable(&step->variables[i]))
-            inputs[count++] = (input){start[i], FP3_NONE};
-    for (uint32_t i = 0; i < c->code.param_count; i++)
-        inputs[count++] = (input){known[c->params[i]], c->params[i]};
-    for (uint32_t i = 0; i < c->code.constant_count; i++)
-        if (fp3_inputs_has_constant(step, c, i))
-            inputs[count++] = (input){known[c->constants[i]], c->constants[i]};
-    return count;
+    float single;
+    const char *expected = fp3_number_step(h, &single);
+    if (expected)
+        return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
+    fp3_known_values(&s->subset, params, h, s->known);
+    fp3_status status = fp3_adapted_check(step->model, &k->options, params, initial, error);
+    if (!status && s->has_variables)
+        status = fp3_before_start(step, params, initial, h, s->variables, error);
+    return status ? status : round_all(s, values, error);
 }
 
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error) {
-    const fp3_compilation *k = compiled->self;
-    const fp3_step *step = &k->p.step;
-    double *known = calloc(step->known.count + 1u, sizeof *known);
-    double *start = calloc(step->variable_count + 1u, sizeof *start);
-    input *inputs = calloc(compiled->input_count + 1u, sizeof *inputs);
-    fp3_status status =
-        known && start && inputs ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_start *start = NULL;
+    fp3_status status = fp3_start_open(compiled, NULL, &start, error);
     if (!status)
-        status = fp3_known_evaluate(&step->known, params, h, known, error);
-    if (!status)
-        status = fp3_adapted_check(step->model, &k->options, params, initial, error);
-    if (!status)
-        status = fp3_before_start(step, params, initial, h, start, error);
-    if (!status) {
-        const uint32_t count = list(k, start, known, inputs);
-        assert(count == compiled->input_count);
-        (void)count;
-        status = round_all(compiled, inputs, values, error);
-    }
-    free(known);
-    free(start);
-    free(inputs);
+        status = fp3_start_values(start, params, initial, h, values, error);
+    fp3_start_close(&start);
     return status;
+}
+
+/* ---- what a program is made of ---- */
+
+const fp3_model *fp3_start_model(const fp3_compiled *compiled) {
+    return ((const fp3_compilation *)compiled->self)->p.step.model;
+}
+
+uint32_t fp3_start_param(const fp3_compiled *compiled, uint32_t input) {
+    const fp3_compilation *k = compiled->self;
+    const origin o = origin_of(k, input);
+    const known *value = o.known == FP3_NONE ? NULL : &k->p.step.known.list[o.known];
+    if (!value || value->op != KNOWN_MODEL)
+        return FP3_NONE;
+    const fp3_expr *e = &k->p.step.model->exprs[value->a];
+    return e->op == FP3_EXPR_PARAM ? e->index : FP3_NONE;
 }

@@ -103,6 +103,26 @@ def test_a_program_outside_the_tree_runs_on_both_engines(ship, start, installed,
         assert (done.returncode, done.stdout.strip(), done.stderr) == (0, expected, ""), engine
 
 
+def test_a_game_loop(root, flags, sanitize, tmp_path):
+    """10,000 objects, forces in and positions out in each frame: the example, in at most 25 lines, beside the same body in double."""
+    assert len((root / "examples/game_loop.c").read_text().splitlines()) <= 25
+    succeeds("gcc", "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", *sanitize, root / "examples/game_loop.c", *flags("--cflags", "--libs"), "-o",
+             tmp_path / "game_loop")
+    shutil.copy(root / "examples/drone.ode", tmp_path)
+    x, v, h = [0.0, 0.0], [0.0, 0.0], 1 / 64
+    for _ in range(600):
+        for i, target in enumerate((1.0, 100.0)):
+            force = target - x[i]
+            k1 = (force - 0.5 * v[i]) / 2
+            k2 = (force - 0.5 * (v[i] + h / 2 * k1)) / 2
+            k3 = (force - 0.5 * (v[i] + h / 2 * k2)) / 2
+            k4 = (force - 0.5 * (v[i] + h * k3)) / 2
+            x[i] += h * (v[i] + h * (k1 + k2 + k3) / 6)
+            v[i] += h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
+    out = [float(word) for word in succeeds(tmp_path / "game_loop", cwd=tmp_path).split()]
+    assert out == pytest.approx(x, rel=1e-4)
+
+
 def test_without_the_hardware_the_isa_engine_runs_and_rtl_says_what_it_lacks(ship, start, tmp_path):
     program, _ = ship
     assert start(program, "isa", FP3_RTL_DIR=str(tmp_path)).returncode == 0

@@ -1,6 +1,7 @@
 /* known.c - values that the host computes. */
 #include "known.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -256,60 +257,127 @@ int fp3_known_is(const known_table *table, uint32_t id, double number) {
     return k->op == KNOWN_NUMBER && memcmp(&k->number, &number, sizeof number) == 0;
 }
 
-/* Room for what is evaluated, and whether each value has lost digits. */
-typedef struct {
-    double *exprs, *states;
-    char *is_expr_lost, *is_lost;
-} evaluation;
-
-static void evaluate_model(const known_table *table, const double *params, const evaluation *e) {
-    const fp3_point point = {.states = e->states, .params = params};
-    for (uint32_t i = 0; i < table->model->expr_count; i++)
-        fp3_ode_compute_careful(&table->model->exprs[i], &point, i, e->exprs, e->is_expr_lost);
+void fp3_known_release(fp3_known_subset *s) {
+    free(s->ids);
+    free(s->exprs);
+    free(s->expr_values);
+    free(s->states);
+    free(s->is_expr_lost);
+    free(s->is_lost);
+    *s = (fp3_known_subset){0};
 }
 
-static void evaluate_all(const known_table *table, double h, const evaluation *e, double *values) {
-    for (uint32_t i = 0; i < table->count; i++) {
+/* Operands stand in front of what they are for. */
+static void list_chosen(const known_table *table, char *is_wanted, char *is_expr_wanted,
+                        fp3_known_subset *s) {
+    const fp3_model *model = table->model;
+    for (uint32_t i = table->count; i-- > 0;) {
         const known *k = &table->list[i];
-        const fp3_expr made = expr_of(k->op, k->a, k->b);
+        if (!is_wanted[i] || k->op == KNOWN_NUMBER || k->op == KNOWN_STEP)
+            continue;
+        if (k->op == KNOWN_MODEL)
+            is_expr_wanted[k->a] = 1;
+        else
+            is_wanted[k->a] = is_wanted[k->b] = 1; /* b of one operand: 0, a number */
+    }
+    for (uint32_t i = model->expr_count; i-- > 0;)
+        for (int j = 0; is_expr_wanted[i] && j < 3; j++)
+            if (model->exprs[i].operand[j] != FP3_NONE)
+                is_expr_wanted[model->exprs[i].operand[j]] = 1;
+    for (uint32_t i = 0; i < table->count; i++)
+        if (is_wanted[i])
+            s->ids[s->count++] = i;
+    for (uint32_t i = 0; i < model->expr_count; i++)
+        if (is_expr_wanted[i])
+            s->exprs[s->expr_count++] = i;
+}
+
+fp3_status fp3_known_choose(const known_table *table, const char *is_wanted,
+                            fp3_known_subset *subset, fp3_error *error) {
+    const size_t exprs = table->model->expr_count + 1u, count = table->count + 1u;
+    char *wanted = malloc(count), *expr_wanted = calloc(exprs, 1);
+    *subset = (fp3_known_subset){.table = table,
+                                 .ids = malloc(count * sizeof *subset->ids),
+                                 .exprs = malloc(exprs * sizeof *subset->exprs),
+                                 .expr_values = malloc(exprs * sizeof *subset->expr_values),
+                                 .states = calloc(table->model->state_count + 1u, sizeof(double)),
+                                 .is_expr_lost = malloc(exprs),
+                                 .is_lost = malloc(count)};
+    const int is_good = wanted && expr_wanted && subset->ids && subset->exprs &&
+                        subset->expr_values && subset->states && subset->is_expr_lost &&
+                        subset->is_lost;
+    if (is_good) {
+        if (is_wanted)
+            memcpy(wanted, is_wanted, table->count);
+        else
+            memset(wanted, 1, table->count);
+        list_chosen(table, wanted, expr_wanted, subset);
+    }
+    free(wanted);
+    free(expr_wanted);
+    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+typedef void compute_fn(const fp3_expr *e, const fp3_point *point, uint32_t i, double *values,
+                        char *is_lost);
+
+static void compute_plainly(const fp3_expr *e, const fp3_point *point, uint32_t i, double *values,
+                            char *is_lost) {
+    is_lost[i] = 0;
+    values[i] = fp3_ode_compute(e, point, values);
+}
+
+static void evaluate(const fp3_known_subset *s, const fp3_point *point, double h, double *values,
+                     compute_fn *compute) {
+    const known_table *table = s->table;
+    for (uint32_t n = 0; n < s->expr_count; n++)
+        compute(&table->model->exprs[s->exprs[n]], point, s->exprs[n], s->expr_values,
+                s->is_expr_lost);
+    for (uint32_t n = 0; n < s->count; n++) {
+        const uint32_t i = s->ids[n];
+        const known *k = &table->list[i];
+        s->is_lost[i] = 0;
         if (k->op == KNOWN_NUMBER)
             values[i] = k->number;
         else if (k->op == KNOWN_STEP)
             values[i] = h;
-        else if (k->op == KNOWN_MODEL)
-            values[i] = e->exprs[k->a];
-        else if (is_unary(k->op)) {
+        else if (k->op == KNOWN_MODEL) {
+            values[i] = s->expr_values[k->a];
+            s->is_lost[i] = s->is_expr_lost[k->a];
+        } else if (is_unary(k->op)) {
             values[i] = of_one(k->op, values[k->a]);
-            e->is_lost[i] = e->is_lost[k->a];
-        } else
-            fp3_ode_compute_careful(&made, NULL, i, values, e->is_lost);
-        if (k->op == KNOWN_MODEL)
-            e->is_lost[i] = e->is_expr_lost[k->a];
+            s->is_lost[i] = s->is_lost[k->a];
+        } else {
+            const fp3_expr made = expr_of(k->op, k->a, k->b);
+            compute(&made, NULL, i, values, s->is_lost);
+        }
     }
-    for (uint32_t i = 0; i < table->count; i++)
-        if (e->is_lost[i])
-            values[i] = NAN;
+}
+
+/* If nothing has underflowed, nothing is lost; what watches each operation takes ten times as long. */
+void fp3_known_values(const fp3_known_subset *s, const double *params, double h, double *values) {
+    const fp3_point point = {.states = s->states, .params = params};
+    if (fetestexcept(FE_UNDERFLOW))
+        feclearexcept(FE_UNDERFLOW);
+    evaluate(s, &point, h, values, compute_plainly);
+    if (!fetestexcept(FE_UNDERFLOW))
+        return;
+    evaluate(s, &point, h, values, fp3_ode_compute_careful);
+    for (uint32_t n = 0; n < s->count; n++)
+        if (s->is_lost[s->ids[n]])
+            values[s->ids[n]] = NAN;
 }
 
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error) {
-    const fp3_model *model = table->model;
+    fp3_known_subset all;
     float single;
     const char *expected = fp3_number_step(h, &single);
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
-    const evaluation e = {.exprs = malloc((model->expr_count + 1) * sizeof *e.exprs),
-                          .states = calloc(model->state_count + 1, sizeof *e.states),
-                          .is_expr_lost = calloc(model->expr_count + 1, 1),
-                          .is_lost = calloc(table->count + 1, 1)};
-    const int is_good = e.exprs && e.states && e.is_expr_lost && e.is_lost;
-    if (is_good) {
-        evaluate_model(table, params, &e);
-        evaluate_all(table, h, &e, values);
-    }
-    free(e.exprs);
-    free(e.states);
-    free(e.is_expr_lost);
-    free(e.is_lost);
-    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status = fp3_known_choose(table, NULL, &all, error);
+    if (!status)
+        fp3_known_values(&all, params, h, values);
+    fp3_known_release(&all);
+    return status;
 }

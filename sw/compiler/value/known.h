@@ -68,8 +68,26 @@ int fp3_known_is(const known_table *table, uint32_t id, double number);
  * bits, as far as they are multiples of 2^-149. */
 double fp3_known_low(double value);
 
-/* All of them, values[i] of number i. A value that double has no room for, below
- * 2.2e-308, is NAN. FP3_E_ARGUMENT: h is no time step. */
+/* Some values of a table, for object after object without a call for memory. */
+typedef struct {
+    const known_table *table;
+    uint32_t *ids, count;        /* the values, operands first */
+    uint32_t *exprs, expr_count; /* the expressions of the model in them, likewise */
+    double *expr_values, *states;
+    char *is_expr_lost, *is_lost;
+} fp3_known_subset;
+
+/* is_wanted: of each value of the table; NULL: all. The caller closes, after a failure too. */
+fp3_status fp3_known_choose(const known_table *table, const char *is_wanted,
+                            fp3_known_subset *subset, fp3_error *error);
+void fp3_known_release(fp3_known_subset *subset);
+
+/* values[i] of number i, if it was chosen. A value that double has no room for, below 2.2e-308, is
+ * NAN. h is a time step. */
+void fp3_known_values(const fp3_known_subset *subset, const double *params, double h,
+                      double *values);
+
+/* All of them, once. FP3_E_ARGUMENT: h is no time step. */
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               double *values, fp3_error *error);
 

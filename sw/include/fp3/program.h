@@ -51,6 +51,10 @@ int fp3_program_is_named(const char *path);
  * begin with the path. */
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error);
+/* The same of a model's text, which has size bytes; name is for messages. */
+fp3_status fp3_program_read(const char *text, size_t size, const char *name,
+                            const fp3_program_def *def, fp3_program **program, char **report,
+                            fp3_error *error);
 /* Sets *program to NULL; that it was NULL before does no harm. */
 void fp3_program_close(fp3_program **program);
 

@@ -56,34 +56,61 @@ static fp3_status tell(const char *path, const char *text, size_t size, fp3_stat
     return fp3_fail_at(error, status, path, at.line, at.column, "%s", message);
 }
 
-static fp3_status compile(const char *path, const fp3_program_def *def, fp3_program *program,
-                          char **report, fp3_error *error) {
+static fp3_status compile(const char *text, size_t size, const char *name,
+                          const fp3_program_def *def, fp3_program *program, char **report,
+                          fp3_error *error) {
     const char *integrator = def->integrator    ? def->integrator
                              : def->is_adaptive ? FP3_ADAPTIVE_INTEGRATOR
                                                 : FP3_FIXED_INTEGRATOR;
-    char *text = NULL;
-    size_t size = 0;
     fp3_error why;
-    fp3_status status = fp3_file_read(path, &text, &size, error);
-    if (!status)
-        status = fp3_model_read(text, size, path, &program->model, report, error);
+    fp3_status status = fp3_model_read(text, size, name, &program->model, report, error);
     if (!status && def->is_adaptive) {
         status = fp3_model_adapt(program->model, &def->adaptive, &why);
         if (status)
-            fp3_fail(error, status, "%s: %s", path, why.text);
+            fp3_fail(error, status, "%s: %s", name, why.text);
     }
     if (!status)
         status = fp3_integrator_find(integrator, &program->integrator, error);
-    if (!status) {
-        status = fp3_compile(program->model, program->integrator, &def->compile, &program->compiled,
-                             &why);
-        if (status)
-            tell(path, text, size, status, &why, report, error);
-        else
-            program->image = program->compiled->image;
-    }
+    if (status)
+        return status;
+    status =
+        fp3_compile(program->model, program->integrator, &def->compile, &program->compiled, &why);
+    if (status)
+        return tell(name, text, size, status, &why, report, error);
+    program->image = program->compiled->image;
+    return FP3_OK;
+}
+
+static fp3_status compile_file(const char *path, const fp3_program_def *def, fp3_program *program,
+                               char **report, fp3_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    fp3_status status = fp3_file_read(path, &text, &size, error);
+    if (!status)
+        status = compile(text, size, path, def, program, report, error);
     free(text);
     return status;
+}
+
+/* *said goes to the caller, or nowhere. */
+static fp3_status hand_over(fp3_status status, fp3_program **program, char *said, char **report) {
+    if (status)
+        fp3_program_close(program);
+    if (report)
+        *report = said;
+    else
+        free(said);
+    return status;
+}
+
+fp3_status fp3_program_read(const char *text, size_t size, const char *name,
+                            const fp3_program_def *def, fp3_program **program, char **report,
+                            fp3_error *error) {
+    char *said = NULL;
+    *program = calloc(1, sizeof **program);
+    return hand_over(*program ? compile(text, size, name, def, *program, &said, error)
+                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory"),
+                     program, said, report);
 }
 
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
@@ -94,18 +121,12 @@ fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_pr
     if (!*program)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     else if (def->is_model || fp3_program_is_model(path))
-        status = compile(path, def, *program, &said, error);
+        status = compile_file(path, def, *program, &said, error);
     else if (ends(path, ".s"))
         status = assemble(path, *program, &said, error);
     else
         status = fp3_image_load(path, &(*program)->image, error);
-    if (status)
-        fp3_program_close(program);
-    if (report)
-        *report = said;
-    else
-        free(said);
-    return status;
+    return hand_over(status, program, said, report);
 }
 
 void fp3_program_close(fp3_program **program) {

@@ -1,0 +1,235 @@
+/* batch.c - see fp3/batch.h. */
+#include "batch.h"
+
+#include "engine/backend.h"
+#include "fields.h"
+#include "truth/start.h"
+
+#include "machine/placement.h"
+
+#include <fp3/program.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COOKIE (0x46420000u + (uint32_t)sizeof(fp3_batch_def))
+#define CONFIG "many_full"
+
+struct fp3_batch {
+    fp3_program *program; /* NULL: def.compiled is the caller's */
+    const fp3_compiled *compiled;
+    const fp3_image *image;
+    fp3_engine *engine;
+    fp3_fields *fields;
+    fp3_error *error;
+    size_t objects;
+    uint64_t since;   /* steps with this h */
+    double before, h; /* the time until then */
+    int is_adaptive, may_sleep;
+};
+
+fp3_batch_def fp3_batch_default(void) {
+    fp3_batch_def def = {
+        .cookie = COOKIE, .objects = 1, .engine = "fast", .compile = fp3_compile_default()};
+    def.compile.config = CONFIG;
+    return def;
+}
+
+/* ---- open and close ---- */
+
+static fp3_status open_program(const fp3_batch_def *def, fp3_batch *b) {
+    fp3_program_def how = fp3_program_default();
+    how.integrator = def->integrator;
+    how.is_adaptive = def->adaptive != NULL;
+    if (def->adaptive)
+        how.adaptive = *def->adaptive;
+    how.compile = def->compile;
+    const int sources = (def->model != NULL) + (def->text != NULL) + (def->compiled != NULL);
+    if (sources != 1)
+        return fp3_fail(def->error, FP3_E_ARGUMENT,
+                        "%d of model, text and compiled are given: expected one", sources);
+    b->compiled = def->compiled;
+    if (def->compiled) {
+        b->image = def->compiled->image;
+        return FP3_OK;
+    }
+    const fp3_status status =
+        def->model ? fp3_program_open(def->model, &how, &b->program, NULL, def->error)
+                   : fp3_program_read(def->text, def->text_size, "text", &how, &b->program, NULL,
+                                      def->error);
+    if (status)
+        return status;
+    b->compiled = b->program->compiled;
+    b->image = b->program->image;
+    return FP3_OK;
+}
+
+static fp3_status open_engine(const fp3_batch_def *def, const fp3_config *config, fp3_batch *b) {
+    fp3_engine_def how = fp3_engine_default();
+    how.engine = def->engine;
+    how.config = def->compile.config;
+    how.objects = (uint32_t)def->objects;
+    how.threads = def->threads;
+    how.is_interpreted = !def->may_compile;
+    how.error = def->error;
+    fp3_status status =
+        config ? fp3_engine_open_as(&how, config, &b->engine) : fp3_engine_open(&how, &b->engine);
+    return status ? status : fp3_engine_load(b->engine, b->image);
+}
+
+static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_batch *b) {
+    if (!def->objects || def->objects > UINT32_MAX)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "%zu objects: expected 1 to %" PRIu32,
+                        def->objects, FP3_HOST_OBJECTS);
+    fp3_status status = open_program(def, b);
+    if (!status)
+        status = open_engine(def, config, b);
+    if (status)
+        return status;
+    b->h = def->h != 0 ? def->h : b->compiled ? fp3_start_model(b->compiled)->step : 0;
+    b->is_adaptive = fp3_adaptive_is(b->image);
+    b->may_sleep = fp3_image_slept(b->image) >= 0;
+    const fp3_fields_def all = {.engine = b->engine,
+                                .objects = b->objects,
+                                .image = b->image,
+                                .compiled = b->compiled,
+                                .h = b->h};
+    status = fp3_fields_open(&all, &b->fields, def->error);
+    return status || def->h == 0 ? status : fp3_batch_set(b, FP3_NAME_STEP, def->h);
+}
+
+fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config,
+                             fp3_batch **batch) {
+    *batch = NULL;
+    if (def->cookie != COOKIE) /* then def->error may be anything, too */
+        return FP3_E_ARGUMENT;
+    fp3_batch *b = calloc(1, sizeof *b);
+    if (!b)
+        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+    b->error = def->error;
+    b->objects = def->objects;
+    const fp3_status status = make(def, config, b);
+    if (status)
+        fp3_batch_close(&b);
+    *batch = b;
+    return status;
+}
+
+fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
+    return fp3_batch_open_as(def, NULL, batch);
+}
+
+void fp3_batch_close(fp3_batch **batch) {
+    fp3_batch *b = *batch;
+    if (!b)
+        return;
+    fp3_fields_close(&b->fields);
+    fp3_engine_close(&b->engine);
+    fp3_program_close(&b->program);
+    free(b);
+    *batch = NULL;
+}
+
+size_t fp3_batch_objects(const fp3_batch *batch) { return batch->objects; }
+fp3_engine *fp3_batch_engine(fp3_batch *batch) { return batch->engine; }
+const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch) { return batch->compiled; }
+
+/* ---- values ---- */
+
+fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
+    const fp3_status status = fp3_fields_set(b->fields, name, value, b->error);
+    if (status || strcmp(name, FP3_NAME_STEP) != 0)
+        return status;
+    b->before = fp3_batch_time(b);
+    b->since = 0;
+    b->h = value;
+    return FP3_OK;
+}
+
+fp3_status fp3_batch_write(fp3_batch *b, const char *name, size_t first, size_t count,
+                           const float *values) {
+    return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.single = values},
+                            b->error);
+}
+
+fp3_status fp3_batch_write_double(fp3_batch *b, const char *name, size_t first, size_t count,
+                                  const double *values) {
+    return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.wide = values}, b->error);
+}
+
+fp3_status fp3_batch_read(fp3_batch *b, const char *const *names, size_t name_count, size_t first,
+                          size_t count, float *const *values) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < name_count; i++)
+        status = fp3_fields_read(b->fields, names[i], first, count, values[i], NULL, b->error);
+    return status;
+}
+
+fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t name_count,
+                                 size_t first, size_t count, double *const *values) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < name_count; i++)
+        status = fp3_fields_read(b->fields, names[i], first, count, NULL, values[i], b->error);
+    return status;
+}
+
+/* A field of each row, which has `width` numbers. */
+static fp3_status write_gathered(fp3_batch *b, const fp3_quantity *of, size_t first, size_t count,
+                                 const double *rows, uint32_t width, double *column) {
+    for (size_t i = 0; i < count; i++)
+        column[i] = rows[i * width];
+    return of->is_shared ? fp3_batch_set(b, of->name, rows[0])
+                         : fp3_batch_write_double(b, of->name, first, count, column);
+}
+
+fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const double *params,
+                                const double *initial) {
+    const fp3_model *model = fp3_start_model(b->compiled);
+    double *column = calloc(count + 1, sizeof *column);
+    fp3_status status = column ? FP3_OK : fp3_fail(b->error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < model->param_count; i++)
+        status = write_gathered(b, &model->params[i], first, count, params + i, model->param_count,
+                                column);
+    for (uint32_t i = 0; initial && !status && i < model->state_count; i++)
+        status = write_gathered(b, &model->states[i], first, count, initial + i, model->state_count,
+                                column);
+    free(column);
+    return status;
+}
+
+/* ---- steps ---- */
+
+fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
+    fp3_status status = fp3_fields_settle(b->fields, b->error);
+    if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
+        status = fp3_engine_wake(b->engine, 0, b->objects);
+    if (!status)
+        status = b->is_adaptive ? fp3_adaptive_run(b->engine, steps, NULL)
+                                : fp3_engine_run(b->engine, steps, NULL);
+    if (status || !steps)
+        return status;
+    fp3_fields_moved(b->fields);
+    b->since += steps;
+    return FP3_OK;
+}
+
+double fp3_batch_time(const fp3_batch *b) { return b->before + (double)b->since * b->h; }
+
+fp3_status fp3_batch_restart(fp3_batch *b) {
+    const fp3_status status = fp3_engine_load(b->engine, b->image);
+    if (status)
+        return status;
+    fp3_fields_restart(b->fields);
+    b->before = 0;
+    b->since = 0;
+    return FP3_OK;
+}
+
+fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE]) {
+    const fp3_status status = fp3_engine_failure(b->engine, 0, b->objects, failure);
+    if (text)
+        text[0] = '\0';
+    if (!status && text && failure->failed)
+        fp3_engine_failure_text(b->engine, failure, text);
+    return status;
+}

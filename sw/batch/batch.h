@@ -1,0 +1,18 @@
+/* batch.h - what the project itself asks of a batch besides fp3/batch.h. */
+#ifndef FP3_BATCH_BATCH_H
+#define FP3_BATCH_BATCH_H
+
+#include "machine/config.h"
+
+#include <fp3/batch.h>
+
+/* fp3_batch_open with a configuration that need not be a named one, in place of def->compile.config for
+ * running; as of fp3_engine_open_as. NULL: the named one. */
+fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config, fp3_batch **batch);
+
+/* Objects first .. first+count-1 from rows as a model's truth takes them: param_count and state_count numbers
+ * each. What objects share is that of the first row. initial: NULL: starts stay. */
+fp3_status fp3_batch_write_rows(fp3_batch *batch, size_t first, size_t count, const double *params,
+                                const double *initial);
+
+#endif

@@ -1,0 +1,46 @@
+/* fields.h - the values of a group of an engine's objects, by the names of its program.
+ *
+ * What the engine gets is computed as fp3_compiled_inputs does it, again where something has changed
+ * that it is made of: before the next step, only those inputs of those objects.
+ *
+ *     if (fp3_fields_open(&def, &fields, error) ||
+ *         fp3_fields_set(fields, "m", 2, error) || fp3_fields_settle(fields, error) ||
+ *         fp3_engine_run(engine, 100, NULL)) ...
+ *     fp3_fields_moved(fields);
+ */
+#ifndef FP3_BATCH_FIELDS_H
+#define FP3_BATCH_FIELDS_H
+
+#include "field.h"
+
+typedef struct fp3_fields fp3_fields;
+
+/* Values of a column, one of the two. */
+typedef struct {
+    const float *single;
+    const double *wide;
+} fp3_numbers;
+
+/* Of a model all objects have the defaults; of an image what the engine holds. The caller closes
+ * *fields, which is NULL on failure. */
+fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_error *error);
+/* Sets *fields to NULL, which it may be already. */
+void fp3_fields_close(fp3_fields **fields);
+
+/* As of fp3_batch_set, fp3_batch_write and fp3_batch_read. */
+fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_error *error);
+fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_t count,
+                            fp3_numbers values, fp3_error *error);
+fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t count,
+                           float *single, double *wide, fp3_error *error);
+/* The value of the first object. */
+fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error);
+
+/* Gives the engine what has changed. FP3_E_ARGUMENT: as of fp3_compiled_inputs, with the object in front. */
+fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error);
+/* A step was made: states are where it has left them. */
+void fp3_fields_moved(fp3_fields *q);
+/* Back to the starts. The program is loaded again. */
+void fp3_fields_restart(fp3_fields *q);
+
+#endif

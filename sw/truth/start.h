@@ -1,0 +1,31 @@
+/* start.h - some inputs of a compiled program, for object after object.
+ *
+ *     fp3_start *start = NULL;
+ *     if (fp3_start_open(compiled, is_wanted, &start, error) ||
+ *         fp3_start_values(start, params, initial, h, values, error)) ...
+ *     fp3_start_close(&start);
+ */
+#ifndef FP3_TRUTH_START_H
+#define FP3_TRUTH_START_H
+
+#include <fp3/start.h>
+
+typedef struct fp3_start fp3_start;
+
+/* is_wanted: of each input; NULL: all. compiled must outlive it. The caller closes *start, which is NULL
+ * on failure. */
+fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, fp3_start **start,
+                          fp3_error *error);
+/* Sets *start to NULL, which it may be already. */
+void fp3_start_close(fp3_start **start);
+
+/* As fp3_compiled_inputs; the values of inputs that nobody wants stay as they are. */
+fp3_status fp3_start_values(fp3_start *start, const double *params, const double *initial, double h,
+                            float *values, fp3_error *error);
+
+/* The model whose params and states a program's inputs are made of. */
+const fp3_model *fp3_start_model(const fp3_compiled *compiled);
+/* The param of the model that the input is a copy of; FP3_NONE: it is another value. */
+uint32_t fp3_start_param(const fp3_compiled *compiled, uint32_t input);
+
+#endif

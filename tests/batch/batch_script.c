@@ -1,0 +1,178 @@
+/* batch_script.c - fp3/batch.h, driven by lines of standard input.
+ *
+ *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c CONFIG]
+ *                              [-j THREADS] [-h H] [-t TOLERANCE] [-x] [-m]
+ *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
+ *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
+ *     step N                     restart
+ *     read NAME...               wide NAME... (in double); a line for each object
+ *     time                       failure
+ * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
+ * before, and handed over.
+ */
+#include <fp3/batch.h>
+#include <fp3/program.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define WORDS 64
+
+static fp3_error error;
+static fp3_batch_def def;
+static fp3_batch *batch;
+static fp3_program *program;
+
+static void say(fp3_status status) {
+    if (status)
+        printf("error %d: %s\n", (int)status, error.text);
+    error.text[0] = '\0';
+}
+
+static void spread(const char *name, double first, double last) {
+    double *column = calloc(def.objects, sizeof *column);
+    for (size_t i = 0; i < def.objects; i++) {
+        const double share = def.objects > 1 ? (double)i / (double)(def.objects - 1) : 0;
+        column[i] = (1 - share) * first + share * last;
+    }
+    say(fp3_batch_write_double(batch, name, 0, def.objects, column));
+    free(column);
+}
+
+static void write_column(char **word, int count, int is_double) {
+    float single[WORDS];
+    double wide[WORDS];
+    for (int i = 0; i < count - 3; i++)
+        single[i] = (float)(wide[i] = strtod(word[3 + i], NULL));
+    const size_t first = strtoull(word[2], NULL, 10), numbers = (size_t)count - 3;
+    say(is_double ? fp3_batch_write_double(batch, word[1], first, numbers, wide)
+                  : fp3_batch_write(batch, word[1], first, numbers, single));
+}
+
+static void read_columns(char **word, int count, int is_double) {
+    const size_t names = (size_t)count - 1;
+    void *columns[WORDS];
+    for (size_t i = 0; i < names; i++)
+        columns[i] = calloc(def.objects, sizeof(double));
+    const fp3_status status =
+        is_double ? fp3_batch_read_double(batch, (const char *const *)(word + 1), names, 0,
+                                          def.objects, (double *const *)columns)
+                  : fp3_batch_read(batch, (const char *const *)(word + 1), names, 0, def.objects,
+                                   (float *const *)columns);
+    say(status);
+    for (size_t object = 0; !status && object < def.objects; object++)
+        for (size_t i = 0; i < names; i++)
+            printf("%.17g%c",
+                   is_double ? ((double *)columns[i])[object]
+                             : (double)((float *)columns[i])[object],
+                   i + 1 < names ? ' ' : '\n');
+    for (size_t i = 0; i < names; i++)
+        free(columns[i]);
+}
+
+static void tell_failure(void) {
+    fp3_failure failure;
+    char text[FP3_FAILURE_TEXT_SIZE];
+    const fp3_status status = fp3_batch_failure(batch, &failure, text);
+    say(status);
+    if (!status)
+        printf("%zu failed: %s\n", failure.failed, text);
+}
+
+static void obey(char *line) {
+    char *word[WORDS];
+    int count = 0;
+    for (char *w = strtok(line, " \n"); w && count < WORDS; w = strtok(NULL, " \n"))
+        word[count++] = w;
+    if (!count)
+        return;
+    if (!strcmp(word[0], "set"))
+        say(fp3_batch_set(batch, word[1], strtod(word[2], NULL)));
+    else if (!strcmp(word[0], "spread"))
+        spread(word[1], strtod(word[2], NULL), strtod(word[3], NULL));
+    else if (!strcmp(word[0], "write") || !strcmp(word[0], "double"))
+        write_column(word, count, word[0][0] == 'd');
+    else if (!strcmp(word[0], "step"))
+        say(fp3_batch_step(batch, strtoull(word[1], NULL, 10)));
+    else if (!strcmp(word[0], "restart"))
+        say(fp3_batch_restart(batch));
+    else if (!strcmp(word[0], "read") || !strcmp(word[0], "wide"))
+        read_columns(word, count, word[0][0] == 'w');
+    else if (!strcmp(word[0], "time"))
+        printf("%.17g\n", fp3_batch_time(batch));
+    else if (!strcmp(word[0], "failure"))
+        tell_failure();
+    else
+        abort();
+}
+
+static fp3_status compile_before(void) {
+    fp3_program_def how = fp3_program_default();
+    how.integrator = def.integrator;
+    how.is_adaptive = def.adaptive != NULL;
+    if (def.adaptive)
+        how.adaptive = *def.adaptive;
+    how.compile = def.compile;
+    const fp3_status status = fp3_program_open(def.model, &how, &program, NULL, &error);
+    def.model = NULL;
+    def.compiled = status ? NULL : program->compiled;
+    return status;
+}
+
+int main(int argc, char **argv) {
+    fp3_adaptive_def adaptive = fp3_adaptive_default();
+    char line[1024];
+    int option, is_text = 0, is_before = 0;
+    def = fp3_batch_default();
+    def.error = &error;
+    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:xm")) != -1)
+        switch (option) {
+        case 'n':
+            def.objects = strtoull(optarg, NULL, 10);
+            break;
+        case 'i':
+            def.integrator = optarg;
+            break;
+        case 'a':
+            def.compile.arithmetic = fp3_arithmetic_find(optarg);
+            break;
+        case 'e':
+            def.engine = optarg;
+            break;
+        case 'c':
+            def.compile.config = optarg;
+            break;
+        case 'j':
+            def.threads = (uint32_t)strtoul(optarg, NULL, 10);
+            break;
+        case 'h':
+            def.h = strtod(optarg, NULL);
+            break;
+        case 't':
+            adaptive.tolerance = strtod(optarg, NULL);
+            def.adaptive = &adaptive;
+            break;
+        case 'x':
+            is_text = 1;
+            break;
+        case 'm':
+            is_before = 1;
+            break;
+        default:
+            return 2;
+        }
+    def.model = is_text ? NULL : argv[optind];
+    def.text = is_text ? argv[optind] : NULL;
+    def.text_size = is_text ? strlen(argv[optind]) : 0;
+    fp3_status status = is_before ? compile_before() : FP3_OK;
+    if (!status)
+        status = fp3_batch_open(&def, &batch);
+    say(status);
+    while (!status && fgets(line, sizeof line, stdin))
+        obey(line);
+    fp3_batch_close(&batch);
+    fp3_program_close(&program);
+    return status ? 1 : 0;
+}

@@ -1,0 +1,237 @@
+"""fp3/batch.h: the same bits as fp3 run, values that are made of others follow, what cannot be is refused."""
+
+import csv
+import struct
+import subprocess
+
+import pytest
+
+ARITHMETICS = {"plain": [], "compensated": ["--compensated"], "double_single": ["--double-single"]}
+# What is set for all, what is spread over the objects.
+MODELS = {"ship": (["m=9.1e5"], ["T=1e5:3e5", "s=0:0.1"]), "oscillator": (["k=0.1"], ["m=0.5:2", "c=0.01:1"]),
+          "duffing": ([], ["gamma=0.1:0.3", "w=1:1.5", "x=0.9:1.1"]), "lorenz": (["sigma=9.7"], ["rho=20:28"]),
+          "pendulum": (["g=9.8"], ["l=0.5:2", "theta=0.1:3"]), "bouncing_ball": (["g=9.8", "h=0.015625"], ["e=0.7:0.9"]),
+          "rigid_body": ([], ["A=0.9:1.1", "B=1.9:2.1"])}
+
+
+@pytest.fixture(scope="module")
+def script(build):
+    """What the program prints that obeys these lines."""
+    def script(model, lines, *options, status=0):
+        done = subprocess.run([build / "tests/batch_script", *map(str, options), str(model)], input="\n".join(lines) + "\n",
+                              capture_output=True, text=True, timeout=300)
+        assert (done.returncode, done.stderr) == (status, ""), done.stdout + done.stderr
+        return done.stdout.splitlines()
+    return script
+
+
+@pytest.fixture(scope="module")
+def ran(fp3, tmp_path_factory):
+    """Names of the states, and a line for each object, as fp3 run records them in the end."""
+    def ran(program, steps, objects, *options):
+        out = tmp_path_factory.mktemp("run") / "run.csv"
+        done = subprocess.run([fp3, "run", program, "-e", "isa", "-c", "many_full", "-o", str(objects), "-n", str(steps), "--output", out,
+                               *options], capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+        head, *rows = list(csv.reader(out.open()))
+        columns = [i for i, name in enumerate(head) if name.split(" ")[0] not in ("step", "time", "object", "life")]
+        last, number = rows[-objects:], float if "--double-single" in options else single
+        return [head[i].split(" ")[0] for i in columns], [[number(float(row[i])) for i in columns] for row in last]
+    return ran
+
+
+def single(value):
+    """Nine digits of a CSV are one FP32 number."""
+    return struct.unpack("f", struct.pack("f", value))[0]
+
+
+def numbers(lines):
+    return [[float(word) for word in line.split()] for line in lines]
+
+
+def given(sets, spreads):
+    return ([f"set {text.replace('=', ' ')}" for text in sets] +
+            [f"spread {text.replace('=', ' ').replace(':', ' ')}" for text in spreads])
+
+
+def options(sets, spreads):
+    return [f"--set={text}" for text in sets] + [f"--spread={text}" for text in spreads]
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
+@pytest.mark.parametrize("model", MODELS)
+def test_bits_are_those_of_fp3_run(root, script, ran, model, arithmetic):
+    program, (sets, spreads) = root / f"programs/{model}.ode", MODELS[model]
+    if (model, arithmetic) == ("rigid_body", "double_single"):
+        assert "words of instruction memory" in script(program, [], "-a", arithmetic, status=1)[0]
+        return
+    names, rows = ran(program, 70, 7, *options(sets, spreads), *ARITHMETICS[arithmetic])
+    read = "wide" if arithmetic == "double_single" else "read"
+    for engine in ("fast", "isa"):
+        lines = script(program, [*given(sets, spreads), "step 13", "step 57", f"{read} {' '.join(names)}"], "-n", 7, "-a", arithmetic, "-e", engine)
+        assert numbers(lines) == rows, engine
+    assert len({tuple(row) for row in rows}) > 1
+
+
+def test_numbers_of_the_model(root, script, ran, tmp_path):
+    """What is made of no value at all is an input, too."""
+    (tmp_path / "m.ode").write_text("model m\nstate x = 1\nstate y = 0\nstep 0.01\nspan 1\nx' = y - 8/3*x\ny' = 28/9 - x*y\n")
+    names, rows = ran(tmp_path / "m.ode", 30, 2)
+    assert numbers(script(tmp_path / "m.ode", ["step 30", "read x y"], "-n", 2)) == rows
+
+
+@pytest.mark.parametrize("integrator", ["euler", "leapfrog", "stoermer_verlet", "rk6"])
+def test_integrators(root, script, ran, integrator):
+    model = "pendulum" if integrator == "stoermer_verlet" else "oscillator"
+    program, (sets, spreads) = root / f"programs/{model}.ode", MODELS[model]
+    names, rows = ran(program, 40, 5, *options(sets, spreads), "-i", integrator)
+    assert numbers(script(program, [*given(sets, spreads), "step 1", "step 39", f"read {' '.join(names)}"], "-n", 5, "-i", integrator)) == rows
+
+
+def test_folded(root, fp3, script, ran, tmp_path):
+    program, sets = root / "programs/oscillator.ode", ["k=3.1", "m=1.7", "h=0.013"]
+    subprocess.run([fp3, "compile", program, "-c", "many_full", "--with=fold-step", "--with=fold-product", *options(sets, []), "--image",
+                    tmp_path / "f.fp3", "--params", tmp_path / "f.cfg"], check=True)
+    _, rows = ran(tmp_path / "f.fp3", 400, 2, "--params", tmp_path / "f.cfg", "--observe=v,x")
+    lines = [*given(sets, []), "step 400", "read v x"]
+    assert numbers(script(program, lines, "-n", 2, "-a", "folded")) == rows
+    assert numbers(script(program, lines, "-n", 2)) != rows
+
+
+def test_the_hardware_gives_the_same(root, script):
+    program, (sets, spreads) = root / "programs/ship.ode", MODELS["ship"]
+    lines = [*given(sets, spreads), "step 5", "write T 1 2e5", "set m 8e5", "step 5", "read v s T"]
+    assert script(program, lines, "-n", 6, "-e", "rtl") == script(program, lines, "-n", 6)
+
+
+def test_values_that_change_on_the_way(root, script, ran):
+    """As runs of their own, each of which begins where the one before has ended."""
+    program = root / "programs/oscillator.ode"
+    lines = script(program, ["spread m 0.5 2", "step 10", "read v x", "double m 1 0.1 0.3", "set h 0.01", "write c 3 0.25", "step 10", "read v x",
+                             "double x 2 0.3", "set k 7", "step 10", "read v x m c k h"], "-n", 4)
+    m, c, h = [0.5, 1.0, 1.5, 2.0], [0.5] * 4, 0.0078125
+    at = [[0, 1]] * 4
+    for part, k in enumerate((40, 40, 7)):
+        if part == 1:
+            m[1:3], c[3], h = [0.1, 0.3], 0.25, 0.01
+        if part == 2:
+            at[2] = [at[2][0], 0.3]
+        at = [ran(program, 10, 1, *[f"--set={name}={value!r}" for name, value in zip("mckhvx", (m[i], c[i], k, h, *at[i]))])[1][0] for i in range(4)]
+        assert [row[:2] for row in numbers(lines[4 * part:4 * part + 4])] == at, part
+
+
+def test_only_what_has_changed_is_computed_again(root, script):
+    """A value that is refused is another object's affair: until it is mended nothing runs, then all goes on."""
+    lines = ["spread m 1 4", "step 5", "write m 2 0", "step 5", "read v x", "write m 2 3", "step 5", "read v x"]
+    told = script(root / "programs/oscillator.ode", lines, "-n", 4)
+    assert told[0] == "error 1: object 2: 1/m (line 17 of the model) is inf: expected a finite number"
+    assert told[5:] == script(root / "programs/oscillator.ode", ["spread m 1 4", "step 5", "step 5", "read v x"], "-n", 4)
+    assert told[1:5] == script(root / "programs/oscillator.ode", ["spread m 1 4", "step 5", "read v x"], "-n", 4)
+
+
+@pytest.mark.parametrize("count", [1, 63, 64, 65, 511, 512, 513, 1025])
+def test_any_number_of_objects(root, script, count):
+    """Each one is as if it were alone, also where only some have changed."""
+    program = root / "programs/oscillator.ode"
+    some = sorted({0, count // 3, count // 2, count - 1})
+    lines = ["spread m 1 4", "step 2", *[f"double m {i} {1 + i / 7}" for i in some], *[f"write x {i} {i % 5}" for i in some], "step 3", "read v x m"]
+    rows = numbers(script(program, lines, "-n", count))
+    for i in some:
+        start = 1 if count == 1 else (1 - i / (count - 1)) + i / (count - 1) * 4
+        alone = script(program, [f"set m {start!r}", "step 2", f"set m {1 + i / 7!r}", f"set x {i % 5}", "step 3", "read v x m"])
+        assert numbers(alone) == [rows[i]], i
+
+
+def test_restart_and_time(root, script):
+    told = script(root / "programs/oscillator.ode", ["spread x 1 2", "step 8", "time", "set h 0.25", "step 2", "time", "read x", "restart", "time",
+                                                     "read x", "step 8", "time", "set h 0.0078125", "restart", "step 8", "read x v"], "-n", 3)
+    assert told[:2] == ["0.0625", "0.5625"] and told[5:9] == ["0", "1", "1.5", "2"] and told[9] == "2"
+    assert told[10:] == script(root / "programs/oscillator.ode", ["spread x 1 2", "step 8", "read x v"], "-n", 3)
+
+
+def test_a_text_and_a_compiled_program(root, script):
+    lines = [*given(*MODELS["oscillator"]), "step 9", "read v x"]
+    program = root / "programs/oscillator.ode"
+    assert script(program, lines, "-n", 3) == script(program.read_text(), lines, "-n", 3, "-x") == script(program, lines, "-n", 3, "-m")
+
+
+def test_assembly(root, script, ran):
+    program = root / "programs/ship.s"
+    values = [f"{name}={0.1 + i / 16}" for i, name in enumerate(["v", "s", "T", "C", "rm", "h"])]
+    states, rows = ran(program, 12, 2, *options(values, []))
+    assert numbers(script(program, [*given(values, []), "step 12", f"read {' '.join(states)}"], "-n", 2)) == rows
+
+
+def test_adaptive_steps(root, script, ran):
+    program = root / "programs/kepler.ode"
+    names, rows = ran(program, 1000000, 3, "--tolerance=1e-4", "--spread=r_x=0.4:0.6", "--until=3", "--times=3")
+    lines = script(program, ["spread r_x 0.4 0.6", "set until 3", "step 1000000", f"wide {' '.join(names)}"], "-n", 3, "-t", 1e-4)
+    assert [list(map(single, row)) for row in numbers(lines)] == [list(map(single, row)) for row in rows]
+    lines = script(program, ["set until 1.5", "step 1000000", "read t", "set until 3", "step 1000000", "read t", "set until 1", "set tolerance 0",
+                             "step 1"], "-t", 1e-4)
+    assert lines[:2] == ["1.5", "3"] and "'tolerance' is 0" in lines[2]
+
+
+@pytest.mark.parametrize("line, message", [
+    ("set mass 1", "the model has no 'mass'"),
+    ("set omga 1", "the model has no 'omga'; did you mean 'omega'?"),
+    ("read theta omeg", "the model has no 'omeg'; did you mean 'omega'?"),
+    ("write thet 0 1", "the model has no 'thet'; did you mean 'theta'?"),
+    ("write l 3 1", "object 3, count 1: there are 3 objects"),
+    ("write l 2 1 1", "object 2, count 2: there are 3 objects"),
+    ("write theta 18446744073709551615 1 1", "object 18446744073709551615, count 2: there are 3 objects"),
+    ("write g 0 9", "'g' is one number for all objects"),
+    ("set l nan", "'l' is nan: expected a finite number"),
+    ("set theta inf", "'theta' is inf: expected a finite number"),
+    ("write l 1 1 -inf", "object 2: 'l' is -inf: expected a finite number"),
+    ("write theta 1 nan", "object 1: 'theta' is nan: expected a finite number"),
+    ("set h 0", "'h' is 0: expected a time step"),
+    ("set h -1", "'h' is -1: expected a time step"),
+    ("set h nan", "'h' is nan: expected a finite number"),
+    ("set h 1e39", "'h' is 1e+39: expected a time step"),
+    ("step 4294967296", "4294967296 steps: a run has 4294967295 at most"),
+])
+@pytest.mark.parametrize("engine", ["fast", "isa"])
+def test_what_is_refused_changes_nothing(root, script, line, message, engine):
+    told = script(root / "programs/pendulum.ode", ["step 3", line, "read omega theta l", "step 3", "read omega theta l"], "-n", 3, "-e", engine)
+    assert told[0].startswith(f"error 1: {message[:20]}") and message.split(":")[-1].split(" is ")[-1] in told[0]
+    good = script(root / "programs/pendulum.ode", ["step 3", "read omega theta l", "step 3", "read omega theta l"], "-n", 3, "-e", engine)
+    assert told[1:] == good
+
+
+def test_the_ends_of_fp32(root, script):
+    """Rounded once: what becomes 0 or an infinity is refused, the last that does not is taken."""
+    model = "model m\nparam l = 1\nparam k = 2\nstate x = 0\nstate v = 0\nstep 1\nspan 1\nx' = v\nv' = l*k - x\n"
+    for line, expected in (("l 1 1e-46", "object 1: l*k"), ("l 1 4e-46", None), ("l 1 1.7e38", None), ("l 1 1.8e38", "object 1: l*k"),
+                           ("x 0 1e39", "object 0: x at the start"), ("v 1 7e-46", "object 1: v at the start"), ("v 1 7.1e-46", None)):
+        told = script(model, [f"double {line}", "step 1"], "-n", 2, "-x")
+        assert not told if expected is None else len(told) == 1 and f"error 1: {expected}" in told[0] and "FP32" in told[0], told
+    # What moves, and what nothing is made of, is rounded at once.
+    told = script(model, ["step 1", "double x 1 1e39", "double x 1 1e-46", "double x 1 3e38", "read x"], "-n", 2, "-x")
+    assert [line.split(": expected")[0] for line in told[:2]] == ["error 1: object 1: 'x' is 1e+39", "error 1: object 1: 'x' is 1e-46"]
+    assert numbers(told[2:])[1] == [single(3e38)]
+
+
+def test_who_failed(root, script):
+    told = script("model m\nparam k = 2\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n", ["write k 2 1e6", "step 9", "failure"], "-n", 4, "-x")
+    assert told[0].startswith("4 failed: object 2 in step ") and told[0].endswith("overflow"), told
+
+
+def test_a_step_that_is_counted_or_kept_is_not_changed(root, script):
+    told = script(root / "programs/duffing.ode", ["set h 0.01", "step 1", "set h 0.02", "restart", "set h 0.02", "step 1", "time"])
+    assert len(told) == 2 and "the equations have t" in told[0] and told[1] == "0.02"
+    told = script(root / "programs/pendulum.ode", ["step 1", "set h 0.02", "set theta 3", "write omega 0 1", "set l 3", "step 1"], "-i", "stoermer_verlet")
+    assert len(told) == 3 and "one step before" in told[0] and "'theta'" in told[1] and "'omega'" in told[2]
+
+
+@pytest.mark.parametrize("options, message", [
+    (["-n", 0], "0 objects"), (["-n", 1 << 26], "67108864 objects"), (["-n", 1 << 33], "8589934592 objects"), (["-e", "quick"], "no engine 'quick'"),
+    (["-c", "manny"], "manny"), (["-i", "rk5"], "rk5"), (["-h", "-1"], "expected a time step"), (["-n", 2, "-c", "single_full"], "room for 1 object")])
+def test_what_cannot_be_opened(root, script, options, message):
+    told = script(root / "programs/oscillator.ode", ["read x"], *options, status=1)
+    assert len(told) == 1 and told[0].startswith("error ") and message in told[0]
+
+
+def test_a_model_with_an_error_has_its_place(script, root):
+    assert script("model m\nstate x = 0\nstep 1\nx' = y\n", [], "-x", status=1)[0].startswith("error 2: text:")
+    assert "none.ode" in script(root / "none.ode", [], status=1)[0]
