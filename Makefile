@@ -42,7 +42,7 @@ setup-fuzz: setup ## ... and clang for `make fuzz`
 setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
-setup-bench: setup ## ... and Box2D and ODE for `make bench`, and diffrax in .venv-bench/
+setup-bench: setup ## ... and matplotlib, Box2D and ODE for `make bench`, and diffrax in .venv-bench/
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 
 ifneq ($(and $(SETUP),$(REST)),)
@@ -364,13 +364,13 @@ $(BUILD)/bench/bench: $(BENCH_O) $(LIB)
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check
-bench: $(BUILD)/bench/bench $(BUILD)/fp3 ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, .html; QUICK=1, MODELS=, ENGINE=
+bench: $(BUILD)/bench/bench $(BUILD)/fp3 | need-plot ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, .html; QUICK=1, MODELS=, ENGINE=
 	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS)) $(if $(ENGINE),--engine $(ENGINE))
 	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --html $(RESULTS)/bench.html
 	@echo "Look at it with a browser: $(RESULTS)/bench.html"
 
-bench-report: ## Write docs/benchmarks.md and .html from the full form of `make bench`
-	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md --html docs/benchmarks.html --most 1.5
+bench-report: | need-plot ## Write docs/benchmarks.md and .html from the full form of `make bench`
+	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md --html docs/benchmarks.html --most 2.5
 
 bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
 	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))
@@ -388,7 +388,7 @@ skip-report: ## Write docs/skipping.md from what `make skip` measured
 stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: build/results/stress.json; QUICK=1
 	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick) --jobs $(JOBS)
 
-stress-report: ## Write docs/stress.md and its pictures from the full form of `make stress`
+stress-report: | need-plot ## Write docs/stress.md and its pictures from the full form of `make stress`
 	@$(PYTHON) tools/stress.py --report --output $(RESULTS)/stress.json
 
 # ---- the tuner ----------------------------------------------------------------------------------

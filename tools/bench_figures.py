@@ -1,23 +1,33 @@
 """What the pictures and tables of the benchmark show: who is the fastest at an error, and which points belong together."""
 
 ERRORS = [10.0 ** -digits for digits in range(1, 14)]
-# One colour for one method, everywhere; lines of hardware are dashed.
-COLOURS = {
-    "fp3, one thread": "#d00000", "fp3, all threads": "#ff7b00", "hardware many_full": "#000000", "hardware single_full": "#8a8a8a",
-    "hardware many": "#2f4858", "hardware single": "#b0a080", "hardware lanes": "#5f3b1f", "hardware uncut": "#c0c0d8", "hardware paper": "#7d8f69",
-    "plain C scalar": "#6a994e", "plain C vectors": "#2d6a4f", "GSL rkf45": "#48cae4", "GSL rk8pd": "#0077b6", "GSL msadams": "#4361ee",
-    "GSL msbdf": "#3a0ca3", "GSL rk4": "#90b8f8", "SUNDIALS cvode adams": "#b5179e", "SUNDIALS cvode bdf": "#7209b7",
-    "SUNDIALS arkode erk3": "#f4acd4", "SUNDIALS arkode erk4": "#f72585", "SUNDIALS arkode erk5": "#c9184a",
-    "SUNDIALS arkode erk8": "#800f2f", "diffrax float32": "#bc8034", "diffrax float64": "#7f5539",
-}
-INTEGRATORS = {
-    "dopri5": "#d00000", "euler": "#ff7b00", "forest_ruth": "#e0b000", "heun": "#6a994e", "leapfrog": "#2d6a4f", "midpoint": "#48cae4",
-    "pefrl": "#0077b6", "ralston3": "#4361ee", "rk38": "#3a0ca3", "rk4": "#b5179e", "rk4_paper": "#f72585", "rk6": "#800f2f",
-    "semi_implicit_euler": "#7f5539", "stoermer_verlet": "#bc8034", "verlet": "#8a8a8a", "yoshida6": "#000000",
-    "ros2": "#5f3b1f", "ros3p": "#2f4858", "rodas3": "#f4acd4", "rkc6_damped": "#7d8f69", "rkc8": "#90b8f8", "rkc12": "#c9184a", "tsit5": "#577590", "cash_karp": "#9b5de5",
-}
-OTHER = "#b0a0c0"       # an integrator that is not in the list
-ADAPTIVE = " adaptive"  # behind the name of an integrator: a dashed line of its colour
+# How a curve looks: a family has a colour, its members have dashes and marks of their own. The same everywhere.
+DASHES, MARKS = ["-", "--", ":", "-."], "os^Dv*X"
+
+
+def looks(families):
+    return {name: (colour, DASHES[i % len(DASHES)], MARKS[i]) for colour, names in families.items() for i, name in enumerate(names)}
+
+
+METHODS = looks({
+    "#d55e00": ["fp3, one thread", "fp3, all threads"],
+    "#000000": [f"hardware {name}" for name in ("many_full", "single_full", "many", "single", "lanes", "uncut", "paper")],
+    "#009e73": ["plain C scalar", "plain C vectors"],
+    "#0072b2": [f"GSL {name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")],
+    "#aa3377": [f"SUNDIALS {name}" for name in ("cvode adams", "cvode bdf", "arkode erk3", "arkode erk4", "arkode erk5", "arkode erk8")],
+    "#e69f00": ["diffrax float32", "diffrax float64"],
+})
+INTEGRATORS = looks({
+    "#e69f00": ["euler", "midpoint", "heun", "ralston3"],
+    "#d55e00": ["rk4", "rk38", "rk4_paper"],
+    "#aa3377": ["rk6", "dopri5", "tsit5", "cash_karp"],
+    "#0072b2": ["verlet", "leapfrog", "stoermer_verlet", "semi_implicit_euler"],
+    "#009e73": ["yoshida6", "forest_ruth", "pefrl"],
+    "#000000": ["ros2", "ros3p", "rodas3"],
+    "#56b4e9": ["rkc6_damped", "rkc8", "rkc12"],
+})
+OTHER = ("#888888", "-", "P")   # what is in no list
+ADAPTIVE = " adaptive"          # behind the name of an integrator: its curve with open marks
 
 
 def fast_of(data):
@@ -84,10 +94,11 @@ def text(point, fast):
     return f"{label(point, fast)}: {how}, {what}: error {point['error_median']:.2e}, {point['ns_per_object']:.4g} ns"
 
 
-def series(name, colour, points, fast):
+def series(name, look, points, fast):
     """Of the points those that no other beats."""
-    return {"name": name, "colour": colour, "is_dashed": name.startswith("hardware") or name.endswith(ADAPTIVE),
-            "points": [(p["ns_per_object"], p["error_median"], text(p, fast)) for p in front(points)]}
+    kept = front(points)
+    return {"name": name, "look": look, "is_open": name.endswith(ADAPTIVE), "notes": [text(point, fast) for point in kept],
+            "points": [(point["ns_per_object"] / 1e9, point["error_median"]) for point in kept]}
 
 
 def by(points, key):
@@ -100,7 +111,7 @@ def by(points, key):
 def fronts(points, fast):
     """Of one model: a line for each way to solve it."""
     groups = by(points, lambda point: label(point, fast))
-    return [series(name, colour, groups[name], fast) for name, colour in COLOURS.items() if name in groups]
+    return [series(name, look, groups[name], fast) for name, look in METHODS.items() if name in groups]
 
 
 def curves(points, fast):

@@ -12,6 +12,7 @@ import pathlib
 import sys
 
 import measured
+from fp3gen.text import table
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAPER = {"first": 445, "next": 418, "ns": 3715.184}
@@ -33,11 +34,6 @@ def load(name):
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         sys.exit(f"{path.relative_to(ROOT)} is missing: run `make sim models prove` first")
-
-
-def table(head, rows):
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
 
 
 def number(x, digits=0):
@@ -243,7 +239,7 @@ def precision(rows, model):
     for row in rows:
         if row["model"] == model and row["arithmetic"] != "folded":
             costs = [cheapest(row, 10.0 ** -n) for n in range(2, 8)]
-            lines.append([f"`{row['integrator']}`" + ("" if row["arithmetic"] == "plain" else ", compensated"),
+            lines.append([f"`{row['integrator']}`" + ("" if row["arithmetic"] == "plain" else f", {row['arithmetic'].replace('_', '-')}"),
                           *[number(cost) for cost in costs]])
     return table(["integrator", *[f"10^-{n}" for n in range(2, 8)]], lines)
 

@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and diffrax, Box2D and ODE for `make bench`
+#   tools/setup.sh --bench        ... and matplotlib, diffrax, Box2D and ODE for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -35,6 +35,7 @@ iverilog             | iverilog          | smoke | the second simulator: the RTL
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form
 libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are measured beside ours; the library does not use them
+python3-matplotlib   | python:matplotlib | plot  | draws the pictures of `make bench` and of docs; the same SVG each time
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
@@ -85,7 +86,7 @@ needs() {
     synth | sizes | bitstream) echo 'sim' ;;
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
-    bodies) echo 'bodies' ;;
+    bodies | plot) echo "$1" ;;
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
@@ -157,6 +158,7 @@ check() {
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
         fuzz | soc) echo "Run: make setup-$1" ;;
+        plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
     } >&2
@@ -238,7 +240,7 @@ case ${1:-} in
     ;;
 --check) check "${2:?--check needs a target}" ;;
 '' | --fpga | --boards | --fuzz | --soc | --bench)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2

@@ -15,6 +15,7 @@ import re
 import sys
 
 import bench
+from fp3gen.text import markdown
 
 RESULTS = "docs/results.md"
 TRIM = {"no flags at all": "no flags", "no status of objects": "no status of objects", "no sleep": "no `sleep`"}
@@ -84,19 +85,19 @@ def result(row):
     return f"{row['other_words']} words differ" if row["other_words"] else "the same bits"
 
 
-def table(way, cases):
+def table(cases):
     configs = [config for config in ("many_full", "single_full") if config in cases[0][0]["cycles"]]
     head = ["program", "", "instructions", "fast, ns", "share"]
     for config in configs:
         head += [f"`{config}`, cycles", "share"]
-    yield "| " + " | ".join([*head, "result"]) + " |"
-    yield "|" + "---|" * (len(head) + 1)
+    lines = []
     for rows in cases:
         for row in rows:
             figures = [f"{row['ns_per_object_step']:.3f}", f"{row['ratio']:.3f}"]
             for config in configs:
                 figures += cells(rows, row, config)
-            yield "| " + " | ".join([name(row) if row is rows[0] else "", row["side"], str(row["instructions"]), *figures, result(row)]) + " |"
+            lines.append([name(row) if row is rows[0] else "", row["side"], row["instructions"], *figures, result(row)])
+    return markdown([*head, "result"], lines)
 
 
 def group(rows):
@@ -130,7 +131,7 @@ def verdict(found):
             for row in rows:
                 if row["percent"] == 1:
                     share = row["cycles"]["many_full"] / rows[0]["cycles"]["many_full"]
-                    yield f"| {name(row)} | {row['side']} | {100 * row['ratio']:.2f} % | {100 * share:.2f} % |"
+                    yield [name(row), row["side"], f"{100 * row['ratio']:.2f} %", f"{100 * share:.2f} %"]
 
 
 def page(data):
@@ -156,9 +157,7 @@ def page(data):
     yield ""
     yield "The share of the full cost that is left when 1 % of the objects are awake or alive:"
     yield ""
-    yield "| program | | engine `fast` | cycles on `many_full` |"
-    yield "|---|---|---|---|"
-    yield from verdict(found)
+    yield from markdown(["program", "", "engine `fast`", "cycles on `many_full`"], verdict(found))
     yield ""
     yield ("An instruction takes a cycle for each object that is in flight, and at least as many as its result is late. So few awake objects cost more "
            "than their share if a scheduler has fewer of them than that; " + f"`many_full` has {data['idle_objects']:,} objects here.")
@@ -169,7 +168,7 @@ def page(data):
             yield ""
             yield TEXT[way]
             yield ""
-            yield from table(way, found[way])
+            yield from table(found[way])
             yield ""
             if way == "flags":
                 yield from luts()

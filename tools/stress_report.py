@@ -1,13 +1,12 @@
 """What docs/stress.md says: a table for each section of the stress suite, what does not hold and why, pictures."""
 
-from bench_figures import INTEGRATORS
-from bench_report import table
-from stress_svg import picture
+from bench_figures import INTEGRATORS, OTHER
+from fp3gen.text import table
+from plot import draw
 
-# In pictures of errors.
-SHOWN = {("rk4", "plain"): "#d00000", ("rk4", "compensated"): "#d00000", ("rk4", "truncated"): "#ff9f80",
-         ("verlet", "plain"): "#0077b6", ("verlet", "compensated"): "#0077b6", ("verlet", "truncated"): "#90b8f8",
-         ("yoshida6", "plain"): "#6a994e", ("yoshida6", "compensated"): "#6a994e"}
+# In pictures of errors: a colour for each integrator, a dash for each arithmetic.
+COLOURS = {"rk4": "#d55e00", "verlet": "#0072b2", "yoshida6": "#009e73"}
+DASHES = {"plain": "-", "compensated": "--", "truncated": ":"}
 
 INTRODUCTION = """\
 Every figure here stands beside what it should be: by theory, computed from the integrator's table, or as published. A result holds if
@@ -154,26 +153,26 @@ def regions(curves):
     theory, dots = named(curves, "region"), named(curves, "region measured")
     series = []
     for name, points in theory.items():
-        if not points or min(x for x, _ in points) < -FARTHEST:
-            continue
-        colour = INTEGRATORS.get(name, "#555555")
-        series.append({"name": name, "colour": colour, "points": points})
-        series.append({"colour": colour, "points": dots.get(name, []), "is_dots": True})
-    return picture(series, "real part of h lambda", "imaginary part", is_linear=True)
+        if points and min(x for x, _ in points) >= -FARTHEST:
+            colour, dash, mark = INTEGRATORS.get(name, OTHER)
+            series.append({"name": name, "look": (colour, dash, None), "points": points})
+            if dots.get(name):
+                series.append({"look": (colour, None, mark), "points": dots[name]})
+    return draw(series, "real part of h lambda", "imaginary part", is_map=True)
 
 
 def by_arithmetic(curves, figure, x_label, y_label):
-    """A colour for each integrator; a line of its own kind for plain updates."""
     series = []
     for name, points in named(curves, figure).items():
         integrator, arithmetic = name.split(", ")
-        if (integrator, arithmetic) in SHOWN:
-            series.append({"name": name, "colour": SHOWN[integrator, arithmetic], "is_dashed": arithmetic != "plain",
-                           "points": [(x, y) for x, y in points if x and y and y < 10]})
-    return picture([one for one in series if one["points"]], x_label, y_label)
+        points = [(x, y) for x, y in points if x and y and y < 10]
+        if integrator in COLOURS and arithmetic in DASHES and points:
+            series.append({"name": name, "look": (COLOURS[integrator], DASHES[arithmetic], None), "points": points})
+    return draw(series, x_label, y_label)
 
 
 def pictures(curves):
+    """Of each file the text."""
     return {"stress_regions.svg": regions(curves),
             "stress_steps.svg": by_arithmetic(curves, "steps", "time step", "error at t = 8, relative"),
             "stress_energy.svg": by_arithmetic(curves, "energy", "time", "change of the energy, relative"),

@@ -57,7 +57,7 @@ from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
-from fp3gen.text import markdown
+from fp3gen.text import columns
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
@@ -442,8 +442,7 @@ def main():
             sys.exit(f"synth.py: {error}")
 
     heads = ["top", "config", "device", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
-    table = [["-" if row[h] is None else str(row[h]) for h in heads] for row in rows]
-    print("\n".join(markdown(heads, table)))
+    print("\n".join(columns([heads, *(["-" if row[h] is None else str(row[h]) for h in heads] for row in rows)], 2)))
     print("Written to build/results/synth.json")
     if failed:
         sys.exit("\n".join(f"synth.py: {error}" for error in failed))

@@ -17,6 +17,8 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
+from fp3gen.text import markdown
+
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 AROUND = 0.05
 AROUND_OF = {"arenstorf": 1e-4}  # it starts 0.0062 beside the moon: 1 % of its position is a collision
@@ -116,8 +118,7 @@ def share(ratio):
 
 def table(rows):
     tolerances = sorted({row["tolerance"] for row in rows}, reverse=True)
-    yield "| model | error of rk4 | " + " | ".join(f"{t:g}" for t in tolerances) + " |"
-    yield "|---" * (2 + len(tolerances)) + "|"
+    lines = []
     for model in sorted({row["model"] for row in rows}):
         mine = {row["tolerance"]: row for row in rows if row["model"] == model}
         base = next((row["baseline_error"] for row in mine.values() if row["baseline_error"] is not None), None)
@@ -125,7 +126,8 @@ def table(rows):
         for row in (mine.get(t) for t in tolerances):
             met = row and row["met"]
             cells.append(f"{share(row['cost_ratio'])} `{row['integrator']}` {row['arithmetic']}, {step_of(row, '.3g')}" if met else "not met")
-        yield "| " + " | ".join(cells) + " |"
+        lines.append(cells)
+    return markdown(["model", "error of rk4", *(f"{t:g}" for t in tolerances)], lines)
 
 
 def reasons(rows):

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Pixels. */
-enum { WIDTH = 960, TITLE = 40, PANEL = 210, LABEL = 24, PHASE = 460, ABOVE = 8, BELOW = 28 };
+enum { WIDTH = 960, TITLE = 40, PANEL = 210, LABEL = 36, PHASE = 460, ABOVE = 8, BELOW = 28 };
 
 #define LEFT 0.14 /* where data begin and end, as shares of the width: the legend is on the right */
 #define RIGHT 0.82
@@ -140,23 +140,36 @@ static void put_panel(const fp3_figure *f, FILE *out, size_t name) {
     put_curves(f, out, 0, name + 1, fp3_gnuplot_colour(name), column->name);
 }
 
-/* A position is to the right, its velocity upwards. */
-static int is_velocity_first(const fp3_subject *s) {
+static int is_velocity(const fp3_subject *s, size_t name, size_t of) {
     const fp3_model *model = s->program->model;
-    const uint32_t second = model ? fp3_model_state(model, s->columns->list[1].name) : FP3_NONE;
-    return second != FP3_NONE && model->states[second].velocity != FP3_NONE &&
-           model->states[second].velocity == fp3_model_state(model, s->columns->list[0].name);
+    const uint32_t state = model ? fp3_model_state(model, s->columns->list[of].name) : FP3_NONE;
+    return state != FP3_NONE && model->states[state].velocity != FP3_NONE &&
+           model->states[state].velocity == fp3_model_state(model, s->columns->list[name].name);
 }
 
+/* The same range with its middle, `length` long at least. */
+static range widened(range r, double length) {
+    const double more = fmax(0, length - (r.to - r.from)) / 2;
+    return (range){r.from - more, r.to + more};
+}
+
+/* A position is to the right, its velocity upwards. Two coordinates have one scale: a circle is round. */
 static void put_phase_plane(const fp3_figure *f, FILE *out) {
-    const fp3_column *list = f->subject->columns->list;
-    const size_t x = is_velocity_first(f->subject), y = 1 - x, count = f->object_count * f->points;
-    place(f, out, TITLE + (int)f->subject->columns->count * PANEL + LABEL, PHASE);
-    put_range(out, "x", range_of(curve(f, x, 0), count));
-    put_range(out, "y", range_of(curve(f, y, 0), count));
+    const fp3_subject *s = f->subject;
+    const fp3_column *list = s->columns->list;
+    const size_t x = (size_t)is_velocity(s, 0, 1), y = 1 - x, count = f->object_count * f->points;
+    range over = range_of(curve(f, x, 0), count), up = range_of(curve(f, y, 0), count);
+    if (!strcmp(list[0].unit, list[1].unit) && !is_velocity(s, 0, 1) && !is_velocity(s, 1, 0)) {
+        const double shape = (RIGHT - LEFT) * WIDTH / (PHASE - ABOVE - BELOW);
+        over = widened(over, (up.to - up.from) * shape);
+        up = widened(up, (over.to - over.from) / shape);
+    }
+    place(f, out, TITLE + (int)s->columns->count * PANEL + LABEL, PHASE);
+    put_range(out, "x", over);
+    put_range(out, "y", up);
     put_label(out, "x", list[x].name, list[x].unit);
     put_label(out, "y", list[y].name, list[y].unit);
-    put_curves(f, out, x + 1, y + 1, fp3_gnuplot_colour(f->subject->columns->count), "phase plane");
+    put_curves(f, out, x + 1, y + 1, fp3_gnuplot_colour(s->columns->count), "phase plane");
 }
 
 /* ---- the whole ---- */

@@ -1,8 +1,10 @@
 """tools/bench_report.py and bench_check.py: pages and verdicts from a small result that stands here."""
 
 import copy
+import importlib.util
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
@@ -15,6 +17,9 @@ import bench          # noqa: E402
 import bench_check    # noqa: E402
 import bench_figures  # noqa: E402
 import bench_report   # noqa: E402
+
+
+pictures = pytest.mark.skipif(not importlib.util.find_spec("matplotlib"), reason="needs matplotlib: make setup-bench")
 
 
 @pytest.fixture
@@ -93,6 +98,7 @@ def test_a_quick_form_makes_no_page_of_the_project(root, data, tmp_path):
 
 # ---- pictures -------------------------------------------------------------------------------------
 
+@pictures
 def test_pictures_load_nothing_and_say_what_a_point_is(root, tmp_path):
     done = tool(root, "bench_report.py", "--input", HERE / "fixture.json", "--html", tmp_path / "bench.html")
     page = (tmp_path / "bench.html").read_text()
@@ -102,36 +108,48 @@ def test_pictures_load_nothing_and_say_what_a_point_is(root, tmp_path):
     assert "time for one object over the whole span" in page and "error at the end, relative" in page
 
 
+@pictures
 def test_a_page_that_would_be_too_large_has_no_pictures_of_all_integrators(root, tmp_path):
-    for most, count in (("1.5", 2), ("0.001", 1)):
+    for most, count in (("2.5", 2), ("0.001", 1)):
         assert tool(root, "bench_report.py", "--input", HERE / "fixture.json", "--html", tmp_path / "x.html", "--most", most).returncode == 0
         assert (tmp_path / "x.html").read_text().count("<svg") == count
 
 
-def test_an_integrator_has_its_colour_in_every_model(data):
-    of = {one["name"]: one["colour"] for one in bench_figures.curves(data["points"], "fast")}
+def test_an_integrator_has_its_look_in_every_model(data):
+    of = {one["name"]: one["look"] for one in bench_figures.curves(data["points"], "fast")}
     less = [point for point in data["points"] if point["integrator"] != "euler"]
-    assert "euler" in of and {one["name"]: one["colour"] for one in bench_figures.curves(less, "fast")} == {k: v for k, v in of.items() if k != "euler"}
-    assert len(set(bench_figures.INTEGRATORS.values())) == len(bench_figures.INTEGRATORS)
+    assert "euler" in of and {one["name"]: one["look"] for one in bench_figures.curves(less, "fast")} == {k: v for k, v in of.items() if k != "euler"}
 
 
+@pytest.mark.parametrize("table", [bench_figures.METHODS, bench_figures.INTEGRATORS])
+def test_curves_are_told_apart(table):
+    """No two look alike, and there are few colours: one for a family."""
+    assert len(set(table.values())) == len(table) and len({colour for colour, _, _ in table.values()}) <= 7
+
+
+def test_every_integrator_and_method_has_a_look(root, data):
+    assert {path.stem for path in root.glob("programs/integrators/*.cfg")} <= set(bench_figures.INTEGRATORS)
+    assert {bench_figures.label(point, "fast") for point in data["points"]} <= set(bench_figures.METHODS)
+
+
+@pictures
 def test_points_lie_where_the_axes_say_and_the_legend_outside(data):
-    import bench_svg
-    svg = bench_svg.figure(bench_figures.fronts(data["points"], "fast"))
-    assert bench_svg.decades([90, 64000]) == (1, 5) and bench_svg.decades([0.0001, 0.02]) == (-4, -1)
-    width, height = bench_svg.WIDTH - bench_svg.RIGHT - bench_svg.LEFT, bench_svg.HEIGHT - bench_svg.BOTTOM - bench_svg.TOP
-    assert f"<circle cx={bench_svg.LEFT + width / 4:.0f} cy=" in svg                 # 100 ns
-    assert f" cy={bench_svg.TOP + height:.0f} r=3><title>GSL rkf45" in svg          # 1e-4
-    right = bench_svg.WIDTH - bench_svg.RIGHT
-    inside = [int(word.split("=")[1]) for word in svg.split() if word.startswith("cx=")]
-    legend = [place for place in inside if place > right]
-    assert len(legend) == len(bench_figures.fronts(data["points"], "fast")) and min(legend) > right + 10
+    import plot
+    svg = plot.inline(bench_figures.fronts(data["points"], "fast"), "time", "error", unit="s")
+    tree = xml.fromstring(re.sub(r"(?<= )([\w-]+)=([^'\"\s>/]+)", r"\1='\2'", svg))
+    ticks = {"".join(text.itertext()).strip(): float(text.attrib["x"]) for text in tree.iter("text") if "x" in text.attrib}
+    points = [(use.find("title").text, float(use.attrib["x"])) for use in tree.iter("use") if use.find("title") is not None]
+    assert len(points) == sum(len(one["points"]) for one in bench_figures.fronts(data["points"], "fast"))
+    assert dict((note.partition(":")[0], x) for note, x in points if note.endswith(" 100 ns"))["fp3, one thread"] == pytest.approx(ticks["100 ns"], abs=0.2)
+    names = [text for text in tree.iter("text") if "".join(text.itertext()).strip() in bench_figures.METHODS]
+    assert len(names) == len(bench_figures.fronts(data["points"], "fast")) and min(float(text.attrib["x"]) for text in names) > max(x for _, x in points)
 
 
-def test_one_colour_for_one_method(data):
-    assert len(set(bench_figures.COLOURS.values())) == len(bench_figures.COLOURS)
-    labels = {bench_figures.label(point, "fast") for point in data["points"]}
-    assert labels <= set(bench_figures.COLOURS)
+@pictures
+def test_a_picture_is_the_same_each_time(data):
+    import plot
+    series = bench_figures.curves(data["points"], "fast")
+    assert plot.draw(series, "x", "y") == plot.draw(series, "x", "y") and "date" not in plot.draw(series, "x", "y")
 
 
 def test_a_front_has_no_point_that_another_beats(data):
@@ -186,12 +204,3 @@ def test_a_new_baseline_holds(root, data, tmp_path):
     path.write_text(json.dumps(stored))
     done = tool(root, "bench_check.py", *words)
     assert done.returncode == 1 and "1.25 times the loop by hand, the baseline 0.50, at most 0.75" in done.stdout
-
-
-def test_pictures_are_well_formed(data):
-    """As XML, once attributes have quotes."""
-    import re
-    import bench_svg
-    svg = bench_svg.figure(bench_figures.curves(data["points"], "fast"))
-    tree = xml.fromstring(re.sub(r"(?<=[ ])([\w-]+)=([^'\s>/]+)", r"\1='\2'", svg))
-    assert len(tree.findall(".//circle")) == 3 + 2      # rk4 twice and euler, and the legend's two

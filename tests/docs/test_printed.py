@@ -121,6 +121,12 @@ def test_a_command_that_fails_is_found():
     assert [name for block in blocks(page) for name, _ in files(block)] == ["a.ode"]
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_rows_have_the_columns_of_their_head(page):
+    for table in re.findall(r"(?:^\|.*\n)+", (ROOT / page).read_text(encoding="utf-8"), re.M):
+        assert len({len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}) == 1, table[:300]
+
+
 # ---- examples in C ----------------------------------------------------------------------------------
 
 HEADERS = sorted((ROOT / "sw/include/fp3").glob("*.h"))

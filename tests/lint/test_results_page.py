@@ -11,9 +11,7 @@ def report(tree):
 
 
 def test_missing_results_are_named_and_nothing_is_written(root, tmp_path):
-    (tmp_path / "tools").mkdir()
-    for name in ("report.py", "measured.py"):
-        shutil.copy(root / "tools" / name, tmp_path / "tools")
+    shutil.copytree(root / "tools", tmp_path / "tools")
     done = report(tmp_path)
     assert done.returncode != 0 and "build/results/sim.json" in done.stderr and not (tmp_path / "docs").exists()
     results = tmp_path / "build/results"
@@ -22,3 +20,11 @@ def test_missing_results_are_named_and_nothing_is_written(root, tmp_path):
         (results / f"{name}.json").write_text(json.dumps(what))
     done = report(tmp_path)
     assert done.returncode != 0 and not (tmp_path / "docs").exists()
+
+
+def test_each_arithmetic_has_its_name(root, monkeypatch):
+    monkeypatch.syspath_prepend(root / "tools")
+    import report
+    rows = [{"model": "kepler", "integrator": "rk4", "arithmetic": arithmetic, "errors": {"steps": [8], "error": [1e-9]}, "many_full": {"measured": 20.0}}
+            for arithmetic in ("plain", "compensated", "folded", "double_single")]
+    assert [line.split(" | ")[0] for line in report.precision(rows, "kepler").splitlines()[2:]] == ["| `rk4`", "| `rk4`, compensated", "| `rk4`, double-single"]

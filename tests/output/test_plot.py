@@ -50,6 +50,29 @@ def test_two_states_and_their_phase_plane(start):
     assert upright(draw(start, "lorenz.ode", "-n", "30", "--observe", "x,z")) == ["x", "z", "z"]
 
 
+def test_all_labels_are_within_the_picture(start):
+    """The lowest is that of the last panel, or of the phase plane; below its line are the lower parts of letters."""
+    for program, names in (("oscillator.ode", "x,v"), ("kepler.ode", "r_x"), ("kepler.ode", "r_x,r_y")):
+        root = xml.parse(draw(start, program, "-n", "30", "--observe", names)).getroot()
+        places = [float(re.match(r"translate\([-\d.]+,([-\d.]+)\)", node.attrib["transform"])[1]) for node in root.iter(f"{SVG}g")
+                  if node.attrib.get("transform", "").startswith("translate") and "".join(node.itertext()).strip()]
+        assert max(places) + 5 <= float(root.attrib["height"])
+
+
+def test_an_orbit_has_one_scale(start):
+    """Kepler's ellipse with eccentricity 0.5 is 2 wide and 3^(1/2) high. A velocity over a position fills its panel."""
+    def size(*arguments):
+        path = draw(start, *arguments)
+        lines = re.findall(r"rgb\( *0, *158, *115\)' *d='([^']*)'", path.read_text().replace('"', "'"))
+        points = [tuple(map(float, point)) for point in re.findall(r"[ML]([\d.]+),([\d.]+)", max(lines, key=len))][2:]
+        return [max(values) - min(values) for values in zip(*points)]
+
+    wide, high = size("kepler.ode", "-n", "800", "--observe", "r_x,r_y")
+    assert wide / high == pytest.approx(2 / 3**0.5, rel=0.01)
+    wide, high = size("oscillator.ode", "-n", "800", "--observe", "x,v")
+    assert wide > 500 and high > 300
+
+
 def test_other_names_have_no_phase_plane(start):
     path = draw(start, "kepler.ode", "-n", "50", "--observe", "r_x,energy")
     assert "phase plane" not in texts(path) and {"r_x", "energy", "time"} <= set(texts(path)) and len(strokes(path)) == 2

@@ -1,5 +1,6 @@
 """fp3 stress: its quick form holds; a wrong coefficient turns it red; bad input; the page from what it wrote."""
 
+import importlib.util
 import json
 import math
 import re
@@ -107,6 +108,7 @@ def test_bad_input(stress, tmp_path, root):
     assert stress(model, status=2) is None and f"{model}:2:6: error: " in stress.said
 
 
+@pytest.mark.skipif(not importlib.util.find_spec("matplotlib"), reason="needs matplotlib: make setup-bench")
 def test_the_page(root, tmp_path, fp3):
     """From a small result; of the quick form none is written."""
     tool, path = root / "tools/stress.py", tmp_path / "stress.json"
@@ -126,5 +128,6 @@ def test_the_page(root, tmp_path, fp3):
     page = (tmp_path / "stress.md").read_text()
     assert "it is not so" in page and f"{len(rows)} results, of which {len(rows) - 1} hold" in page
     assert f"{rows[1]['expected']:.4f} / {rows[1]['measured']:.4f}" in page
+    assert "h\\|lambda\\|" in page
     for name in re.findall(r"\((stress_\w+\.svg)\)", page):
         subprocess.run([sys.executable, "-c", "import sys, xml.dom.minidom as m; m.parse(sys.argv[1])", tmp_path / name], check=True)

@@ -1,0 +1,53 @@
+"""Curves as SVG by matplotlib, the same text whenever they are the same curves; the legend stands beside them."""
+
+import html
+import io
+import re
+
+import matplotlib
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+
+matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "path.simplify": False, "font.family": "sans-serif",
+                            "axes.grid": True, "grid.color": "#dddddd", "lines.linewidth": 1.2, "lines.markersize": 4})
+
+
+def draw(series, x_label, y_label, size=(9, 5), is_map=False, unit=None):
+    """series: name (none: not in the legend), look (colour, dash or none, mark or none), points; is_open: marks are rings. is_map: both
+    axes are linear and alike, else logarithmic. unit: of x, where it goes from nanoseconds to seconds."""
+    axes = Figure(figsize=size).add_subplot()
+    for number, one in enumerate(series):
+        colour, dash, mark = one["look"]
+        axes.plot(*zip(*one["points"]), color=colour, linestyle=dash or "none", marker=mark, label=one.get("name") or "_", gid=f"curve{number}",
+                  markerfacecolor="white" if one.get("is_open") else colour)
+    if is_map:
+        axes.set_aspect("equal")
+    else:
+        axes.set(xscale="log", yscale="log")
+    if unit:
+        axes.xaxis.set_major_formatter(EngFormatter(unit))
+    axes.set(xlabel=x_label, ylabel=y_label)
+    axes.minorticks_off()
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, handlelength=4)
+    text = io.StringIO()
+    axes.figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
+    return re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue())
+
+
+def inline(series, *labels, **options):
+    """The same for a page in HTML, with what the pointer says of each point (notes), and small: a page has thousands of points."""
+    series = [one for one in series if one["points"]]
+    if not series:
+        return "<p>No point.</p>"
+    text = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<clipPath.*?</clipPath>| clip-path=\"[^\"]*\"| xmlns\S*=\"[^\"]*\"|xlink:", "",
+                  draw(series, *labels, **options).partition("<svg")[2], flags=re.S)
+    text = re.sub(r"\n([LCz])", r"\1", re.sub(r"-?\d+\.\d\d+", lambda number: f"{float(number[0]):.1f}", text))
+    for number, one in enumerate(series):
+        head, _, rest = text.partition(f'<g id="curve{number}">')
+        curve, end, rest = rest.partition("</g>\n   </g>")
+        notes, colour = iter(one["notes"]), one["look"][0]
+        curve = curve.replace("<g>", f'<g style="fill: {"white" if one.get("is_open") else colour}; stroke: {colour}">', 1)
+        curve = re.sub(r'<use href="(\S+)" x="(\S+)" y="(\S+)"[^>]*/>',
+                       lambda use: f"<use href={use[1]} x={use[2]} y={use[3]}><title>{html.escape(next(notes))}</title></use>", curve)
+        text = f"{head}<g>{curve}{end}{rest}"
+    return "<svg" + re.sub(r"\n\s*", "\n", text)
