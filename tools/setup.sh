@@ -35,7 +35,7 @@ iverilog             | iverilog          | smoke | the second simulator: the RTL
 cadical              | cadical           | prove | the SAT solver behind the proofs
 clang-format         | clang-format      | lint  | keeps C and C++ in one form
 libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are measured beside ours; the library does not use them
-python3-matplotlib   | python:matplotlib | plot  | draws the pictures of `make bench` and of docs; the same SVG each time
+python3-matplotlib   | python:matplotlib | plot  | draws the pictures of make bench and of docs; the same SVG each time
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
