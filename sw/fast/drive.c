@@ -312,12 +312,13 @@ static uint32_t chunk_of(const fp3_drive *d, uint32_t number, uint32_t left) {
 /* Those who sleep leave when it is worth it. Returns 1 if all of them do: they are at the end of the visit. */
 static int is_over(const fp3_drive *d, uint32_t end) {
     uint32_t which[FP3_BLOCK];
+    const uint32_t count = d->lanes->count; /* before some leave */
     const uint32_t asleep = d->fast->plan.sleeps ? find(d->lanes, 0, which) : 0;
-    if (asleep == d->lanes->count)
+    if (asleep == count)
         make(d, &(stretch){FP3_ENDS, 0, end});
-    else if (asleep * 4 >= d->lanes->count)
+    else if (asleep * 4 >= count)
         let_go(d, 1, end);
-    return asleep == d->lanes->count;
+    return asleep == count;
 }
 
 static void visit(const fp3_drive *d, uint32_t number, uint32_t end) {
