@@ -63,9 +63,11 @@ BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
-LIB_C   := $(filter-out sw/cli/% sw/measure/% sw/bare/% $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
-MEASURE_C := $(wildcard sw/measure/*.c)
-CLI_C   := $(wildcard sw/cli/*.c) $(MEASURE_C)
+# What only measures: in the command, in the tests and in make bench, not in the library.
+MEASURE_ROOMS := bench golden measure stress
+MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
@@ -115,6 +117,7 @@ FORCE:
 # Below build/ things lie as `make install` lays them out: bin/fp3 finds lib/fp3/ in both places.
 obj = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
 LIB      := $(BUILD)/lib/libfp3.a
+MEASURE  := $(BUILD)/obj/measure.a
 LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
@@ -167,7 +170,9 @@ $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/ready
 	@echo "  CC   $< ($*)"
 	@$(CCACHE) gcc $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
 
+$(MEASURE): $(call obj,$(MEASURE_C))
 $(LIB): $(LIB_O)
+$(LIB) $(MEASURE):
 	@echo "  AR   $@"
 	@mkdir -p $(@D)
 	@rm -f $@ && ar rcs $@ $^
@@ -177,7 +182,7 @@ $(LIB_SO): $(LIB_O) $(EXPORTS)
 	@mkdir -p $(@D)
 	@$(call link_shared,gcc) -Wl,-soname,$(@F) $(LIB_LIBS)
 
-$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(LIB)
+$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE) $(LIB)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
@@ -196,7 +201,7 @@ $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
-$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(LIB)
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
 	@$(if $(filter tests/fp/%,$(1)),g++,gcc) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
@@ -346,7 +351,7 @@ fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/fou
 HAS_BOX2D := $(wildcard /usr/include/box2d/box2d.h)
 HAS_ODE   := $(wildcard /usr/include/ode/ode.h)
 BENCH_C   := $(filter-out bench/ode.c,$(wildcard bench/*.c)) $(if $(HAS_ODE),bench/ode.c)
-BENCH_O   := $(call obj,$(BENCH_C) $(if $(HAS_BOX2D),bench/box2d.cpp) $(MEASURE_C))
+BENCH_O   := $(call obj,$(BENCH_C) $(if $(HAS_BOX2D),bench/box2d.cpp))
 BENCH_LIBS := -lsundials_cvode -lsundials_arkode -lsundials_nvecserial $(if $(HAS_BOX2D),-lbox2d -lstdc++) $(if $(HAS_ODE),-lode)
 $(call obj,$(BENCH_C)): | need-bench
 $(eval $(call NOTE,$(BUILD)/bench/bodies,$(HAS_BOX2D) $(HAS_ODE)))
@@ -357,10 +362,10 @@ $(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/ready
 	@echo "  CXX  $<"
 	@$(CCACHE) g++ $(CXXFLAGS) -Ibench -MMD -MP -c -o $@ $<
 
-$(BUILD)/bench/bench: $(BENCH_O) $(LIB)
+$(BUILD)/bench/bench: $(BENCH_O) $(MEASURE) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(LIB) $(BENCH_LIBS) $(LDLIBS)
+	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE) $(LIB) $(BENCH_LIBS) $(LDLIBS)
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check

@@ -173,28 +173,9 @@ fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t 
     return status;
 }
 
-/* A field of each row, which has `width` numbers. */
-static fp3_status write_gathered(fp3_batch *b, const fp3_quantity *of, size_t first, size_t count,
-                                 const double *rows, uint32_t width, double *column) {
-    for (size_t i = 0; i < count; i++)
-        column[i] = rows[i * width];
-    return of->is_shared ? fp3_batch_set(b, of->name, rows[0])
-                         : fp3_batch_write_double(b, of->name, first, count, column);
-}
-
 fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const double *params,
                                 const double *initial) {
-    const fp3_model *model = fp3_start_model(b->compiled);
-    double *column = calloc(count + 1, sizeof *column);
-    fp3_status status = column ? FP3_OK : fp3_fail(b->error, FP3_E_SYSTEM, "out of memory");
-    for (uint32_t i = 0; !status && i < model->param_count; i++)
-        status = write_gathered(b, &model->params[i], first, count, params + i, model->param_count,
-                                column);
-    for (uint32_t i = 0; initial && !status && i < model->state_count; i++)
-        status = write_gathered(b, &model->states[i], first, count, initial + i, model->state_count,
-                                column);
-    free(column);
-    return status;
+    return fp3_fields_write_rows(b->fields, first, count, params, initial, b->error);
 }
 
 /* ---- steps ---- */

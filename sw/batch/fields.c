@@ -258,6 +258,32 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
     return status;
 }
 
+/* A field of each row, which has `width` numbers. */
+static fp3_status write_gathered(fp3_fields *q, const fp3_quantity *of, size_t first, size_t count,
+                                 const double *rows, uint32_t width, double *column,
+                                 fp3_error *error) {
+    for (size_t i = 0; i < count; i++)
+        column[i] = rows[i * width];
+    return of->is_shared
+               ? fp3_fields_set(q, of->name, rows[0], error)
+               : fp3_fields_write(q, of->name, first, count, (fp3_numbers){.wide = column}, error);
+}
+
+fp3_status fp3_fields_write_rows(fp3_fields *q, size_t first, size_t count, const double *params,
+                                 const double *initial, fp3_error *error) {
+    const fp3_model *model = q->table.model;
+    double *column = calloc(count + 1, sizeof *column);
+    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < model->param_count; i++)
+        status = write_gathered(q, &model->params[i], first, count, params + i, model->param_count,
+                                column, error);
+    for (uint32_t i = 0; initial && !status && i < model->state_count; i++)
+        status = write_gathered(q, &model->states[i], first, count, initial + i, model->state_count,
+                                column, error);
+    free(column);
+    return status;
+}
+
 /* ---- reading ---- */
 
 static fp3_status read_engine(fp3_fields *q, const fp3_field *of, size_t first, size_t count,

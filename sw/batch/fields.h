@@ -33,6 +33,9 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
                             fp3_numbers values, fp3_error *error);
 fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t count,
                            float *single, double *wide, fp3_error *error);
+/* Of a model: as of fp3_batch_write_rows. */
+fp3_status fp3_fields_write_rows(fp3_fields *q, size_t first, size_t count, const double *params,
+                                 const double *initial, fp3_error *error);
 /* The value of the first object. */
 fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error);
 

@@ -10,10 +10,6 @@
  * model->param_count and state_count numbers. */
 void fp3_bench_variant(const fp3_model *model, size_t object, double *params, double *initial);
 
-/* Gives objects 0 .. objects - 1 their inputs, a row of `objects` numbers for each; of what is shared the first counts. */
-fp3_status fp3_bench_write(fp3_engine *engine, const fp3_compiled *compiled, size_t objects,
-                           const float *columns);
-
 /* Loads the program and gives all objects their values. Object i is variant i % variants. What the
  * engine refuses is told where its definition says. */
 fp3_status fp3_bench_start(fp3_engine *engine, const fp3_compiled *compiled, const fp3_model *model,

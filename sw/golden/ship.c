@@ -2,7 +2,7 @@
  *
  * Must be compiled without contraction (-ffp-contract=off): a fused a*b + c has other bits.
  */
-#include <fp3/golden.h>
+#include "ship.h"
 
 #include <float.h>
 

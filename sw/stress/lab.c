@@ -1,9 +1,8 @@
 /* lab.c - see lab.h. */
 #include "lab.h"
 
-#include "engine/backend.h"
+#include "batch/batch.h"
 
-#include <fp3/start.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +20,7 @@ const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
 struct fp3_lab {
     fp3_lab_def def;
     fp3_compiled *compiled;
-    fp3_engine *engine;
+    fp3_batch *batch;
     double *params, *initial; /* a row for each object */
     float *column;
     fp3_error said;
@@ -29,17 +28,17 @@ struct fp3_lab {
 
 /* ---- open and close ---- */
 
-static fp3_status open_engine(fp3_lab *lab) {
-    fp3_engine_def def = fp3_engine_default();
+static fp3_status open_batch(fp3_lab *lab) {
+    fp3_batch_def def = fp3_batch_default();
     fp3_config config = *fp3_config_find(CONFIG);
     config.subnormal = !lab->def.arithmetic->is_flushed;
     config.nearest = !lab->def.arithmetic->is_truncated;
-    def.engine = "fast";
-    def.config = CONFIG;
-    def.objects = (uint32_t)lab->def.objects;
-    def.is_interpreted = !lab->def.is_long;
+    def.compiled = lab->compiled;
+    def.compile.config = CONFIG;
+    def.objects = lab->def.objects;
+    def.may_compile = lab->def.is_long;
     def.error = &lab->said;
-    return fp3_engine_open_as(&def, &config, &lab->engine);
+    return fp3_batch_open_as(&def, &config, &lab->batch);
 }
 
 static void default_all(fp3_lab *lab) {
@@ -73,7 +72,7 @@ static fp3_status make(fp3_lab *lab, fp3_error *error) {
     if (status)
         return status;
     default_all(lab);
-    return told(lab, open_engine(lab), error);
+    return told(lab, open_batch(lab), error);
 }
 
 fp3_status fp3_lab_open(const fp3_lab_def *def, fp3_lab **lab, fp3_error *error) {
@@ -91,7 +90,7 @@ void fp3_lab_close(fp3_lab **lab) {
     fp3_lab *closing = *lab;
     if (!closing)
         return;
-    fp3_engine_close(&closing->engine);
+    fp3_batch_close(&closing->batch);
     fp3_compiled_free(&closing->compiled);
     free(closing->params);
     free(closing->initial);
@@ -127,82 +126,59 @@ const double *fp3_lab_initial(const fp3_lab *lab, size_t object) {
     return lab->initial + object * lab->def.model->state_count;
 }
 
-static fp3_status write_input(fp3_lab *lab, uint32_t input, const float *values) {
-    const fp3_symbol *s =
-        fp3_image_find(lab->compiled->image, lab->compiled->inputs[input].name, FP3_CLASSES_HOST);
-    if (s->symbol_class == FP3_SYMBOL_SHARED)
-        return fp3_engine_write_shared(lab->engine, s->index, 1, values);
-    return fp3_engine_write(lab->engine, 0, lab->def.objects, s->index, values);
-}
-
 fp3_status fp3_lab_start(fp3_lab *lab, fp3_error *error) {
-    const size_t objects = lab->def.objects, inputs = lab->compiled->input_count;
-    float *columns = calloc(objects * inputs + 1, sizeof *columns);
-    float *row = calloc(inputs + 1, sizeof *row);
-    fp3_status status = columns && row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; !status && i < objects; i++) {
-        status = fp3_compiled_inputs(lab->compiled, fp3_lab_params(lab, i), fp3_lab_initial(lab, i),
-                                     lab->def.h, row, error);
-        for (size_t k = 0; !status && k < inputs; k++)
-            columns[k * objects + i] = row[k];
-    }
+    const size_t objects = lab->def.objects;
+    fp3_status status = fp3_batch_restart(lab->batch);
     if (!status)
-        status = told(lab, fp3_engine_load(lab->engine, lab->compiled->image), error);
+        status = fp3_engine_clear_status(fp3_batch_engine(lab->batch), 0, objects);
     if (!status)
-        status = told(lab, fp3_engine_clear_status(lab->engine, 0, objects), error);
-    for (uint32_t k = 0; !status && k < inputs; k++)
-        status = told(lab, write_input(lab, k, columns + k * objects), error);
-    free(columns);
-    free(row);
-    return status;
+        status = fp3_batch_set(lab->batch, "h", lab->def.h);
+    if (!status)
+        status = fp3_batch_write_rows(lab->batch, 0, objects, lab->params, lab->initial);
+    if (!status)
+        status = fp3_batch_step(lab->batch, 0); /* the engine has all */
+    return told(lab, status, error);
 }
 
 fp3_status fp3_lab_run(fp3_lab *lab, uint64_t steps, fp3_error *error) {
-    return told(lab, fp3_engine_run(lab->engine, steps, NULL), error);
+    return told(lab, fp3_batch_step(lab->batch, steps), error);
 }
 
 static uint32_t register_of(const fp3_lab *lab, const char *state) {
     return fp3_image_find(lab->compiled->image, state, FP3_CLASS(FP3_SYMBOL_STATE))->index;
 }
 
-/* Both words of double-single; count numbers apart. */
-static fp3_status read_state(fp3_lab *lab, uint32_t state, double *values, size_t apart) {
-    const int low = fp3_compiled_low(lab->compiled, state);
-    const size_t objects = lab->def.objects;
-    fp3_status status = fp3_engine_read(
-        lab->engine, 0, objects, register_of(lab, lab->def.model->states[state].name), lab->column);
-    for (size_t i = 0; !status && i < objects; i++)
-        values[i * apart] = (double)lab->column[i];
-    if (!status && low >= 0)
-        status = fp3_engine_read(lab->engine, 0, objects, (uint32_t)low, lab->column);
-    for (size_t i = 0; !status && low >= 0 && i < objects; i++)
-        values[i * apart] += (double)lab->column[i];
-    return status;
-}
-
 fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_error *error) {
-    return told(lab, read_state(lab, fp3_model_state(lab->def.model, state), column, 1), error);
+    return told(lab, fp3_batch_read_double(lab->batch, &state, 1, 0, lab->def.objects, &column),
+                error);
 }
 
 fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error) {
     const uint32_t count = lab->def.model->state_count;
-    fp3_status status = FP3_OK;
-    for (uint32_t s = 0; !status && s < count; s++)
-        status = read_state(lab, s, rows + s, count);
-    return told(lab, status, error);
+    double *column = calloc(lab->def.objects + 1, sizeof *column);
+    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t s = 0; !status && s < count; s++) {
+        status = fp3_lab_read(lab, lab->def.model->states[s].name, column, error);
+        for (size_t i = 0; !status && i < lab->def.objects; i++)
+            rows[i * count + s] = column[i];
+    }
+    free(column);
+    return status;
 }
 
+/* Behind the batch's back: numbers that are none, too, and nothing else begins again. */
 fp3_status fp3_lab_write(fp3_lab *lab, const char *state, const double *column, fp3_error *error) {
     const int low = fp3_compiled_low(lab->compiled, fp3_model_state(lab->def.model, state));
     const size_t objects = lab->def.objects;
     for (size_t i = 0; i < objects; i++)
         lab->column[i] = (float)column[i];
-    fp3_status status =
-        fp3_engine_write(lab->engine, 0, objects, register_of(lab, state), lab->column);
+    fp3_status status = fp3_engine_write(fp3_batch_engine(lab->batch), 0, objects,
+                                         register_of(lab, state), lab->column);
     for (size_t i = 0; i < objects; i++)
         lab->column[i] = isfinite(column[i]) ? (float)(column[i] - (double)(float)column[i]) : 0;
     if (!status && low >= 0)
-        status = fp3_engine_write(lab->engine, 0, objects, (uint32_t)low, lab->column);
+        status =
+            fp3_engine_write(fp3_batch_engine(lab->batch), 0, objects, (uint32_t)low, lab->column);
     return told(lab, status, error);
 }
 
@@ -214,26 +190,29 @@ fp3_status fp3_lab_rest(fp3_lab *lab, const char *is_marked, fp3_error *error) {
         const fp3_symbol *s = &image->symbols[k];
         if (s->symbol_class != FP3_SYMBOL_STATE)
             continue;
-        status = fp3_engine_read(lab->engine, 0, objects, s->index, lab->column);
+        status = fp3_engine_read(fp3_batch_engine(lab->batch), 0, objects, s->index, lab->column);
         for (size_t i = 0; i < objects; i++)
             lab->column[i] = is_marked[i] ? 0 : lab->column[i];
         if (!status)
-            status = fp3_engine_write(lab->engine, 0, objects, s->index, lab->column);
+            status =
+                fp3_engine_write(fp3_batch_engine(lab->batch), 0, objects, s->index, lab->column);
     }
     return told(lab, status, error);
 }
 
 fp3_status fp3_lab_failure(fp3_lab *lab, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE],
                            fp3_error *error) {
-    const fp3_status status = fp3_engine_failure(lab->engine, 0, lab->def.objects, failure);
+    const fp3_status status =
+        fp3_engine_failure(fp3_batch_engine(lab->batch), 0, lab->def.objects, failure);
     text[0] = '\0';
     if (!status && failure->failed)
-        fp3_engine_failure_text(lab->engine, failure, text);
+        fp3_engine_failure_text(fp3_batch_engine(lab->batch), failure, text);
     return told(lab, status, error);
 }
 
 fp3_status fp3_lab_status(fp3_lab *lab, fp3_object_status *status, fp3_error *error) {
-    return told(lab, fp3_engine_status(lab->engine, 0, lab->def.objects, status), error);
+    return told(lab, fp3_engine_status(fp3_batch_engine(lab->batch), 0, lab->def.objects, status),
+                error);
 }
 
 fp3_status fp3_lab_model(const char *text, fp3_model **model, fp3_error *error) {

@@ -6,10 +6,9 @@
  */
 #include "meter.h"
 
-#include "bench/variants.h"
+#include "batch/fields.h"
 
 #include <fp3/adaptive.h>
-#include <fp3/start.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,60 +74,64 @@ static void put_row(double *row, const double *own, uint32_t own_count, const fp
         row[i] = all[i].value;
 }
 
-/* A column for each input. FP3_E_ARGUMENT: a value has no room in FP32. row, inputs: room for those of an object. */
-static fp3_status fill(const measurement *k, double *row, float *inputs, float *columns,
-                       fp3_error *error) {
+/* Rows of all objects of the engine. */
+static void fill(const measurement *k, double *params, double *initial) {
     const fp3_model *m = k->model, *own = k->sample->model;
     const uint32_t until = is_adaptive(k->how) ? fp3_model_param(m, "until") : FP3_NONE;
-    const size_t objects = objects_of(k);
-    double *initial = row + m->param_count;
-    fp3_status status = FP3_OK;
-    for (size_t at = 0; !status && at < objects; at++) {
+    for (size_t at = 0; at < objects_of(k); at++) {
         const size_t i = at % k->sample->count;
+        double *row = params + at * m->param_count;
         put_row(row, k->sample->params + i * own->param_count, own->param_count, m->params,
                 m->param_count);
-        put_row(initial, k->sample->initial + i * own->state_count, own->state_count, m->states,
-                m->state_count);
+        put_row(initial + at * m->state_count, k->sample->initial + i * own->state_count,
+                own->state_count, m->states, m->state_count);
         if (until != FP3_NONE)
             row[until] = (float)k->sample->times[at / k->sample->count];
-        status = fp3_compiled_inputs(k->compiled, row, initial, k->h, inputs, error);
-        for (uint32_t j = 0; !status && j < k->compiled->input_count; j++)
-            columns[j * objects + at] = inputs[j];
     }
-    return status;
 }
 
-static fp3_status load(const measurement *k, const float *columns) {
+/* FP3_E_ARGUMENT: a value has no room in FP32. */
+static fp3_status load(const measurement *k, const double *params, const double *initial,
+                       fp3_error *error) {
     fp3_engine *engine = k->meter->engine;
+    const fp3_fields_def def = {.engine = engine,
+                                .objects = objects_of(k),
+                                .image = k->compiled->image,
+                                .compiled = k->compiled,
+                                .h = k->h};
+    fp3_fields *fields = NULL;
     k->meter->why.text[0] = '\0';
     fp3_status status = fp3_engine_load(engine, k->compiled->image);
     if (!status)
-        status = fp3_bench_write(engine, k->compiled, objects_of(k), columns);
+        status = fp3_fields_open(&def, &fields, error);
+    if (!status)
+        status = fp3_fields_write_rows(fields, 0, objects_of(k), params, initial, error);
+    if (!status)
+        status = fp3_fields_settle(fields, error);
+    fp3_fields_close(&fields);
     /* A load leaves asleep who fell asleep before it. */
     return status || !is_adaptive(k->how) ? status : fp3_engine_wake(engine, 0, objects_of(k));
 }
 
-/* Gives an engine the program and its objects. *has_room: all their numbers have room in FP32; else nothing
- * is loaded. */
+/* Gives an engine the program and its objects. *has_room: all their numbers have room in FP32; else they
+ * have not all of them. */
 static fp3_status start(const measurement *k, int *has_room, fp3_error *error) {
-    const uint32_t count = k->compiled->input_count + 1u;
-    float *columns = calloc(count * objects_of(k), sizeof *columns);
-    float *inputs = calloc(count, sizeof *inputs);
-    double *row = calloc(k->model->param_count + k->model->state_count + 1u, sizeof *row);
-    fp3_status status = columns && inputs && row ? open_engine(k->meter, objects_of(k), error)
-                                                 : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    double *params = calloc(objects_of(k) * k->model->param_count + 1, sizeof *params);
+    double *initial = calloc(objects_of(k) * k->model->state_count + 1, sizeof *initial);
+    fp3_status status = params && initial ? open_engine(k->meter, objects_of(k), error)
+                                          : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     *has_room = 1;
-    if (!status)
-        status = fill(k, row, inputs, columns, error);
+    if (!status) {
+        fill(k, params, initial);
+        status = load(k, params, initial, error);
+    }
+    free(params);
+    free(initial);
     if (status == FP3_E_ARGUMENT) {
         *has_room = 0;
-        status = FP3_OK;
-    } else if (!status)
-        status = judge(k->meter, load(k, columns), error);
-    free(row);
-    free(inputs);
-    free(columns);
-    return status;
+        return FP3_OK;
+    }
+    return judge(k->meter, status, error);
 }
 
 /* ---- looks ---- */
