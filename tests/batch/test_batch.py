@@ -1,6 +1,7 @@
 """fp3/batch.h: the same bits as fp3 run, values that are made of others follow, what cannot be is refused."""
 
 import csv
+import os
 import struct
 import subprocess
 
@@ -235,3 +236,17 @@ def test_what_cannot_be_opened(root, script, options, message):
 def test_a_model_with_an_error_has_its_place(script, root):
     assert script("model m\nstate x = 0\nstep 1\nx' = y\n", [], "-x", status=1)[0].startswith("error 2: text:")
     assert "none.ode" in script(root / "none.ode", [], status=1)[0]
+
+
+def test_two_threads(build, root):
+    done = subprocess.run([build / "tests/batch_threads", root / "programs/oscillator.ode", "m", "x"], capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.long
+def test_two_threads_under_the_thread_sanitizer(root):
+    env = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "FP3_BUILD")}
+    program = "build-tsan/tests/batch_threads"
+    subprocess.run(["make", "-C", root, "SAN=thread", program], env=env, check=True, capture_output=True, timeout=3000)
+    done = subprocess.run([root / program, root / "programs/oscillator.ode", "m", "x"], env=env, capture_output=True, text=True, timeout=600)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -216,6 +216,7 @@ def test_every_global_name_begins_with_fp3(installed):
     text = succeeds("nm", "-g", "--defined-only", installed / "lib/libfp3.a")
     names = {words[2] for words in map(str.split, text.splitlines()) if len(words) == 3}
     assert len(names) > 100 and not [name for name in names if not name.startswith("fp3_")]
+    assert not [name for name in names if name.startswith(("fp3_bench", "fp3_lab", "fp3_measure", "fp3_ship", "fp3_stress"))], "what only measures"
 
 
 def test_hardware_exports_its_table_alone(installed):
