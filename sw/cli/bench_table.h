@@ -2,7 +2,7 @@
 #ifndef FP3_CLI_BENCH_TABLE_H
 #define FP3_CLI_BENCH_TABLE_H
 
-#include "bench/bench.h"
+#include "golden/bench.h"
 #include "machine/config.h"
 
 #include <jansson.h>

@@ -1,5 +1,5 @@
 /* cmd_bench.c - fp3 bench: programs on the hardware, the ship unless another is named. The pairs of
- * program and configuration, scenes of many objects, the tables, the JSON; bench/bench.h runs one.
+ * program and configuration, scenes of many objects, the tables, the JSON; golden/bench.h runs one.
  * Models go to bench_models.h.
  */
 #include "arguments.h"

@@ -7,9 +7,8 @@
 #include "json.h"
 #include "progress.h"
 
-#include <fp3/convergence.h>
 #include <fp3/engine.h>
-#include <fp3/reference.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <machine/config.h>

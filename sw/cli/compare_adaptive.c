@@ -6,7 +6,6 @@
 #include "bench/variants.h"
 
 #include <fp3/engine.h>
-#include <fp3/reference.h>
 #include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>

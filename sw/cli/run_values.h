@@ -3,7 +3,7 @@
 #define FP3_RUN_VALUES_H
 
 #include <argp.h>
-#include <fp3/params.h>
+#include <fp3/program.h>
 
 typedef struct {
     fp3_params *params;

@@ -2,7 +2,7 @@
 #ifndef FP3_COMPILER_INPUTS_H
 #define FP3_COMPILER_INPUTS_H
 
-#include <fp3/inputs.h>
+#include <fp3/compile.h>
 
 #include "names.h"
 

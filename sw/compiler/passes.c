@@ -1,5 +1,5 @@
 /* passes.c - names of passes. */
-#include <fp3/passes.h>
+#include <fp3/compile.h>
 
 #include <assert.h>
 #include <string.h>

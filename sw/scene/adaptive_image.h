@@ -3,7 +3,7 @@
 #define FP3_SCENE_ADAPTIVE_IMAGE_H
 
 #include <fp3/image.h>
-#include <fp3/params.h>
+#include <fp3/program.h>
 
 /* Of an object; share as of fp3_values_at. *is_spread: another share gives other values. FP3_E_ARGUMENT: an end before
  * the start, a step or a tolerance that is none. Nothing of a program whose steps are fixed. */

@@ -9,7 +9,7 @@
 
 #include <assert.h>
 #include <fp3/adaptive.h>
-#include <fp3/start.h>
+#include <fp3/compile.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef FP3_SCENE_VALUES_H
 #define FP3_SCENE_VALUES_H
 
-#include <fp3/params.h>
+#include <fp3/program.h>
 
 #include "settings/settings.h"
 

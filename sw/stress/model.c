@@ -2,9 +2,8 @@
  * over many decades, each beside the same steps in double. */
 #include "suite.h"
 
-#include <fp3/convergence.h>
-#include <fp3/reference.h>
-#include <fp3/start.h>
+#include <fp3/compile.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,4 @@
 /* convergence.c - error against time step. */
-#include <fp3/convergence.h>
-
-#include <fp3/reference.h>
 #include <fp3/truth.h>
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #ifndef FP3_TRUTH_START_H
 #define FP3_TRUTH_START_H
 
-#include <fp3/start.h>
+#include <fp3/compile.h>
 
 typedef struct fp3_start fp3_start;
 

@@ -8,8 +8,8 @@
 #include <machine/execute.h>
 
 #include <float.h>
+#include <fp3/compile.h>
 #include <fp3/counters.h>
-#include <fp3/passes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

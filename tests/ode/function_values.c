@@ -5,8 +5,8 @@
  */
 #include "function.h"
 
+#include <fp3/compile.h>
 #include <fp3/engine.h>
-#include <fp3/start.h>
 
 enum { ARGUMENTS = 320 };
 

@@ -10,9 +10,9 @@
  * Reference and program come from one graph, so what the graph means is checked by itself: in
  * double, a step of Euler's method and its events against the evaluation of the model.
  */
+#include <fp3/compile.h>
 #include <fp3/engine.h>
-#include <fp3/reference.h>
-#include <fp3/start.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

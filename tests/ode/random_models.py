@@ -3,7 +3,7 @@ import random
 import re
 from pathlib import Path
 
-CHANGES_BITS = re.findall(r'^    X\(\w+, "[a-z-]+", ([01]),', (Path(__file__).parents[2] / "sw/include/fp3/passes.h").read_text(encoding="utf-8"), re.M)
+CHANGES_BITS = re.findall(r'^    X\(\w+, "[a-z-]+", ([01]),', (Path(__file__).parents[2] / "sw/include/fp3/compile.h").read_text(encoding="utf-8"), re.M)
 PASSES, KEEPING = len(CHANGES_BITS), CHANGES_BITS.index("1")  # those that keep the bits come first
 INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6", "rk4_paper", "semi_implicit_euler",
                "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]

@@ -5,7 +5,7 @@
 #include "division.h"
 #include "functions.h"
 
-#include <fp3/passes.h>
+#include <fp3/compile.h>
 
 #define PI 3.14159265358979323846
 

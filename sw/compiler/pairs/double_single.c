@@ -3,8 +3,8 @@
 
 #include "compiler/functions/division.h"
 
+#include <fp3/compile.h>
 #include <fp3/isa.h>
-#include <fp3/passes.h>
 #include <math.h>
 
 #define SPLITTER 4097 /* 2^12 + 1: Veltkamp's, for 24 bits */

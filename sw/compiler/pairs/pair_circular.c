@@ -3,8 +3,8 @@
 #include "compiler/functions/circular.h"
 #include "pair_functions.h"
 
+#include <fp3/compile.h>
 #include <fp3/isa.h>
-#include <fp3/passes.h>
 
 #define PI 3.14159265358979323846
 

@@ -10,7 +10,7 @@
 #include "language/function_rows.h"
 
 #include <assert.h>
-#include <fp3/passes.h>
+#include <fp3/compile.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,8 +1,8 @@
 /* fold.c - known operands, identities, and values that are there already. */
 #include "fold.h"
 
+#include <fp3/compile.h>
 #include <fp3/isa.h>
-#include <fp3/passes.h>
 
 static int has_pass(const dag *g, fp3_pass pass) { return (g->passes & FP3_PASS(pass)) != 0; }
 

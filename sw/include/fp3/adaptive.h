@@ -7,7 +7,7 @@
  *     if (fp3_model_adapt(model, &def, &error) ||
  *         fp3_compile(model, integrator, &how, &compiled, &error))
  *         fprintf(stderr, "%s\n", error.text);
- *     // Load compiled->image and write its inputs, as fp3/start.h shows, then:
+ *     // Load compiled->image and write its inputs, which fp3_compiled_inputs computes, then:
  *     if (fp3_engine_advance(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
  *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report))
  *         fprintf(stderr, "%s\n", error.text);
@@ -84,7 +84,6 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
  * many as it takes not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
  * FP3_E_PROGRAM: the configuration interleaves, and a program of adaptive steps has no sleep. */
 fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
-#define fp3_adaptive_run fp3_engine_advance /* its name before */
 
 typedef struct {
     uint32_t least, median, most;

@@ -6,7 +6,7 @@
  *     if (fp3_compile(model, integrator, &def, &program, &error) ||
  *         fp3_engine_load(engine, program->image))
  *         fprintf(stderr, "%s\n", error.text);
- *     // Write the values of program->inputs, as fp3/start.h shows.
+ *     // Write the values of program->inputs, which fp3_compiled_inputs computes.
  *     fp3_compiled_free(&program);
  *
  * docs/compiler.md says what each pass does and in which order everything is rounded.
@@ -16,14 +16,49 @@
 
 #include <fp3/api.h>
 #include <fp3/image.h>
-#include <fp3/inputs.h>
 #include <fp3/integrator.h>
 #include <fp3/model.h>
-#include <fp3/passes.h>
 #include <fp3/status.h>
 #include <stdint.h>
 
 FP3_API_BEGIN
+
+/* ---- passes that can be turned on and off (docs/compiler.md) ---- */
+
+/* X(NAME, name, changes bits, what it does) */
+#define FP3_PASSES(X)                                                                              \
+    X(COMMON, "common", 0, "a value that is computed twice is computed once")                      \
+    X(IDENTITY, "identity", 0, "x + -0, x - 0 and x * 1 cost nothing")                             \
+    X(DEAD, "dead", 0, "what no observed state needs is left out")                                 \
+    X(CARRY, "carry", 0, "what the step before has computed already is kept")                      \
+    X(SCALE, "scale", 0, "half and twice ride on an addition, where the configuration can")        \
+    X(CHAIN, "chain", 0, "a product goes straight into the addition that needs it")                \
+    X(AHEAD, "ahead", 0, "operations of the next step fill the gaps of this one")                  \
+    X(SHARE, "share", 0, "what all objects share is a constant, no register of each object")       \
+    X(ZERO, "zero", 0, "a coefficient 0 of an integrator's table has no term")                     \
+    X(FOLD_STEP, "fold-step", 1, "h times a coefficient is one number: y + (h a_ij) f")            \
+    X(FOLD_PRODUCT, "fold-product", 1, "known factors of a product are one number: x (h/m)")       \
+    X(OWN_WEIGHTS, "own-weights", 1, "each slope goes to the state by itself: y + b1 k1 + b2 k2")  \
+    X(SMALL_ANGLES, "small-angles", 1, "sine and cosine of |x| <= pi/2 alone, NaN beyond")         \
+    X(EXACT_DIVISION, "exact-division", 1, "quotients and roots, not powers, are correctly rounded")
+
+typedef enum {
+#define X(NAME, name, changes, what) FP3_PASS_##NAME,
+    FP3_PASSES(X)
+#undef X
+        FP3_PASS_COUNT
+} fp3_pass;
+#define FP3_PASS(pass) (1u << (pass))
+
+const char *fp3_pass_name(fp3_pass pass);
+const char *fp3_pass_doc(fp3_pass pass);
+int fp3_pass_changes_bits(fp3_pass pass);
+/* FP3_PASS_COUNT: no such name. */
+fp3_pass fp3_pass_find(const char *name);
+/* The set of all passes that change bits, or of all that keep them. */
+unsigned fp3_passes_that(int change_bits);
+
+/* ---- a program ---- */
 
 /* How the values of a step are computed. */
 typedef enum {
@@ -58,6 +93,22 @@ typedef struct {
 
 /* "single_full", every pass that keeps the bits, plain, all states observed. */
 fp3_compile_def fp3_compile_default(void);
+
+/* What the host writes before a run. */
+typedef struct {
+    char name[FP3_NAME_SIZE];
+    int is_shared;   /* a .shared; else a .state or .param of each object */
+    uint32_t state;  /* start of this state of the model; FP3_NONE: another value */
+    uint32_t low_of; /* double-single: the second word of the start of this state; else FP3_NONE */
+    char *formula;   /* as a reader sees it, "1/m"; cut where it is long */
+    /* The same for fp3_formula_read, of h, params of the model and numbers. NULL: a state's start, or
+     * what no such formula gives, or only a very long one. */
+    char *rule;
+    /* What the value depends on: params of the model, a bit each, from bit 0; h; where states start and
+     * when (`steps`). */
+    uint64_t params;
+    int has_h, has_start;
+} fp3_input;
 
 typedef struct {
     char *assembly;
@@ -100,6 +151,13 @@ int fp3_compiled_low(const fp3_compiled *compiled, uint32_t state);
 /* The exact cycles of a run of `steps` steps: one object, or all contexts full and one visit, loads and
  * stores included. 0: no steps, or schedulers share an arithmetic unit. */
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
+
+/* values[i] of inputs[i] for an object with these params and start (model->param_count and
+ * state_count numbers) at time 0, and time step h; `steps`, if it is an input, is 0. Computed in
+ * double, rounded once. FP3_E_ARGUMENT: h is not above 0, a value is not finite, or one other than 0
+ * rounds to 0 or an infinity. */
+fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
+                               const double *initial, double h, float *values, fp3_error *error);
 
 FP3_API_END
 

@@ -17,7 +17,6 @@
 #define FP3_TUNE_H
 
 #include <fp3/api.h>
-#include <fp3/params.h>
 #include <fp3/program.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -3,7 +3,7 @@
 
 #include "machine/config.h"
 
-#include "golden/ship.h"
+#include "ship.h"
 #include <fp3/truth.h>
 #include <inttypes.h>
 #include <machine/operation.h>
