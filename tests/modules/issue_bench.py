@@ -35,7 +35,7 @@ class Bench:
         self.dut, self.chance = dut, random.Random(seed)
         self.contexts, self.registers = int(dut.CONTEXTS.value), int(dut.REGISTERS.value)
         self.bundles = {name: Bundle(dut, name) for name in ("DECODED", "MARKS", "ISSUE", "RETIRE")}
-        self.end, self.result, self.z_late = (int(getattr(dut, name).value) for name in ("END", "RESULT", "Z_LATE"))
+        self.end, self.result, self.z_late = (int(getattr(dut, name).value) for name in ("TO_END", "TO_RESULT", "Z_LATE"))
         # What is expected in the cycles to come: 0 is the next one.
         self.expected = collections.deque({} for _ in range(self.result + self.z_late + 8))
         self.step, self.record, self.seen = 0, self.chance.randrange(4), collections.Counter()
@@ -46,7 +46,7 @@ class Bench:
         cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
         for name in ("open_i", "issue_i", "first_i", "batch_i", "current_i", "decoded_i", "marks_i", "base_i", "end_i"):
             getattr(dut, name).value = 0
-        dut.record_i.value, dut.rst_i.value = self.record, 1
+        dut.settings_i.value, dut.rst_i.value = self.record, 1         # the record is its lowest bits
         for _ in range(self.result + self.z_late + 8):
             await RisingEdge(dut.clk_i)
         dut.rst_i.value = 0

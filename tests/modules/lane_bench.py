@@ -21,7 +21,7 @@ class Bench:
         self.dut, self.chance = dut, random.Random(seed)
         parameter = lambda name: int(getattr(dut, name).value)
         self.contexts, self.registers, self.rows = parameter("CONTEXTS"), parameter("REGISTERS"), parameter("STORE_WORDS") >> 3 + RECORD
-        self.end, self.result, self.gap, self.z_late = (parameter(name) for name in ("END", "RESULT", "GAP", "Z_LATE"))
+        self.end, self.result, self.gap, self.z_late = (parameter(name) for name in ("TO_END", "TO_RESULT", "GAP", "Z_LATE"))
         self.bundles = {name: Bundle(dut, name) for name in ("ISSUE", "RETIRE", "ACCESS", "REPORT", "OPERANDS", "RESULT", "WRITTEN")}
         self.drives = collections.deque(collections.defaultdict(dict) for _ in range(self.result + self.z_late + 8))
         self.checks = collections.deque({} for _ in range(self.result + self.z_late + 8))
