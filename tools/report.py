@@ -20,9 +20,9 @@ PAPER = {"first": 445, "next": 418, "ns": 3715.184}
 # From the paper's machine to `single`, one change at a time: configuration, program, the change.
 WALK = [
     ("paper", "ship_paper", "the paper's machine, our calibration"),
-    ("paper", "ship", "another program: no register initialisation, independent work in the shadow of the chain"),
+    ("paper", "ship", "another program: no register initialisation; other instructions fill the cycles in which the chain waits"),
     ("walk_slot", "ship", "write slots reserved at issue instead of a stall at each write"),
-    ("walk_bypass", "ship", "results go straight to waiting operands"),
+    ("walk_bypass", "ship", "results are bypassed straight to waiting operands"),
     ("single", "ship", "shallow cores: fewer cycles each, a slower clock"),
     ("single", "ship_madd", "chained multiply-add"),
 ]
@@ -78,7 +78,7 @@ def walk(runs, synth):
         rows.append([change, f"`{config}`, `{program}`", number(run["first_cycles"]), number(run["next_cycles"]),
                      number(ns), f"{ns - before:+,.0f}" if before else ""])
         before = ns
-    return table(["change", "configuration, program", "first", "next", "ns, grade 6", "bought"], rows)
+    return table(["change", "configuration, program", "first", "next", "ns, grade 6", "difference, ns"], rows)
 
 
 def stalls(runs):
