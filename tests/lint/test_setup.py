@@ -121,3 +121,11 @@ def test_the_table_of_packages_starts_no_command(root):
     text = (root / "tools/setup.sh").read_text()
     table = text[text.index('\npackages="'):text.index('\n"\n')]
     assert "libgsl-dev" in table and "`" not in table and "$(" not in table
+
+
+def test_no_word_of_a_table_is_a_command(root):
+    """The shell executes what stands in backticks within double quotes."""
+    text = (root / "tools/setup.sh").read_text()
+    tables = [part.split('\n"\n')[0] for part in text.split('="\n')[1:]]
+    assert len(tables) >= 3
+    assert [line for table in tables for line in table.splitlines() if "`" in line or "$(" in line] == []
