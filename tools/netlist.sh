@@ -29,14 +29,14 @@ ice40) # no distributed RAM: those memories become flip-flops
 *) echo "netlist.sh: expected ecp5 or ice40, got $family" >&2 && exit 1 ;;
 esac
 case $config in
-units) top=units source=tests/fpga/units.v
+units) top=units source=tests/fpga/units.v rooms="fp lib"
     bench=(-s units_bench tests/fpga/units_bench.v "$source" rtl/fp/*.v rtl/lib/*.v) ;;
-*) top=fp3_$config source=rtl/gen/fp3_$config.v
+*) top=fp3_$config source="$(echo rtl/*.v) rtl/gen/fp3_$config.v" rooms="bus config fp front host lane lib sequence solo unit"
     bench=(-DTOP="${top}_netlist" -s replay sim/replay.v) ;;
 esac
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v
-"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(echo rtl/*.v rtl/{bus,config,fp,front,host,lane,lib,sequence,solo,unit}/*.v) $source;
+"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(for room in $rooms; do echo rtl/$room/*.v; done | xargs) $source;
     hierarchy -top $top; $synth -top $top; rename $top ${top}_netlist; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
     { tail -5 "$stem.log" >&2 && exit 1; }
 # A block RAM that begins with zeros needs no contents; the model has no others.

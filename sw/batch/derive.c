@@ -270,12 +270,20 @@ static fp3_status compute_block(fp3_derive *d, size_t first, size_t count, fp3_e
     return FP3_OK;
 }
 
+/* A configuration of one object has params among the constants. */
 static fp3_status write_block(const fp3_derive *d, size_t first, size_t count) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0, k = 0; !status && i < d->def.compiled->input_count; i++)
-        if (d->other.is_wanted[i])
-            status = fp3_engine_write(d->def.engine, d->def.first + first, count,
-                                      d->sources[i].place, d->block + k++ * BLOCK);
+    const float *values = d->block;
+    for (uint32_t i = 0; !status && i < d->def.compiled->input_count; i++) {
+        const source *s = &d->sources[i];
+        if (!d->other.is_wanted[i])
+            continue;
+        status =
+            s->is_shared
+                ? fp3_engine_write_shared_of(d->def.engine, d->def.group, s->place, 1, values)
+                : fp3_engine_write(d->def.engine, d->def.first + first, count, s->place, values);
+        values += BLOCK;
+    }
     return status;
 }
 

@@ -70,7 +70,7 @@ static void place_param(const fp3_compiled *c, int is_adapted, fp3_field *q) {
     const uint64_t bit = (uint64_t)1 << q->index;
     q->is_kept = is_adapted || q->is_shared;
     for (uint32_t i = 0; i < c->input_count; i++)
-        if (fp3_start_param(c, i) == q->index)
+        if (fp3_start_param(c, i) == q->index && !c->inputs[i].is_shared)
             q->place = place_of(c, i);
         else if (c->inputs[i].params & bit)
             q->is_kept = 1;

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define ID (FP3_ID_LETTERS << FP3_ID_LETTERS_LO | FP3_ISA_REVISION)
+#define IDENTITY (FP3_ID_LETTERS << FP3_ID_LETTERS_LO | FP3_ISA_REVISION)
 
 const uint32_t fp3_identity_addresses[FP3_IDENTITY_WORDS] = {
 #define X(NAME, word) FP3_ADDR_##NAME,
@@ -46,9 +46,9 @@ const fp3_config *fp3_identity_find(const uint32_t words[FP3_IDENTITY_WORDS]) {
 }
 
 fp3_status fp3_identity_check_id(uint32_t id, fp3_error *error) {
-    if (id == ID)
+    if (id == IDENTITY)
         return FP3_OK;
-    if (id >> 8 == ID >> 8)
+    if (id >> 8 == IDENTITY >> 8)
         return fp3_fail(error, FP3_E_SYSTEM,
                         "the hardware has revision %" PRIu32
                         " of the instruction set, this libfp3 %u: both must come from one version",
@@ -56,7 +56,7 @@ fp3_status fp3_identity_check_id(uint32_t id, fp3_error *error) {
     return fp3_fail(error, FP3_E_SYSTEM,
                     "the hardware is no FP3: its register id is 0x%08" PRIx32
                     ", expected 0x%08" PRIx32,
-                    id, ID);
+                    id, IDENTITY);
 }
 
 fp3_status fp3_identity_check(const fp3_config *config, const uint32_t words[FP3_IDENTITY_WORDS],

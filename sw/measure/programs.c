@@ -285,7 +285,7 @@ static fp3_status sample(family *f, fp3_error *error) {
                                                     f->problem->variants, &r.engine, error);
     for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
          k++) {
-        double median, *ends;
+        double median = INFINITY, *ends;
         if ((f->adapted ? 1 : 2) * seconds >= SAMPLE_SECONDS || worse >= RUNGS_WORSE ||
             k > first + RUNGS_AFTER)
             break;

@@ -12,7 +12,8 @@
 enum { OBJECTS = 20000, STEPS = 40, THREADS = 3 };
 
 /* x falls like a body in air; y shows what it passes. */
-static const char source[] = ".state x y\n.param k\nstep:\nmul r9, k, x\nsub x, x, r9\nadd y, y, x\n";
+static const char source[] =
+    ".state x y\n.param k\nstep:\nmul r9, k, x\nsub x, x, r9\nadd y, y, x\n";
 
 static void expect(int is_kept, const char *what) {
     if (is_kept)

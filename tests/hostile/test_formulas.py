@@ -46,7 +46,7 @@ def test_what_no_register_can_hold_is_refused(refused, slope, message, engine):
 
 def test_a_declaration_is_refused_where_it_stands(refused):
     refused({"a.ode": model("x", head="param q = 1e-200*1e-200")}, ["compile", "a.ode", "-o", "a.s"],
-            r"^a\.ode:2:11: error: found '1e-200', expected a value made of none below 2\.2e-308")
+            r"^a\.ode:2:11: error: found '1e-200', expected a value computed without numbers below 2\.2e-308")
 
 
 RIGHT = [

@@ -199,6 +199,7 @@ def declared(text):
     """The functions that a header declares."""
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r"^ *#(?:[^\n]*\\\n)*[^\n]*", "", text, flags=re.M)
+    text = re.sub(r"^static inline [^;]*?\{", "{", text, flags=re.M)
     while "{" in text:
         text = re.sub(r"\{[^{}]*\}", "", text)
     statements = [statement for statement in text.split(";") if "typedef" not in statement]

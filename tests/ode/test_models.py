@@ -112,7 +112,7 @@ def test_a_wrong_closed_form_is_found(name, old, new, models, root, tmp_path):
     path.write_text(text.replace(old, new))
     got = models("truth", path, 10)
     assert (got.returncode, got.stdout) == (1, "")
-    assert got.stderr.startswith("two truths of ") and "the closed form says" in got.stderr
+    assert got.stderr.startswith("two solutions of ") and "the closed form says" in got.stderr
 
 
 def test_the_page_lists_the_models(show, root):

@@ -13,7 +13,7 @@ import pytest
 
 ZEROS = "initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};"
 RANDOM = ZEROS.replace("{W{1'b0}}", "{$random, $random, $random, $random}")
-POWER_UP = {"lib/lutram_1r1w.v": ZEROS, "lib/ram_1r1w.v": ZEROS, "lib/ram_registered.v": ZEROS, "fp3.v": "reset_q = {GROUPS+2{1'b1}};",
+POWER_UP = {"lib/lutram_1r1w.v": ZEROS, "lib/ram_1r1w.v": ZEROS, "lib/ram_registered.v": ZEROS, "fp3.v": "reset_q = {RESET{1'b1}};",
             "lane/lane_group.v": "rst_q = 1'b1;"}
 INITIAL = re.compile(r"\binitial\b|\breg\b[^;]*?=(?!=)")
 
