@@ -70,7 +70,12 @@ static fp3_status open_engine(const fp3_batch_def *def, const fp3_config *config
     how.config = def->compile.config;
     how.objects = (uint32_t)def->objects;
     how.threads = def->threads;
-    how.is_interpreted = !def->may_compile;
+    how.native = def->native;
+    how.is_interpreted = !def->may_compile && !def->native;
+    how.is_without_compiler = !def->may_compile;
+    how.tasks = def->tasks;
+    how.tasks_user = def->tasks_user;
+    how.allocator = def->allocator;
     how.error = def->error;
     fp3_status status =
         config ? fp3_engine_open_as(&how, config, &b->engine) : fp3_engine_open(&how, &b->engine);

@@ -1,14 +1,14 @@
 /* batch_script.c - fp3/batch.h, driven by lines of standard input.
  *
  *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c CONFIG]
- *                              [-j THREADS] [-h H] [-t TOLERANCE] [-x] [-m]
+ *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-x] [-m] [-o]
  *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart
  *     read NAME...               wide NAME... (in double); a line for each object
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
- * before, and handed over.
+ * before, and handed over. -o: threads and memory are this program's own.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
@@ -108,6 +108,26 @@ static void obey(char *line) {
         abort();
 }
 
+/* The tasks that the library gave away, and bytes that it has not given back. */
+static unsigned tasks;
+static size_t held;
+
+static void own_tasks(void *user, fp3_task_fn *task, void *of, uint32_t count) {
+    *(unsigned *)user += count;
+    for (uint32_t i = count; i-- > 0;)
+        task(of, i);
+}
+
+static void *own_memory(void *user, size_t size) {
+    *(size_t *)user += size;
+    return aligned_alloc(64, size);
+}
+
+static void own_release(void *user, void *memory, size_t size) {
+    *(size_t *)user -= size;
+    free(memory);
+}
+
 static fp3_status compile_before(void) {
     fp3_program_def how = fp3_program_default();
     how.integrator = def.integrator;
@@ -127,13 +147,21 @@ int main(int argc, char **argv) {
     int option, is_text = 0, is_before = 0;
     def = fp3_batch_default();
     def.error = &error;
-    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:xm")) != -1)
+    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:xmo")) != -1)
         switch (option) {
         case 'n':
             def.objects = strtoull(optarg, NULL, 10);
             break;
         case 'i':
             def.integrator = optarg;
+            break;
+        case 'N':
+            def.native = optarg;
+            break;
+        case 'o':
+            def.tasks = own_tasks;
+            def.tasks_user = &tasks;
+            def.allocator = (fp3_allocator){own_memory, own_release, &held};
             break;
         case 'a':
             def.compile.arithmetic = fp3_arithmetic_find(optarg);
@@ -174,5 +202,7 @@ int main(int argc, char **argv) {
         obey(line);
     fp3_batch_close(&batch);
     fp3_program_close(&program);
+    if (held || (def.tasks && !status && !tasks))
+        printf("%zu bytes held, %u tasks\n", held, tasks);
     return status ? 1 : 0;
 }

@@ -238,6 +238,22 @@ def test_a_model_with_an_error_has_its_place(script, root):
     assert "none.ode" in script(root / "none.ode", [], status=1)[0]
 
 
+WORK = ["spread m 0.5 2", "step 700", "read x v", "set k 0.2", "step 700", "read x v"]
+
+
+def test_threads_and_memory_of_the_caller_change_no_bit(root, script):
+    model, objects = root / "programs/oscillator.ode", ("-n", 6000, "-j", 3)
+    assert script(model, WORK, *objects, "-o") == script(model, WORK, *objects)
+
+
+def test_native_code_from_a_file_changes_no_bit(root, fp3, script, tmp_path):
+    model, objects, native = root / "programs/oscillator.ode", ("-n", 600), tmp_path / "oscillator.native"
+    subprocess.run([fp3, "compile", model, "-i", "rk4", "-c", "many_full", "--native", "-o", native], check=True, capture_output=True, timeout=300)
+    assert script(model, WORK, *objects, "-N", native) == script(model, WORK, *objects)
+    told = script(root / "programs/ship.ode", ["read s"], *objects, "-N", native, status=1)
+    assert len(told) == 1 and "another program" in told[0]
+
+
 def test_two_threads(build, root):
     done = subprocess.run([build / "tests/batch_threads", root / "programs/oscillator.ode", "m", "x"], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

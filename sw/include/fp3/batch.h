@@ -66,6 +66,13 @@ typedef struct {
      * library that starts programs and writes files unasked is a surprise in a game, and the interpreter
      * is what short runs take anyway: native code pays in long runs (docs/fast.md). */
     int may_compile;
+    const char
+        *native; /* of "fast": a file with the program's native code (fp3_engine_def), or NULL */
+    /* Of "fast", as in fp3_engine_def: threads and memory of the caller's; what `user` points to must
+     * outlive the batch. NULL and {0} (default): the library's. */
+    fp3_tasks_fn *tasks;
+    void *tasks_user;
+    fp3_allocator allocator;
     fp3_error *error; /* where this batch's calls say why they failed; NULL: nowhere */
 } fp3_batch_def;
 
