@@ -167,7 +167,8 @@ def tools(tmp_path):
 @pytest.fixture
 def bitstreams(monkeypatch, tmp_path_factory):
     """What is made stays out of build/bitstream."""
-    work = pathlib.Path("build/tests") / tmp_path_factory.mktemp("bitstream").name / "work"
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "")   # each numbers its folders from 0
+    work = pathlib.Path("build/tests") / (worker + tmp_path_factory.mktemp("bitstream").name) / "work"
     monkeypatch.setattr(bitstream, "WORK", work)
     old = ROOT / work.parent / "icebreaker-small.bin"
     old.parent.mkdir(parents=True, exist_ok=True)

@@ -1,22 +1,26 @@
 """Scenes and groups of any size are read in memory that grows with the file, or refused. `make bench-check` measures their time."""
 
-import os
-import resource
 import subprocess
+import sys
 
 GROUP = '{ program = "none.s"; objects = 2; set = { m = 4.2e5; rm = "1/m"; T = 1.1e5; C = 1.9e4; v = 0.0; s = 0.0; }; }'
+
+
+# A process's peak begins with that of the one that it was forked from: here a small one.
+MEASURE = """import resource, subprocess, sys
+resource.setrlimit(resource.RLIMIT_CPU, (20, 20))
+code = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+sys.exit(code)"""
 
 
 def refused(fp3, folder, text, message):
     """A scene that is refused with the message, and does not hang; the most memory that it takes, in bytes."""
     (folder / "x.scene").write_text(text)
-    with subprocess.Popen([fp3, "run", "--engine", "isa", "--scene", "x.scene"], cwd=folder, stdout=subprocess.DEVNULL,
-                          stderr=subprocess.PIPE, text=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (20, 20))) as started:
-        error = started.stderr.read()
-        _, status, usage = os.wait4(started.pid, 0)
-        started.returncode = os.waitstatus_to_exitcode(status)
-    assert started.returncode == 2 and message in error, error
-    return 1024 * usage.ru_maxrss
+    done = subprocess.run([sys.executable, "-c", MEASURE, fp3, "run", "--engine", "isa", "--scene", "x.scene"], cwd=folder,
+                          capture_output=True, text=True)
+    assert done.returncode == 2 and message in done.stderr, done.stderr
+    return 1024 * int(done.stdout)
 
 
 def scene(groups):
