@@ -18,9 +18,8 @@
 
 #define ASLEEP 1         /* since before the first run */
 #define BLOCKS_AT_ONCE 8 /* that a thread takes up */
-/* Instructions of objects: what a processor executes while a thread wakes up, and some more; about 100
- * microseconds. */
-#define WORTH_A_THREAD 4e6
+/* Instructions of objects that are worth waking a thread for: about 200 microseconds. */
+#define WORTH_A_THREAD 1e7
 #define WORTH_INTERPRETED 4e5
 
 /* A program and its objects. */
