@@ -271,13 +271,17 @@ static fp3_status compute_block(fp3_derive *d, size_t first, size_t count, fp3_e
 }
 
 /* A configuration of one object has params among the constants. */
-static fp3_status write_block(const fp3_derive *d, size_t first, size_t count) {
+static fp3_status write_block(const fp3_derive *d, size_t first, size_t count, fp3_error *error) {
     fp3_status status = FP3_OK;
     const float *values = d->block;
     for (uint32_t i = 0; !status && i < d->def.compiled->input_count; i++) {
         const source *s = &d->sources[i];
         if (!d->other.is_wanted[i])
             continue;
+        if (s->is_shared && d->def.objects > 1)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "'%s' differs between objects: the program was compiled for one object",
+                            d->def.compiled->inputs[i].name);
         status =
             s->is_shared
                 ? fp3_engine_write_shared_of(d->def.engine, d->def.group, s->place, 1, values)
@@ -293,7 +297,7 @@ static fp3_status settle_other(fp3_derive *d, fp3_error *error) {
         const size_t count = marked_from(d, i);
         status = compute_block(d, i, count, error);
         if (!status)
-            status = write_block(d, i, count);
+            status = write_block(d, i, count, error);
         i = next_marked(d, i + count);
     }
     return status;
