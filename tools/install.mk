@@ -11,7 +11,7 @@ MAN     := $(DESTDIR)$(PREFIX)/share/man/man1/fp3.1
 COMMAND := $(DESTDIR)$(PREFIX)/bin/fp3
 BARE    := $(DESTDIR)$(PREFIX)/share/fp3/bare
 RTL_DIR := $(DESTDIR)$(LIBDIR)/fp3
-VERSION  = $(shell sed -n 's/^.define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/api.h)
+VERSION  = $(shell sed -n 's/^.define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/status.h)
 
 # A place that the command, the library and pkg-config can name: make, pc files and -D options break at
 # blanks and quotes, and what is installed is used from other directories.
@@ -61,7 +61,7 @@ install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ##
 	@install $(BUILD)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
-	@install -m 644 sw/include/fp3/api.h sw/include/fp3/status.h $(BARE)/fp3
+	@install -m 644 sw/include/fp3/status.h $(BARE)/fp3
 
 # Directories that other programs share stay.
 uninstall: ## Remove what install put there

@@ -1,6 +1,6 @@
 /* assemble.c - the assembler. The first pass (parse.c) reads every line; the second gives registers
  * to names and numbers and encodes. So a name may be used before the line that declares it. */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

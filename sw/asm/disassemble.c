@@ -1,4 +1,4 @@
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

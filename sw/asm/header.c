@@ -1,5 +1,5 @@
 /* header.c - an image as a C header, for sw/bare. */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 

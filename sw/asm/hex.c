@@ -1,5 +1,5 @@
 /* hex.c - an image as text that $readmemh reads, with the meaning of each word. */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -9,7 +9,7 @@
  *         ... fp3.failed_at is the address that was refused, if one was ...
  *
  * Freestanding C11: no libc, no libfp3, no memory of its own. It consists of this file, fp3_bare.c,
- * gen/registers.h (docs/registers.md), fp3/status.h and fp3/api.h; `make install` puts them below
+ * gen/registers.h (docs/registers.md) and fp3/status.h; `make install` puts them below
  * share/fp3/bare. `fp3 dis IMAGE --header FILE` writes a program for it. docs/integration.md shows a whole host.
  *
  * A call that would be refused by the hardware, because a program runs or because there is no such thing, is
@@ -22,7 +22,6 @@
 #define FP3_BARE_H
 
 #include "gen/registers.h"
-#include <fp3/api.h>
 #include <fp3/status.h>
 #include <stdint.h>
 

@@ -7,7 +7,7 @@
 #include "text/number.h"
 #include "truth/start.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* program.c - a program from a file: an image is read, assembly assembled, a model compiled. */
 #include <fp3/program.h>
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "batch/fields.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <stdlib.h>
 
 #define PARAM_APART 1e-3

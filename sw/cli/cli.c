@@ -1,7 +1,7 @@
 /* cli.c - how every subcommand ends. */
 #include "cli.h"
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
 #ifndef FP3_CLI_H
 #define FP3_CLI_H
 
-#include <fp3/api.h>
 #include <fp3/status.h>
 
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit

@@ -3,7 +3,7 @@
 #include "cli.h"
 #include "files.h"
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

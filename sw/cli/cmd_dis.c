@@ -5,7 +5,7 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

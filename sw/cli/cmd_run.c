@@ -11,7 +11,7 @@
 #include "run_record.h"
 #include "run_values.h"
 
-#include <fp3/scene.h>
+#include <fp3/program.h>
 #include <fp3/trace.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "tune_print.h"
 
 #include <fp3/model.h>
-#include <fp3/scene.h>
+#include <fp3/program.h>
 #include <fp3/tune.h>
 #include <math.h>
 #include <stdio.h>

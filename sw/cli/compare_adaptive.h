@@ -3,7 +3,7 @@
 #define FP3_COMPARE_ADAPTIVE_H
 
 #include <argp.h>
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 #include <jansson.h>
 
 #include "progress.h"

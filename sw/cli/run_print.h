@@ -2,8 +2,7 @@
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H
 
-#include <fp3/recording.h>
-#include <fp3/scene.h>
+#include <fp3/program.h>
 
 /* What is run: a program, or a scene; the other is NULL. */
 typedef struct {

@@ -3,7 +3,7 @@
 #define FP3_RUN_RECORD_H
 
 #include <argp.h>
-#include <fp3/recording.h>
+#include <fp3/program.h>
 
 typedef struct {
     fp3_recording_def def; /* path and plot NULL: nothing is recorded */

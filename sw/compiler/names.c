@@ -1,7 +1,7 @@
 /* names.c - registers and constants by names that stand once. */
 #include "names.h"
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #ifndef FP3_PIPELINE_H
 #define FP3_PIPELINE_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include "compiler/code/convert.h"
 #include "compiler/step/fit.h"

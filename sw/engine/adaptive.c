@@ -1,5 +1,5 @@
 /* adaptive.c - runs of adaptive steps, and what became of their objects. */
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -10,7 +10,6 @@
 #define FP3_FLAGS 1
 #include "tiny.h"
 
-#include <fp3/counters.h>
 #include <fp3/isa.h>
 #include <machine/watch.h>
 

@@ -4,7 +4,7 @@
 #include "machine/config.h"
 
 #include "ship.h"
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <inttypes.h>
 #include <machine/operation.h>
 #include <math.h>

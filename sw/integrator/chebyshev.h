@@ -2,7 +2,7 @@
 #ifndef FP3_CHEBYSHEV_H
 #define FP3_CHEBYSHEV_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 enum {
     FP3_CHEBYSHEV_LEAST = 2, /* stages */

@@ -2,7 +2,7 @@
 #ifndef FP3_CONDITIONS_H
 #define FP3_CONDITIONS_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include "trees.h"
 

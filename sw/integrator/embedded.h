@@ -2,7 +2,7 @@
 #ifndef FP3_EMBEDDED_H
 #define FP3_EMBEDDED_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 /* Finds embedded_order and is_first_same_as_last of a table that has its weights. */
 void fp3_embedded_find(fp3_integrator *table);

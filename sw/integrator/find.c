@@ -1,5 +1,5 @@
 /* find.c - integrators by name: those that are built in, and files. */
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include <base/file.h>
 #include <gen/integrators.h>

@@ -1,5 +1,4 @@
 /* read.c - an integrator from its table, and what is wrong with the table. */
-#include <fp3/integrator.h>
 #include <fp3/model.h>
 
 #include <assert.h>

@@ -10,7 +10,6 @@
 
 #include <assert.h>
 #include <float.h>
-#include <fp3/counters.h>
 #include <fp3/isa.h>
 #include <math.h>
 #include <string.h>

@@ -14,7 +14,6 @@
 #include "config.h"
 #include "gen/operations.h"
 
-#include <fp3/counters.h>
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <stdint.h>

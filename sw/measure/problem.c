@@ -3,12 +3,12 @@
 
 #include "bench/variants.h"
 
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The scale is that of fp3/truth.h, of the first variant. */
+/* The scale is that of fp3/tune.h, of the first variant. */
 static fp3_status find_scale(fp3_measure_problem *p, fp3_error *error) {
     fp3_ladder *ladder = NULL;
     const fp3_status status = fp3_ladder_open(p->model, p->end, FP3_LOOKS, &ladder, error);

@@ -7,7 +7,7 @@
 
 #include "run.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "language/evaluate.h"
 #include "scene/apply.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* recording.c - a run in parts: after each, who failed in it is asked, and a snapshot is taken. */
-#include <fp3/recording.h>
+#include <fp3/program.h>
 
 #include "csv.h"
 #include "hdf5.h"

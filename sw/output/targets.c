@@ -3,7 +3,7 @@
 
 #include "engine/backend.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
 
 #include "lifetime.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 
 size_t fp3_scene_adaptive_count(const fp3_scene *scene) {
     size_t count = 0;

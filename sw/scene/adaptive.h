@@ -3,7 +3,6 @@
 #define FP3_SCENE_ADAPTIVE_H
 
 #include <fp3/program.h>
-#include <fp3/scene.h>
 
 #include "settings/settings.h"
 

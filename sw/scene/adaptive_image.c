@@ -3,7 +3,7 @@
 
 #include "values.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 #include <math.h>
 
 /* *value stays what it is where the file has none; then the program says what it needs. */

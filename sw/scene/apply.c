@@ -8,7 +8,6 @@
 #include "text/number.h"
 
 #include <assert.h>
-#include <fp3/adaptive.h>
 #include <fp3/compile.h>
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "settings/settings.h"
 
-#include <fp3/scene.h>
+#include <fp3/program.h>
 
 /* `born` and `gone` of a group: a step, or [FIRST, LAST]. What is not there is 0 and FP3_FOREVER. Its objects are
  * counted already. Wrong: an object that is not gone after its birth. */

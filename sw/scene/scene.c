@@ -1,5 +1,5 @@
 /* scene.c - a scene from its file to an engine. */
-#include <fp3/scene.h>
+#include <fp3/program.h>
 
 #include "adaptive.h"
 #include "apply.h"

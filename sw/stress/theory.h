@@ -6,7 +6,7 @@
 #ifndef FP3_STRESS_THEORY_H
 #define FP3_STRESS_THEORY_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 /* R(w) = sum of coefficients[j] w^j, what a step of a Runge-Kutta method multiplies x' = w x with (Hairer
  * and Wanner, Solving Ordinary Differential Equations II, chapter IV.2). Returns the degree. */

@@ -1,7 +1,7 @@
 /* trial.c - see trial.h. */
 #include "trial.h"
 
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "scanner.h"
 
 #include <errno.h>
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <fp3/isa.h>
 #include <math.h>
 #include <stdio.h>

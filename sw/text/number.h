@@ -1,4 +1,4 @@
-/* number.h - numbers as text, whatever the locale of the calling program. fp3/asm.h has
+/* number.h - numbers as text, whatever the locale of the calling program. fp3/image.h has
  * fp3_number_text. */
 #ifndef FP3_NUMBER_H
 #define FP3_NUMBER_H

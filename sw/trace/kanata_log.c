@@ -4,7 +4,7 @@
 
 #include "stages.h"
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* before.c - states at the start, and one step before it. */
 #include "before.h"
 
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <stdlib.h>
 
 static int needs_truth(const fp3_step *step) {

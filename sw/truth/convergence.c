@@ -1,5 +1,5 @@
 /* convergence.c - error against time step. */
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* reference.c - what a step means: one operation after the other, in the order of its nodes. */
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 
 #include <fp3/isa.h>
 #include <inttypes.h>

@@ -2,7 +2,7 @@
  *
  * The second is the model's closed form, or GSL's Cash-Karp method.
  */
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>

@@ -4,7 +4,7 @@
 #include "machine/config.h"
 #include "meter.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <math.h>
 #include <string.h>
 

@@ -8,7 +8,8 @@
 
 #include "batch/fields.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
+#include <fp3/engine.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

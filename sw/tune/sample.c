@@ -4,7 +4,7 @@
 #include "scene/apply.h"
 #include "scene/values.h"
 
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <stdlib.h>
 #include <string.h>
 

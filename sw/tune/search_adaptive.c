@@ -5,7 +5,7 @@
  */
 #include "search.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/engine.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "machine/config.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_rng.h>
 #include <math.h>

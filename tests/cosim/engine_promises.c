@@ -5,8 +5,8 @@
  * Each promise is checked for every engine on every configuration that it is about.
  */
 #include "gen/registers.h"
-#include <fp3/asm.h>
 #include <fp3/engine.h>
+#include <fp3/image.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <machine/config.h>

@@ -11,7 +11,7 @@
 #include "engine/backend.h"
 #include "stream.h"
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <inttypes.h>
 #include <stdlib.h>
 

@@ -20,7 +20,7 @@
 #include "machine/cycles.h"
 #include "stream.h"
 
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <getopt.h>
 #include <inttypes.h>
 #include <stdlib.h>

@@ -136,11 +136,14 @@ GIVEN = {"fp3_error": "error", "fp3_status": "status", "fp3_stats": "stats", "fp
          "const char *": "text", "size_t": "size"}
 
 
-def example(header):
-    """What stands in a header's first comment, indented."""
-    comment = re.match(r"/\*.*?\*/", header.read_text(encoding="utf-8"), re.S)[0]
-    lines = re.findall(r"^ \* {5}(.*)$", comment, re.M)
-    return "\n".join(line for line in lines if not re.match(r"cc |\d+  |then |words |and last ", line))
+def examples(header):
+    """What stands indented in a header's comments that begin at the margin: one example each."""
+    found = [re.findall(r"^ \* {5}(.*)$", comment, re.M) for comment in re.findall(r"^/\*.*?\*/", header.read_text(encoding="utf-8"), re.S | re.M)]
+    found = ["\n".join(line for line in lines if not re.match(r"cc |\d+  |then |words |and last |say: ", line)) for lines in found]
+    return [text for text in found if ";" in text]
+
+
+EXAMPLES = [(header, number) for header in HEADERS for number in range(len(examples(header)))]
 
 
 def compile_c(source):
@@ -149,11 +152,15 @@ def compile_c(source):
     assert done.returncode == 0, f"{source}\n{done.stderr}"
 
 
-@pytest.mark.parametrize("header", [header for header in HEADERS if example(header)], ids=lambda header: header.name)
-def test_the_example_of_a_header_compiles(header):
+def test_headers_have_examples():
+    assert len(EXAMPLES) >= 14
+
+
+@pytest.mark.parametrize("header, number", EXAMPLES, ids=lambda value: getattr(value, "name", value))
+def test_the_example_of_a_header_compiles(header, number):
     includes = "".join(f"#include <fp3/{other.name}>\n" for other in HEADERS) + "#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n"
     given = ", ".join(f"{kind} {name}" for kind, name in GIVEN.items())
-    compile_c(f"{includes}fp3_status example({given});\nfp3_status example({given}) {{\n{{\n{example(header)}\n}}\nreturn FP3_OK;\n}}\n")
+    compile_c(f"{includes}fp3_status example({given});\nfp3_status example({given}) {{\n{{\n{examples(header)[number]}\n}}\nreturn FP3_OK;\n}}\n")
 
 
 def test_programs_in_pages_compile():

@@ -2,8 +2,8 @@
  *
  *     hooks   prints "ok"; under -fsanitize=thread it is a test of what threads share, too
  */
-#include <fp3/asm.h>
 #include <fp3/engine.h>
+#include <fp3/image.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

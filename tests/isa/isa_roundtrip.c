@@ -7,7 +7,7 @@
  * Images: random names (some spelled like registers), values, labels and parts.
  * What is legal is decided here from the rows of fp3_operations, not by the library.
  */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -13,7 +13,7 @@
  *
  * --ship: compares ship_sleep.s with ship_madd.s, both in DIRECTORY, visit by visit, until it sleeps.
  */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

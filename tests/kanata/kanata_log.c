@@ -7,7 +7,7 @@
  *         n COUNT            so many end, issued in cycles 0, 1, ..
  *     kanata_log occupancy COUNTER ...            the table of these counters
  */
-#include <fp3/asm.h>
+#include <fp3/image.h>
 #include <fp3/program.h>
 #include <fp3/trace.h>
 #include <inttypes.h>

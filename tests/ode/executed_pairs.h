@@ -9,7 +9,7 @@
 
 #include <float.h>
 #include <fp3/compile.h>
-#include <fp3/counters.h>
+#include <fp3/isa.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

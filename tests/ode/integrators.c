@@ -5,7 +5,7 @@
  *     integrators show NAME        the same of one, a name or a file, then its coefficients
  *     integrators trees            order, gamma, tree
  */
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 #include <integrator/trees.h>
 #include <stdio.h>
 #include <string.h>

@@ -4,11 +4,11 @@
  *                              which step: one line
  *
  * The loop is the one that somebody writes by hand (bench/loop.h). Its steps and the truth are those of
- * fp3/truth.h.
+ * fp3/tune.h.
  */
 #include "bench/loop.h"
 
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

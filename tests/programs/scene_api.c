@@ -1,5 +1,5 @@
 /* Runs a scene: the first state of each group's first object, and what the run cost. */
-#include <fp3/scene.h>
+#include <fp3/program.h>
 #include <stdio.h>
 
 static fp3_status run(const fp3_scene *scene, fp3_error *error) {

@@ -1,5 +1,5 @@
 /* Truths at several times in one go are those of one time after the other. */
-#include <fp3/truth.h>
+#include <fp3/tune.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -45,8 +45,8 @@ def enumeration(prefix, names):
             f"}} fp3_{prefix.lower()};"]
 
 
-def isa_c(isa):
-    return c_header("isa", "isa/isa.toml", [
+def isa_c(isa, regs):
+    return c_header("isa", "isa/isa.toml and registers.toml", [
         *defines([("FP3_ISA_REVISION", isa["revision"])]), "",
         "/* Fields of the 32-bit word. */",
         *defines([(f"FP3_FIELD_{name.upper()}_{end}", pair[i]) for name, pair in isa["field"].items()
@@ -62,8 +62,12 @@ def isa_c(isa):
         *defines([("FP3_CODE_MORE", MORE)]), "",
         "enum fp3_opcode {",
         *columns([(f"    FP3_OP_{op['name'].upper()} ", f"= {op['code']},") for op in isa["op"]]),
-        "};",
-    ], guard="FP3_ISA_H")
+        "};", "",
+        "/* The hardware's counters: docs/registers.md. */",
+        *enumeration("COUNTER", [row["name"] for row in regs["counter"]]), "",
+        "/* Exceptions, as bits. */", "enum {",
+        *columns([(f"    FP3_FLAG_{name.upper()} ", f"= 1u << {lo},") for name, (_, lo) in exceptions(regs).items()]),
+        "};"], guard="FP3_ISA_H")
 
 
 def operations_c(isa, flags):
@@ -115,15 +119,6 @@ def registers_c(regs, revision):
         "/* The parts of an address, and what they say. */",
         *defines([("FP3_" + name, value) for name, value in address_rows(regs)]),
     ])
-
-
-def counters_c(regs):
-    return c_header("counters", "isa/registers.toml", [
-        "/* The hardware's counters: docs/registers.md. */",
-        *enumeration("COUNTER", [row["name"] for row in regs["counter"]]), "",
-        "/* Exceptions, as bits. */", "enum {",
-        *columns([(f"    FP3_FLAG_{name.upper()} ", f"= 1u << {lo},") for name, (_, lo) in exceptions(regs).items()]),
-        "};"], guard="FP3_COUNTERS_H")
 
 
 def configs_c(known, configs):

@@ -1,7 +1,7 @@
 /* adapted.c - see adapted.h. */
 #include "adapted.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <math.h>
 
 /* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What is compensated

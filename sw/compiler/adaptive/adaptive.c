@@ -4,7 +4,7 @@
 #include "compiler/value/ops.h"
 #include "locate.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <math.h>
 
 #define SAFETY 0.75 /* of the step that would have just the error that is allowed */

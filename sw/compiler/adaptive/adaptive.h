@@ -9,7 +9,7 @@
 
 #define FP3_ADAPTIVE_LEAST 0x1p-126 /* a step below it is none */
 
-/* All of them do nothing where the model is not adapted (fp3/adaptive.h). */
+/* All of them do nothing where the model is not adapted (fp3/compile.h). */
 
 /* Before the method: a->begin, a->h, a->end. FP3_E_PROGRAM: nobody could stop. */
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error);

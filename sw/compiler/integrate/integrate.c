@@ -11,7 +11,7 @@
 #include "splitting.h"
 #include "stoermer.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <stdlib.h>
 
 static fp3_status no_memory(fp3_error *error) {

@@ -2,7 +2,7 @@
 #ifndef FP3_INTEGRATE_H
 #define FP3_INTEGRATE_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include "compiler/step/fit.h"
 #include "compiler/step/step.h"

@@ -6,7 +6,7 @@
 #include "pair_functions.h"
 
 #include <assert.h>
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
 

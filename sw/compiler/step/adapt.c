@@ -1,5 +1,5 @@
 /* adapt.c - the states and params that adaptive steps add to a model. */
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef FP3_ADVANCE_H
 #define FP3_ADVANCE_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include "fit.h"
 #include "lower.h"

@@ -3,7 +3,7 @@
 
 #include "notes.h"
 
-#include <fp3/adaptive.h>
+#include <fp3/compile.h>
 
 #include <assert.h>
 #include <inttypes.h>

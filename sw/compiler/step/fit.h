@@ -2,7 +2,7 @@
 #ifndef FP3_FIT_H
 #define FP3_FIT_H
 
-#include <fp3/integrator.h>
+#include <fp3/model.h>
 
 #include "options.h"
 

@@ -22,13 +22,11 @@
  * have a thread of its own; batches of one compiled program, too.
  *
  * docs/batch.md begins at the beginning. For single registers, cycles, counters and groups of
- * several programs there are fp3/engine.h and fp3/scene.h.
+ * several programs there are fp3/engine.h and fp3/program.h.
  */
 #ifndef FP3_BATCH_H
 #define FP3_BATCH_H
 
-#include <fp3/adaptive.h>
-#include <fp3/api.h>
 #include <fp3/compile.h>
 #include <fp3/engine.h>
 #include <fp3/status.h>

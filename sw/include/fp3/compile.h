@@ -10,13 +10,13 @@
  *     fp3_compiled_free(&program);
  *
  * docs/compiler.md says what each pass does and in which order everything is rounded.
+ *
+ * Threads: any number of threads may read a compiled program at the same time.
  */
 #ifndef FP3_COMPILE_H
 #define FP3_COMPILE_H
 
-#include <fp3/api.h>
 #include <fp3/image.h>
-#include <fp3/integrator.h>
 #include <fp3/model.h>
 #include <fp3/status.h>
 #include <stdint.h>
@@ -158,6 +158,48 @@ uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
  * rounds to 0 or an infinity. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
+
+/* ---- adaptive steps: each object chooses its own ----
+ *
+ *     fp3_adaptive_def def = fp3_adaptive_default();
+ *     fp3_compile_def how = fp3_compile_default();
+ *     fp3_adaptive_report report;
+ *     def.until = 17.0652;
+ *     if (fp3_model_adapt(model, &def, &error) ||
+ *         fp3_compile(model, integrator, &how, &compiled, &error))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     // Load compiled->image and write its inputs, which fp3_compiled_inputs computes, then:
+ *     if (fp3_engine_advance(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
+ *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     else
+ *         printf("%zu objects did not reach the end\n", report.failed);
+ *
+ * docs/adaptive.md says what a step computes, and how the two words of t keep time.
+ */
+
+/* Defaults of the params that an adapted model has; all in the model's own units. */
+typedef struct {
+    double tolerance; /* of a step's error, relative to the size of the state; default 1e-5 */
+    double
+        absolute; /* what counts as the size of a small state, times tolerance; 0: the same number as tolerance */
+    double until;  /* the time at which objects end; 0: the model's span */
+    double locate; /* an event is at most this late; 0: tolerance * until */
+} fp3_adaptive_def;
+
+fp3_adaptive_def fp3_adaptive_default(void);
+
+/* The integrator of a model where none is named: with fixed steps, and with adaptive ones. */
+#define FP3_FIXED_INTEGRATOR "rk4"
+#define FP3_ADAPTIVE_INTEGRATOR "cash_karp"
+
+/* Gives the model what adaptive steps need: states t, h_next (the next step to try; it starts as the model's), accepted, rejected, smallest, largest, in this order behind its own; params until, of each object, and tolerance, absolute
+ * and, if there are events, locate, which all objects share. fp3_compile then makes a program of
+ * adaptive steps. FP3_E_PROGRAM: the model has one of these names, or is too large. */
+fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
+
+/* The index of state t, behind which the others follow; FP3_NONE: the model is not adapted. */
+uint32_t fp3_model_adapted(const fp3_model *model);
 
 FP3_API_END
 

@@ -34,9 +34,8 @@
 #ifndef FP3_ENGINE_H
 #define FP3_ENGINE_H
 
-#include <fp3/api.h>
-#include <fp3/counters.h>
 #include <fp3/image.h>
+#include <fp3/isa.h>
 #include <fp3/status.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -349,6 +348,62 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
 typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
 /* Of an object, after the runs since the load: FP3_ALIVE if it lives to make the next step. */
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
+
+/* ---- runs of adaptive steps (fp3/compile.h) ---- */
+
+#define FP3_ADAPTIVE_ATTEMPTS 1000000u /* a limit for who has none */
+
+typedef enum {
+    FP3_ADAPTIVE_ENDED,   /* t is until, and all states are finite */
+    FP3_ADAPTIVE_STUCK,   /* the tolerance asks for a step that is too short even for two words */
+    FP3_ADAPTIVE_LIMITED, /* on its way when no more attempts were left */
+    FP3_ADAPTIVE_LOST     /* t is until, and a state is not finite */
+} fp3_adaptive_end;
+
+/* Whether a program has adaptive steps: it has states t and h_next, and an `until`. */
+int fp3_adaptive_is(const fp3_image *image);
+
+/* Of one object after a run. */
+typedef struct {
+    fp3_adaptive_end end;
+    float t, step, until; /* step: the next one to try */
+    uint32_t accepted, rejected;
+    float smallest, largest;
+    char state[FP3_NAME_SIZE]; /* LOST: the first that is not finite */
+    float t_low;               /* the time is t + t_low */
+} fp3_adaptive_object;
+
+/* FP3_E_ARGUMENT: no such object, or its program has no adaptive steps. Counts that the program does not keep are 0. */
+fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found);
+
+/* "object 3 at t = 0.5 of 17.0625, after 12 steps and 3 attempts: ..." */
+#define FP3_ADAPTIVE_TEXT_SIZE 240
+void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
+                       char text[FP3_ADAPTIVE_TEXT_SIZE]);
+
+/* Runs what is loaded, whatever its steps are. Of fixed ones each object makes `most`. Adaptive ones go on until
+ * each object has ended, or has made `most` attempts; beside groups with fixed steps it has FP3_ADAPTIVE_ATTEMPTS at
+ * least. *stats (it may be NULL) is the sum of the runs that this takes: one, but where one object cannot sleep as
+ * many as it takes not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
+ * FP3_E_PROGRAM: the configuration interleaves, and a program of adaptive steps has no sleep. */
+fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
+
+typedef struct {
+    uint32_t least, median, most;
+} fp3_adaptive_counts;
+
+/* Of objects first .. first+count-1. */
+typedef struct {
+    fp3_adaptive_counts accepted, rejected;
+    float smallest,
+        largest; /* accepted steps; the smallest as long as it was before the end cut it off. 0: there was none */
+    size_t failed, first;    /* how many did not end, and the first of them */
+    fp3_adaptive_object why; /* what is known of that */
+} fp3_adaptive_report;
+
+/* FP3_E_ARGUMENT as of fp3_adaptive_look; FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t count,
+                                    fp3_adaptive_report *report);
 
 FP3_API_END
 

@@ -9,13 +9,32 @@
  * unless its own comment says otherwise. No pointer may be NULL unless its comment says so.
  *
  * Threads: the library has no state of its own. Two threads may call at the same time with different objects
- * (engines, images, scenes ...), and read what neither changes; one object is of one thread at a time.
+ * (engines, images, scenes ...), and read
+ * what neither changes; one object is of one thread at a time. The other headers say where they differ.
+ *
+ * Experimental: a header that says so may change in any version. All others change with the second number of the
+ * version while the first is 0.
  */
 #ifndef FP3_STATUS_H
 #define FP3_STATUS_H
 
-#include <fp3/api.h>
 #include <stdint.h>
+
+#define FP3_VERSION "0.1.0"
+
+/* Every header begins and ends with these: C linkage for C++, and names that the shared library
+ * exports. It exports nothing else. */
+#ifdef __cplusplus
+#define FP3_API_BEGIN                                                                              \
+    extern "C" {                                                                                   \
+    _Pragma("GCC visibility push(default)")
+#define FP3_API_END                                                                                \
+    _Pragma("GCC visibility pop")                                                                  \
+    }
+#else
+#define FP3_API_BEGIN _Pragma("GCC visibility push(default)")
+#define FP3_API_END _Pragma("GCC visibility pop")
+#endif
 
 FP3_API_BEGIN
 

@@ -11,12 +11,15 @@
  *
  * The log is for the viewer Konata: one row for each instruction that a scheduler issues for a
  * context, seen from lane 0. docs/tracing.md has the stages.
+ *
+ * Threads: a log is of the thread that runs its engine.
+ * Experimental.
  */
 #ifndef FP3_TRACE_H
 #define FP3_TRACE_H
 
-#include <fp3/api.h>
 #include <fp3/engine.h>
+#include <fp3/status.h>
 #include <stdio.h>
 
 FP3_API_BEGIN
