@@ -91,10 +91,10 @@ static fp3_status print_table(const fp3_measure *m, json_t *shown, fp3_error *er
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; i < m->points.count; i++)
         list[i] = &m->points.point[i];
-    printf("%s from 0 to %g, %u objects that differ: what no faster point of its kind is as "
-           "accurate as.\n"
-           "error: relative, at the end, median of the objects and the worst; ns, cycles: for one "
-           "object, all steps.\n\n"
+    printf("%s from 0 to %g, %u objects with different values. Each row is more accurate than all "
+           "faster rows of its engine.\n"
+           "error: relative, at the end: the median of the objects, and the worst. ns, cycles: all "
+           "steps of one object.\n\n"
            "%-20s %-34s %-12s %10s %10s %12s %12s\n",
            p->model->name, p->end, p->variants, "engine", "how", "step", "error", "worst", "ns",
            "cycles");

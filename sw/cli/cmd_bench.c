@@ -359,24 +359,25 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
 enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT };
 
 static const struct argp_option table[] = {
-    {"config", 'c', "NAME", 0, "One configuration (default: all)", 0},
+    {"config", 'c', "NAME", 0, "Run on this configuration (default: on all)", 0},
     {"program", 'p', "NAME", 0,
-     "programs/NAME.s or .ode, or a path: with a / or an ending (default: " PROGRAMS ")", 0},
+     "A program of programs/ by its name, or a path (default: " PROGRAMS ")", 0},
     {"model", KEY_MODEL, NULL, 0, "The program is a model, whatever its name", 0},
     {"steps", 'n', "N", 0,
-     "Integrations after the first, of one object or shared by many (default: 10000)", 0},
-    {"params", 'P', "FILE", 0, "Values (default: " SHIP_PARAMS " for a ship, a model's own)", 0},
-    {"scenes", 's', "N", OPTION_ARG_OPTIONAL,
-     "Also run scenes of N objects from the store (default: 10000)", 0},
+     "Run N steps after the first, of one object or in total (default: 10000)", 0},
+    {"params", 'P', "FILE", 0,
+     "Read values from FILE (default: " SHIP_PARAMS " for a ship, else those of the model)", 0},
+    {"scenes", 's', "N", OPTION_ARG_OPTIONAL, "Also run scenes of N objects (default: 10000)", 0},
     {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
-    {"integrator", 'i', "NAME", 0, "Of MODEL; may be repeated (default: all that are built in)", 0},
-    {"csv", KEY_CSV, "FILE", 0, "Of MODEL: also write all points as a table, a row for each", 0},
+    {"integrator", 'i', "NAME", 0,
+     "With MODEL: measure this integrator; may be repeated (default: all that are built in)", 0},
+    {"csv", KEY_CSV, "FILE", 0, "With MODEL: also write all points as CSV, a row for each", 0},
     {"plot", KEY_PLOT, "FILE", 0,
-     "Of MODEL: also draw error against time, and against cycles of hardware, into FILE, whose "
-     "name "
-     "ends in .svg or .png: the points of the printed table. Needs gnuplot",
+     "With MODEL: also draw the printed table, error against time and against cycles, into FILE "
+     "(.svg or .png). Needs gnuplot",
      0},
-    {"quick", KEY_QUICK, NULL, 0, "Of MODEL: few tolerances, few objects, three repeats", 0},
+    {"quick", KEY_QUICK, NULL, 0,
+     "With MODEL: measure fewer tolerances and objects, three times each", 0},
     {0},
 };
 
@@ -473,18 +474,17 @@ int fp3_cmd_bench(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "[MODEL...]",
-        .doc =
-            "With MODEL (programs/MODEL.ode, or a path: with a / or an ending): error against run "
-            "time. For every integrator, arithmetic and time step, or tolerance of adaptive steps, "
-            "the nanoseconds of the engine "
-            "fast with one thread and with all, and the cycles of hardware; beside it a plain C "
-            "loop and GSL's solvers. The table has the best, the JSON all. A minute a model, of "
-            "an idle machine. It needs a C compiler.\v"
-            "Without: runs the ship, or another program or model, on the hardware under Verilator: "
-            "compares "
-            "every write of a state with golden (a ship by hand) or the isa engine bit for bit, "
-            "counts cycles, measures the error against truth. Exit code 1 on any mismatch, 3 if "
-            "objects failed or there is no truth; the figures are there."};
+        .doc = "With MODEL (the name of a file in programs/, or a path), measures error against "
+               "run time: for each integrator, arithmetic and time step (or tolerance), the "
+               "nanoseconds of engine fast with one thread and with all threads, and the cycles of "
+               "the hardware. A plain C loop and the solvers of GSL run beside it. The printed "
+               "table has the best points; --json and --csv have all. It takes about a minute for "
+               "each model, needs a C compiler, and wants an idle machine.\v"
+               "Without MODEL, runs the ship (or --program) on the hardware under Verilator, "
+               "counts its cycles, compares every write of a state bit for bit with the golden "
+               "model or the isa engine, and measures the error against the truth. The exit code "
+               "is 1 if any bits differ, and 3 if objects failed or there is no truth; the figures "
+               "are printed in each case."};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error = {.text = ""};
     char *report = NULL;

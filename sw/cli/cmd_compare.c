@@ -366,22 +366,27 @@ enum {
 };
 
 static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
-     "A built-in table, or a file; may be repeated (default: all that are built in)", 0},
+     "Compare this integrator, a built-in table or a file; may be repeated (default: all built-in "
+     "tables)",
+     0},
     {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
-     "plain, compensated, folded or double_single; may be repeated (default: all)", 0},
+     "Compare this arithmetic: plain, compensated, folded or double_single; may be repeated "
+     "(default: all)",
+     0},
     {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
-    {"errors", KEY_ERRORS, NULL, 0, "... with the error at every number of steps", 0},
+    {"errors", KEY_ERRORS, NULL, 0, "With --json: also write the error at each time step", 0},
     {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
     {"most-steps", KEY_STEPS, "N", 0, "The finest time step is span/N (default 131072)", 0},
-    {"quick", KEY_QUICK, NULL, 0, "No hardware: cycles are predicted, agreement is not checked", 0},
+    {"quick", KEY_QUICK, NULL, 0,
+     "Run no hardware: predict cycles, and do not check that engines agree", 0},
     {"tolerance", KEY_TOLERANCE, "TOL1,TOL2,...", 0,
-     "Compare adaptive steps of these tolerances with the cheapest fixed steps of no larger error, "
-     "of the integrators that are named (default: rk4, rk6 and those with an error estimate)",
+     "Compare adaptive steps with these tolerances to the cheapest fixed steps that are as "
+     "accurate (default integrators: rk4, rk6 and all with an error estimate)",
      0},
     {"native", KEY_NATIVE, NULL, 0,
-     "The engine fast makes native code, which takes longer than these runs", 0},
+     "Let engine fast compile native code; for these runs it costs more than it saves", 0},
     {0},
 };
 
@@ -456,13 +461,12 @@ int fp3_cmd_compare(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "MODEL",
-        .doc =
-            "Compares integrators on MODEL (*.ode), in FP32: operations, instructions, cycles "
-            "per object-step for many objects and for one, order as it is measured, smallest "
-            "error that any time step reaches (relative, root of the mean square over states and "
-            "8 times of the span), and words in which hardware, isa engine and equations differ. "
-            "Exit code 1 if any do, 3 if objects failed or there is no reference; the rows are "
-            "there."};
+        .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
+               "instructions of a step, its cycles with many objects and with one, the measured "
+               "order, the smallest error that any time step reaches (relative, the root mean "
+               "square over all states at 8 times), and the number of words in which hardware, isa "
+               "engine and equations differ. The exit code is 1 if any differ, and 3 if objects "
+               "failed or there is no reference; the rows are printed in each case."};
     options o = {.most_steps = 131072};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;

@@ -39,7 +39,7 @@ enum {
 };
 
 static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
      "A built-in table, or a file (default: " FP3_FIXED_INTEGRATOR
      ", with --tolerance " FP3_ADAPTIVE_INTEGRATOR ")",

@@ -161,8 +161,8 @@ int fp3_cmd_info(int argc, char **argv) {
     static const struct argp argp = {
         .parser = parse,
         .args_doc = "[IMAGE]",
-        .doc = "Says what IMAGE needs; without it, which version, instructions and configurations "
-               "this is.",
+        .doc = "Prints what IMAGE needs, and which configurations can execute it. Without IMAGE, "
+               "prints the version, the instructions and all configurations.",
     };
     const char *image = NULL;
     fp3_arguments_parse(&argp, argc, argv, &image);

@@ -111,7 +111,7 @@ static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report
 enum { KEY_JSON = 256, KEY_QUICK, KEY_MODEL, KEY_ALL, KEY_ONLY };
 
 static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, though it is named *.s or *.fp3", 0},
+    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
      "A built-in table, or a file; may be repeated (default: of models rk4, else all that are "
      "built in)",
@@ -181,12 +181,12 @@ int fp3_cmd_stress(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "[MODEL...]",
-        .doc = "Measures what FP32 does to integrators and models, and judges each figure against "
-               "what it should be, by theory or by a published figure. Without a MODEL: the suite "
-               "of docs/stress.md on equations of its own. With models (*.ode): their "
-               "invariants, errors by step size, return after a reversal of time, and failures "
-               "when parameters are spread over decades. Prints what does not hold, and why. Exit "
-               "code 3 if anything does not; all results are there."};
+        .doc = "Measures what FP32 does to integrators and models, and compares each figure with "
+               "the one that theory or a publication gives. With MODEL (*.ode), measures its "
+               "invariants, its error at each step size, whether it returns when time runs "
+               "backwards, and where it fails when parameters are spread over decades. Without "
+               "MODEL, runs the suite of docs/stress.md. Prints each figure that is off, and why. "
+               "The exit code is 3 if any is; all results are written in each case."};
     options o = {0};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;
