@@ -13,16 +13,16 @@
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_batch_close(&ships);
  *
- * Names are those of the model: its states, its params, and h, the time step. What a program needs besides (1/m,
- * products with h) is computed by itself before the next step, for the objects whose values have changed. A
- * value is in double, and what is made of it is rounded to FP32 once, so all bits are those of
- * `fp3 run --set name=value`.
+ * Names are those of the model: its states, its params, and h, the time step. Other values that the
+ * program needs (1/m, products with h) are updated automatically before the next step, for the
+ * objects whose values have changed. They are computed in double and rounded to FP32 once, so all
+ * bits are those of `fp3 run --set name=value`.
  *
- * Threads: one thread at a time uses a batch. Different batches share nothing that changes, so each may
- * have a thread of its own; batches of one compiled program, too.
+ * Threads: only one thread at a time may use a batch. Different batches may be used in different
+ * threads, even if they have the same compiled program.
  *
- * docs/batch.md begins at the beginning. For single registers, cycles, counters and groups of
- * several programs there are fp3/engine.h and fp3/program.h.
+ * docs/batch.md is an introduction. For single registers, cycles, counters and groups with several
+ * programs, use fp3/engine.h and fp3/program.h.
  */
 #ifndef FP3_BATCH_H
 #define FP3_BATCH_H
@@ -37,68 +37,72 @@ FP3_API_BEGIN
 
 typedef struct fp3_batch fp3_batch;
 
-/* What to open. Always start from fp3_batch_default(). What it points to belongs to the caller;
- * `compiled` and `error` must outlive the batch, the rest need not outlive the call that opens. */
+/* What to open. Always start from fp3_batch_default(). The caller owns everything that it points
+ * to. `compiled`, `native`, `error` and whatever the two `user` pointers point to must outlive the
+ * batch; the rest need only last until fp3_batch_open returns. */
 typedef struct {
-    uint32_t cookie; /* set by fp3_batch_default(): catches a forgotten default, and a definition of
+    uint32_t cookie; /* set by fp3_batch_default(): detects a missing default, and a definition of
                         another size */
-    /* One of the three: a file, by the end of its name a model (.ode), assembly (.s) or an image; the
-     * text of a model; or a program that has been compiled for compile.config. */
+    /* Exactly one of three: the name of a file, which is a model (.ode), assembly (.s) or else an
+     * image; the text of a model; or a program that was compiled for compile.config. */
     const char *model;
     const char *text;
     size_t text_size;
     const fp3_compiled *compiled;
-    size_t objects; /* 1 (default) to 2^25; it stays */
+    size_t objects; /* 1 (default) to 2^25; fixed once opened */
 
-    /* Of a model that is not compiled yet. */
-    const char
-        *integrator; /* a built-in table or a file; NULL (default): rk4, or cash_karp if adaptive */
+    /* The next three apply to a model that is not compiled yet. integrator: a built-in table or a
+     * file; NULL (default): rk4, or cash_karp if adaptive. compile: the default of its config is
+     * "many_full". */
+    const char *integrator;
     const fp3_adaptive_def *adaptive; /* each object chooses its steps; NULL (default): all are h */
-    fp3_compile_def
-        compile; /* arithmetic, passes, observed states; the default of config is "many_full" */
+    fp3_compile_def compile;          /* arithmetic, passes, observed states */
 
-    double h;           /* 0 (default): the model's */
-    const char *engine; /* of fp3_engine_def; "fast" (default) */
-    uint32_t threads;   /* of "fast": 0 (default): one for each processor */
-    /* Of "fast": 1: a C compiler may be started to make native code, which is kept in a cache directory. 0 (default): never. A
-     * library that starts programs and writes files unasked is a surprise in a game, and the interpreter
-     * is what short runs take anyway: native code pays in long runs (docs/fast.md). */
+    double h;           /* the time step; 0 (default): the model's */
+    const char *engine; /* as in fp3_engine_def; default "fast" */
+    uint32_t threads;   /* "fast" only; 0 (default): one for each processor */
+    /* "fast" only. 1: the library may start a C compiler to make native code, and keeps the code in
+     * a cache directory. 0 (default): never, because a game does not expect a library to start
+     * programs and write files, and short runs are interpreted anyway. Native code pays off in long
+     * runs (docs/fast.md). */
     int may_compile;
-    const char
-        *native; /* of "fast": a file with the program's native code (fp3_engine_def), or NULL */
-    /* Of "fast", as in fp3_engine_def: threads and memory of the caller's; what `user` points to must
-     * outlive the batch. NULL and {0} (default): the library's. */
+    const char *native; /* "fast" only: file with native code, as in fp3_engine_def, or NULL */
+    /* "fast" only, as in fp3_engine_def: the caller's threads and memory. NULL and {0} (default):
+     * the library's. */
     fp3_tasks_fn *tasks;
     void *tasks_user;
     fp3_allocator allocator;
-    fp3_error *error; /* where this batch's calls say why they failed; NULL: nowhere */
+    fp3_error *error; /* receives the message when a call of this batch fails; or NULL */
 } fp3_batch_def;
 
 fp3_batch_def fp3_batch_default(void);
 
-/* All objects have the model's defaults at time 0. The caller closes *batch, which is NULL on failure.
- * FP3_E_ARGUMENT, FP3_E_PROGRAM, FP3_E_SYSTEM: as of fp3_program_open, fp3_compile and fp3_engine_open. */
+/* Opens a batch. All objects have the model's defaults and are at time 0. The caller closes *batch,
+ * which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and
+ * fp3_engine_open. */
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch);
-/* Sets *batch to NULL; that it was NULL before does no harm. */
+/* Closes *batch and sets it to NULL. *batch may be NULL already. */
 void fp3_batch_close(fp3_batch **batch);
 
 /* ---- values ----
  *
- * FP3_E_ARGUMENT: there is no such name (the message has the nearest), no such object, or the value
- * is not finite; nothing is changed. That what is made of a value has room in FP32 is seen by the next
- * step. A state that is written before the first step is where its object starts; after it, the object goes on from there. With
- * an integrator that keeps where objects were (stoermer) that is refused, and another h, too; so is another h where the
- * equations have t. */
+ * FP3_E_ARGUMENT: there is no such name (the message suggests the nearest), no such object, or the
+ * value is not finite; nothing is changed. Whether the values computed from it fit FP32 is checked
+ * by the next step.
+ * A state that is written before the first step sets where its object starts. Later, the object
+ * goes on from there. After the first step, an integrator that keeps earlier positions (stoermer)
+ * refuses new states and another h; another h is also refused if the equations contain t. */
 
-/* Of all objects, or of what they share. */
+/* Sets a value of all objects, or one that they share. */
 fp3_status fp3_batch_set(fp3_batch *batch, const char *name, double value);
-/* Of objects first .. first+count-1, of which each has its own. */
+/* Write a column for objects first .. first+count-1, one number each. */
 fp3_status fp3_batch_write(fp3_batch *batch, const char *name, size_t first, size_t count,
                            const float *values);
 fp3_status fp3_batch_write_double(fp3_batch *batch, const char *name, size_t first, size_t count,
                                   const double *values);
-/* Columns of objects first .. first+count-1: name_count names, and as many places for count numbers. In double,
- * a state in double-single is the sum of its two words. */
+/* Read columns of objects first .. first+count-1: values[i] receives count numbers of names[i], for
+ * each of name_count names. fp3_batch_read_double gives a double-single state as the sum of its two
+ * words. */
 fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t name_count,
                           size_t first, size_t count, float *const *values);
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
@@ -106,26 +110,27 @@ fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, siz
 
 /* ---- steps ---- */
 
-/* All objects make this number of steps; with adaptive steps this number of attempts, at most, until they reach
- * `until`. FP3_E_ARGUMENT: a value that is made of others is not finite, or is not 0 and has no room in FP32
- * ("object 3: 1/m is inf"): nothing was executed. Else as of fp3_engine_run. */
+/* All objects make this number of steps. With adaptive steps, each makes at most this number of
+ * attempts until it reaches `until`. FP3_E_ARGUMENT: a computed value is not finite, or is not 0
+ * but outside the range of FP32 ("object 3: 1/m is inf"); nothing was executed. Other errors are
+ * those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
-/* The time that fixed steps have made since the start; of adaptive ones read `t`. */
+/* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
-/* Back to the starts, at time 0. Params and h stay. */
+/* Goes back to the starting states at time 0. Params and h stay as they are. */
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
-/* Who failed in the last fp3_batch_step, as of fp3_engine_failure; text (may be NULL) has its words, "" if there is
- * none. FP3_E_ARGUMENT: also if something was written since. */
+/* Which objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be NULL) gets a
+ * description, or "" if none failed. FP3_E_ARGUMENT: also if something was written since. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
 
-/* ---- what it is made of; belongs to the batch ---- */
+/* ---- its parts, which belong to the batch ---- */
 
 size_t fp3_batch_objects(const fp3_batch *batch);
-/* Counters, status, sleep; what is written or loaded behind the batch's back it does not know. */
+/* For counters, status and sleep. The batch does not notice what you write or load through it. */
 fp3_engine *fp3_batch_engine(fp3_batch *batch);
-/* NULL: of an image. */
+/* NULL if the batch runs an image. */
 const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch);
 
 FP3_API_END

@@ -1,4 +1,4 @@
-/* fp3/compile.h - a model and an integrator to a program.
+/* fp3/compile.h - compiles a model and an integrator to a program.
  *
  *     fp3_compile_def def = fp3_compile_default();
  *     def.config = "many_full";
@@ -9,7 +9,7 @@
  *     // Write the values of program->inputs, which fp3_compiled_inputs computes.
  *     fp3_compiled_free(&program);
  *
- * docs/compiler.md says what each pass does and in which order everything is rounded.
+ * docs/compiler.md describes each pass, and the order in which everything is rounded.
  *
  * Threads: any number of threads may read a compiled program at the same time.
  */
@@ -53,9 +53,9 @@ typedef enum {
 const char *fp3_pass_name(fp3_pass pass);
 const char *fp3_pass_doc(fp3_pass pass);
 int fp3_pass_changes_bits(fp3_pass pass);
-/* FP3_PASS_COUNT: no such name. */
+/* The pass of this name, or FP3_PASS_COUNT if there is none. */
 fp3_pass fp3_pass_find(const char *name);
-/* The set of all passes that change bits, or of all that keep them. */
+/* The set of all passes that change bits (1), or of all that keep them (0). */
 unsigned fp3_passes_that(int change_bits);
 
 /* ---- a program ---- */
@@ -63,32 +63,33 @@ unsigned fp3_passes_that(int change_bits);
 /* How the values of a step are computed. */
 typedef enum {
     FP3_PLAIN,
-    FP3_COMPENSATED,   /* what an update loses is added to the next one (Kahan) */
-    FP3_FOLDED,        /* h and the known factors of a product are one number */
-    FP3_DOUBLE_SINGLE, /* states and all arithmetic as sums of two floats */
+    FP3_COMPENSATED, /* what rounding loses in an update is added to the next one (Kahan) */
+    FP3_FOLDED,      /* h times a coefficient, or the known factors of a product, are one number */
+    FP3_DOUBLE_SINGLE, /* states and all arithmetic are sums of two floats */
     FP3_ARITHMETICS
 } fp3_arithmetic;
 
 typedef struct {
     const char *name; /* in results and scenes, and after --arithmetic */
     const char *text; /* in a sentence, and as an option */
-    unsigned passes;  /* that it implies */
+    unsigned passes;  /* set of the passes that it implies */
 } fp3_arithmetic_facts;
 
 const fp3_arithmetic_facts *fp3_arithmetic_of(fp3_arithmetic arithmetic);
-/* By its name; FP3_ARITHMETICS: there is none. */
+/* The arithmetic of this name, or FP3_ARITHMETICS if there is none. */
 fp3_arithmetic fp3_arithmetic_find(const char *name);
-/* Whether the integrator, with fixed or adaptive steps, has a program of its own in this arithmetic. */
+/* Whether the integrator, with fixed or adaptive steps, has a program of its own in this
+ * arithmetic. */
 int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
                            int is_adaptive);
 
 typedef struct {
-    const char *config; /* the configuration that it is scheduled for */
-    unsigned passes;    /* a set of FP3_PASS(...), beside those that arithmetic implies */
+    const char *config; /* the configuration to schedule for */
+    unsigned passes;    /* a set of FP3_PASS(...), besides those that arithmetic implies */
     fp3_arithmetic arithmetic;
-    const char *const *observed; /* names of the states that somebody reads; NULL: all */
+    const char *const *observed; /* names of the states that will be read; NULL: all */
     size_t observed_count;
-    int finds_savings; /* fills fp3_compiled.saved, which takes as long again for each pass */
+    int finds_savings; /* 1: also fill fp3_compiled.saved: compiles again for each pass */
 } fp3_compile_def;
 
 /* "single_full", every pass that keeps the bits, plain, all states observed. */
@@ -97,65 +98,65 @@ fp3_compile_def fp3_compile_default(void);
 /* What the host writes before a run. */
 typedef struct {
     char name[FP3_NAME_SIZE];
-    int is_shared;   /* a .shared; else a .state or .param of each object */
-    uint32_t state;  /* start of this state of the model; FP3_NONE: another value */
-    uint32_t low_of; /* double-single: the second word of the start of this state; else FP3_NONE */
-    char *formula;   /* as a reader sees it, "1/m"; cut where it is long */
-    /* The same for fp3_formula_read, of h, params of the model and numbers. NULL: a state's start, or
-     * what no such formula gives, or only a very long one. */
+    int is_shared;   /* 1: a .shared; 0: a .state or .param of each object */
+    uint32_t state;  /* the input is the start of this state of the model; else FP3_NONE */
+    uint32_t low_of; /* double-single: it is the second word of this state's start; else FP3_NONE */
+    char *formula;   /* for readers, as "1/m"; truncated if long */
+    /* The same for fp3_formula_read, in h, params of the model and numbers. NULL: the input is a
+     * state's start, or no such formula gives it, or only a very long one. */
     char *rule;
-    /* What the value depends on: params of the model, a bit each, from bit 0; h; where states start and
-     * when (`steps`). */
+    /* What the value depends on: params of the model, one bit each, from bit 0; h; the states'
+     * starts and the starting time (`steps`). */
     uint64_t params;
     int has_h, has_start;
 } fp3_input;
 
 typedef struct {
     char *assembly;
-    /* What the integrator loses on this model, one line that begins with the line of the model: a
-     * splitting is of first order where a derivative that it kicks depends on more than positions.
-     * NULL: nothing. */
+    /* One line that begins with a line number of the model, if the integrator loses order on it: a
+     * splitting is only of first order if a derivative that it kicks depends on more than
+     * positions. Else NULL. */
     char *warning;
     fp3_image *image;
     fp3_input *inputs;
     uint32_t input_count;
-    /* Of a step. */
-    uint32_t operations; /* additions, products, ... with chained ones counted as two */
+    /* Of one step. */
+    uint32_t operations; /* additions, products, ...; a chained pair counts as two */
     uint32_t instructions;
     uint32_t registers, constants;
     uint32_t ahead, copies;
-    double cycles; /* per object-step, predicted; 0: not known beforehand */
+    double cycles; /* per object-step, predicted; 0: cannot be predicted */
     double bound, bound_issue, bound_path;
-    /* By each pass, if def->finds_savings: operations; of `chain` instructions, of `scale` products,
-     * of `ahead` cycles, of `share` registers. */
+    /* What each pass saves, if def->finds_savings is set: operations; `chain` saves instructions,
+     * `scale` products, `ahead` cycles, `share` registers. */
     uint32_t saved[FP3_PASS_COUNT];
-    unsigned passes; /* that were on and that the configuration can use */
-    unsigned order;  /* theoretical, of the worst observed state: see docs/integrators.md */
+    unsigned passes; /* those that were on and that the configuration can use */
+    unsigned order;  /* theoretical, of the worst observed state: docs/integrators.md */
     fp3_arithmetic arithmetic;
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state; FP3_E_PROGRAM: the integrator does not fit the
- * model (a splitting of what has no velocities), a number is beyond FP32, or the configuration lacks
- * an operation, registers, constants or words: how many are needed. Messages about a place in the
- * model begin "line:column: error: ". */
+/* FP3_E_ARGUMENT: no such configuration or state. FP3_E_PROGRAM: the integrator does not suit the
+ * model (a splitting, but no velocities), a number is outside the range of FP32, or the
+ * configuration lacks an operation, registers, constants or words; the message says how many are
+ * needed. Messages about a place in the model begin "line:column: error: ". */
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error);
-/* Sets *compiled to NULL; that it was NULL before does no harm. */
+/* Frees *compiled and sets it to NULL. *compiled may be NULL already. */
 void fp3_compiled_free(fp3_compiled **compiled);
 
-/* The register of the second word of a state of the model, in double-single; -1: it has none. The state is
- * the sum of its two registers, which double holds. */
+/* In double-single, the register that holds the second word of a state of the model; -1: none. The
+ * state is the sum of its two registers, which a double holds exactly. */
 int fp3_compiled_low(const fp3_compiled *compiled, uint32_t state);
 
-/* The exact cycles of a run of `steps` steps: one object, or all contexts full and one visit, loads and
- * stores included. 0: no steps, or schedulers share an arithmetic unit. */
+/* The exact cycles of a run of `steps` steps, for one object, or for all contexts full and one
+ * visit, including loads and stores. 0: no steps, or schedulers share an arithmetic unit. */
 uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
 
-/* values[i] of inputs[i] for an object with these params and start (model->param_count and
- * state_count numbers) at time 0, and time step h; `steps`, if it is an input, is 0. Computed in
- * double, rounded once. FP3_E_ARGUMENT: h is not above 0, a value is not finite, or one other than 0
- * rounds to 0 or an infinity. */
+/* Sets values[i] to the value of inputs[i], for an object with these params and this start
+ * (model->param_count and state_count numbers) at time 0, and time step h. `steps`, if it is an
+ * input, is 0. Values are computed in double and rounded once. FP3_E_ARGUMENT: h is not above 0, a
+ * value is not finite, or one other than 0 rounds to 0 or an infinity. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
 
@@ -175,30 +176,32 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
  *     else
  *         printf("%zu objects did not reach the end\n", report.failed);
  *
- * docs/adaptive.md says what a step computes, and how the two words of t keep time.
+ * docs/adaptive.md describes what a step computes, and how the two words of t keep time.
  */
 
-/* Defaults of the params that an adapted model has; all in the model's own units. */
+/* Defaults of the params that adaptive steps add to a model, in the model's own units. */
 typedef struct {
-    double tolerance; /* of a step's error, relative to the size of the state; default 1e-5 */
-    double
-        absolute; /* what counts as the size of a small state, times tolerance; 0: the same number as tolerance */
-    double until;  /* the time at which objects end; 0: the model's span */
-    double locate; /* an event is at most this late; 0: tolerance * until */
+    /* A step of a state y may be wrong by absolute + tolerance |y|. */
+    double tolerance; /* default 1e-5 */
+    double absolute;  /* 0: the same number as tolerance */
+    double until;     /* the time at which objects end; 0: the model's span */
+    double locate;    /* an event is found at most this late; 0: tolerance * until */
 } fp3_adaptive_def;
 
 fp3_adaptive_def fp3_adaptive_default(void);
 
-/* The integrator of a model where none is named: with fixed steps, and with adaptive ones. */
+/* The default integrators, with fixed and with adaptive steps. */
 #define FP3_FIXED_INTEGRATOR "rk4"
 #define FP3_ADAPTIVE_INTEGRATOR "cash_karp"
 
-/* Gives the model what adaptive steps need: states t, h_next (the next step to try; it starts as the model's), accepted, rejected, smallest, largest, in this order behind its own; params until, of each object, and tolerance, absolute
- * and, if there are events, locate, which all objects share. fp3_compile then makes a program of
- * adaptive steps. FP3_E_PROGRAM: the model has one of these names, or is too large. */
+/* Adds to the model what adaptive steps need: after its own states, in this order, t, h_next (the
+ * next step to try, at first the model's step), accepted, rejected, smallest and largest; the param
+ * until of each object; and the shared params tolerance, absolute and, if there are events, locate.
+ * fp3_compile then makes a program with adaptive steps. FP3_E_PROGRAM: the model already has one of
+ * these names, or is too large. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
-/* The index of state t, behind which the others follow; FP3_NONE: the model is not adapted. */
+/* The index of state t, which the others follow, or FP3_NONE if the model is not adapted. */
 uint32_t fp3_model_adapted(const fp3_model *model);
 
 FP3_API_END

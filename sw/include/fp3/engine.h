@@ -1,9 +1,9 @@
 /* fp3/engine.h - runs programs over objects.
  *
  * Every engine gives the same bits for the same program. "rtl" is the hardware under Verilator,
- * cycle by cycle; "isa" is an instruction-set simulator in C; "fast" makes native code of the program,
- * runs it over vectors of objects in all processors, and holds as many objects as the host has
- * memory for, up to 2^25; "board" is hardware behind a serial port, real or simulated (docs/board.md).
+ * cycle by cycle. "isa" is an instruction-set simulator in C. "fast" compiles the program to native
+ * code and runs it over vectors of objects on all processors; it holds as many objects as fit in
+ * memory, up to 2^25. "board" is hardware behind a serial port, real or simulated (docs/board.md).
  *
  *     float v;
  *     fp3_error error;
@@ -20,15 +20,16 @@
  *
  * A configuration that interleaves holds def.objects objects in a store and visits them in turn. A
  * visit loads the registers that the program keeps, advances the object by def.visit steps, and
- * stores them. Registers that the program neither loads nor stores hold what the host wrote.
+ * stores them. Registers that the program neither loads nor stores keep what the host wrote.
  *
  * Objects that run different programs form groups (fp3_engine_load_groups). They need a
  * configuration with several schedulers.
  *
- * Threads: an engine is of one thread at a time; engines in different threads do not disturb each other. Callbacks
- * come in the thread that calls the engine. Only `tasks` leads into other threads, those of the caller.
+ * Threads: only one thread at a time may use an engine; engines in different threads do not affect
+ * each other. Callbacks run in the thread that calls the engine. Only `tasks` runs work in other
+ * threads, those of the caller.
  *
- * After `make install` a program that uses it is built with
+ * After `make install`, build a program that uses it with
  *     cc ship.c $(pkg-config --cflags --libs fp3)
  */
 #ifndef FP3_ENGINE_H
@@ -44,113 +45,120 @@ FP3_API_BEGIN
 
 typedef struct fp3_engine fp3_engine;
 
-/* A result written to a register. The writes of one register come in program order, those of
- * different registers in the order of their cycles. An engine may call back in the rounding mode of its
- * configuration: a callback that computes sets its own, and puts the old one back. */
+/* A result written to a register. Writes to the same register come in program order, writes to
+ * different registers in the order of their cycles. The engine may make the call in the rounding
+ * mode of its configuration: a callback that computes must set its own mode, and restore the old
+ * one. */
 typedef struct {
     uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */
     uint32_t reg;    /* object register */
-    uint32_t bits;   /* FP32; of a sleep the number of the step */
+    uint32_t bits;   /* FP32; for sleep, the number of the step */
     uint32_t flags;  /* NV DZ OF UF NX in bits 4 to 0 */
-    uint32_t context, scheduler, lane; /* where; isa: 0 */
+    uint32_t context, scheduler, lane; /* where it ran; isa: 0 */
 } fp3_retirement;
 typedef void fp3_retire_fn(void *user, const fp3_retirement *retirement);
 
-/* What became of an instruction that issued. */
+/* What happened to an instruction that was issued. */
 typedef enum {
-    FP3_NO_OBJECT = 1, /* not executed: the context has no object, or its object slept before */
-    FP3_ASLEEP,        /* not executed: the object fell asleep in this visit */
+    FP3_NO_OBJECT = 1, /* not executed: the context has no object, or a sleeping one */
+    FP3_ASLEEP,        /* not executed: the object fell asleep earlier in this visit */
     FP3_EXECUTED
 } fp3_outcome;
 
-/* An instruction of "rtl", told when it ends in a lane. Each lane ends what its scheduler issues in
- * the order of issue; a configuration that does not interleave may overtake. */
+/* An instruction of "rtl", reported when it ends in a lane. In each lane instructions end in the
+ * order in which its scheduler issues them, unless the configuration does not interleave: then one
+ * may overtake another. */
 typedef struct {
     uint64_t issued, ended; /* cycles, as in fp3_retirement */
     uint32_t scheduler, lane, context;
-    uint32_t pc; /* of the program with the loads in front */
+    uint32_t pc; /* index in the program, including the loads in front of it */
     uint32_t word;
     fp3_outcome outcome;
     uint32_t object;      /* unless FP3_NO_OBJECT */
-    int has_result;       /* it retired in cycle `ended`, with ... */
-    uint32_t bits, flags; /* ... these, as in fp3_retirement */
+    int has_result;       /* it retired in cycle `ended` with bits and flags */
+    uint32_t bits, flags; /* as in fp3_retirement */
 } fp3_traced;
 typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
 
-/* Called now and then in a run: how much of its instructions is executed, 0 to 1, counted as if nobody
- * slept. Must not call the engine. */
+/* Called now and then during a run. share, 0 to 1, is how much of its instructions has been
+ * executed, counted as if no object slept. Must not call the engine. */
 typedef void fp3_progress_fn(void *user, double share);
 
-/* A caller's own threads: calls task(of, number) for each number below count, in any of them and in any order, and
- * returns when all these calls have. */
+/* Work for the caller's threads: must call task(of, number) for each number below count, in any
+ * thread and any order, and return when all these calls have returned. */
 typedef void fp3_task_fn(void *of, uint32_t number);
 typedef void fp3_tasks_fn(void *user, fp3_task_fn *task, void *of, uint32_t count);
 
-/* A caller's own memory. allocate: aligned to 64 bytes, whatever is in it, or NULL; size is a multiple of 64. */
+/* The caller's memory. allocate returns memory that is aligned to 64 bytes, with any contents, or
+ * NULL. size is a multiple of 64. */
 typedef struct {
     void *(*allocate)(void *user, size_t size);
     void (*release)(void *user, void *memory, size_t size);
     void *user;
 } fp3_allocator;
 
-/* What to open. Always start from fp3_engine_default(). The caller owns the strings, and what error and each
- * `user` point to; they must outlive the engine. */
+/* What to open. Always start from fp3_engine_default(). The caller owns the strings and whatever
+ * error and each `user` point to; all of them must outlive the engine. */
 typedef struct {
-    uint32_t
-        cookie; /* set by fp3_engine_default(): catches a forgotten default, and a program that was
-                         compiled with the headers of another version */
-    fp3_error *error;     /* where this engine's calls say why they failed; NULL: nowhere */
+    /* Set by fp3_engine_default(): detects a missing default, and a program that was compiled with
+     * headers of another version. */
+    uint32_t cookie;
+    fp3_error *error;     /* receives the message when a call of this engine fails; or NULL */
     const char *engine;   /* "rtl" (default), "isa", "fast" or "board" */
     const char *config;   /* a name from docs/configurations.md; the default is "single" */
-    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): none; fast and
-                             board have none */
+    uint64_t cycle_limit; /* clock cycles (isa: instructions) per run; 0 (default): no limit; fast
+                             and board take none */
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
     /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
      * interleave. */
     uint32_t visit;
-    /* isa and rtl: called for every retirement, or NULL; must not call the engine. */
+    /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
     fp3_retire_fn *retire;
     void *retire_user;
     fp3_trace_fn *trace; /* rtl: called for every instruction in every lane, or NULL; likewise */
     void *trace_user;
-    uint64_t
-        bus_waits; /* rtl: a seed for pauses of 0 to 3 cycles in each channel of each transfer; 0: none */
-    fp3_progress_fn *progress; /* or NULL; a run is the same with it and without */
+    /* rtl: seed for random pauses of 0 to 3 cycles in each channel of each transfer; 0: none. */
+    uint64_t bus_waits;
+    fp3_progress_fn *progress; /* or NULL; does not change the run */
     void *progress_user;
     /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
-     * processor. The results are the same. */
+     * processor. The number does not change the results. */
     uint32_t threads;
-    fp3_tasks_fn *tasks; /* fast only: threads of the caller; NULL (default): those of the engine */
+    fp3_tasks_fn *tasks; /* fast only: the caller's threads; NULL (default): the engine's own */
     void *tasks_user;
-    fp3_allocator allocator; /* fast only: of what all objects hold; {0} (default): malloc */
-    int is_interpreted; /* fast only: 1: without native code, which is worth its time in long runs */
-    /* fast only: 1: no compiler is started; what is neither in the cache nor in `native` is interpreted. */
+    fp3_allocator allocator; /* fast only: memory for the objects; {0} (default): malloc */
+    int is_interpreted;      /* fast only: 1: no native code, which pays off only in long runs */
+    /* fast only: 1: never start a compiler; a program that is neither in the cache nor in `native`
+     * is interpreted. */
     int is_without_compiler;
-    /* fast only: a file of fp3_engine_write_native, or NULL. A program is loaded only if the file has its code, made by this version for
-     * a processor like this one. It is read when a program is loaded; who can write to it can execute what he wants. */
+    /* fast only: a file made by fp3_engine_write_native, or NULL. It is read when a program is
+     * loaded, and the load fails unless the file has the program's code, made by this version for a
+     * processor like this one. The code is trusted: anyone who can write the file can execute code
+     * here. */
     const char *native;
-    /* board only: the name of its serial port; its rate, 0 (default): 115200. fp3_engine_find says which
-     * configuration is there. */
+    /* board only: the name of its serial port, and its baud rate; 0 (default): 115200.
+     * fp3_engine_find tells which configuration the board has. */
     const char *port;
     uint32_t baud;
-    /* rtl and board: file for every transfer on the bus, as sim/replay.v reads it, or NULL. It has
-     * its name when the first run has ended, and holds whole runs from then on:
+    /* rtl and board: file that receives every transfer on the bus, for sim/replay.v, or NULL. The
+     * file appears when the first run has ended, and always holds whole runs. Its lines:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
-     * h HIGH LOW, of rtl, after a run the FNV-1a hash of all retirements so far: of lane (of all schedulers),
-     * row within the lane, register, bits, flags. */
+     * h HIGH LOW, rtl only, after each run: FNV-1a hash of all retirements so far, over lane
+     * (counted over all schedulers), row within the lane, register, bits, flags. */
     const char *bus_log;
 } fp3_engine_def;
 
 /* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
- * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls; those of "fast" are all 0. */
+ * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls. All
+ * counters of "fast" are 0. */
 typedef struct {
     uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
-    uint32_t schedulers;                 /* each with counters of its own; isa: 1 */
-    /* Steps that all objects made. An object that fell asleep counts its steps until then. 0 unless
-     * the run came to its end. */
+    uint32_t schedulers;                 /* each has its own counters; isa: 1 */
+    /* Steps made by all objects together. An object that fell asleep counts its steps until then. 0
+     * unless the run came to its end. */
     uint64_t object_steps;
     uint32_t flags; /* exceptions raised by any instruction, as in fp3_retirement */
     double seconds; /* wall clock of the run */
@@ -161,9 +169,9 @@ const char *fp3_counter_name(fp3_counter counter);
 /* Whether its name begins with "stall_". */
 int fp3_counter_is_stall(fp3_counter counter);
 
-/* For fp3_engine_default(); size: of fp3_engine_def where it is called. */
+/* For fp3_engine_default() only. size is that of fp3_engine_def in the calling program. */
 void fp3_engine_set_default(fp3_engine_def *def, size_t size);
-/* "rtl", "single", no cycle limit, an object for each context, one visit per run, no callbacks. */
+/* "rtl", "single", no cycle limit, one object for each context, one visit per run, no callbacks. */
 static inline fp3_engine_def fp3_engine_default(void) {
     fp3_engine_def def;
     fp3_engine_set_default(&def, sizeof def);
@@ -171,46 +179,51 @@ static inline fp3_engine_def fp3_engine_default(void) {
 }
 
 /* The caller closes *engine, which is NULL on failure. Registers and constants are 0 at first.
- * FP3_E_ARGUMENT: no such engine or configuration, too many objects, or a definition of another version of the
- * library. FP3_E_SYSTEM: the simulated
- * hardware of "rtl" was not found or does not fit this library; the message says where it was looked
- * for. The environment variable FP3_RTL_DIR names another directory. */
+ * FP3_E_ARGUMENT: no such engine or configuration, too many objects, or a definition from another
+ * version of the library. FP3_E_SYSTEM: the simulated hardware of "rtl" was not found, or does not
+ * match this library; the message says where the library looked. The environment variable
+ * FP3_RTL_DIR names another directory. */
 fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine);
-/* Sets *engine to NULL; that it was NULL before does no harm. */
+/* Closes *engine and sets it to NULL. *engine may be NULL already. */
 void fp3_engine_close(fp3_engine **engine);
 
-/* Which configuration a board at a serial port has; baud as in fp3_engine_def. FP3_E_ARGUMENT: no such rate. FP3_E_SYSTEM:
- * no such port, nobody answers, or none that this library has. */
+/* Finds the configuration of the board at a serial port; baud as in fp3_engine_def. FP3_E_ARGUMENT:
+ * no such rate. FP3_E_SYSTEM: no such port, no answer, or a configuration that this library does
+ * not have. */
 fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config, fp3_error *error);
 
-/* How many objects it holds, at least 1. */
+/* The number of objects, at least 1. */
 size_t fp3_engine_objects(const fp3_engine *engine);
 
-/* What went over the bus of the hardware since it was opened: words written and read, and the cycles from a transfer's
- * first handshake to its response, which no run counts (board: 0). Of board also the requests that the
- * line carried, and how many of them had to be sent again, for an answer was lost or late. 0 for engines without
- * a bus. */
+/* Use of the hardware's bus since the engine was opened: transfers is the number of words written
+ * and read; cycles is the sum of cycles from a transfer's first handshake to its response, which no
+ * run counts (board: 0). With board, frames is the number of requests sent over the line, and
+ * repeats how many of them were sent again because an answer was lost or late. All are 0 for
+ * engines without a bus. */
 typedef struct {
     uint64_t transfers, cycles;
     uint64_t frames, repeats;
 } fp3_bus_use;
 fp3_bus_use fp3_engine_bus(const fp3_engine *engine);
-/* How many objects an engine can hold, at most; 0: there is no such engine or configuration. */
+/* The largest number of objects that an engine can hold; 0: no such engine or configuration. */
 size_t fp3_engine_room(const char *engine, const char *config);
-/* How the loaded program is executed: of "fast" "native x86-64-v4", or "interpreter x86-64-v3" and, in
- * brackets, why there is no native code. "" of other engines. Belongs to the engine until the next load. */
+/* How "fast" executes the loaded program: "native x86-64-v4", or "interpreter x86-64-v3" and, in
+ * brackets, why there is no native code. "" for other engines. The text belongs to the engine, and
+ * is valid until the next load. */
 const char *fp3_engine_how(const fp3_engine *engine);
 
-/* What "fast" would execute for the loaded program, compiled for this kind of processor (or a lesser one that FP3_FAST
- * names) and kept in a file, for `native` of an engine on a machine without a compiler. FP3_E_ARGUMENT: the engine is not
- * "fast", or has not one group with a program. FP3_E_SYSTEM: the compiler failed, or the file cannot be written. */
+/* Writes the native code of the loaded program to a file, for `native` of an engine on a machine
+ * without a compiler. It is compiled for this kind of processor, or for a lesser one that FP3_FAST
+ * names. FP3_E_ARGUMENT: the engine is not "fast", or does not have exactly one group with a
+ * program. FP3_E_SYSTEM: the compiler failed, or the file cannot be written. */
 fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
 
 /* Loads the code and the constants that have values; everything else keeps its contents. The image
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has
  * too few registers, constants or words, lacks an operation, or its store has no room for that many
- * objects of this program; the engine is unchanged. A word that is not an instruction is not refused
- * here: the run ends at it. "fast" refuses it here, and an lds behind other words than loads. */
+ * objects of this program; the engine is unchanged. A word that is not an instruction is not
+ * refused here: the run ends at it. Only "fast" refuses it here; it also refuses an lds that
+ * follows anything but loads. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* Objects that share a program. */
@@ -220,10 +233,10 @@ typedef struct {
 } fp3_group;
 
 /* The same with one program per group. Objects are numbered group by group, and the groups together
- * have as many as the engine. A scheduler runs one program. Each group gets at least one scheduler;
- * the others are distributed so that all groups end as early as possible if no object sleeps. The
- * objects of a group are dealt round the lanes of its schedulers.
- * An object keeps its registers and its status when it is placed elsewhere. Registers beyond its new
+ * have as many objects as the engine. A scheduler runs one program. Each group gets at least one
+ * scheduler; the others are distributed so that all groups end as early as possible if no object
+ * sleeps. The objects of a group are dealt in turn to the lanes of its schedulers.
+ * An object that is placed elsewhere keeps its registers and its status. Registers beyond its new
  * record are lost; those beyond its old record are 0. Constants belong to a group; those of a new
  * group start at 0.
  * FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer than the engine.
@@ -232,15 +245,15 @@ fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, s
 /* How many groups there are: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
 
-/* Register reg of objects first .. first+count-1. values has count floats; their bits are kept, also
- * those of a NaN. FP3_E_ARGUMENT: no such object or register, or the store has no room for that
- * register with this number of objects; nothing is read or written. */
+/* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
+ * are kept, even those of a NaN. FP3_E_ARGUMENT: no such object or register, or the store has no
+ * room for that register with this number of objects; nothing is read or written. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values);
 
-/* Shared constants first .. first+count-1. Writes to all groups, reads from group 0. */
+/* Shared constants first .. first+count-1. Written in all groups, read from group 0. */
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
                                    const float *values);
 fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t count, float *values);
@@ -250,27 +263,29 @@ fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t
 fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
                                      float *values);
 
-/* By a name of the loaded image. set writes a state or param of every object, or a shared constant,
- * in every group that has the name. get reads any register or constant of the object's group.
+/* Access by a name of the loaded image. set writes a state or param of every object, or a shared
+ * constant, in every group that has the name. get reads any register or constant of the object's
+ * group.
  * FP3_E_ARGUMENT: no such name, no such object, or nothing is loaded; *value is unchanged. */
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value);
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value);
 
-/* Every object that is awake makes this number of steps, from 0 to 2^32 - 1. Each visit executes the
- * first part once, the step part once per step, and the last part once. 0 steps execute nothing. An
- * object that falls asleep still executes the last part of that visit, and nothing after it.
- * FP3_E_ARGUMENT: too many, or more than a program can count in `steps` (FP3_STEPS_LIMIT) from what an
- * object has there, or a cycle limit and an object that is born or gone on the way; nothing was executed.
+/* Every object that is awake makes this number of steps, from 0 to 2^32 - 1. Each visit executes
+ * the first part once, the step part once per step, and the last part once. 0 steps execute
+ * nothing. An object that falls asleep still executes the last part of that visit, and nothing
+ * after it.
+ * FP3_E_ARGUMENT: too many steps; or an object's `steps` would pass FP3_STEPS_LIMIT; or there is a
+ * cycle limit, and an object is born or gone during the run. Nothing was executed.
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
- * within a step, a few cycles late. After both, registers can be read, stats (may be NULL) is filled,
- * and the next run numbers its steps as if this one had not been. If the configuration interleaves,
- * objects hold what the last visit that they completed stored; otherwise all instructions before the
- * end were executed.
- * Every run after the first since a load begins by reading back states and the registers that its
- * programs load, unless they were written since: fp3_engine_failure may need them. */
+ * within a step, a few cycles late. After either, registers can be read, stats (may be NULL) is
+ * filled, and the next run numbers its steps as if this run had not taken place. If the
+ * configuration interleaves, objects hold what their last complete visit stored; otherwise all
+ * instructions before the end were executed.
+ * Every run after the first since a load begins by reading back the states and the registers that
+ * its programs load, unless they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
-/* The counters of one scheduler in the last run. FP3_E_ARGUMENT: it had no such scheduler. */
+/* The counters of one scheduler in the last run. FP3_E_ARGUMENT: the run had no such scheduler. */
 fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
                                          uint64_t counter[FP3_COUNTER_COUNT]);
 
@@ -278,9 +293,9 @@ fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
 uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
 
 typedef struct {
-    size_t group, objects; /* whose program it runs; how many of the group's objects it has */
+    size_t group, objects; /* the group whose program it runs; how many of its objects it has */
 } fp3_scheduler_share;
-/* The group and objects of a scheduler since the last load; for "isa", those that it would have.
+/* The group and objects of a scheduler since the last load; for "isa", those it would have.
  * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *share);
@@ -288,40 +303,42 @@ fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
 #define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
 
 typedef struct {
-    uint32_t flags; /* raised since open or the last clear, as in fp3_retirement */
-    /* The step in which the first invalid or overflow was raised, its low 27 bits; 0: none. */
+    uint32_t flags; /* raised since open or the last clear; as in fp3_retirement */
+    /* The step in which the first invalid or overflow was raised (its low 27 bits); 0: none. */
     uint32_t failed;
-    uint32_t slept; /* the step in which it fell asleep; 0: awake; FP3_REMOVED */
+    uint32_t slept; /* the step in which it fell asleep; 0: awake; or FP3_REMOVED */
 } fp3_object_status;
 
-/* Objects first .. first+count-1. flags and failed are 0 if the configuration does not keep a status;
- * slept is 0 if the program has no sleep. */
+/* The status of objects first .. first+count-1. flags and failed are 0 if the configuration does
+ * not keep a status; slept is 0 if the program has no sleep. */
 fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
                              fp3_object_status *status);
 /* Sets flags and failed to 0. FP3_E_ARGUMENT: also if the configuration does not keep a status. */
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count);
 
-/* How objects failed in a run: an instruction raised invalid or overflow, or a .state is not finite in
- * the end. Underflow and inexact are no failures. An instruction whose result reaches nothing of its
- * step counts for the next step, and not if its visit ends before; one of the first part counts for
- * the step that follows. */
+/* How objects failed in a run. An object fails if an instruction raises invalid or overflow, or if
+ * a .state is not finite at the end. Underflow and inexact are not failures. An instruction whose
+ * result is not used in its own step counts for the next step, and not at all if the visit ends
+ * before that. An instruction of the first part counts for the step that follows. */
 typedef struct {
-    size_t failed; /* how many; 0: none, and the rest is 0 */
-    /* The one that failed in the earliest step; of several, the one with the lowest number. */
+    size_t failed; /* how many objects failed; if 0, all other members are 0 */
+    /* The object that failed in the earliest step; of several, the one with the lowest number. */
     size_t object;
     uint32_t step; /* counted from the load, as `sleep` does */
     int is_before; /* 1: a state was not finite before the first step of the run */
-    uint32_t
-        flags; /* of the first such instruction, as in fp3_retirement; 0: a state has strayed */
-    uint32_t state; /* then the register of that state, ... */
-    float value;    /* ... NaN or infinite after that step; else 0 */
+    /* The flags of the first instruction that raised invalid or overflow, as in fp3_retirement. If
+     * 0, none did: then `state` is the register of a state that is not finite after that step, and
+     * `value` is that state. Else both are 0. */
+    uint32_t flags;
+    uint32_t state;
+    float value;
 } fp3_failure;
 
-/* Of objects first .. first+count-1 in the last run, whatever the runs before it raised. Costs a look
- * at their states. After a failure the isa engine makes the run again once, on every configuration.
+/* How objects first .. first+count-1 failed in the last run, whatever earlier runs raised. Reads
+ * their states. If an object failed, the isa engine repeats the run once, on every configuration.
  * FP3_E_ARGUMENT: the run did not come to its end, or something was written or loaded since.
- * FP3_E_MISMATCH: the isa engine does not fail as the run did. A configuration without `flags` tells
- * a failure by the states alone. */
+ * FP3_E_MISMATCH: the isa engine does not fail as the run did. A configuration without `flags`
+ * detects failures by the states alone. */
 fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count, fp3_failure *failure);
 
 /* "object 3 in step 12: overflow", "object 0 before its first step: state v is NaN". */
@@ -334,46 +351,48 @@ void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failur
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
 
-/* Objects first .. first+count-1 live from step `born` to step `gone`, counted from the load: they make the
- * steps born + 1 .. gone and cost no cycles in any other. Before, they hold what the host wrote; after, what
- * they had in the end. A load makes all objects live from 0 to FP3_FOREVER. Of an object without sleep, too.
- * A run is split where an object is born or gone: each part of it executes the first and the last part
- * of the program, which must only prepare and complete values, and costs the host a look at each object.
- * FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is loaded. FP3_E_PROGRAM: the
- * configuration interleaves and has no `sleep`, so it visits all its objects. Nothing is changed then. */
+/* Objects first .. first+count-1 live from step `born` to step `gone`, counted from the load: they
+ * make the steps born + 1 .. gone and cost no cycles in any other. Before, they hold what the host
+ * wrote; afterwards, their last values. A load makes all objects live from 0 to FP3_FOREVER. The
+ * program needs no sleep. A run is split where an object is born or gone. Each part executes the
+ * first and the last part of the program, which must only prepare and complete values, and the host
+ * looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
+ * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
+ * objects. After an error nothing is changed. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);
 
 typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
-/* Of an object, after the runs since the load: FP3_ALIVE if it lives to make the next step. */
+/* The stage of an object after the runs since the load; FP3_ALIVE if it makes the next step. */
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
 /* ---- runs of adaptive steps (fp3/compile.h) ---- */
 
-#define FP3_ADAPTIVE_ATTEMPTS 1000000u /* a limit for who has none */
+#define FP3_ADAPTIVE_ATTEMPTS 1000000u /* the default limit */
 
 typedef enum {
     FP3_ADAPTIVE_ENDED,   /* t is until, and all states are finite */
-    FP3_ADAPTIVE_STUCK,   /* the tolerance asks for a step that is too short even for two words */
-    FP3_ADAPTIVE_LIMITED, /* on its way when no more attempts were left */
+    FP3_ADAPTIVE_STUCK,   /* the tolerance needs a step too short even for the two words of t */
+    FP3_ADAPTIVE_LIMITED, /* not there yet when no attempts were left */
     FP3_ADAPTIVE_LOST     /* t is until, and a state is not finite */
 } fp3_adaptive_end;
 
-/* Whether a program has adaptive steps: it has states t and h_next, and an `until`. */
+/* Whether a program has adaptive steps, that is, states t and h_next, and an `until`. */
 int fp3_adaptive_is(const fp3_image *image);
 
-/* Of one object after a run. */
+/* One object after a run. */
 typedef struct {
     fp3_adaptive_end end;
     float t, step, until; /* step: the next one to try */
     uint32_t accepted, rejected;
     float smallest, largest;
-    char state[FP3_NAME_SIZE]; /* LOST: the first that is not finite */
+    char state[FP3_NAME_SIZE]; /* LOST: the first state that is not finite */
     float t_low;               /* the time is t + t_low */
 } fp3_adaptive_object;
 
-/* FP3_E_ARGUMENT: no such object, or its program has no adaptive steps. Counts that the program does not keep are 0. */
+/* Looks at one object. FP3_E_ARGUMENT: no such object, or its program has no adaptive steps. Counts
+ * that the program does not keep are 0. */
 fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found);
 
 /* "object 3 at t = 0.5 of 17.0625, after 12 steps and 3 attempts: ..." */
@@ -381,27 +400,31 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]);
 
-/* Runs what is loaded, whatever its steps are. Of fixed ones each object makes `most`. Adaptive ones go on until
- * each object has ended, or has made `most` attempts; beside groups with fixed steps it has FP3_ADAPTIVE_ATTEMPTS at
- * least. *stats (it may be NULL) is the sum of the runs that this takes: one, but where one object cannot sleep as
- * many as it takes not to go far beyond its end, where steps change nothing. Errors as of fp3_engine_run;
- * FP3_E_PROGRAM: the configuration interleaves, and a program of adaptive steps has no sleep. */
+/* Runs what is loaded, with fixed or adaptive steps. With fixed steps each object makes `most`
+ * steps. With adaptive steps each object goes on until it has ended or made `most` attempts; next
+ * to groups with fixed steps the limit is at least FP3_ADAPTIVE_ATTEMPTS. stats (may be NULL) gets
+ * the sum of all runs that this takes. That is one run, except in a configuration that does not
+ * interleave: its object cannot sleep, so it is run in short parts in order not to go far beyond
+ * its end, where steps change nothing. Errors as for fp3_engine_run. FP3_E_PROGRAM: also if the
+ * configuration interleaves, and a program with adaptive steps has no sleep. */
 fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
 
 typedef struct {
     uint32_t least, median, most;
 } fp3_adaptive_counts;
 
-/* Of objects first .. first+count-1. */
+/* A summary of several objects. */
 typedef struct {
     fp3_adaptive_counts accepted, rejected;
-    float smallest,
-        largest; /* accepted steps; the smallest as long as it was before the end cut it off. 0: there was none */
+    /* Of the accepted steps; 0: there were none. A step that the end cut short counts as long as it
+     * was before. */
+    float smallest, largest;
     size_t failed, first;    /* how many did not end, and the first of them */
-    fp3_adaptive_object why; /* what is known of that */
+    fp3_adaptive_object why; /* details of the first */
 } fp3_adaptive_report;
 
-/* FP3_E_ARGUMENT as of fp3_adaptive_look; FP3_E_SYSTEM: out of memory. */
+/* Summarises objects first .. first+count-1. FP3_E_ARGUMENT as for fp3_adaptive_look. FP3_E_SYSTEM:
+ * out of memory. */
 fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t count,
                                     fp3_adaptive_report *report);
 

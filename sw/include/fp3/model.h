@@ -7,8 +7,9 @@
  *     free(report);
  *     fp3_model_free(&model);
  *
- * docs/models.md describes the language. A model that the library hands out has passed every check
- * there and never changes. It has only scalars: a vector r of two has become r_x and r_y.
+ * docs/models.md describes the language. A model that the library returns has passed every check
+ * described there and never changes (except by fp3_model_adapt). It has only scalars: a vector r of
+ * two components has become r_x and r_y.
  *
  * Threads: any number of threads may read a model or an integrator at the same time.
  */
@@ -24,7 +25,7 @@ FP3_API_BEGIN
 
 #define FP3_NONE UINT32_MAX /* no expression, no quantity */
 
-/* X(NAME, operands, stands in `exact` alone). Comparisons give 1 or 0; every number but 0 is true. */
+/* X(NAME, operands, allowed only in `exact`). Comparisons give 1 or 0; any number but 0 is true. */
 #define FP3_EXPR_OPS(X)                                                                            \
     X(NUMBER, 0, 0)                                                                                \
     X(STATE, 0, 0)   /* index: of states */                                                        \
@@ -69,27 +70,27 @@ typedef enum {
         FP3_EXPR_OP_COUNT
 } fp3_expr_op;
 
-/* One operation. Its operands stand before it in fp3_model.exprs; an operand that it does not have is
- * FP3_NONE. A long sum is as deep as it is long (up to 4096), so walk the array rather than recurse
- * into the operands. */
+/* One operation. Its operands come before it in fp3_model.exprs; operands that it does not have are
+ * FP3_NONE. A long sum is as deep as it is long (up to 4096), so walk the array instead of
+ * recursing into the operands. */
 typedef struct {
     fp3_expr_op op;
     uint32_t operand[3];
     uint32_t index;        /* of STATE, PARAM and INITIAL */
     double number;         /* of NUMBER */
-    uint32_t line, column; /* where it is written, from 1 */
-    int is_known; /* depends only on params and numbers, which the host knows before a run */
+    uint32_t line, column; /* its place in the text, from 1 */
+    int is_known; /* it depends only on params and numbers, which the host knows before a run */
 } fp3_expr;
 
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char *dimension;     /* unit of measurement as written, without brackets and blanks, or "" */
+    char *dimension;     /* unit as written, without brackets and blanks, or "" */
     char *doc;           /* or "" */
     double value;        /* default of a param, start of a state */
     int is_shared;       /* param: the same for all objects */
     uint32_t derivative; /* state: expression of its derivative */
     uint32_t velocity;   /* state: the other state that is its derivative, or FP3_NONE */
-    uint32_t exact;      /* state: closed form of t, or FP3_NONE */
+    uint32_t exact;      /* state: its closed form in t, or FP3_NONE */
     uint32_t line;
 } fp3_quantity;
 
@@ -98,31 +99,32 @@ typedef struct {
 /* An intermediate definition, or an invariant, in the order of the text. */
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char unit[FP3_UNIT_SIZE]; /* in base units, cut where it is long; "" if it has none */
+    char unit[FP3_UNIT_SIZE]; /* in base units, truncated if long; "" if it has none */
     uint32_t expr;
     uint32_t line;
 } fp3_definition;
 
-/* Part of an event: a state gets a value. */
+/* Part of an event: sets a state to the value of an expression. */
 typedef struct {
     uint32_t state, expr;
 } fp3_assignment;
 
-/* At the end of a step, if the condition is not 0, each state gets the value that its expression had
- * before any of them changed. Events come in the order of the text, and each sees what those before it
- * left. No state is assigned twice by one event. */
+/* At the end of a step, if the condition is not 0, each state is set to the value that its
+ * expression had before any of them changed. Events are handled in the order of the text, and each
+ * sees the results of those before it. An event assigns no state twice. */
 typedef struct {
     uint32_t condition;    /* expression */
-    uint32_t first, count; /* which of fp3_model.assignments */
+    uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
 } fp3_event;
 
 typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
-    char time_unit[FP3_UNIT_SIZE]; /* likewise, of `step` */
-    double step, span; /* the default time step, and the time that benchmarks integrate (1000 steps
-                          if the text does not say it) */
+    char time_unit[FP3_UNIT_SIZE]; /* of `step`, likewise */
+    /* The default time step, and how long benchmarks integrate (1000 steps if the text does not
+     * say). */
+    double step, span;
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;
     uint32_t event_count, assignment_count;
     fp3_quantity *states, *params;
@@ -132,52 +134,53 @@ typedef struct {
     fp3_expr *exprs;
 } fp3_model;
 
-/* source has size bytes, needs no NUL and may hold any bytes; name is for the report.
- * FP3_E_PROGRAM: the source is wrong and *model is NULL. *report then holds, for each error (at most
- * 20), "name:line:column: error: found 'x', expected y", the line and a caret; error holds its first
- * line. The caller frees *report, which is NULL after success and after any other failure. */
+/* source has size bytes, needs no NUL and may hold any bytes. name appears in the report.
+ * FP3_E_PROGRAM: the source has errors, and *model is NULL. *report then holds, for each error (at
+ * most 20), "name:line:column: error: found 'x', expected y", the line and a caret; error holds its
+ * first line. The caller frees *report, which is NULL after success and after any other failure. */
 fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3_model **model,
                           char **report, fp3_error *error);
 /* The same with a file. */
 fp3_status fp3_model_load(const char *path, fp3_model **model, char **report, fp3_error *error);
-/* One like it, which the caller frees: for fp3_model_adapt, which changes a model. */
+/* A copy, which the caller frees. For fp3_model_adapt, which changes its model. */
 fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *error);
-/* Sets *model to NULL, which it may be already. */
+/* Frees *model and sets it to NULL. *model may be NULL already. */
 void fp3_model_free(fp3_model **model);
 
-/* What an expression is evaluated at, in double. */
+/* The point at which expressions are evaluated, in double. */
 typedef struct {
     const double *states, *params, *initial; /* as many as the model has; initial may be NULL */
     double t;
 } fp3_point;
 /* Sets values[i] to the value of expression i, for all expr_count expressions. If initial is NULL,
- * those that need it are NaN. */
+ * expressions that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
-/* What the events of the model, in their order, make of these states at time t. values has room for
- * expr_count numbers. Returns whether a state is another than before: a -0 for a 0 is none, nor is a NaN
- * for a NaN. */
+/* Applies the events of the model, in order, to these states at time t. values has room for
+ * expr_count numbers. Returns whether a state has changed; a change from 0 to -0 or from NaN to NaN
+ * does not count. */
 int fp3_model_fire(const fp3_model *model, const double *params, double t, double *states,
                    double *values);
 
-/* Index by name, or FP3_NONE. */
+/* The index of the state or param of this name, or FP3_NONE. */
 uint32_t fp3_model_state(const fp3_model *model, const char *name);
 uint32_t fp3_model_param(const fp3_model *model, const char *name);
 
-/* A constant expression like "1/6" or "1/(2 - 2^(1/3))": numbers, + - * / ^, parentheses and the
- * functions of the language. FP3_E_PROGRAM: error says what was found and expected, and where (the
- * column); *value is as before. */
+/* Reads a constant expression like "1/6" or "1/(2 - 2^(1/3))": numbers, + - * / ^, parentheses and
+ * the functions of the language. FP3_E_PROGRAM: error says what was found and expected, and in
+ * which column; *value is unchanged. */
 fp3_status fp3_constant_read(const char *text, double *value, fp3_error *error);
 
-/* What a name in a formula stands for; or refuses it. */
+/* Gives the value of a name in a formula, or refuses the name. */
 typedef fp3_status fp3_name_fn(void *user, const char *name, double *value, fp3_error *error);
-/* A constant expression with names, "0.5*h", which is read once. FP3_E_PROGRAM: as above, and *formula is NULL. */
+/* A constant expression with names, such as "0.5*h". FP3_E_PROGRAM: as above; *formula is NULL. */
 typedef struct fp3_formula fp3_formula;
 fp3_status fp3_formula_read(const char *text, fp3_formula **formula, fp3_error *error);
-/* Its value in double. FP3_E_PROGRAM: it has none, as 0/0; else what value_of says. */
+/* The formula's value in double. FP3_E_PROGRAM: it has none, as 0/0. Other errors are
+ * value_of's. */
 fp3_status fp3_formula_value(const fp3_formula *formula, fp3_name_fn *value_of, void *user,
                              double *value, fp3_error *error);
-/* Sets *formula to NULL, which it may be already. */
+/* Frees *formula and sets it to NULL. *formula may be NULL already. */
 void fp3_formula_free(fp3_formula **formula);
 
 /* ---- integrators: tables, checked when they are read ----
@@ -189,7 +192,7 @@ void fp3_formula_free(fp3_formula **formula);
  *         printf("%s: order %u\n", rk4->name, rk4->order);
  *     fp3_integrator_free(&rk4);
  *
- * docs/integrators.md describes the tables and lists those that are built in.
+ * docs/integrators.md describes the tables and lists the built-in ones.
  */
 
 typedef enum {
@@ -198,26 +201,28 @@ typedef enum {
     FP3_STOERMER,    /* x_n+1 = (2 x_n - x_n-1) + h^2 a(x_n), for accelerations without v */
     FP3_ROSENBROCK,  /* k_i = h f(y + sum_j a_ij k_j) + h J sum_j gamma_ij k_j, y += sum_i b_i k_i;
                         linearly implicit: J is the Jacobian of f at y */
-    FP3_CHEBYSHEV /* a Runge-Kutta method whose stages are a recurrence of three terms; explicit */
+    FP3_CHEBYSHEV    /* Runge-Kutta, explicit, whose stages follow a three-term recurrence */
 } fp3_integrator_kind;
 
 #define FP3_STAGES_MAX 24
 
 typedef struct {
-    int is_kick; /* else a drift */
+    int is_kick; /* 1: kick; 0: drift */
     double coefficient;
 } fp3_substep;
 
-/* With f_0 = f(y), E_1 = V_1 = first h f_0 and f_j = f(y + at[j] E_j): V_j+1 = V_j + bend E_j +
- * slope[j] h (f_j - share[j] f_0), E_j+1 = E_j + V_j+1, for j = 1 .. stages - 1. Then y += at[stages] E_stages. */
+/* With f_0 = f(y), E_1 = V_1 = first h f_0 and f_j = f(y + at[j] E_j), for j = 1 .. stages - 1:
+ * V_j+1 = V_j + bend E_j + slope[j] h (f_j - share[j] f_0) and E_j+1 = E_j + V_j+1.
+ * Then y += at[stages] E_stages. */
 typedef struct {
-    unsigned stages; /* 0: there is no recurrence */
+    unsigned stages; /* 0: no recurrence */
     double first, bend;
     double at[FP3_STAGES_MAX], share[FP3_STAGES_MAX], slope[FP3_STAGES_MAX];
 } fp3_recurrence;
 
-/* The error of its step is taken to be WAY (h (f_0 + f_1)/2 - d), f_1 being the slope at the new state and d what was
- * added: Sommeijer, Shampine and Verwer, 1997. */
+/* The error of a Chebyshev step is estimated as FP3_CHEBYSHEV_WAY (h (f_0 + f_1)/2 - d), where f_1
+ * is the slope at the new state and d the increment of the state: Sommeijer, Shampine and Verwer,
+ * 1997. */
 #define FP3_CHEBYSHEV_WAY 0.8
 
 typedef struct {
@@ -225,43 +230,43 @@ typedef struct {
     char *doc;
     char *source; /* of the table: author, year */
     fp3_integrator_kind kind;
-    unsigned order;  /* checked: its conditions hold */
-    unsigned stages; /* of Runge-Kutta; of a splitting, its substeps; of Chebyshev one more than its
-                        recurrence has, the slope at the new state */
-    /* Chebyshev: a, b, c are what the recurrence comes to. */
+    unsigned order;  /* its order conditions have been checked */
+    unsigned stages; /* splitting: the number of substeps; Chebyshev: one more than its recurrence
+                        has, for the slope at the new state */
+    /* Chebyshev: a, b, c are equivalent to the recurrence. */
     double a[FP3_STAGES_MAX][FP3_STAGES_MAX], b[FP3_STAGES_MAX], c[FP3_STAGES_MAX];
-    double gamma[FP3_STAGES_MAX][FP3_STAGES_MAX]; /* Rosenbrock: one number on the diagonal */
+    double gamma[FP3_STAGES_MAX][FP3_STAGES_MAX]; /* Rosenbrock: all diagonal elements are equal */
     fp3_recurrence recurrence;
-    /* Runge-Kutta: a state whose derivative is another state v is advanced by h times the new v,
-     * as in the paper's Equations (1), and has no stages: first order in that state. */
+    /* Runge-Kutta: a state whose derivative is another state v is advanced by h times the new v, as
+     * in the paper's Equations (1). It has no stages, and is of first order. */
     int is_position_late;
     unsigned position_order; /* order of such a state: 1 if late, else order */
     fp3_substep substeps[FP3_STAGES_MAX];
-    /* Runge-Kutta, Chebyshev, Rosenbrock: weights of a second method on the same stages, whose distance from the first is the
-     * estimate of the error that adaptive steps need. */
+    /* Runge-Kutta, Chebyshev, Rosenbrock: weights of a second method with the same stages. Its
+     * difference from the first is the error estimate that adaptive steps need. */
     double embedded[FP3_STAGES_MAX];
-    unsigned embedded_order; /* 0: there is none */
-    /* The last stage is at the new state, so it is the first one of the next step. */
+    unsigned embedded_order; /* 0: no second method */
+    /* The last stage is at the new state, so it is also the first stage of the next step. */
     int is_first_same_as_last;
 } fp3_integrator;
 
-/* text is a table in libconfig's syntax; name is for messages ("name:line: found ..., expected ...").
- * FP3_E_PROGRAM: the table is malformed or not explicit, or its order conditions do not hold for the
- * order that it claims (the message says which one fails, and by how much), or the estimate of its error
- * is 0 on y' = a y or y' = f(t), whatever the step. */
+/* text is a table in libconfig's syntax; name appears in messages ("name:line: found ..., expected
+ * ..."). FP3_E_PROGRAM: the table is malformed or not explicit; or an order condition fails for the
+ * order that it claims (the message says which, and by how much); or its error estimate is 0 on
+ * y' = a y or y' = f(t), whatever the step. */
 fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrator **integrator,
                                fp3_error *error);
-/* The built-in table of this name, or, if name contains a '/' or ends in ".cfg", the table in that file.
- * FP3_E_ARGUMENT: there is none; the message lists those that there are. */
+/* The built-in table of this name; or, if name contains a '/' or ends in ".cfg", the table in that
+ * file. FP3_E_ARGUMENT: there is none; the message lists the existing ones. */
 fp3_status fp3_integrator_find(const char *name, fp3_integrator **integrator, fp3_error *error);
-/* Sets *integrator to NULL, which it may be already. */
+/* Frees *integrator and sets it to NULL. *integrator may be NULL already. */
 void fp3_integrator_free(fp3_integrator **integrator);
 
-/* Names of the built-in tables, by number; NULL beyond the last. */
+/* The name of a built-in table, by number from 0; NULL beyond the last. */
 const char *fp3_integrator_name(unsigned number);
 
-/* The order up to which the order conditions hold (at most 8), whatever the table claims. worst is
- * the largest residual up to that order, next the largest of the next order. */
+/* The order up to which the order conditions hold (at most 8), whatever the table claims. *worst is
+ * the largest residual up to that order, *next the largest residual of the next order. */
 unsigned fp3_integrator_order(const fp3_integrator *integrator, double *worst, double *next);
 
 FP3_API_END

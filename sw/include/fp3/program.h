@@ -8,7 +8,8 @@
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_program_close(&program);
  *
- * Threads: any number of threads may read a program or a scene at the same time. Loading one does not change it.
+ * Threads: any number of threads may read a program or a scene at the same time. Loading it into an
+ * engine does not change it.
  */
 #ifndef FP3_PROGRAM_H
 #define FP3_PROGRAM_H
@@ -29,43 +30,43 @@ FP3_API_BEGIN
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_params_free(&params);
  *
- * A file is in libconfig's syntax, name = value; a value is a number, or a formula of numbers and
- * other names, "0.5*h". A value that is set again replaces the one before; but a number does not
- * replace a formula: whoever asks for the value is refused unless both are the same FP32 number.
+ * A file is in libconfig's syntax, name = value. A value is a number, or a formula of numbers and
+ * other names, such as "0.5*h". A later value replaces an earlier one, but a number does not
+ * replace a formula: reading the value then fails, unless both are the same FP32 number.
  */
 typedef struct fp3_params fp3_params;
 
-/* Without values at first. The caller frees *params, which is NULL on failure. */
+/* Makes an empty set. The caller frees *params, which is NULL on failure. */
 fp3_status fp3_params_make(fp3_params **params, fp3_error *error);
-/* Likewise with the values of others, which stay as they are. */
+/* Likewise, with a copy of the values of another set. */
 fp3_status fp3_params_copy(const fp3_params *from, fp3_params **params, fp3_error *error);
-/* Sets *params to NULL; that it was NULL before does no harm. */
+/* Frees *params and sets it to NULL. *params may be NULL already. */
 void fp3_params_free(fp3_params **params);
 
-/* All values of a file. Messages begin with the path and the line. After a failure the values in
- * front of that line are set. */
+/* Sets all values of a file. Messages begin with the path and the line. After a failure the values
+ * before that line are set. */
 fp3_status fp3_params_load(fp3_params *params, const char *path, fp3_error *error);
-/* One value; text is "name=value", value a number or a constant expression like 2^-7. */
+/* Sets one value. text is "name=value"; value is a number or a constant expression like 2^-7. */
 fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error);
-/* Of the first and the last object, as "name=first:last"; those between lie evenly between. */
+/* Spreads a value evenly over the objects, from the first to the last: "name=first:last". */
 fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *error);
-/* As fp3_params_set, with a number. */
+/* Like fp3_params_set, but with a number. */
 fp3_status fp3_params_put(fp3_params *params, const char *name, double value, fp3_error *error);
 
 size_t fp3_params_count(const fp3_params *params);
 int fp3_params_has(const fp3_params *params, const char *name);
-/* A value that differs from object to object (`spread` in a scene): that of the first object.
- * FP3_E_ARGUMENT: no such value, or its formula has none; *value is unchanged. */
+/* Gets a value; that of the first object if it is spread. FP3_E_ARGUMENT: there is no such value,
+ * or its formula has none; *value is unchanged. */
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *value,
                           fp3_error *error);
 
 /* ---- programs ---- */
 
-/* How a model is compiled; of no effect on assembly and images. */
+/* How a model is compiled. Has no effect on assembly and images. */
 typedef struct {
-    const char *integrator; /* a table or a file; NULL: FP3_FIXED_ or FP3_ADAPTIVE_INTEGRATOR */
-    int is_model;           /* the program is a model, whatever its name */
-    int is_adaptive;        /* the model is adapted (fp3/compile.h), as `adaptive` says */
+    const char *integrator; /* a built-in table or a file; NULL: the default (fp3/compile.h) */
+    int is_model;           /* treat the program as a model, whatever its name */
+    int is_adaptive;        /* adapt the model (fp3/compile.h) with `adaptive` */
     fp3_adaptive_def adaptive;
     fp3_compile_def compile;
 } fp3_program_def;
@@ -73,49 +74,51 @@ typedef struct {
 /* Fixed steps, fp3_adaptive_default() and fp3_compile_default(). */
 fp3_program_def fp3_program_default(void);
 
-/* Read it, never change it. All that it points to belongs to it. */
+/* Read it, never change it. Everything that it points to belongs to it. */
 typedef struct {
     fp3_image *image;
-    fp3_compiled *compiled; /* NULL unless it is a model, as are the next two */
+    fp3_compiled *compiled; /* this and the next two: NULL unless the program is a model */
     fp3_model *model;
     fp3_integrator *integrator;
 } fp3_program;
 
-/* Whether the name ends in .ode, in letters of any case. */
+/* Whether the name ends in .ode, in upper or lower case. */
 int fp3_program_is_model(const char *path);
-/* Whether it ends in .ode, .s or .fp3. */
+/* Whether it ends in .ode, .s or .fp3, likewise. */
 int fp3_program_is_named(const char *path);
 
-/* By the end of its name, in letters of any case: .ode is a model, .s assembly, all else an image; or
- * as def says. "-" is standard input. The caller closes
- * *program, which is NULL on failure. *report is as of fp3_model_load; report may be NULL. Messages
- * begin with the path. */
+/* Opens a program. The end of its name says what it is, in upper or lower case: .ode a model, .s
+ * assembly, anything else an image; or def says so. "-" is standard input. The caller closes
+ * *program, which is NULL on failure. *report is as for fp3_model_load; report may be NULL.
+ * Messages begin with the path. */
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error);
-/* The same of a model's text, which has size bytes; name is for messages. */
+/* The same for the text of a model, which has size bytes. name appears in messages. */
 fp3_status fp3_program_read(const char *text, size_t size, const char *name,
                             const fp3_program_def *def, fp3_program **program, char **report,
                             fp3_error *error);
-/* Sets *program to NULL; that it was NULL before does no harm. */
+/* Closes *program and sets it to NULL. *program may be NULL already. */
 void fp3_program_close(fp3_program **program);
 
 /* Loads the program into the engine, and gives all objects their values.
- * params names states, params and shared constants of the program; of a model its states, its params
- * and h, which have defaults. The register that `sleep` writes has one, too: awake; and so has `steps`
- * where a program counts them: 0. An object starts at time steps * h.
- * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not have.
- * After a failure the program may be loaded, and some of the values written. What the engine refuses
- * is told where its definition says, not in error. params may not be NULL. */
+ * params names states, params and shared constants of the program. For a model it names the model's
+ * states, its params and h, which all have defaults. So do the register that `sleep` writes (awake)
+ * and `steps`, if the program counts them (0). An object starts at time steps * h.
+ * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not
+ * have. After a failure the program may be loaded, and some of the values written. If the engine
+ * refuses something, the message is in the error of the engine's definition, not in error. params
+ * may not be NULL. */
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error);
 
-/* Of a model, what the program gets of an object: compiled->input_count values. share: 0 of the first
- * object to 1 of the last. *is_spread: another share gives other values. */
+/* For a model: the compiled->input_count values that the program gets for one object. share: from
+ * 0, the first object, to 1, the last. *is_spread: whether another share gives other values. */
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
                               float *values, int *is_spread, fp3_error *error);
 
-/* Of a model, a file for fp3_params_load: the values that the compiled program is given, those that are
- * computed from others (h, params) as formulas. The caller frees *text. */
+/* For a model: the text of a file for fp3_params_load, with the values that the compiled program
+ * needs. Values that are computed from others (h, params) are written as formulas. The caller frees
+ * *text. */
 fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
                                    char **text, fp3_error *error);
 
@@ -139,56 +142,58 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
  * docs/scenes.md describes the file.
  */
 
-/* Steps of the first and of the last object of a group; those of the others lie evenly between, whole. */
+/* The steps of a group's first and last object. Those of the others lie evenly between, rounded
+ * down. */
 typedef struct {
     uint64_t first, last;
 } fp3_scene_steps;
 
 typedef struct {
     char *path;                          /* of the program */
-    char *integrator_file, *params_file; /* NULL: none was read */
+    char *integrator_file, *params_file; /* NULL if none was read */
     fp3_program *program;
-    /* What the file says. More may be set before fp3_scene_load. */
+    /* The values in the file. More may be set before fp3_scene_load. */
     fp3_params *params;
     size_t first, objects; /* the group is objects first .. first + objects - 1 */
-    /* fp3_engine_live; born {0, 0} and gone {FP3_FOREVER, FP3_FOREVER} are what the file need not say. */
+    /* See fp3_engine_live. The defaults are born {0, 0} and gone {FP3_FOREVER, FP3_FOREVER}. */
     fp3_scene_steps born, gone;
     int line; /* of the scene file */
 } fp3_scene_group;
 
-/* Read it, never change it (but params). All that it points to belongs to it. */
+/* Read it, never change it, except for params. Everything that it points to belongs to it. */
 typedef struct {
     char *path, *config, *engine;
     uint64_t steps;
-    uint32_t visit; /* 0: all steps */
+    uint32_t visit; /* steps per visit; 0: all steps */
     fp3_scene_group *groups;
     size_t group_count, objects;
-    int line; /* of the file's `groups` */
+    int line; /* of `groups` in the file */
 } fp3_scene;
 
-/* Reads the file and opens all its programs. config replaces the file's unless it is NULL. What the
- * file does not say is: engine "rtl", steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are adaptive), visit 0. The caller closes *scene, which is NULL on
- * failure. Messages begin with the path and the line of the file. */
+/* Reads the file and opens all its programs. config replaces the file's unless it is NULL. Defaults
+ * of the file: engine "rtl", steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are adaptive), visit 0.
+ * The caller closes *scene, which is NULL on failure. Messages begin with the path and the line of
+ * the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error);
-/* Sets *scene to NULL; that it was NULL before does no harm. */
+/* Closes *scene and sets it to NULL. *scene may be NULL already. */
 void fp3_scene_close(fp3_scene **scene);
 
-/* The lifetime of an object of a group, 0 .. objects - 1. */
+/* The lifetime of one object of a group; object is 0 .. objects - 1. */
 void fp3_scene_life(const fp3_scene_group *group, size_t object, uint64_t *born, uint64_t *gone);
 
-/* The definition of an engine for the scene: fp3_engine_default() with its engine, configuration,
- * objects and visit. The scene must outlive the engine. */
+/* The definition of an engine for the scene: fp3_engine_default() with the scene's engine,
+ * configuration, objects and visit. The scene must outlive the engine. */
 fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
 
-/* Loads programs, values and lifetimes into an engine that has as many objects as the scene. What the engine
- * refuses is told where its definition says, with the path and the line of `groups` in front.
- * FP3_E_ARGUMENT: also if objects have lifetimes or only some groups adaptive steps, which splits a run, and a program's first or last part does
+/* Loads programs, values and lifetimes into an engine that has as many objects as the scene. If the
+ * engine refuses something, the message is in the error of the engine's definition, and begins with
+ * the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to be split (objects have
+ * lifetimes, or only some groups have adaptive steps), and the first or last part of a program does
  * more than prepare and complete values. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
 
 /* ---- recordings: named values of all objects after chosen steps, in a file ----
- * file.
  *
  *     fp3_recording_def def = fp3_recording_default();
  *     def.path = "ship.csv";
@@ -207,63 +212,68 @@ fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error 
 
 typedef struct fp3_recording fp3_recording;
 
-/* What to record. Always start from fp3_recording_default(). The caller owns what it points to, which
- * must outlive the call that opens. */
+/* What to record. Always start from fp3_recording_default(). The caller owns what it points to,
+ * which must last until fp3_recording_open returns. */
 typedef struct {
-    /* A file, a picture or both; NULL: none. A name that ends in .h5 or .hdf5 is HDF5, any other CSV, "-"
-     * standard output. A picture, of 8 objects at most, ends in .svg or .png; gnuplot draws it. */
+    /* A file, a picture, or both; NULL: none. A file is HDF5 if its name ends in .h5 or .hdf5, else
+     * CSV; "-" is standard output. A picture shows at most 8 objects; its name ends in .svg or
+     * .png, and gnuplot draws it. */
     const char *path, *plot;
-    /* Names of states, and of a model's definitions and invariants. NULL (default): a model's states;
-     * all states of another program. */
+    /* Names of states, and of a model's definitions and invariants. NULL (default): the states of
+     * the model, or all states of another program. */
     const char *const *observed;
     size_t observed_count;
-    uint64_t steps; /* of the run, as of fp3_engine_run; 1 by default */
-    /* A snapshot before the run, after each `every` steps (0, the default: none of these; of a picture
-     * some 500) and at the end; unless there are times: then at these alone. */
+    uint64_t steps; /* of the run, as for fp3_engine_run; default 1 */
+    /* Without times: a snapshot before the run, one after each `every` steps, and one at the end. 0
+     * (default): only the first and the last; some 500 for a picture. */
     uint64_t every;
-    /* Adaptive steps (fp3/compile.h) have snapshots at times alone, any that ascend, where objects end and go on; `steps` then
-     * limits the attempts from one to the next. */
-    const double *times; /* ascending, from the start of the run, in the unit of h; or NULL */
+    /* Snapshots only at these times, ascending, from the start of the run, in the unit of h; or
+     * NULL. Fixed steps: whole multiples of h (fp3_recording_steps). Adaptive steps (fp3/compile.h)
+     * need times, which may be any: objects end there and go on, and `steps` limits the attempts
+     * from one time to the next. */
+    const double *times;
     size_t time_count;
-    int is_compressed; /* HDF5 alone */
+    int is_compressed; /* HDF5 only */
 } fp3_recording_def;
 
 fp3_recording_def fp3_recording_default(void);
 
-/* How many steps a run to the last of these times has: whole multiples of h, to within rounding of h
- * and of the time. FP3_E_ARGUMENT: a time is none, and error names those next to it. */
+/* The number of steps of a run to the last of these times. Times must be whole multiples of h, to
+ * within rounding of h and of the time. FP3_E_ARGUMENT: one is not; error names the nearest two. */
 fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *params,
                                const double *times, size_t count, uint64_t *steps,
                                fp3_error *error);
 
-/* What the whole run cost and who failed in it. */
+/* What the whole run cost, and which objects failed in it. */
 typedef struct {
-    fp3_stats stats; /* sums over its parts; cycles: of each part the maximum */
-    /* Of all parts, as of fp3_engine_failure; of adaptive steps fp3_adaptive_report_make tells. A state that is not finite at a snapshot is a failure. */
+    fp3_stats stats; /* sums over the parts of the run; cycles: sum of each part's maximum */
+    /* Over all parts, as fp3_engine_failure; with adaptive steps see fp3_adaptive_report_make. A
+     * state that is not finite at a snapshot is a failure. */
     fp3_failure failure;
-    /* Of each of stats.schedulers schedulers; belongs to the recording. */
+    /* For each of stats.schedulers schedulers. Belongs to the recording. */
     const uint64_t (*counter)[FP3_COUNTER_COUNT];
 } fp3_cost;
 
-/* The program and its values are loaded (fp3_program_load), params are the same, and engine has one
- * group. All of them must outlive the recording. Opens the file beside its place. The caller closes
- * *recording, which is NULL on failure. FP3_E_ARGUMENT: no such name, times that are no steps, too
- * much for a picture, or a file that cannot be written; or there are snapshots on the way, and the
- * program's first or last part does more than prepare and complete values, so that the parts of a run
- * are not the run. */
+/* Opens a recording. The program and these params must be loaded (fp3_program_load), and the engine
+ * must have one group. All of them must outlive the recording. The file is written under another
+ * name next to its place. The caller closes *recording, which is NULL on failure. FP3_E_ARGUMENT:
+ * no such name; times that are not steps; too much for a picture; a file that cannot be written; or
+ * there are snapshots during the run, and the program's first or last part does more than prepare
+ * and complete values, so that a run in parts would differ from the whole run. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error);
 
-/* Runs the steps, once: split into runs from snapshot to snapshot. Each part of the run is a run of its
- * own, which executes the program's first and last part, and to which a cycle_limit applies. The file has its name when all went well,
- * failures of objects included. cost is filled as stats are by fp3_engine_run; it may be NULL. */
+/* Runs the steps, and may be called once. The run is split at the snapshots. Each part is a run of
+ * its own: it executes the program's first and last part, and a cycle_limit applies to it. On
+ * success the file gets its name, even if objects failed. cost (may be NULL) is filled as
+ * fp3_engine_run fills stats. */
 fp3_status fp3_recording_run(fp3_recording *recording, fp3_cost *cost, fp3_error *error);
 
-/* From a progress callback: how much of the whole run is done if share of its part is. */
+/* For a progress callback: how much of the whole run is done if `share` of the current part is. */
 double fp3_recording_share(const fp3_recording *recording, double share);
 
-/* Sets *recording to NULL; that it was NULL before does no harm. What was not written whole is
+/* Closes *recording and sets it to NULL. *recording may be NULL already. An incomplete file is
  * removed. */
 void fp3_recording_close(fp3_recording **recording);
 

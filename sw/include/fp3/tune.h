@@ -1,8 +1,8 @@
-/* fp3/tune.h - the cheapest way to integrate a model to a tolerance, found by measuring.
+/* fp3/tune.h - finds the cheapest way to integrate a model to a tolerance, by measuring.
  *
  *     fp3_tune_def def = fp3_tune_default();
  *     def.program = program;     // a model, opened for a configuration
- *     def.params = params;       // with what is spread: the ranges
+ *     def.params = params;       // spread values are the ranges
  *     def.tolerance = 1e-4;
  *     fp3_tuning *found = NULL;
  *     if (fp3_tune(&def, &found, &error))
@@ -11,9 +11,9 @@
  *         printf("%s\n", found->rows[found->best].integrator);
  *     fp3_tuning_free(&found);
  *
- * docs/tuner.md says how it searches, and how safe the choice is.
+ * docs/tuner.md describes how it searches, and how safe the choice is.
  *
- * Threads: one call tunes in the thread that makes it; calls in different threads do not disturb each other.
+ * Threads: a call works in the calling thread. Calls in different threads do not affect each other.
  * Experimental.
  */
 #ifndef FP3_TUNE_H
@@ -28,78 +28,78 @@
 
 FP3_API_BEGIN
 
-/* Errors are the largest distance of any state, at any of so many times of the span (evenly, the last
- * at its end), from the truth, relative to the largest magnitude of that state along the truth of its
- * object; of several objects the worst. Infinite: a run went wrong. */
+/* An object is compared with the truth at FP3_TUNE_LOOKS times of the span, evenly spaced, the last
+ * at its end. Its error is the largest distance of any state from the truth at any of these times,
+ * relative to the largest magnitude of that state along the object's truth. The error of several
+ * objects is that of the worst. An infinite error means that a run went wrong. */
 #define FP3_TUNE_LOOKS 4
-#define FP3_TUNE_LEAST 1e-7 /* no smaller tolerance: FP32 itself rounds by 6e-8 */
+#define FP3_TUNE_LEAST 1e-7 /* the smallest tolerance: FP32 itself rounds by 6e-8 */
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
 typedef struct {
     const fp3_program *program; /* a model for one of the known configurations, not adapted */
     const char *config;         /* that configuration: costs are its cycles */
-    const fp3_params *params;   /* each value that is spread has any value of its range */
+    const fp3_params *params;   /* a spread value may have any value of its range */
     double tolerance;
-    double span; /* how long it is integrated; 0: the model's span */
-    double
-        safety; /* the sample has to meet tolerance / safety, in round n / safety^n; at least 1 */
-    uint32_t sample, held_out; /* objects; of a model without ranges one, and none */
-    uint32_t rounds;           /* held-out samples, at most */
+    double span;   /* how long to integrate; 0: the model's span */
+    double safety; /* at least 1: in round n the sample must meet tolerance / safety^n */
+    uint32_t sample, held_out; /* objects; without ranges one, and none */
+    uint32_t rounds;           /* at most this number of held-out samples */
     fp3_tune_say_fn *say;      /* called before each part of the work, or NULL */
     void *user;
 } fp3_tune_def;
 
-/* No tolerance; safety 1.25, 32 objects, 64 held out, 4 rounds. */
+/* No tolerance; safety 1.25, a sample of 32 objects, 64 held out, 4 rounds. */
 fp3_tune_def fp3_tune_default(void);
 
-/* What was tried, an integrator with an arithmetic, and fixed or adaptive steps. */
+/* One combination that was tried: an integrator, an arithmetic, and fixed or adaptive steps. */
 typedef struct {
     char integrator[FP3_NAME_SIZE];
     fp3_arithmetic arithmetic;
-    int is_adaptive; /* fp3/compile.h: it has a tolerance and no number of steps */
-    uint64_t steps;  /* the fewest that met the target, or those of the last look; 0: none */
+    int is_adaptive; /* it has a tolerance (fp3/compile.h) and no number of steps */
+    uint64_t steps;  /* the fewest that met the target, else those of the last look; 0: none */
     float h;
-    /* Of adaptive steps, likewise: tolerance and absolute of a step, and how many attempts an object of the
-     * sample makes, the mean; 0: none. */
+    /* With adaptive steps, likewise: tolerance and absolute of a step, and the mean number of
+     * attempts that an object of the sample makes; 0: none. */
     double tolerance, absolute, attempts;
     double error;   /* of the sample with these steps */
-    double lowest;  /* of all numbers of steps, or tolerances, that were looked at */
-    double cycles;  /* for an object over the span, all contexts full; 0: not compiled */
+    double lowest;  /* the lowest error, over all numbers of steps or tolerances tried */
+    double cycles;  /* per object over the span, with all contexts full; 0: not compiled */
     uint32_t looks; /* runs of the sample */
     int is_met;     /* the sample met the target */
-    char why[160];  /* what became of it */
+    char why[160];  /* how it ended */
 } fp3_tune_row;
 
 /* Read it, never change it. */
 typedef struct {
     fp3_tune_row *rows;
     size_t row_count, best; /* best: row_count if no row met the target */
-    int is_met;             /* best is there, and the last held-out sample meets the tolerance */
+    int is_met; /* there is a best row, and the last held-out sample meets the tolerance */
     double span;
-    uint32_t ranges, sample, held_out; /* how many objects the choice has seen, and not seen */
+    uint32_t ranges, sample, held_out; /* ranges; objects the choice has seen, and not seen */
     uint32_t rounds;
-    double target;         /* that the sample has to meet in the last round */
-    double error_held_out; /* of the best; NaN: there is no best, or there are no ranges */
+    double target;         /* error that the sample had to meet in the last round */
+    double error_held_out; /* of the best row; NaN: there is none, or there are no ranges */
     double baseline_cycles, baseline_error; /* rk4, plain, at the model's default step */
     uint64_t baseline_steps;
 } fp3_tuning;
 
-/* FP3_E_ARGUMENT: a tolerance that is not from FP3_TUNE_LEAST to below 1, a span that is not above 0 or
- * shorter than FP3_TUNE_LOOKS steps, a configuration with other roundings than IEEE 754's or whose cycles
- * are not known beforehand, a program that is no model, or of adaptive steps. FP3_E_FAILED: there is no truth for an object of the sample, and why.
- * That no integrator meets the tolerance is no error: see is_met. The caller frees *tuning, which is NULL on failure. */
+/* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
+ * meets the tolerance: see is_met. FP3_E_ARGUMENT: the tolerance is below FP3_TUNE_LEAST or not
+ * below 1; the span is not above 0, or shorter than FP3_TUNE_LOOKS steps; the configuration does
+ * not round as IEEE 754 says, or its cycles cannot be predicted; the program is not a model, or has
+ * adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
-/* Sets *tuning to NULL; that it was NULL before does no harm. */
+/* Frees *tuning and sets it to NULL. *tuning may be NULL already. */
 void fp3_tuning_free(fp3_tuning **tuning);
 
-/* The best row as a scene file (docs/scenes.md). program: the model as the scene is to name it. The
+/* The best row as a scene file (docs/scenes.md). program is the name of the model in the scene. The
  * caller frees *text. FP3_E_ARGUMENT: there is no best row. */
 fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, const char *program,
                             uint32_t objects, char **text, fp3_error *error);
 
 /* ---- truth: where an object really is, and how the error falls with the time step ----
- * how the error falls with the time step. Experimental: it may change from version to version.
  *
  *     fp3_ladder *ladder = NULL;
  *     fp3_convergence found;
@@ -111,42 +111,45 @@ fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, c
  *     fp3_ladder_close(&ladder);
  */
 
-/* At time t (negative, too): GSL's rk8pd at tight tolerance, and the closed forms of the model if it
- * has them, with which it must agree: FP3_E_MISMATCH. states has model->state_count numbers. */
+/* The states at time t, which may be negative: by GSL's rk8pd at a tight tolerance, and by the
+ * model's closed forms if it has them. FP3_E_MISMATCH: the two do not agree. states has
+ * model->state_count numbers. */
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error);
-/* At several times above 0, upwards, in one go: states has a row of model->state_count numbers for each
- * of count times. sizes (may be NULL) gets the largest magnitude of each state up to the last; with it
- * two truths are compared at each time. FP3_E_ARGUMENT: also for other times. */
+/* The states at count times, all above 0 and ascending: states has a row of model->state_count
+ * numbers for each. sizes (may be NULL) gets the largest magnitude of each state up to the last
+ * time; if it is given, two truths are compared at each time. FP3_E_ARGUMENT: also if times are not
+ * as above. */
 fp3_status fp3_model_truths(const fp3_model *model, const double *params, const double *initial,
                             const double *times, size_t count, double *states, double *sizes,
                             fp3_error *error);
 
-/* ---- the steps of a compiled program, straight from the equations ---- */
+/* ---- the steps of a compiled program, computed directly from the equations ---- */
 
-/* Without any pass that keeps the bits, in FP32: what every engine must equal bit for bit. params,
- * initial and h as of fp3_compiled_inputs. states has count rows of model->state_count floats. Row i gets,
- * after steps[i] steps (none less than the one before), the states that are computed (observed, or
- * needed by what is), a NaN as 7FC00000; others are unchanged. */
+/* The reference, in FP32 and without any of the passes that keep the bits. Every engine must give
+ * the same bits. params, initial and h are as for fp3_compiled_inputs. states has count rows of
+ * model->state_count floats. Row i gets the states after steps[i] steps; steps must not decrease.
+ * Only states that are observed, or needed by an observed one, are written; a NaN is 7FC00000. */
 fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
                                   const double *initial, double h, const uint64_t *steps,
                                   size_t count, float *states, fp3_error *error);
 
-/* The same with the second words of double-single, which are 0 in any other arithmetic. low has as many
- * floats as states; a state is the sum of its two. */
+/* The same with the second words of double-single, which are 0 in any other arithmetic. low has as
+ * many floats as states; a state is the sum of the two. */
 fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
                                         const double *initial, double h, const uint64_t *steps,
                                         size_t count, float *states, float *low, fp3_error *error);
 
-/* The same steps in double, with quotients and roots in double: the integrator without FP32. All other
- * functions are the same polynomials. */
+/* The same steps in double, including quotients and roots: the integrator without the effects of
+ * FP32. All other functions are the same polynomials. */
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error);
 
-/* The same steps in double again, by the numbers that the host gives the program, rounded as the program has them
- * (h, params, coefficients and what is made of them): what FP32 does to the method before a step is made. Of
- * double-single nothing is rounded. The start is not, either. */
+/* The same steps in double, but the numbers that the host gives the program (h, params,
+ * coefficients and what is computed from them) are rounded as the program has them. This shows what
+ * FP32 does to the method before the first step. The start is not rounded, and in double-single
+ * nothing is. */
 fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
                                     const double *initial, double h, const uint64_t *steps,
                                     size_t count, double *states, fp3_error *error);
@@ -154,47 +157,48 @@ fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *
 /* ---- how the error of a program falls with its time step ---- */
 
 #define FP3_RUNGS_MOST 40
-#define FP3_STEPS_MOST 8388608 /* of the last of so many rungs */
-#define FP3_LOOKS                                                                                  \
-    8 /* times at which a run is compared with the truth, evenly, the last at its end */
+#define FP3_STEPS_MOST 8388608 /* of the last of FP3_RUNGS_MOST rungs */
+/* A run is compared with the truth at this number of times, evenly spaced, the last at its end. */
+#define FP3_LOOKS 8
 
-/* Runs of one model over the same span, each with about 1.4 times the steps of the one before, and
- * where the object then really is. Read it, never change it. */
+/* Runs ("rungs") of one model over the same span, each with about 1.4 times the steps of the one
+ * before, and the true states for each. Read it, never change it. */
 typedef struct {
     const fp3_model *model;   /* the caller's; it must outlive the ladder */
     double *params, *initial; /* the model's defaults, as FP32 has them */
-    double *scale;            /* of each state: the largest magnitude along the truth */
-    unsigned count;           /* rungs */
+    double *scale;            /* the largest magnitude of each state along the truth */
+    unsigned count;           /* of rungs */
     uint64_t steps[FP3_RUNGS_MOST];
     float h[FP3_RUNGS_MOST];
-    double *truth[FP3_RUNGS_MOST]; /* FP3_LOOKS rows of a number for each state */
+    double *truth[FP3_RUNGS_MOST]; /* FP3_LOOKS rows of one number per state */
 } fp3_ladder;
 
-/* span: how long the model is integrated, in its unit of time; 0: the model's own span. most_steps:
- * of the last rung, at least FP3_LOOKS. The caller closes *ladder, which is NULL on failure.
- * FP3_E_MISMATCH as of fp3_model_truth. */
+/* span: how long to integrate, in the model's unit of time; 0: the model's span. most_steps: the
+ * steps of the last rung, at least FP3_LOOKS. The caller closes *ladder, which is NULL on failure.
+ * FP3_E_MISMATCH as for fp3_model_truth. */
 fp3_status fp3_ladder_open(const fp3_model *model, double span, uint64_t most_steps,
                            fp3_ladder **ladder, fp3_error *error);
-/* Sets *ladder to NULL; that it was NULL before does no harm. */
+/* Closes *ladder and sets it to NULL. *ladder may be NULL already. */
 void fp3_ladder_close(fp3_ladder **ladder);
 
 typedef struct {
-    /* By rung, relative to the scale, root of the mean square over states and looks. NaN or infinite
-     * where a run went wrong; NaN also beyond the rung from which only noise is left. */
-    double error[FP3_RUNGS_MOST];  /* of FP32 */
-    double method[FP3_RUNGS_MOST]; /* of the same steps in double: the integrator's own */
-    double noise[FP3_RUNGS_MOST];  /* between the two */
-    /* Slopes of error and method over rungs from .. to, where the noise is small beside the method's
-     * error; NaN: there are no such rungs. */
+    /* For each rung, relative to the scale: root mean square over states and looks. NaN or infinite
+     * if the run went wrong; NaN also beyond the rung from which only noise is left. */
+    double error[FP3_RUNGS_MOST];  /* of the steps in FP32 */
+    double method[FP3_RUNGS_MOST]; /* of the same steps in double: the integrator's own error */
+    double noise[FP3_RUNGS_MOST];  /* difference between the two */
+    /* Slopes of error and method over rungs from .. to, where the noise is small compared with the
+     * method's error; NaN: there are no such rungs. */
     double order, method_order;
     unsigned from, to;
-    double finest_order; /* slope of method as far down as double sees it; NaN likewise */
+    double finest_order; /* slope of method, as far down as double resolves it; NaN likewise */
     double floor;        /* the smallest error ... */
     unsigned best;       /* ... and its rung */
 } fp3_convergence;
 
-/* Runs the program's reference, which has the bits of every engine. compiled: from the ladder's
- * model; order: the theoretical one, which says over how many rungs slopes are taken. */
+/* Runs the program's reference, which has the bits of every engine. compiled: made from the
+ * ladder's model. order: the theoretical one, which determines over how many rungs slopes are
+ * taken. */
 fp3_status fp3_converge(const fp3_ladder *ladder, const fp3_compiled *compiled, unsigned order,
                         fp3_convergence *convergence, fp3_error *error);
 
