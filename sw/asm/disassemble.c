@@ -83,11 +83,9 @@ static int numbers_fall_into_place(const view *v) {
     /* Pass 0 finds what names and register numbers take, pass 1 allocates the numbers. */
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t i = 0; i < image->code_count; i++) {
-            fp3_instruction word;
-            if (fp3_word_decode(image->code[i], &word, NULL))
-                continue;
-            for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++) {
-                uint32_t operand = fp3_operand(&word, *letter);
+            const fp3_decoded *word = &image->decoded[i];
+            for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++) {
+                uint32_t operand = fp3_operand(&word->in, *letter);
                 if (pass == 0 && !v->numbers[operand])
                     taken[operand] = 1;
                 if (pass == 0 || !v->numbers[operand] || seen[operand])

@@ -11,11 +11,6 @@
 #include "machine/operation.h"
 #include <fp3/isa.h>
 
-static const fp3_operation *operation_at(const fp3_image *image, uint32_t index) {
-    fp3_instruction word;
-    return fp3_word_decode(image->code[index], &word, NULL) ? NULL : fp3_operation_find(word.op);
-}
-
 /* "  step part   30: 9 add, 4 sub, 17 mul" */
 static void print_part(const fp3_image *image, const char *name, uint32_t begin, uint32_t end) {
     const char *separator = ":";
@@ -23,7 +18,7 @@ static void print_part(const fp3_image *image, const char *name, uint32_t begin,
     for (unsigned i = 0; i < fp3_operation_count; i++) {
         unsigned count = 0;
         for (uint32_t at = begin; at < end; at++)
-            count += operation_at(image, at) == &fp3_operations[i];
+            count += image->decoded[at].of == &fp3_operations[i];
         if (count > 0) {
             printf("%s %u %s", separator, count, fp3_operations[i].name);
             separator = ",";
@@ -31,7 +26,7 @@ static void print_part(const fp3_image *image, const char *name, uint32_t begin,
     }
     unsigned illegal = 0;
     for (uint32_t at = begin; at < end; at++)
-        illegal += !operation_at(image, at);
+        illegal += !image->decoded[at].of;
     if (illegal > 0)
         printf("%s %u illegal", separator, illegal);
     printf("\n");
@@ -39,7 +34,7 @@ static void print_part(const fp3_image *image, const char *name, uint32_t begin,
 
 static int needs(const fp3_image *image, fp3_key key) {
     for (uint32_t i = 0; i < image->code_count; i++)
-        if (operation_at(image, i) && operation_at(image, i)->needs == key)
+        if (image->decoded[i].of && image->decoded[i].of->needs == key)
             return 1;
     return 0;
 }

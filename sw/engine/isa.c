@@ -141,11 +141,11 @@ static fp3_status isa_list(fp3_engine *engine) {
 }
 
 /* What the hardware's decoder refuses, too. */
-static int is_legal(const fp3_config *config, uint32_t word, fp3_instruction *in) {
+static int is_legal(const fp3_config *config, const fp3_decoded *word) {
     const uint32_t in_bank = FP3_BANK_SHARED_BASE - 1;
-    if (fp3_word_decode(word, in, NULL) || in->d >= config->registers ||
-        (in->a & in_bank) >= config->registers || (in->b & in_bank) >= config->registers ||
-        (in->c & in_bank) >= config->registers)
+    const fp3_instruction *in = &word->in;
+    if (!word->of || in->d >= config->registers || (in->a & in_bank) >= config->registers ||
+        (in->b & in_bank) >= config->registers || (in->c & in_bank) >= config->registers)
         return 0;
     return fp3_operation_lacks(config, in->op) == FP3_KEY_NONE && !fp3_operation_mixes(config, in);
 }
@@ -223,15 +223,15 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
 static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
 
 /* One instruction for all objects that execute it. */
-static void sweep(const round_of *r, const fp3_instruction *in, int is_last) {
+static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
     isa *self = r->engine->self;
     const uint64_t before = self->executed;
     const fp3_members *group = members(r);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
         if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
-            execute(r, i, in);
+            execute(r, i, &word->in);
     uint64_t *counter = r->engine->counters[0];
-    counter[fp3_operation_find(in->op)->counter] += self->executed - before;
+    counter[word->of->counter] += self->executed - before;
     counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
 }
 
@@ -281,15 +281,15 @@ static fp3_status make_round(round_of *r) {
     const uint64_t limit = engine->def.cycle_limit;
     uint32_t left = r->steps;
     for (uint32_t pc = 0; pc < program->count;) {
-        fp3_instruction in;
+        const fp3_decoded *word = &program->decoded[pc];
         if (pc == program->step)
             begin_step(r);
-        if (!is_legal(engine->config, program->code[pc], &in))
+        if (!is_legal(engine->config, word))
             return fp3_engine_illegal(r->engine, r->group, pc);
         if (limit && self->executed >= limit)
             return fp3_engine_limit(r->engine);
         r->is_ahead = engine->watched && (pc < program->step || members(r)->is_ahead[pc]);
-        sweep(r, &in, pc >= program->last);
+        sweep(r, word, pc >= program->last);
         if (self->executed >= self->told + TELL_INSTRUCTIONS)
             tell(r->engine);
         pc++;

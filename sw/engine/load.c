@@ -11,31 +11,29 @@
 static fp3_needs needs_of(const fp3_image *image) {
     fp3_needs needs = {
         .registers = image->registers, .constants = image->shared, .words = image->code_count};
-    for (uint32_t i = 0; i < image->code_count; i++) {
-        fp3_instruction instruction;
-        if (!fp3_word_decode(image->code[i], &instruction, NULL))
-            needs.operations |= fp3_operation_bit(instruction.op);
-    }
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (image->decoded[i].of)
+            needs.operations |= fp3_operation_bit(image->decoded[i].in.op);
     return needs;
 }
 
 static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
-        fp3_instruction instruction;
-        if (fp3_word_decode(image->code[i], &instruction, NULL))
+        const fp3_decoded *word = &image->decoded[i];
+        if (!word->of)
             continue;
-        const fp3_key key = fp3_operation_lacks(engine->config, instruction.op);
+        const fp3_key key = fp3_operation_lacks(engine->config, word->in.op);
         if (key != FP3_KEY_NONE)
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "word %" PRIu32 " is %s, which configuration '%s' does not have", i,
                             fp3_key_lack(key), engine->config->name);
-        const char *mixes = fp3_operation_mixes(engine->config, &instruction);
+        const char *mixes = fp3_operation_mixes(engine->config, &word->in);
         if (mixes)
             return fp3_fail(
                 engine->def.error, FP3_E_PROGRAM,
                 "word %" PRIu32 " (%s) %s: configuration '%s' keeps sums in registers of "
                 "even number and products in those of odd number, and reads one of each",
-                i, fp3_operation_find(instruction.op)->name, mixes, engine->config->name);
+                i, word->of->name, mixes, engine->config->name);
     }
     return FP3_OK;
 }
@@ -68,17 +66,18 @@ static fp3_status check_visit(fp3_engine *engine, const fp3_image *image, const 
 
 static fp3_code program_of(const fp3_image *image, const fp3_visit *visit) {
     if (visit)
-        return (fp3_code){visit->code, visit->code_count,     visit->step,
+        return (fp3_code){visit->code, visit->decoded,        visit->code_count, visit->step,
                           visit->last, visit->loads_in_front, visit->slept};
-    return (fp3_code){image->code, image->code_count, image->step, image->last, 0, -1};
+    return (fp3_code){image->code, image->decoded, image->code_count, image->step, image->last, 0,
+                      -1};
 }
 
 /* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */
 static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, fp3_members *to) {
     fp3_error *error = engine->def.error;
-    fp3_status status = check ? check_image(engine, from->image) : FP3_OK;
-    if (!status)
-        status = fp3_image_make(from->image, &to->image, error);
+    fp3_status status = fp3_image_make(from->image, &to->image, error);
+    if (!status && check)
+        status = check_image(engine, to->image);
     if (!status && engine->config->interleave)
         status = fp3_visit_make(to->image, &to->visit, error);
     if (!status && to->visit && check)

@@ -69,9 +69,9 @@ static uint64_t named_by(const fp3_engine *engine, const fp3_members *group, uin
                          uint32_t other) {
     uint64_t set = 0;
     for (uint32_t i = 0; i < group->program.count; i++) {
-        fp3_instruction in;
-        if (!fp3_word_decode(group->program.code[i], &in, NULL) && (in.op == op || in.op == other))
-            set |= (uint64_t)1 << in.d;
+        const fp3_decoded *word = &group->program.decoded[i];
+        if (word->of && (word->in.op == op || word->in.op == other))
+            set |= (uint64_t)1 << word->in.d;
     }
     return engine->config->interleave ? set : UINT64_MAX;
 }

@@ -66,7 +66,8 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
 static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t pc = 0; !status && pc < code->count; pc++) {
-        if (fp3_word_decode(code->code[pc], &plan->code[pc].in, NULL))
+        plan->code[pc].in = code->decoded[pc].in;
+        if (!code->decoded[pc].of)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "word %" PRIu32 " is no instruction: engine 'fast' runs none of it",
                             pc - code->in_front);

@@ -256,9 +256,7 @@ static fp3_status measure_error(const bench *b, fp3_error *error) {
 /* Of one step, what each functional unit has to do. */
 static void count_uses(fp3_bench_result *r, const fp3_image *image) {
     for (uint32_t i = image->step; i < image->last; i++) {
-        fp3_instruction in;
-        const unsigned path =
-            fp3_word_decode(image->code[i], &in, NULL) ? 0 : fp3_operation_find(in.op)->path;
+        const unsigned path = image->decoded[i].of ? image->decoded[i].of->path : 0;
         r->issues++;
         r->adds += (path & FP3_UNIT_ADDER) != 0;
         r->muls += (path & FP3_UNIT_MULTIPLIER) != 0;

@@ -57,19 +57,14 @@ int fp3_image_steps(const fp3_image *image) {
     return s ? (int)s->index : -1;
 }
 
-static int names_slept(uint32_t word, uint32_t *d) {
-    fp3_instruction i;
-    if (fp3_word_decode(word, &i, NULL) || (i.op != FP3_OP_SLEEP && i.op != FP3_OP_LDS))
-        return 0;
-    *d = i.d;
-    return 1;
+static int names_slept(const fp3_decoded *word) {
+    return word->of && (word->in.op == FP3_OP_SLEEP || word->in.op == FP3_OP_LDS);
 }
 
 int fp3_image_slept(const fp3_image *image) {
-    uint32_t d;
     for (uint32_t i = 0; i < image->code_count; i++)
-        if (names_slept(image->code[i], &d))
-            return (int)d;
+        if (names_slept(&image->decoded[i]))
+            return (int)image->decoded[i].in.d;
     return -1;
 }
 
@@ -168,13 +163,12 @@ static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
     const int slept = fp3_image_slept(image);
     if (slept < 0)
         return FP3_OK;
-    uint32_t d;
     for (uint32_t i = 0; i < image->code_count; i++)
-        if (names_slept(image->code[i], &d) && d != (uint32_t)slept)
+        if (names_slept(&image->decoded[i]) && image->decoded[i].in.d != (uint32_t)slept)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "code word %u sleeps in r%u, but one before it in r%d: a program has "
                             "one sleep register",
-                            i, d, slept);
+                            i, image->decoded[i].in.d, slept);
     if (slept == fp3_image_steps(image))
         return fp3_fail(
             error, FP3_E_PROGRAM,
@@ -205,11 +199,9 @@ static void count_operand(fp3_image *image, uint32_t operand) {
 static void count_used(fp3_image *image) {
     image->registers = image->shared = 0;
     for (uint32_t i = 0; i < image->code_count; i++) {
-        fp3_instruction word;
-        if (fp3_word_decode(image->code[i], &word, NULL))
-            continue;
-        for (const char *letter = fp3_operation_find(word.op)->operands; *letter; letter++)
-            count_operand(image, fp3_operand(&word, *letter));
+        const fp3_decoded *word = &image->decoded[i];
+        for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++)
+            count_operand(image, fp3_operand(&word->in, *letter));
     }
     for (uint32_t i = 0; i < image->constant_count; i++)
         raise_to(&image->shared, image->constants[i].index + 1);
@@ -241,19 +233,19 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
     if (draft->symbol_count > FP3_BANK_OBJECT_COUNT + FP3_BANK_SHARED_COUNT + FP3_IMAGE_LABEL_LIMIT)
         return fp3_fail(error, FP3_E_PROGRAM, "%u symbols are too many", draft->symbol_count);
     fp3_status status = check_symbols(draft, error);
-    if (!status)
-        status = check_slept(draft, error);
     if (status)
         return status;
 
     uint32_t *code = copied(draft->code, draft->code_count * sizeof *code);
     fp3_constant *constants = copied(draft->constants, draft->constant_count * sizeof *constants);
     fp3_symbol *symbols = copied(draft->symbols, draft->symbol_count * sizeof *symbols);
+    fp3_decoded *decoded = fp3_decode_all(draft->code, draft->code_count);
     fp3_image *made = copied(draft, sizeof *draft);
-    if (!code || !constants || !symbols || !made) {
+    if (!code || !constants || !symbols || !decoded || !made) {
         free(code);
         free(constants);
         free(symbols);
+        free(decoded);
         free(made);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
@@ -262,9 +254,13 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
     made->code = code;
     made->constants = constants;
     made->symbols = symbols;
+    made->decoded = decoded;
     count_used(made);
+    status = check_slept(made, error);
+    if (status)
+        fp3_image_free(&made);
     *image = made;
-    return FP3_OK;
+    return status;
 }
 
 void fp3_image_free(fp3_image **image) {
@@ -273,6 +269,7 @@ void fp3_image_free(fp3_image **image) {
     free((void *)(*image)->code);
     free((void *)(*image)->constants);
     free((void *)(*image)->symbols);
+    free((void *)(*image)->decoded);
     free(*image);
     *image = NULL;
 }

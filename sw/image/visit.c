@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "machine/operation.h"
 #include <fp3/isa.h>
 
 _Static_assert(FP3_BANK_OBJECT_BASE == 0 && FP3_BANK_OBJECT_COUNT == 64,
@@ -18,16 +17,11 @@ typedef struct {
 } effect;
 
 /* An illegal word has no effect: it ends the run. */
-static effect effect_of(uint32_t code) {
-    fp3_instruction word;
-    effect e = {0};
-    if (fp3_word_decode(code, &word, NULL))
-        return e;
-    e.op = word.op;
-    const fp3_operation *operation = fp3_operation_find(word.op);
-    for (const char *letter = operation->operands; *letter; letter++) {
-        const uint32_t operand = fp3_operand(&word, *letter);
-        if (*letter == 'd' && operation->writes != FP3_WRITES_NEVER)
+static effect effect_of(const fp3_decoded *word) {
+    effect e = {.op = word->in.op};
+    for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++) {
+        const uint32_t operand = fp3_operand(&word->in, *letter);
+        if (*letter == 'd' && word->of->writes != FP3_WRITES_NEVER)
             e.writes = BIT(operand);
         else if (operand < FP3_BANK_SHARED_BASE)
             e.reads |= BIT(operand);
@@ -40,7 +34,7 @@ static effect effect_of(uint32_t code) {
 static uint64_t live(const fp3_image *image, uint32_t begin, uint32_t end, uint64_t after,
                      uint64_t asleep) {
     for (uint32_t i = end; i-- > begin;) {
-        const effect e = effect_of(image->code[i]);
+        const effect e = effect_of(&image->decoded[i]);
         after = e.op == FP3_OP_SLEEP ? after | asleep : after & ~e.writes;
         after |= e.reads;
     }
@@ -67,7 +61,7 @@ static uint64_t named(const fp3_image *image, unsigned classes) {
 static int has_own(const fp3_image *image, fp3_visit *v) {
     int found = 0;
     for (uint32_t i = 0; i < image->code_count; i++) {
-        const effect e = effect_of(image->code[i]);
+        const effect e = effect_of(&image->decoded[i]);
         if (e.op == FP3_OP_LD || e.op == FP3_OP_LDS)
             v->loaded |= e.writes;
         else if (e.op == FP3_OP_ST)
@@ -86,7 +80,7 @@ static void choose(const fp3_image *image, fp3_visit *v) {
     const uint64_t slept = v->slept < 0 ? 0 : BIT(v->slept);
     uint64_t written = 0;
     for (uint32_t i = 0; i < image->code_count; i++)
-        written |= effect_of(image->code[i]).writes;
+        written |= effect_of(&image->decoded[i]).writes;
     const uint64_t outside = written & ~named(image, FP3_CLASS(FP3_SYMBOL_TEMP));
     v->loaded = live_in(image, outside) | slept;
     v->stored = outside | (v->loaded & written);
@@ -106,11 +100,14 @@ static uint32_t count(uint64_t set) {
     return bits;
 }
 
-static uint32_t *put(uint32_t *to, uint32_t op, uint64_t set) {
+static uint32_t put(fp3_visit *v, uint32_t at, uint32_t op, uint64_t set) {
     for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
-        if (set & BIT(reg))
-            *to++ = fp3_word_encode(&(fp3_instruction){.op = op, .d = reg});
-    return to;
+        if (set & BIT(reg)) {
+            v->decoded[at] = (fp3_decoded){fp3_operation_find(op), {.op = op, .d = reg}};
+            v->code[at] = fp3_word_encode(&v->decoded[at].in);
+            at++;
+        }
+    return at;
 }
 
 static fp3_status write_code(const fp3_image *image, fp3_visit *v, uint64_t in_front,
@@ -125,14 +122,15 @@ static fp3_status write_code(const fp3_image *image, fp3_visit *v, uint64_t in_f
                         "%u code words, with %u loads and %u stores of the object; %u are possible",
                         v->code_count, v->loads_in_front, v->stores_behind, FP3_IMAGE_CODE_LIMIT);
     v->code = malloc(v->code_count * sizeof *v->code);
-    if (!v->code)
+    v->decoded = malloc(v->code_count * sizeof *v->decoded);
+    if (!v->code || !v->decoded)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     /* lds comes first: of an object that sleeps nothing else is loaded. */
     const uint64_t slept = v->slept < 0 ? 0 : in_front & BIT(v->slept);
-    uint32_t *to = put(v->code, FP3_OP_LDS, slept);
-    to = put(to, FP3_OP_LD, in_front & ~slept);
-    memcpy(to, image->code, image->code_count * sizeof *to);
-    put(to + image->code_count, FP3_OP_ST, behind);
+    const uint32_t at = put(v, put(v, 0, FP3_OP_LDS, slept), FP3_OP_LD, in_front & ~slept);
+    memcpy(v->code + at, image->code, image->code_count * sizeof *v->code);
+    memcpy(v->decoded + at, image->decoded, image->code_count * sizeof *v->decoded);
+    put(v, at + image->code_count, FP3_OP_ST, behind);
     return FP3_OK;
 }
 
@@ -167,6 +165,7 @@ void fp3_visit_free(fp3_visit **visit) {
     if (!visit || !*visit)
         return;
     free((*visit)->code);
+    free((*visit)->decoded);
     free(*visit);
     *visit = NULL;
 }

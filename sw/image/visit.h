@@ -14,10 +14,13 @@
 #ifndef FP3_VISIT_H
 #define FP3_VISIT_H
 
+#include "machine/operation.h"
+
 #include <fp3/image.h>
 
 typedef struct {
     uint32_t *code;
+    fp3_decoded *decoded;                   /* each word of code */
     uint32_t code_count, step, last;        /* as in an image, loads and stores included */
     uint32_t loads_in_front, stores_behind; /* words that the image does not have */
     uint64_t loaded, stored; /* by these words or the image's own: bit r for register r */

@@ -1,5 +1,6 @@
 #include "operation.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 const fp3_operation fp3_operations[] = {FP3_OPERATION_ROWS};
@@ -90,6 +91,14 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
     if (instruction)
         *instruction = i;
     return FP3_OK;
+}
+
+fp3_decoded *fp3_decode_all(const uint32_t *code, uint32_t count) {
+    fp3_decoded *all = calloc(count + 1u, sizeof *all);
+    for (uint32_t i = 0; all && i < count; i++)
+        if (!fp3_word_decode(code[i], &all[i].in, NULL))
+            all[i].of = fp3_operation_find(all[i].in.op);
+    return all;
 }
 
 uint32_t fp3_word_encode(const fp3_instruction *i) {

@@ -37,6 +37,16 @@ extern const unsigned fp3_operation_count;
 /* By code; NULL if unknown. */
 const fp3_operation *fp3_operation_find(uint32_t code);
 
+/* A word of a program. An image and a visit keep theirs decoded, so that nobody decodes them again;
+ * fp3_word_decode is for a word that comes alone, as from a trace. */
+typedef struct fp3_decoded {
+    const fp3_operation *of; /* NULL: the word is no instruction */
+    fp3_instruction in;      /* all 0 then */
+} fp3_decoded;
+
+/* The caller frees what it gets; NULL: out of memory. */
+fp3_decoded *fp3_decode_all(const uint32_t *code, uint32_t count);
+
 /* Whether its result depends on operands, rounding and flushing alone, and so can be computed
  * beforehand. The others work with the store or put an object to sleep. */
 int fp3_operation_is_arithmetic(const fp3_operation *operation);

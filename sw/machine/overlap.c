@@ -1,16 +1,12 @@
 /* overlap.c - see overlap.h. */
 #include "overlap.h"
 
-#include "operation.h"
-
 #include <fp3/isa.h>
 
 /* A load or a store takes both units, and so does a word that is no instruction. */
-static unsigned units_of(uint32_t word) {
-    fp3_instruction in;
+static unsigned units_of(const fp3_decoded *word) {
     const unsigned both = FP3_UNIT_ADDER | FP3_UNIT_MULTIPLIER;
-    const unsigned units =
-        fp3_word_decode(word, &in, NULL) ? 0 : fp3_operation_find(in.op)->path & both;
+    const unsigned units = word->of ? word->of->path & both : 0;
     return units ? units : both;
 }
 
@@ -19,7 +15,7 @@ static uint64_t later(uint64_t a, uint64_t b) { return a > b ? a : b; }
 static void run(fp3_overlap *now, const fp3_swept *visit, uint32_t from, uint32_t to, uint32_t n,
                 uint32_t gap) {
     for (uint32_t pc = from; pc < to; pc++) {
-        const unsigned units = units_of(visit->code[pc]);
+        const unsigned units = units_of(&visit->code[pc]);
         uint64_t at = now->soonest;
         if (units & FP3_UNIT_ADDER)
             at = later(at, now->adder);

@@ -6,12 +6,14 @@
 #ifndef FP3_OVERLAP_H
 #define FP3_OVERLAP_H
 
+#include "operation.h"
+
 #include <stdint.h>
 
 /* The words of a visit: loads and first part; so many times the words step .. last - 1; last part and
  * stores. */
 typedef struct {
-    const uint32_t *code;
+    const fp3_decoded *code; /* of which only the operations count */
     uint32_t count, step, last;
     uint64_t steps;
 } fp3_swept;

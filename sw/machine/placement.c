@@ -6,7 +6,6 @@
 #include "placement.h"
 
 #include "cycles.h"
-#include "operation.h"
 
 #include "gen/registers.h"
 #include <fp3/image.h>
@@ -47,15 +46,14 @@ typedef struct {
 } uses;
 
 static uses uses_of(const fp3_code *program, uint32_t visit) {
-    uses sum = {.visit = {program->code, program->count, program->step, program->last,
+    uses sum = {.visit = {program->decoded, program->count, program->step, program->last,
                           visit ? visit : ALL_STEPS}};
     for (uint32_t pc = 0; pc < program->count; pc++) {
         const uint64_t times = pc < program->step || pc >= program->last ? 1
                                : visit                                   ? visit
                                                                          : ALL_STEPS;
-        fp3_instruction in;
-        const unsigned of =
-            fp3_word_decode(program->code[pc], &in, NULL) ? 0 : fp3_operation_find(in.op)->path;
+        const fp3_operation *operation = program->decoded[pc].of;
+        const unsigned of = operation ? operation->path : 0;
         sum.issues += times;
         sum.adds += of & FP3_UNIT_ADDER ? times : 0;
         sum.muls += of & FP3_UNIT_MULTIPLIER ? times : 0;

@@ -6,7 +6,7 @@
 #ifndef FP3_PLACEMENT_H
 #define FP3_PLACEMENT_H
 
-#include "config.h"
+#include "operation.h"
 
 #include <fp3/status.h>
 #include <stddef.h>
@@ -14,6 +14,7 @@
 /* What the instruction memory gets: the image's words; interleaved, with loads and stores around. */
 typedef struct {
     const uint32_t *code;
+    const fp3_decoded *decoded; /* each word of code */
     uint32_t count, step, last;
     uint32_t in_front; /* words before the image's own */
     int slept;         /* the register that `sleep` writes; -1: none does */

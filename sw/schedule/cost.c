@@ -59,10 +59,10 @@ static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
 
 /* ---- cycles and bounds ---- */
 
-/* The words of a visit with its loads and stores, of which only the operations count. The caller frees
+/* The words of a visit with its loads and stores. The caller frees
  * visit->code; 0: out of memory. */
 static int sweep(const fp3_schedule *s, uint64_t steps, fp3_swept *visit) {
-    uint32_t *code =
+    fp3_decoded *code =
         calloc((size_t)s->loads + s->first_count + s->step_count + s->last_count + s->stores + 1,
                sizeof *code);
     const fp3_line *const parts[] = {s->first, s->step, s->last};
@@ -71,14 +71,14 @@ static int sweep(const fp3_schedule *s, uint64_t steps, fp3_swept *visit) {
     if (!code)
         return 0;
     for (uint32_t i = 0; i < s->loads; i++)
-        code[count++] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_LD});
+        code[count++] = (fp3_decoded){.of = fp3_operation_find(FP3_OP_LD)};
     for (int part = 0; part < 3; part++) {
         at[part] = count;
         for (uint32_t i = 0; i < counts[part]; i++)
-            code[count++] = fp3_word_encode(&(fp3_instruction){.op = parts[part][i].op});
+            code[count++] = (fp3_decoded){.of = fp3_operation_find(parts[part][i].op)};
     }
     for (uint32_t i = 0; i < s->stores; i++)
-        code[count++] = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_ST});
+        code[count++] = (fp3_decoded){.of = fp3_operation_find(FP3_OP_ST)};
     *visit = (fp3_swept){code, count, at[1], at[2], steps};
     return 1;
 }

@@ -28,11 +28,11 @@ void fp3_time_nodes(const fp3_block *block, const uint32_t *order, fp3_timed *ti
 
 static fp3_status time_overlap(const fp3_block *block, const uint32_t *order, double *cycles,
                                fp3_error *error) {
-    uint32_t *code = calloc((size_t)block->count + 1, sizeof *code);
+    fp3_decoded *code = calloc((size_t)block->count + 1, sizeof *code);
     if (!code)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t p = 0; p < block->count; p++)
-        code[p] = fp3_word_encode(&(fp3_instruction){.op = block->nodes[order[p]].op.op});
+        code[p].of = fp3_operation_find(block->nodes[order[p]].op.op);
     *cycles =
         fp3_cycles_swept_step(block->config, &(fp3_swept){code, block->count, 0, block->count, 1});
     free(code);

@@ -43,9 +43,7 @@ static uint32_t power_of_two(uint32_t least, uint32_t n) {
 
 static void find_keys(const fp3_image *image, trimmed *t) {
     for (uint32_t i = 0; i < image->code_count; i++) {
-        fp3_instruction word;
-        const fp3_operation *of =
-            fp3_word_decode(image->code[i], &word, NULL) ? NULL : fp3_operation_find(word.op);
+        const fp3_operation *of = image->decoded[i].of;
         if (of && of->needs != FP3_KEY_NONE)
             t->used |= 1u << of->needs;
     }

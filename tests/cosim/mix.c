@@ -95,15 +95,16 @@ static void check_placing(chance *c) {
     config.store_words = 64u << below(c, 6);
     config.add_latency = 1 + below(c, 8);
     config.mul_latency = 2 + below(c, 8);
-    uint32_t code[20], group_of[SCHEDULERS_MAX];
+    uint32_t group_of[SCHEDULERS_MAX];
+    fp3_decoded code[20] = {0};
     for (size_t i = 0; i < 20; i++)
-        code[i] = stream_word(below(c, 2) ? FP3_OP_MUL : FP3_OP_ADD, 0, 0, 0, 0);
+        code[i].of = fp3_operation_find(below(c, 2) ? FP3_OP_MUL : FP3_OP_ADD);
     fp3_code programs[GROUPS_MAX];
     fp3_to_place groups[GROUPS_MAX];
     const problem p = {&config, below(c, 3), groups, 1 + below(c, 4)};
     for (size_t i = 0; i < p.count; i++) {
         const uint32_t size = 1 + below(c, 20), step = below(c, size);
-        programs[i] = (fp3_code){code, size, step, step + 1 + below(c, size - step), 0, -1};
+        programs[i] = (fp3_code){NULL, code, size, step, step + 1 + below(c, size - step), 0, -1};
         groups[i] =
             (fp3_to_place){&programs[i], 1 + below(c, below(c, 2) ? 400 : 20), 3 + below(c, 3)};
     }
@@ -119,10 +120,10 @@ static void check_placing(chance *c) {
 
 /* A tile's two schedulers get one program that multiplies and one that adds. */
 static void unlike_programs_share(void) {
-    const uint32_t mul = stream_word(FP3_OP_MUL, 0, 0, 0, 0);
-    const uint32_t add = stream_word(FP3_OP_ADD, 0, 0, 0, 0);
-    const uint32_t muls[] = {mul, mul, mul, mul}, adds[] = {add, add, add, add};
-    const fp3_code multiplies = {muls, 4, 0, 4, 0, -1}, sums = {adds, 4, 0, 4, 0, -1};
+    const fp3_decoded mul = {.of = fp3_operation_find(FP3_OP_MUL)};
+    const fp3_decoded add = {.of = fp3_operation_find(FP3_OP_ADD)};
+    const fp3_decoded muls[] = {mul, mul, mul, mul}, adds[] = {add, add, add, add};
+    const fp3_code multiplies = {NULL, muls, 4, 0, 4, 0, -1}, sums = {NULL, adds, 4, 0, 4, 0, -1};
     const fp3_config config = {.name = "random",
                                .interleave = 1,
                                .tiles = 2,

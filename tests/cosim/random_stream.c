@@ -413,7 +413,7 @@ static uint64_t predict(bench *b, uint32_t steps) {
     if (b->is_fast || !b->config->interleave || fp3_config_schedulers(b->config) > 1 || !steps ||
         program->slept >= 0)
         return 0;
-    fp3_swept swept = {program->code, program->count, program->step, program->last, visit};
+    fp3_swept swept = {program->decoded, program->count, program->step, program->last, visit};
     uint64_t expected = fp3_cycles_interleaved(b->config, rows, steps / visit, &swept);
     swept.steps = steps % visit;
     if (swept.steps)

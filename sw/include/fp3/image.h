@@ -83,8 +83,9 @@ typedef struct {
     uint32_t registers; /* object registers used by code or names: the highest index + 1 */
     uint32_t shared;    /* shared constants used by code, names or values: likewise */
     const uint32_t *code;
-    const fp3_constant *constants; /* sorted by index */
-    const fp3_symbol *symbols;     /* sorted by class, then index */
+    const fp3_constant *constants;     /* sorted by index */
+    const fp3_symbol *symbols;         /* sorted by class, then index */
+    const struct fp3_decoded *decoded; /* each word of code; used by the library only */
 } fp3_image;
 
 /* One instruction. Operands are numbered as in the word: shared constant k is
@@ -101,8 +102,8 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
 /* Makes a checked copy of the draft, which the caller keeps. The caller frees *image with
- * fp3_image_free. The copy's registers and shared are computed (the draft's are ignored), and its
- * constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
+ * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored), and
+ * its constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
  * FP3_IMAGE_CODE_LIMIT does not hold; an index is outside its bank; a name is malformed or used
  * twice; a register has two names or two values; a .const has no value or a .shared has one; `h` or
  * `steps` has a class other than above; sleep and lds have different destinations, or one that is a
@@ -125,7 +126,8 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
 fp3_status fp3_image_load(const char *path, fp3_image **image, fp3_error *error);
 fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *error);
 
-/* The next three return pointers that belong to the image.
+/* What follows takes an image made by the library, not a draft. The next three return pointers that
+ * belong to the image.
  * The symbol of this name if it is of one of these classes, else NULL. Names are unique. */
 const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned classes);
 /* The name of a register or constant, numbered as in a word, or NULL. */
