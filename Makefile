@@ -7,7 +7,7 @@ PYTHON ?= /usr/bin/python3
 JOBS   ?= $(shell nproc)
 SAN    ?= 0
 CHECK  ?= 1
-BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))
+BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))$(if $(RELEASE),/release)
 
 MAKEFLAGS += --no-print-directory
 ifeq ($(MAKELEVEL),0)
@@ -92,7 +92,7 @@ INCLUDES := -Isw/include -Isw -Isim
 NUMBERS  := -ffp-contract=off
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
-CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)
 CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE)
 LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm

@@ -27,7 +27,17 @@ $(BUILD)/obj/sw/engine/install.o: $(BUILD)/place
 $(BUILD)/obj/sw/engine/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"'
 
 $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
-	@$(PYTHON) $< $(BUILD)/bin/fp3 >$@.new && mv $@.new $@
+	@$(PYTHON) $^ >$@.new && mv $@.new $@
+
+# What is installed has no asserts: the same rules with RELEASE=1 make it, in build/release/. A build with
+# sanitizers is for development and is installed with its asserts.
+RELEASED := $(BUILD)$(if $(filter 0,$(SAN)),/release)
+
+.PHONY: made released
+made: $(LIB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1
+	@:
+released:
+	@+$(MAKE) $(if $(filter 0,$(SAN)),RELEASE=1) made
 
 # The loader looks below /usr/lib and /lib by itself. Elsewhere a program has to carry the place.
 RPATH = $(if $(filter /usr/lib% /lib%,$(LIBDIR)),, -Wl$(comma)-rpath$(comma)$${libdir})
@@ -49,16 +59,16 @@ endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
-install: $(LIB) $(LIB_SO) $(HARDWARE) $(HDF5) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 ## Install library, headers, command, man page, driver; PREFIX=/usr/local, DESTDIR=
+install: released $(HARDWARE) $(HDF5) ## Install library, headers, command, man page, driver; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
-	@install -m 644 $(LIB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
+	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
 	@install -m 644 $(HARDWARE) $(HDF5) $(RTL_DIR)
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
 	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
-	@install -m 644 $(BUILD)/fp3.1 $(MAN)
-	@install $(BUILD)/bin/fp3 $(COMMAND)
+	@install -m 644 $(RELEASED)/fp3.1 $(MAN)
+	@install $(RELEASED)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
 	@install -m 644 sw/include/fp3/status.h $(BARE)/fp3

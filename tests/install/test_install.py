@@ -213,6 +213,18 @@ def test_what_is_exported_is_what_the_headers_declare(installed):
     assert len(expected) > 50 and exported == expected
 
 
+def asserts(library):
+    """The objects of a static library that have an assert."""
+    return re.findall(r"^(\w+\.o):\n(?:(?!\n\n).)*?__assert_fail", succeeds("nm", "-u", library), re.M | re.S)
+
+
+def test_an_installed_library_has_no_asserts_and_that_of_the_tests_has(installed, build, sanitize):
+    assert len(asserts(build / "lib/libfp3.a")) > 10
+    if not sanitize:
+        assert asserts(installed / "lib/libfp3.a") == []
+        assert "__assert_fail" not in succeeds("nm", "-D", installed / "lib/libfp3.so.0") + succeeds("nm", "-D", installed / "bin/fp3")
+
+
 def test_every_global_name_begins_with_fp3(installed):
     text = succeeds("nm", "-g", "--defined-only", installed / "lib/libfp3.a")
     names = {words[2] for words in map(str.split, text.splitlines()) if len(words) == 3}
