@@ -1,14 +1,14 @@
 /* batch_script.c - fp3/batch.h, driven by lines of standard input.
  *
  *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c CONFIG]
- *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-x] [-m] [-o]
+ *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o]
  *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart
  *     read NAME...               wide NAME... (in double); a line for each object
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
- * before, and handed over. -o: threads and memory are this program's own.
+ * before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
@@ -128,13 +128,14 @@ static void own_release(void *user, void *memory, size_t size) {
     free(memory);
 }
 
-static fp3_status compile_before(void) {
+static fp3_status compile_before(const char *config) {
     fp3_program_def how = fp3_program_default();
     how.integrator = def.integrator;
     how.is_adaptive = def.adaptive != NULL;
     if (def.adaptive)
         how.adaptive = *def.adaptive;
     how.compile = def.compile;
+    how.compile.config = config;
     const fp3_status status = fp3_program_open(def.model, &how, &program, NULL, &error);
     def.model = NULL;
     def.compiled = status ? NULL : program->compiled;
@@ -144,10 +145,11 @@ static fp3_status compile_before(void) {
 int main(int argc, char **argv) {
     fp3_adaptive_def adaptive = fp3_adaptive_default();
     char line[1024];
-    int option, is_text = 0, is_before = 0;
+    const char *before = NULL;
+    int option, is_text = 0;
     def = fp3_batch_default();
     def.error = &error;
-    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:xmo")) != -1)
+    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:m:xo")) != -1)
         switch (option) {
         case 'n':
             def.objects = strtoull(optarg, NULL, 10);
@@ -186,7 +188,7 @@ int main(int argc, char **argv) {
             is_text = 1;
             break;
         case 'm':
-            is_before = 1;
+            before = optarg;
             break;
         default:
             return 2;
@@ -194,7 +196,7 @@ int main(int argc, char **argv) {
     def.model = is_text ? NULL : argv[optind];
     def.text = is_text ? argv[optind] : NULL;
     def.text_size = is_text ? strlen(argv[optind]) : 0;
-    fp3_status status = is_before ? compile_before() : FP3_OK;
+    fp3_status status = before ? compile_before(before) : FP3_OK;
     if (!status)
         status = fp3_batch_open(&def, &batch);
     say(status);

@@ -153,7 +153,15 @@ def test_restart_and_time(root, script):
 def test_a_text_and_a_compiled_program(root, script):
     lines = [*given(*MODELS["oscillator"]), "step 9", "read v x"]
     program = root / "programs/oscillator.ode"
-    assert script(program, lines, "-n", 3) == script(program.read_text(), lines, "-n", 3, "-x") == script(program, lines, "-n", 3, "-m")
+    assert script(program, lines, "-n", 3) == script(program.read_text(), lines, "-n", 3, "-x") == script(program, lines, "-n", 3, "-m", "many_full")
+
+
+def test_a_program_for_one_object_refuses_a_param_of_each_object(root, script):
+    """Registers run short, so its params are constants, which a group of objects has once."""
+    program, lines = root / "tests/ode/large/three_in_space.ode", ["set m1 1.5", "step 9", "read v1_x r3_z"]
+    told = script(program, ["write m1 1 1.5", "step 9", *lines], "-n", 3, "-m", "single_full")
+    assert told[0] == "error 1: 'm1' differs between objects: the program was compiled for one object"
+    assert told[1:] == script(program, lines, "-n", 3)
 
 
 def test_assembly(root, script, ran):
