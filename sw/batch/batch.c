@@ -1,7 +1,7 @@
 /* batch.c - see fp3/batch.h. */
 #include "batch.h"
 
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "fields.h"
 #include "truth/start.h"
 

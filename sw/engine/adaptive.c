@@ -6,61 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "backend.h"
+#include "cells.h"
 #include "checks.h"
 
 #define COUNT_MOST 0x1p32f /* what the host gives as a start may be anything */
 #define RUN_LEAST 4 /* attempts that one object makes before the host looks again: at least, */
 #define RUN_FIRST 8 /* and at most at first; one more for each RUN_GROWTH that it has made */
 #define RUN_GROWTH 8
+#define BLOCK 64 /* objects that are looked at together */
 
 int fp3_adaptive_is(const fp3_image *image) {
     const unsigned state = FP3_CLASS(FP3_SYMBOL_STATE);
     return fp3_image_find(image, "t", state) && fp3_image_find(image, "h_next", state) &&
            fp3_image_find(image, "until", FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
-}
-
-/* What a state or a shared number of the object holds; *has_it: there is one. */
-static fp3_status value_of(fp3_engine *engine, size_t object, const char *name, float *value,
-                           int *has_it) {
-    const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
-    *value = 0;
-    *has_it =
-        group->image && fp3_image_find(group->image, name, FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
-    return *has_it ? fp3_engine_get(engine, object, name, value) : FP3_OK;
-}
-
-static fp3_status need(fp3_engine *engine, size_t object, const char *name, float *value) {
-    int has_it;
-    const fp3_status status = value_of(engine, object, name, value, &has_it);
-    return has_it || status ? status
-                            : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                                       "the program has no '%s': its steps are not adaptive", name);
-}
-
-static fp3_status count(fp3_engine *engine, size_t object, const char *name, uint32_t *found) {
-    float value;
-    int has_it;
-    const fp3_status status = value_of(engine, object, name, &value, &has_it);
-    *found = value > 0 && value < COUNT_MOST ? (uint32_t)value : 0;
-    return status;
-}
-
-/* The first state that is not finite. */
-static fp3_status find_lost(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
-    const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
-    const uint64_t states = fp3_engine_states_of(group);
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && !found->state[0] && i < group->image->symbol_count; i++) {
-        const fp3_symbol *symbol = &group->image->symbols[i];
-        float value = 0;
-        if (symbol->symbol_class != FP3_SYMBOL_STATE || !(states >> symbol->index & 1))
-            continue;
-        status = fp3_engine_read(engine, object, 1, symbol->index, &value);
-        if (!status && !isfinite(value))
-            strcpy(found->state, symbol->name);
-    }
-    return status;
 }
 
 /* 0 at the end. */
@@ -73,33 +31,103 @@ static int has_step(const fp3_adaptive_object *o) {
     return by - o->t_low >= 0x1p-126f;
 }
 
-fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
-    int has_it;
-    *found = (fp3_adaptive_object){.end = FP3_ADAPTIVE_ENDED};
-    if (object >= fp3_engine_objects(engine))
-        return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "there is no object %zu", object);
-    fp3_status status = need(engine, object, "t", &found->t);
-    if (!status)
-        status = need(engine, object, "t_low", &found->t_low);
-    if (!status)
-        status = need(engine, object, "h_next", &found->step);
-    if (!status)
-        status = need(engine, object, "until", &found->until);
-    if (!status)
-        status = count(engine, object, "accepted", &found->accepted);
-    if (!status)
-        status = count(engine, object, "rejected", &found->rejected);
-    if (!status)
-        status = value_of(engine, object, "smallest", &found->smallest, &has_it);
-    if (!status)
-        status = value_of(engine, object, "largest", &found->largest, &has_it);
-    if (!status)
-        status = find_lost(engine, object, found);
-    if (left_of(found) > 0)
-        found->end = has_step(found) ? FP3_ADAPTIVE_LIMITED : FP3_ADAPTIVE_STUCK;
-    else if (found->state[0])
-        found->end = FP3_ADAPTIVE_LOST;
+/* What objects of a group have by this name: a state, or what they share; 0 where the program has none. */
+static fp3_status read_number(fp3_engine *engine, const fp3_members *group, const char *name,
+                              size_t first, size_t count, float *values) {
+    const fp3_symbol *symbol =
+        group->image ? fp3_image_find(group->image, name, FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED)
+                     : NULL;
+    memset(values, 0, count * sizeof *values);
+    if (!symbol)
+        return FP3_OK;
+    if (!(FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_SHARED))
+        return fp3_engine_read(engine, first, count, symbol->index, values);
+    const size_t number = (size_t)(group - engine->layout.groups);
+    const fp3_status status =
+        fp3_engine_read_shared_of(engine, number, symbol->index, 1, &values[0]);
+    for (size_t i = 1; i < count; i++)
+        values[i] = values[0];
     return status;
+}
+
+/* The first state of each that is not finite. */
+static fp3_status find_lost(fp3_engine *engine, const fp3_members *group, size_t first,
+                            size_t count, fp3_adaptive_object *found) {
+    const uint64_t states = fp3_engine_states_of(group);
+    float values[BLOCK];
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < group->image->symbol_count; k++) {
+        const fp3_symbol *symbol = &group->image->symbols[k];
+        if (symbol->symbol_class != FP3_SYMBOL_STATE || !(states >> symbol->index & 1))
+            continue;
+        status = fp3_engine_read(engine, first, count, symbol->index, values);
+        for (size_t i = 0; !status && i < count; i++)
+            if (!found[i].state[0] && !isfinite(values[i]))
+                strcpy(found[i].state, symbol->name);
+    }
+    return status;
+}
+
+static uint32_t count_of(float value) {
+    return value > 0 && value < COUNT_MOST ? (uint32_t)value : 0;
+}
+
+static fp3_adaptive_end end_of(const fp3_adaptive_object *o) {
+    if (left_of(o) > 0)
+        return has_step(o) ? FP3_ADAPTIVE_LIMITED : FP3_ADAPTIVE_STUCK;
+    return o->state[0] ? FP3_ADAPTIVE_LOST : FP3_ADAPTIVE_ENDED;
+}
+
+/* A block of a group. */
+static fp3_status look(fp3_engine *engine, const fp3_members *group, size_t first, size_t count,
+                       fp3_adaptive_object *found) {
+    enum { T, T_LOW, STEP, UNTIL, ACCEPTED, REJECTED, SMALLEST, LARGEST, NUMBERS };
+    static const char *const names[NUMBERS] = {"t",        "t_low",    "h_next",   "until",
+                                               "accepted", "rejected", "smallest", "largest"};
+    float is[NUMBERS][BLOCK];
+    fp3_status status = FP3_OK;
+    for (int k = 0; !status && k < NUMBERS; k++) {
+        const int is_there =
+            group->image &&
+            fp3_image_find(group->image, names[k], FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
+        if (k <= UNTIL && !is_there)
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "the program has no '%s': its steps are not adaptive", names[k]);
+        status = read_number(engine, group, names[k], first, count, is[k]);
+    }
+    for (size_t i = 0; !status && i < count; i++)
+        found[i] = (fp3_adaptive_object){.t = is[T][i],
+                                         .t_low = is[T_LOW][i],
+                                         .step = is[STEP][i],
+                                         .until = is[UNTIL][i],
+                                         .accepted = count_of(is[ACCEPTED][i]),
+                                         .rejected = count_of(is[REJECTED][i]),
+                                         .smallest = is[SMALLEST][i],
+                                         .largest = is[LARGEST][i]};
+    if (!status)
+        status = find_lost(engine, group, first, count, found);
+    for (size_t i = 0; !status && i < count; i++)
+        found[i].end = end_of(&found[i]);
+    return status;
+}
+
+fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,
+                                 fp3_adaptive_object *found) {
+    fp3_status status = FP3_OK;
+    for (size_t i = first, now; !status && i < first + count; i += now) {
+        if (i >= engine->objects)
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "there is no object %zu", i);
+        const fp3_members *group = fp3_layout_group_of(&engine->layout, i);
+        const size_t left = first + count - i;
+        now = fp3_cells_of(group, 0, i, left < BLOCK ? left : BLOCK).count;
+        status = look(engine, group, i, now, &found[i - first]);
+    }
+    return status;
+}
+
+fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
+    *found = (fp3_adaptive_object){.end = FP3_ADAPTIVE_ENDED};
+    return fp3_adaptive_look_all(engine, object, 1, found);
 }
 
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
@@ -233,12 +261,15 @@ fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t siz
     *report = (fp3_adaptive_report){0};
     fp3_status status =
         accepted && rejected ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; !status && i < size; i++) {
-        fp3_adaptive_object o;
-        status = fp3_adaptive_look(engine, first + i, &o);
-        accepted[i] = o.accepted;
-        rejected[i] = o.rejected;
-        take(first + i, &o, report);
+    for (size_t done = 0; !status && done < size; done += BLOCK) {
+        fp3_adaptive_object o[BLOCK];
+        const size_t now = size - done < BLOCK ? size - done : BLOCK;
+        status = fp3_adaptive_look_all(engine, first + done, now, o);
+        for (size_t i = 0; !status && i < now; i++) {
+            accepted[done + i] = o[i].accepted;
+            rejected[done + i] = o[i].rejected;
+            take(first + done + i, &o[i], report);
+        }
     }
     if (!status && size) {
         report->accepted = counts_of(accepted, size);

@@ -1,16 +1,24 @@
 /* backend.h - what an engine provides behind fp3/engine.h.
  *
  * The calls check every argument, so a backend sees valid ones only: objects, registers and constants
- * in range, a program that fits. To add one, write this table and list it in engine.c.
+ * in range, a program that fits. To add one, write this table and list it in engine.c. Nobody outside this folder
+ * sees an engine's struct: others ask by inside.h.
  */
 #ifndef FP3_BACKEND_H
 #define FP3_BACKEND_H
 
-#include "layout.h"
-#include "machine/config.h"
-#include "machine/watch.h"
+#include "inside.h"
 
-#include <fp3/engine.h>
+/* Words of one kind, side by side. */
+typedef struct {
+    enum {
+        FP3_CELLS_REGISTER, /* `number`, of objects first .. first+count-1: what they keep from run to run */
+        FP3_CELLS_STATUS, /* what space `status` has for those objects; only if the configuration has it */
+        FP3_CELLS_CONSTANT, /* first .. first+count-1 of group `number` */
+    } kind;
+    uint32_t number;
+    size_t first, count;
+} fp3_cells;
 
 typedef struct {
     const char *name;
@@ -20,17 +28,9 @@ typedef struct {
      * there is none. */
     fp3_status (*check)(fp3_engine *engine, const fp3_members *group);
     fp3_status (*load)(fp3_engine *engine);
-    /* The registers that an object keeps from run to run, and constants. */
-    fp3_status (*write)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
-    fp3_status (*read)(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
-    /* One register of objects first .. first+count-1; NULL: one after the other by read. */
-    fp3_status (*read_column)(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                              float *values);
-    fp3_status (*write_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
-    fp3_status (*read_shared)(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t *bits);
-    /* The word that space `status` has for an object; only if the configuration has it. */
-    fp3_status (*write_status)(fp3_engine *engine, size_t object, uint32_t word);
-    fp3_status (*read_status)(fp3_engine *engine, size_t object, uint32_t *word);
+    /* As many words as cells.count. */
+    fp3_status (*read)(fp3_engine *engine, fp3_cells cells, void *words);
+    fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
     /* Fills the counters of the schedulers, which are 0, and schedulers of stats; adds to its flags. */
@@ -51,14 +51,31 @@ typedef struct {
     uint64_t born, gone;
 } fp3_life;
 
-extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast, fp3_backend_board;
+typedef struct {
+    fp3_life *list;  /* of each object; NULL: all live, always */
+    uint64_t change; /* the next step after which others live; not above `made`: unknown */
+    int is_any;      /* somebody is alive until then */
+    uint64_t (*sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run */
+} fp3_lives;
 
-/* By the name of its engine, which may be NULL; NULL with an error if there is none. */
-const fp3_backend *fp3_backend_find(const char *name, fp3_error *error);
+typedef struct {
+    uint32_t *slept; /* of each object, what its sleep register held when it was last looked at */
+    int is_known;    /* ... which is what it holds */
+    int is_listed;   /* the next run begins with the right objects: */
+    uint32_t *awake; /* of groups in which some may be left out; NULL: there is no such group */
+    uint32_t awake_count;
+} fp3_sleepers;
+
+typedef struct {
+    fp3_failed *list; /* by object; NULL: nobody has asked */
+    size_t count;
+} fp3_failures;
+
+extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast, fp3_backend_board;
 
 struct fp3_engine {
     const fp3_backend *backend;
-    const fp3_config *config; /* that of def, or own */
+    const fp3_config *config; /* own */
     fp3_config own;
     fp3_engine_def def;
     uint32_t objects;
@@ -68,43 +85,21 @@ struct fp3_engine {
     uint32_t clock;    /* steps of earlier runs */
     uint64_t made;     /* ... since the load, as lifetimes count them */
     uint32_t began;    /* the clock when this run began */
-    fp3_life *lives;   /* of each object; NULL: all live, always */
-    uint64_t change;   /* the next step after which others live; not above made: unknown */
-    int is_any_alive;  /* until then */
-    uint64_t (
-        *sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run; NULL with lives */
-    double expected;               /* instructions of this part of the run, if nobody sleeps */
-    double told, part;             /* shares of the run: the parts before this one, and this one */
-    /* Of each object, what its sleep register held when it was last looked at. */
-    uint32_t *slept;
-    int is_slept_known; /* slept is up to date */
-    int is_counted;     /* so is what groups have counted */
-    int is_listed;      /* the next run begins with the right objects */
-    uint32_t *awake; /* ... of groups in which some may be left out; NULL: there is no such group */
-    uint32_t awake_count;
+    fp3_lives lives;
+    fp3_sleepers sleepers;
+    fp3_failures failures;
+    int is_counted;    /* what groups have counted is up to date */
+    double expected;   /* instructions of this part of the run, if nobody sleeps */
+    double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     fp3_origin *origin;                      /* of the last run */
-    fp3_failed *failures; /* of the last run, by object; NULL: nobody has asked */
-    size_t failure_count;
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
     void *self;           /* the backend's own */
 };
 
-/* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is copied.
- * Of "isa" and "fast": "rtl" is hardware that has been built. */
-fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
-                              fp3_engine **engine);
-
 /* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 
-/* The states of a group for which its records have room, as a set of registers; the sleep register is
- * none. */
-uint64_t fp3_engine_states_of(const fp3_members *group);
-
-/* fp3_engine_load without its checks: for tests of what the hardware does with words that are none
- * of its own. */
-fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
 

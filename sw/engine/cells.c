@@ -6,15 +6,22 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define BLOCK 512 /* words that are written at once where all are the same */
+
+fp3_cells fp3_cells_of(const fp3_members *group, uint32_t reg, size_t first, size_t count) {
+    const size_t end = (size_t)group->first + group->objects;
+    const size_t from = first > group->first ? first : group->first;
+    const size_t to = first + count < end ? first + count : end;
+    return (fp3_cells){FP3_CELLS_REGISTER, reg, from, to > from ? to - from : 0};
+}
+
 static fp3_status check_cell(fp3_engine *engine, size_t first, size_t count, uint32_t reg) {
     fp3_status status = fp3_engine_check_objects(engine, first, count);
     if (!status)
         status = fp3_engine_check_range(engine, "register", reg, 1, engine->config->registers);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
-        const int is_asked =
-            first < (size_t)group->first + group->objects && first + count > group->first;
-        if (is_asked && reg >> group->log2)
+        if (fp3_cells_of(group, reg, first, count).count && reg >> group->log2)
             status =
                 fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                          "register %" PRIu32 ": the store of configuration '%s' has room for %u "
@@ -24,41 +31,56 @@ static fp3_status check_cell(fp3_engine *engine, size_t first, size_t count, uin
     return status;
 }
 
-fp3_status fp3_engine_write_cell(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    const int slept = fp3_engine_slept_of(engine, object);
-    if (slept >= 0 && reg == (uint32_t)slept) {
-        engine->slept[object] = bits;
-        engine->is_listed = 0;
+/* What the host knows of who sleeps, and of how far programs have counted. */
+static void follow(fp3_engine *engine, fp3_cells cells, const void *words) {
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const fp3_cells own = fp3_cells_of(group, cells.number, cells.first, cells.count);
+        const uint32_t *from = (const uint32_t *)words + (own.first - cells.first);
+        if (own.count && group->program.slept == (int)own.number) {
+            memcpy(&engine->sleepers.slept[own.first], from, own.count * sizeof *from);
+            engine->sleepers.is_listed = 0;
+        }
+        if (own.count && group->counter == (int)own.number)
+            engine->is_counted = 0;
     }
-    if (fp3_engine_counter_of(engine, object) == (int)reg)
-        engine->is_counted = 0;
+}
+
+fp3_status fp3_cells_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    if (cells.kind == FP3_CELLS_REGISTER)
+        follow(engine, cells, words);
     engine->is_touched = 1;
-    fp3_origin_write(engine, object, reg, bits);
-    return engine->backend->write(engine, object, reg, bits);
+    fp3_origin_write(engine, cells, words);
+    return engine->backend->write(engine, cells, words);
+}
+
+fp3_status fp3_cells_fill(fp3_engine *engine, fp3_cells cells, uint32_t bits) {
+    uint32_t same[BLOCK];
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; i < BLOCK; i++)
+        same[i] = bits;
+    for (size_t left = cells.count; !status && left; left -= cells.count) {
+        cells.count = left < BLOCK ? left : BLOCK;
+        status = fp3_cells_write(engine, cells, same);
+        cells.first += cells.count;
+    }
+    return status;
 }
 
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values) {
-    fp3_status status = check_cell(engine, first, count, reg);
-    for (size_t i = 0; !status && i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        status = fp3_engine_write_cell(engine, first + i, reg, bits);
-    }
-    return status;
+    const fp3_status status = check_cell(engine, first, count, reg);
+    return status ? status
+                  : fp3_cells_write(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count},
+                                    values);
 }
 
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values) {
-    fp3_status status = check_cell(engine, first, count, reg);
-    if (!status && engine->backend->read_column)
-        return engine->backend->read_column(engine, first, count, reg, values);
-    for (size_t i = 0; !status && i < count; i++) {
-        uint32_t bits = 0;
-        if (!(status = engine->backend->read(engine, first + i, reg, &bits)))
-            memcpy(&values[i], &bits, sizeof bits);
-    }
-    return status;
+    const fp3_status status = check_cell(engine, first, count, reg);
+    return status ? status
+                  : engine->backend->read(
+                        engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count}, values);
 }
 
 static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first, size_t count) {
@@ -71,26 +93,16 @@ static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first,
 
 fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t first,
                                       size_t count, const float *values) {
-    fp3_status status = check_shared(engine, group, first, count);
-    for (uint32_t i = 0; !status && i < count; i++) {
-        uint32_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        engine->is_touched = 1;
-        fp3_origin_write_shared(engine, (uint32_t)group, first + i, bits);
-        status = engine->backend->write_shared(engine, (uint32_t)group, first + i, bits);
-    }
-    return status;
+    const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
+    const fp3_status status = check_shared(engine, group, first, count);
+    return status ? status : fp3_cells_write(engine, cells, values);
 }
 
 fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
                                      float *values) {
-    fp3_status status = check_shared(engine, group, first, count);
-    for (uint32_t i = 0; !status && i < count; i++) {
-        uint32_t bits = 0;
-        if (!(status = engine->backend->read_shared(engine, (uint32_t)group, first + i, &bits)))
-            memcpy(&values[i], &bits, sizeof bits);
-    }
-    return status;
+    const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
+    const fp3_status status = check_shared(engine, group, first, count);
+    return status ? status : engine->backend->read(engine, cells, values);
 }
 
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
@@ -112,12 +124,15 @@ static fp3_status no_name(fp3_engine *engine, const char *name) {
 static fp3_status set_symbol(fp3_engine *engine, uint32_t number, const fp3_symbol *symbol,
                              float value) {
     const fp3_members *group = &engine->layout.groups[number];
-    fp3_status status = FP3_OK;
+    uint32_t bits;
     if (symbol->symbol_class == FP3_SYMBOL_SHARED)
         return fp3_engine_write_shared_of(engine, number, symbol->index, 1, &value);
-    for (size_t i = 0; !status && i < group->objects; i++)
-        status = fp3_engine_write(engine, group->first + i, 1, symbol->index, &value);
-    return status;
+    const fp3_status status = check_cell(engine, group->first, group->objects, symbol->index);
+    memcpy(&bits, &value, sizeof bits);
+    return status ? status
+                  : fp3_cells_fill(engine,
+                                   fp3_cells_of(group, symbol->index, group->first, group->objects),
+                                   bits);
 }
 
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {

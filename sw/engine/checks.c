@@ -31,12 +31,8 @@ int fp3_engine_slept_of(const fp3_engine *engine, size_t object) {
     return fp3_layout_group_of(&engine->layout, object)->program.slept;
 }
 
-int fp3_engine_counter_of(const fp3_engine *engine, size_t object) {
-    return fp3_layout_group_of(&engine->layout, object)->counter;
-}
-
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object) {
-    const fp3_life *life = engine->lives ? &engine->lives[object] : NULL;
+    const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : NULL;
     return !life || (life->born <= engine->made && engine->made < life->gone) ? FP3_ALIVE
            : engine->made < life->born                                        ? FP3_UNBORN
                                                                               : FP3_GONE;
@@ -44,7 +40,7 @@ fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object) {
 
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
     return fp3_engine_life(engine, object) == FP3_ALIVE &&
-           (fp3_engine_slept_of(engine, object) < 0 || engine->slept[object] == 0);
+           (fp3_engine_slept_of(engine, object) < 0 || engine->sleepers.slept[object] == 0);
 }
 
 uint64_t fp3_engine_states_of(const fp3_members *group) {

@@ -13,9 +13,6 @@ fp3_status fp3_engine_check_loaded(fp3_engine *engine);
 /* The register of an object that tells whether it sleeps; -1: it never does. */
 int fp3_engine_slept_of(const fp3_engine *engine, size_t object);
 
-/* The register in which its program counts steps, or -1. */
-int fp3_engine_counter_of(const fp3_engine *engine, size_t object);
-
 /* "" if there is one group, "group N: " if there are several: messages about a group begin so. */
 typedef struct {
     char text[32];

@@ -4,8 +4,6 @@
 
 #include "backend.h"
 
-/* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
-fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* So many steps were made. */
 void fp3_engine_count(fp3_engine *engine, uint32_t steps);
 

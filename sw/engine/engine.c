@@ -36,7 +36,8 @@ static fp3_status check_cookie(const fp3_engine_def *def) {
                     def->cookie & 0xffff, sizeof *def);
 }
 
-const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
+/* NULL with an error: there is none. */
+static const fp3_backend *find(const char *name, fp3_error *error) {
     for (size_t i = 0; i < COUNT(backends); i++)
         if (name && strcmp(backends[i]->name, name) == 0)
             return backends[i];
@@ -45,13 +46,17 @@ const fp3_backend *fp3_backend_find(const char *name, fp3_error *error) {
     return NULL;
 }
 
+fp3_status fp3_engine_check_name(const char *name, fp3_error *error) {
+    return find(name, error) ? FP3_OK : FP3_E_ARGUMENT;
+}
+
 static uint32_t room_of(const fp3_backend *backend, const fp3_config *config) {
     return backend->is_in_host && config->interleave ? FP3_HOST_OBJECTS
                                                      : fp3_placement_room(config);
 }
 
 size_t fp3_engine_room(const char *engine, const char *config) {
-    const fp3_backend *backend = fp3_backend_find(engine, NULL);
+    const fp3_backend *backend = find(engine, NULL);
     const fp3_config *of = fp3_config_find(config);
     return backend && of ? room_of(backend, of) : 0;
 }
@@ -101,12 +106,12 @@ static fp3_status make_room(fp3_engine *engine) {
         status = place_objects(engine);
     if (status)
         return status;
-    engine->slept = calloc(engine->objects, sizeof *engine->slept);
+    engine->sleepers.slept = calloc(engine->objects, sizeof *engine->sleepers.slept);
     engine->counters = calloc(fp3_config_schedulers(engine->config), sizeof *engine->counters);
     status = fp3_origin_open(engine);
     if (status)
         return status;
-    return engine->slept && engine->counters
+    return engine->sleepers.slept && engine->counters
                ? FP3_OK
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
@@ -133,7 +138,7 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
         return FP3_E_ARGUMENT;
 
     const fp3_config *config = NULL;
-    const fp3_backend *backend = fp3_backend_find(def->engine, def->error);
+    const fp3_backend *backend = find(def->engine, def->error);
     if (!backend)
         return FP3_E_ARGUMENT;
     fp3_status status = check_bus(def, backend);
@@ -149,7 +154,7 @@ fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
 fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
                               fp3_engine **engine) {
     *engine = NULL;
-    const fp3_backend *backend = fp3_backend_find(def->engine, def->error);
+    const fp3_backend *backend = find(def->engine, def->error);
     fp3_engine *made = backend ? calloc(1, sizeof *made) : NULL;
     if (!made)
         return backend ? fp3_fail(def->error, FP3_E_SYSTEM, "out of memory") : FP3_E_ARGUMENT;
@@ -173,10 +178,10 @@ void fp3_engine_close(fp3_engine **engine) {
     closing->backend->close(closing);
     fp3_layout_free(&closing->layout);
     fp3_life_forget(closing);
-    free(closing->slept);
-    free(closing->awake);
+    free(closing->sleepers.slept);
+    free(closing->sleepers.awake);
     free(closing->counters);
-    free(closing->failures);
+    free(closing->failures.list);
     fp3_origin_close(closing);
     free(closing);
     *engine = NULL;
@@ -187,3 +192,22 @@ size_t fp3_engine_objects(const fp3_engine *engine) { return engine->objects; }
 fp3_bus_use fp3_engine_bus(const fp3_engine *engine) { return engine->bus; }
 
 size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count; }
+
+/* ---- what the project itself asks ---- */
+
+const char *fp3_engine_name(const fp3_engine *engine) { return engine->backend->name; }
+
+fp3_engine_def *fp3_engine_definition(fp3_engine *engine) { return &engine->def; }
+
+fp3_config *fp3_engine_config(fp3_engine *engine) { return &engine->own; }
+
+const fp3_layout *fp3_engine_layout(const fp3_engine *engine) { return &engine->layout; }
+
+uint32_t *fp3_engine_clock(fp3_engine *engine) { return &engine->clock; }
+
+int fp3_engine_has_lives(const fp3_engine *engine) { return engine->lives.list != NULL; }
+
+const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count) {
+    *count = engine->failures.count;
+    return engine->failures.list;
+}

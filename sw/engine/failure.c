@@ -74,22 +74,30 @@ static fp3_status look_ahead(fp3_engine *again) {
     return FP3_OK;
 }
 
+/* Before any step: whose states are not finite. */
+static void watch_start(const fp3_engine *engine, const fp3_members *group, fp3_watched *watched) {
+    const fp3_origin *o = engine->origin;
+    const uint64_t states = fp3_engine_states_of(group);
+    for (uint32_t n = group->first; n < group->first + group->objects; n++) {
+        uint32_t cells[FP3_BANK_OBJECT_COUNT] = {0};
+        for (uint32_t reg = 0; reg < engine->config->registers; reg++)
+            cells[reg] = o->registers[(size_t)reg * engine->objects + n];
+        fp3_watch_states(&watched[n], 0, states & o->began[n], cells);
+    }
+}
+
 static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp3_engine *again) {
     const uint32_t registers = engine->config->registers;
     const fp3_origin *o = engine->origin;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; i < engine->layout.count; i++) {
-        const fp3_members *group = &engine->layout.groups[i];
-        const uint64_t states = fp3_engine_states_of(group);
-        for (uint32_t n = group->first; n < group->first + group->objects; n++) {
-            const uint32_t *cells = &o->registers[(size_t)n * registers];
-            for (uint32_t reg = 0; !status && reg < registers; reg++)
-                status = again->backend->write(again, n, reg, cells[reg]);
-            fp3_watch_states(&watched[n], 0, states & o->began[n], cells);
-        }
-        for (uint32_t k = 0; !status && k < registers; k++)
-            status =
-                again->backend->write_shared(again, i, k, o->constants[(size_t)i * registers + k]);
+    for (uint32_t reg = 0; !status && reg < registers; reg++)
+        status =
+            again->backend->write(again, (fp3_cells){FP3_CELLS_REGISTER, reg, 0, engine->objects},
+                                  &o->registers[(size_t)reg * engine->objects]);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        watch_start(engine, &engine->layout.groups[i], watched);
+        status = again->backend->write(again, (fp3_cells){FP3_CELLS_CONSTANT, i, 0, registers},
+                                       &o->constants[(size_t)i * registers]);
     }
     return status;
 }
@@ -101,15 +109,13 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *again = NULL;
     def.engine = "isa";
-    def.config = config.name;
     def.objects = engine->objects;
     def.visit = engine->origin->visit;
     def.error = engine->def.error;
-    fp3_status status = fp3_engine_open(&def, &again);
+    config.flags = 1; /* the bits are the same with and without */
+    fp3_status status = fp3_engine_open_as(&def, &config, &again);
     if (status)
         return status;
-    config.flags = 1; /* the bits are the same with and without */
-    again->config = &config;
     status = load_again(engine, again);
     again->clock = engine->origin->clock;
     again->made = engine->origin->made;
@@ -173,10 +179,10 @@ static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *co
 static fp3_status find_failures(fp3_engine *engine) {
     fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
         engine->backend->failures ? engine->backend->failures : find_again;
-    const fp3_status status = of_engine(engine, &engine->failures, &engine->failure_count);
+    const fp3_status status = of_engine(engine, &engine->failures.list, &engine->failures.count);
     if (status) {
-        free(engine->failures);
-        engine->failures = NULL;
+        free(engine->failures.list);
+        engine->failures.list = NULL;
     }
     return status;
 }
@@ -207,14 +213,14 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
     if (!status && !engine->origin->is_complete)
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "no run that came to its end since something was written or loaded");
-    if (!status && !engine->failures)
+    if (!status && !engine->failures.list)
         status = find_failures(engine);
     if (status)
         return status;
     const fp3_failed *earliest = NULL;
     size_t failed = 0;
-    for (size_t i = 0; i < engine->failure_count; i++) {
-        const fp3_failed *f = &engine->failures[i];
+    for (size_t i = 0; i < engine->failures.count; i++) {
+        const fp3_failed *f = &engine->failures.list[i];
         if (f->object < first || f->object - first >= count)
             continue;
         failed++;

@@ -184,53 +184,30 @@ static fp3_status fast_load(fp3_engine *engine) {
 
 /* ---- what objects hold ---- */
 
-static fp3_status fast_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    const fp3_status status = need_column(engine, reg);
-    if (!status)
-        ((fast *)engine->self)->column[reg][object] = bits;
-    return status;
+/* The first of them; NULL: they were never written. */
+static uint32_t *find(const fp3_engine *engine, fp3_cells cells) {
+    const fast *self = engine->self;
+    if (cells.kind == FP3_CELLS_CONSTANT)
+        return &self->shared[(size_t)cells.number * engine->config->registers + cells.first];
+    uint32_t *column = cells.kind == FP3_CELLS_STATUS ? self->status : self->column[cells.number];
+    return column ? &column[cells.first] : NULL;
 }
 
-static fp3_status fast_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
-    const uint32_t *column = ((fast *)engine->self)->column[reg];
-    *bits = column ? column[object] : 0;
-    return FP3_OK;
-}
-
-static fp3_status fast_read_column(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                                   float *values) {
-    const uint32_t *column = ((fast *)engine->self)->column[reg];
-    if (column)
-        memcpy(values, &column[first], count * sizeof *values);
+static fp3_status fast_read(fp3_engine *engine, fp3_cells cells, void *words) {
+    const uint32_t *from = find(engine, cells);
+    if (from)
+        memcpy(words, from, cells.count * sizeof *from);
     else
-        memset(values, 0, count * sizeof *values);
+        memset(words, 0, cells.count * sizeof *from);
     return FP3_OK;
 }
 
-static uint32_t *constant(fp3_engine *engine, uint32_t of, uint32_t index) {
-    return &((fast *)engine->self)->shared[(size_t)of * engine->config->registers + index];
-}
-
-static fp3_status fast_write_shared(fp3_engine *engine, uint32_t of, uint32_t index,
-                                    uint32_t bits) {
-    *constant(engine, of, index) = bits;
-    return FP3_OK;
-}
-
-static fp3_status fast_read_shared(fp3_engine *engine, uint32_t of, uint32_t index,
-                                   uint32_t *bits) {
-    *bits = *constant(engine, of, index);
-    return FP3_OK;
-}
-
-static fp3_status fast_write_status(fp3_engine *engine, size_t object, uint32_t word) {
-    ((fast *)engine->self)->status[object] = word;
-    return FP3_OK;
-}
-
-static fp3_status fast_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
-    *word = ((fast *)engine->self)->status[object];
-    return FP3_OK;
+static fp3_status fast_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    const fp3_status status =
+        cells.kind == FP3_CELLS_REGISTER ? need_column(engine, cells.number) : FP3_OK;
+    if (!status)
+        memcpy(find(engine, cells), words, cells.count * sizeof(uint32_t));
+    return status;
 }
 
 /* ---- who is awake ---- */
@@ -238,7 +215,7 @@ static fp3_status fast_read_status(fp3_engine *engine, size_t object, uint32_t *
 /* Whether some objects of a group may be left out of a run. */
 static int has_list(const fp3_engine *engine, uint32_t i) {
     return engine->config->interleave &&
-           (engine->layout.groups[i].program.slept >= 0 || engine->lives);
+           (engine->layout.groups[i].program.slept >= 0 || engine->lives.list);
 }
 
 static fp3_status fast_list(fp3_engine *engine) {
@@ -480,13 +457,8 @@ const fp3_backend fp3_backend_fast = {
     .close = fast_close,
     .check = fast_check,
     .load = fast_load,
-    .write = fast_write,
     .read = fast_read,
-    .read_column = fast_read_column,
-    .write_shared = fast_write_shared,
-    .read_shared = fast_read_shared,
-    .write_status = fast_write_status,
-    .read_status = fast_read_status,
+    .write = fast_write,
     .list = fast_list,
     .run = fast_run,
     .failures = fast_failures,

@@ -90,46 +90,30 @@ static fp3_status isa_load(fp3_engine *engine) {
     return FP3_OK;
 }
 
-/* Where the host finds a register of an object. */
-static uint32_t *cell(fp3_engine *engine, size_t object, uint32_t reg) {
+/* The first of them; *stride: words to the next. */
+static uint32_t *find(const fp3_engine *engine, fp3_cells cells, size_t *stride) {
     const isa *self = engine->self;
-    uint32_t *cells = engine->config->interleave ? self->store : self->registers;
-    return &cells[object * engine->config->registers + reg];
+    const size_t registers = engine->config->registers;
+    uint32_t *objects = engine->config->interleave ? self->store : self->registers;
+    *stride = cells.kind == FP3_CELLS_REGISTER ? registers : 1;
+    return cells.kind == FP3_CELLS_REGISTER ? &objects[cells.first * registers + cells.number]
+           : cells.kind == FP3_CELLS_STATUS ? &self->status[cells.first]
+                                            : &self->shared[cells.number * registers + cells.first];
 }
 
-static fp3_status isa_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    *cell(engine, object, reg) = bits;
+static fp3_status isa_read(fp3_engine *engine, fp3_cells cells, void *words) {
+    size_t stride;
+    const uint32_t *from = find(engine, cells, &stride);
+    for (size_t i = 0; i < cells.count; i++)
+        memcpy((char *)words + i * sizeof *from, &from[i * stride], sizeof *from);
     return FP3_OK;
 }
 
-static fp3_status isa_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
-    *bits = *cell(engine, object, reg);
-    return FP3_OK;
-}
-
-static uint32_t *constant(fp3_engine *engine, uint32_t group, uint32_t index) {
-    return &((isa *)engine->self)->shared[(size_t)group * engine->config->registers + index];
-}
-
-static fp3_status isa_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                   uint32_t bits) {
-    *constant(engine, group, index) = bits;
-    return FP3_OK;
-}
-
-static fp3_status isa_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                  uint32_t *bits) {
-    *bits = *constant(engine, group, index);
-    return FP3_OK;
-}
-
-static fp3_status isa_write_status(fp3_engine *engine, size_t object, uint32_t word) {
-    ((isa *)engine->self)->status[object] = word;
-    return FP3_OK;
-}
-
-static fp3_status isa_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
-    *word = ((isa *)engine->self)->status[object];
+static fp3_status isa_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    size_t stride;
+    uint32_t *to = find(engine, cells, &stride);
+    for (size_t i = 0; i < cells.count; i++)
+        memcpy(&to[i * stride], (const char *)words + i * sizeof *to, sizeof *to);
     return FP3_OK;
 }
 
@@ -390,12 +374,8 @@ const fp3_backend fp3_backend_isa = {
     .open = isa_open,
     .close = isa_close,
     .load = isa_load,
-    .write = isa_write,
     .read = isa_read,
-    .write_shared = isa_write_shared,
-    .read_shared = isa_read_shared,
-    .write_status = isa_write_status,
-    .read_status = isa_read_status,
+    .write = isa_write,
     .list = isa_list,
     .run = isa_run,
 };

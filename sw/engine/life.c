@@ -8,9 +8,9 @@
 #include <string.h>
 
 uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps) {
-    if (!engine->lives)
+    if (!engine->lives.list)
         return steps;
-    const fp3_life *life = &engine->lives[object];
+    const fp3_life *life = &engine->lives.list[object];
     const uint64_t end = engine->made + steps;
     const uint64_t from = life->born > engine->made ? life->born : engine->made;
     const uint64_t to = life->gone < end ? life->gone : end;
@@ -19,42 +19,43 @@ uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps)
 
 /* The next step after which somebody is born or gone. */
 static void find_change(fp3_engine *engine) {
-    engine->change = FP3_FOREVER;
-    engine->is_any_alive = 0;
+    engine->lives.change = FP3_FOREVER;
+    engine->lives.is_any = 0;
     for (size_t i = 0; i < engine->objects; i++) {
-        const fp3_life *life = &engine->lives[i];
+        const fp3_life *life = &engine->lives.list[i];
         const uint64_t change = engine->made < life->born ? life->born : life->gone;
-        if (engine->made < change && change < engine->change)
-            engine->change = change;
-        engine->is_any_alive |= life->born <= engine->made && engine->made < life->gone;
+        if (engine->made < change && change < engine->lives.change)
+            engine->lives.change = change;
+        engine->lives.is_any |= life->born <= engine->made && engine->made < life->gone;
     }
 }
 
 uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any) {
     *is_any = 1;
-    if (!engine->lives)
+    if (!engine->lives.list)
         return steps;
-    if (engine->made >= engine->change) {
-        engine->is_listed = 0;
+    if (engine->made >= engine->lives.change) {
+        engine->sleepers.is_listed = 0;
         find_change(engine);
     }
-    *is_any = engine->is_any_alive;
-    return engine->change - engine->made < steps ? (uint32_t)(engine->change - engine->made)
-                                                 : steps;
+    *is_any = engine->lives.is_any;
+    return engine->lives.change - engine->made < steps
+               ? (uint32_t)(engine->lives.change - engine->made)
+               : steps;
 }
 
 /* ---- lifetimes ---- */
 
 static fp3_status make_room(fp3_engine *engine) {
     const uint32_t schedulers = fp3_config_schedulers(engine->config);
-    engine->lives = malloc(engine->objects * sizeof *engine->lives);
-    engine->sums = calloc(schedulers, sizeof *engine->sums);
-    if (!engine->lives || !engine->sums) {
+    engine->lives.list = malloc(engine->objects * sizeof *engine->lives.list);
+    engine->lives.sums = calloc(schedulers, sizeof *engine->lives.sums);
+    if (!engine->lives.list || !engine->lives.sums) {
         fp3_life_forget(engine);
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     }
     for (uint32_t i = 0; i < engine->objects; i++)
-        engine->lives[i] = (fp3_life){0, FP3_FOREVER};
+        engine->lives.list[i] = (fp3_life){0, FP3_FOREVER};
     return FP3_OK;
 }
 
@@ -78,44 +79,44 @@ static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone) {
     fp3_status status = check(engine, first, count, born, gone);
-    if (!status && !engine->lives && (born || gone != FP3_FOREVER))
+    if (!status && !engine->lives.list && (born || gone != FP3_FOREVER))
         status = make_room(engine);
-    if (status || !engine->lives)
+    if (status || !engine->lives.list)
         return status;
     for (size_t i = first; i < first + count; i++)
-        engine->lives[i] = (fp3_life){born, gone};
-    engine->change = 0;
-    engine->is_listed = 0;
+        engine->lives.list[i] = (fp3_life){born, gone};
+    engine->lives.change = 0;
+    engine->sleepers.is_listed = 0;
     return FP3_OK;
 }
 
 fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to) {
-    fp3_status status = engine->lives ? make_room(to) : FP3_OK;
-    if (!status && engine->lives)
-        memcpy(to->lives, engine->lives, to->objects * sizeof *to->lives);
+    fp3_status status = engine->lives.list ? make_room(to) : FP3_OK;
+    if (!status && engine->lives.list)
+        memcpy(to->lives.list, engine->lives.list, to->objects * sizeof *to->lives.list);
     return status;
 }
 
 void fp3_life_forget(fp3_engine *engine) {
-    free(engine->lives);
-    free(engine->sums);
-    engine->lives = NULL;
-    engine->sums = NULL;
-    engine->change = 0;
+    free(engine->lives.list);
+    free(engine->lives.sums);
+    engine->lives.list = NULL;
+    engine->lives.sums = NULL;
+    engine->lives.change = 0;
 }
 
 /* ---- counters ---- */
 
 void fp3_life_add_counters(fp3_engine *engine) {
-    for (uint32_t s = 0; engine->sums && s < fp3_config_schedulers(engine->config); s++)
+    for (uint32_t s = 0; engine->lives.sums && s < fp3_config_schedulers(engine->config); s++)
         for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-            engine->sums[s][i] += engine->counters[s][i];
+            engine->lives.sums[s][i] += engine->counters[s][i];
 }
 
 void fp3_life_take_counters(fp3_engine *engine) {
     const size_t size = fp3_config_schedulers(engine->config) * sizeof *engine->counters;
-    if (!engine->sums)
+    if (!engine->lives.sums)
         return;
-    memcpy(engine->counters, engine->sums, size);
-    memset(engine->sums, 0, size);
+    memcpy(engine->counters, engine->lives.sums, size);
+    memset(engine->lives.sums, 0, size);
 }

@@ -1,4 +1,5 @@
 /* load.c - programs and groups: whether the configuration has room for them, and loading them. */
+#include "cells.h"
 #include "checks.h"
 #include "life.h"
 #include "luggage.h"
@@ -147,8 +148,8 @@ static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < image->constant_count; i++) {
         const fp3_constant *c = &image->constants[i];
-        fp3_origin_write_shared(engine, group, c->index, c->bits);
-        status = engine->backend->write_shared(engine, group, c->index, c->bits);
+        status =
+            fp3_cells_write(engine, (fp3_cells){FP3_CELLS_CONSTANT, group, c->index, 1}, &c->bits);
     }
     return status;
 }
@@ -161,7 +162,7 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     engine->clock = 0;
     engine->made = 0;
     fp3_life_forget(engine);
-    engine->is_slept_known = engine->is_listed = engine->is_counted = 0;
+    engine->sleepers.is_known = engine->sleepers.is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
     fp3_origin_load(engine, l->objects != NULL);
     fp3_status status = engine->backend->load(engine);

@@ -4,7 +4,7 @@
 
 #include "backend.h"
 
-/* Registers and status of each object, constants of each group. {0} holds nothing. */
+/* Columns of all objects, a register each and then the status; constants of each group. {0} holds nothing. */
 typedef struct {
     uint32_t *objects, *constants;
 } fp3_luggage;

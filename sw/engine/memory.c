@@ -63,47 +63,42 @@ static uint32_t status_address(const fp3_engine *engine, size_t object) {
     return in_space(at.scheduler, FP3_SPACE_STATUS, at.lane * engine->config->store_words + at.row);
 }
 
-fp3_status fp3_memory_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
-    return fp3_driver_put(engine, cell_address(engine, object, reg), bits);
+/* Of cell i. */
+static uint32_t address_of(const fp3_engine *engine, fp3_cells cells, size_t i) {
+    const size_t number = cells.first + i;
+    if (cells.kind == FP3_CELLS_CONSTANT)
+        return FP3_ADDR_WINDOW_CONSTANTS + 4 * (uint32_t)number;
+    return cells.kind == FP3_CELLS_STATUS ? status_address(engine, number)
+                                          : cell_address(engine, number, cells.number);
 }
 
-fp3_status fp3_memory_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits) {
-    return fp3_driver_get(engine, cell_address(engine, object, reg), bits);
-}
-
-fp3_status fp3_memory_read_column(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                                  float *values) {
+/* All schedulers of a group have its constants: the first is asked. */
+fp3_status fp3_memory_read(fp3_engine *engine, fp3_cells cells, void *words) {
     uint32_t addresses[FP3_BUS_WORDS], bits[FP3_BUS_WORDS];
+    const uint32_t scheduler =
+        cells.kind == FP3_CELLS_CONSTANT ? engine->layout.groups[cells.number].schedulers[0] : 0;
     fp3_status status = FP3_OK;
-    for (size_t begin = 0; !status && begin < count; begin += FP3_BUS_WORDS) {
-        const size_t now = count - begin < FP3_BUS_WORDS ? count - begin : FP3_BUS_WORDS;
+    for (size_t begin = 0; !status && begin < cells.count; begin += FP3_BUS_WORDS) {
+        const size_t left = cells.count - begin, now = left < FP3_BUS_WORDS ? left : FP3_BUS_WORDS;
         for (size_t i = 0; i < now; i++)
-            addresses[i] = cell_address(engine, first + begin + i, reg);
+            addresses[i] = fp3_driver_of(scheduler, address_of(engine, cells, begin + i));
         status = fp3_driver_get_all(engine, addresses, bits, (uint32_t)now);
         if (!status)
-            memcpy(&values[begin], bits, now * sizeof *values);
+            memcpy((char *)words + begin * sizeof *bits, bits, now * sizeof *bits);
     }
     return status;
 }
 
-fp3_status fp3_memory_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                   uint32_t bits) {
-    return put_group(engine, group, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, bits);
-}
-
-fp3_status fp3_memory_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                  uint32_t *bits) {
-    const uint32_t scheduler = engine->layout.groups[group].schedulers[0];
-    return fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_WINDOW_CONSTANTS + 4 * index),
-                          bits);
-}
-
-fp3_status fp3_memory_write_status(fp3_engine *engine, size_t object, uint32_t word) {
-    return fp3_driver_put(engine, status_address(engine, object), word);
-}
-
-fp3_status fp3_memory_read_status(fp3_engine *engine, size_t object, uint32_t *word) {
-    return fp3_driver_get(engine, status_address(engine, object), word);
+fp3_status fp3_memory_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < cells.count; i++) {
+        const uint32_t address = address_of(engine, cells, i);
+        uint32_t bits;
+        memcpy(&bits, (const char *)words + i * sizeof bits, sizeof bits);
+        status = cells.kind == FP3_CELLS_CONSTANT ? put_group(engine, cells.number, address, bits)
+                                                  : fp3_driver_put(engine, address, bits);
+    }
+    return status;
 }
 
 fp3_status fp3_memory_clear(fp3_engine *engine) {
@@ -113,13 +108,13 @@ fp3_status fp3_memory_clear(fp3_engine *engine) {
         const uint32_t log2 = fp3_layout_group_of(&engine->layout, i)->log2;
         const uint32_t words = config->interleave ? 1u << log2 : config->registers;
         for (uint32_t reg = 0; !status && reg < words; reg++)
-            status = fp3_memory_write(engine, i, reg, 0);
+            status = fp3_driver_put(engine, cell_address(engine, i, reg), 0);
     }
     for (size_t i = 0; !status && config->status && i < engine->objects; i++)
-        status = fp3_memory_write_status(engine, i, 0);
+        status = fp3_driver_put(engine, status_address(engine, i), 0);
     for (uint32_t group = 0; group < engine->layout.count; group++)
         for (uint32_t index = 0; !status && index < config->registers; index++)
-            status = fp3_memory_write_shared(engine, group, index, 0);
+            status = put_group(engine, group, FP3_ADDR_WINDOW_CONSTANTS + 4 * index, 0);
     return status;
 }
 

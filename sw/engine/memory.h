@@ -7,16 +7,8 @@
 fp3_status fp3_memory_load(fp3_engine *engine);
 /* After a load: 0 into what engine.h promises to be 0 at first. Hardware that was used before holds something else. */
 fp3_status fp3_memory_clear(fp3_engine *engine);
-fp3_status fp3_memory_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
-fp3_status fp3_memory_read(fp3_engine *engine, size_t object, uint32_t reg, uint32_t *bits);
-fp3_status fp3_memory_read_column(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                                  float *values);
-fp3_status fp3_memory_write_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                   uint32_t bits);
-fp3_status fp3_memory_read_shared(fp3_engine *engine, uint32_t group, uint32_t index,
-                                  uint32_t *bits);
-fp3_status fp3_memory_write_status(fp3_engine *engine, size_t object, uint32_t word);
-fp3_status fp3_memory_read_status(fp3_engine *engine, size_t object, uint32_t *word);
+fp3_status fp3_memory_read(fp3_engine *engine, fp3_cells cells, void *words);
+fp3_status fp3_memory_write(fp3_engine *engine, fp3_cells cells, const void *words);
 fp3_status fp3_memory_list(fp3_engine *engine);
 
 #endif

@@ -38,19 +38,23 @@ void fp3_origin_close(fp3_engine *engine) {
 
 /* ---- the host ---- */
 
-void fp3_origin_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits) {
+static uint32_t *find(const fp3_engine *engine, fp3_cells cells) {
+    const fp3_origin *o = engine->origin;
+    return cells.kind == FP3_CELLS_CONSTANT
+               ? &o->constants[(size_t)cells.number * engine->config->registers + cells.first]
+               : &o->registers[(size_t)cells.number * engine->objects + cells.first];
+}
+
+void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words) {
     fp3_origin *o = engine->origin;
+    if (cells.kind == FP3_CELLS_STATUS)
+        return;
     o->is_complete = 0;
     if (!o->registers)
         return;
-    o->registers[object * engine->config->registers + reg] = bits;
-    o->known[object] |= (uint64_t)1 << reg;
-}
-
-void fp3_origin_write_shared(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits) {
-    engine->origin->is_complete = 0;
-    if (engine->origin->constants)
-        engine->origin->constants[(size_t)group * engine->config->registers + index] = bits;
+    memcpy(find(engine, cells), words, cells.count * sizeof(uint32_t));
+    for (size_t i = 0; cells.kind == FP3_CELLS_REGISTER && i < cells.count; i++)
+        o->known[cells.first + i] |= (uint64_t)1 << cells.number;
 }
 
 void fp3_origin_load(fp3_engine *engine, int is_moved) {
@@ -76,25 +80,27 @@ static uint64_t named_by(const fp3_engine *engine, const fp3_members *group, uin
     return engine->config->interleave ? set : UINT64_MAX;
 }
 
-static fp3_status read_object(fp3_engine *engine, uint32_t object, uint64_t wanted,
-                              uint32_t registers) {
-    fp3_origin *o = engine->origin;
-    fp3_status status = FP3_OK;
-    for (uint32_t reg = 0; !status && reg < registers; reg++)
-        if (wanted & ~o->known[object] & (uint64_t)1 << reg)
-            status = engine->backend->read(engine, object, reg,
-                                           &o->registers[object * engine->config->registers + reg]);
-    if (!status)
-        o->known[object] |= wanted;
-    return status;
+/* From object `from` on: the first whose register is known, or is not. */
+static size_t next(const fp3_origin *o, uint32_t reg, int is_known, size_t from, size_t end) {
+    while (from < end && (int)(o->known[from] >> reg & 1) != is_known)
+        from++;
+    return from;
 }
 
-static fp3_status read_constants(fp3_engine *engine, uint32_t group) {
-    const uint32_t count = engine->config->registers;
+/* Of those objects of which it is not known. */
+static fp3_status read_register(fp3_engine *engine, const fp3_members *group, uint32_t reg) {
+    const fp3_origin *o = engine->origin;
+    const size_t end = (size_t)group->first + group->objects;
+    fp3_cells cells = {FP3_CELLS_REGISTER, reg, next(o, reg, 0, group->first, end), 0};
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < count; i++)
-        status = engine->backend->read_shared(engine, group, i,
-                                              &engine->origin->constants[group * count + i]);
+    while (!status && cells.first < end) {
+        const size_t known = next(o, reg, 1, cells.first, end);
+        cells.count = known - cells.first;
+        status = engine->backend->read(engine, cells, find(engine, cells));
+        for (size_t i = cells.first; !status && i < known; i++)
+            o->known[i] |= (uint64_t)1 << reg;
+        cells.first = next(o, reg, 0, known, end);
+    }
     return status;
 }
 
@@ -109,10 +115,12 @@ static fp3_status read_all(fp3_engine *engine) {
                                 fp3_engine_states_of(group) |
                                 (slept < 0 ? 0 : (uint64_t)1 << slept);
         const uint32_t room = 1u << group->log2, has = engine->config->registers;
-        for (uint32_t n = 0; !status && n < group->objects; n++)
-            status = read_object(engine, group->first + n, wanted, room < has ? room : has);
+        const fp3_cells constants = {FP3_CELLS_CONSTANT, i, 0, has};
+        for (uint32_t reg = 0; !status && reg < room && reg < has; reg++)
+            if (wanted >> reg & 1)
+                status = read_register(engine, group, reg);
         if (!status && !o->has_constants)
-            status = read_constants(engine, i);
+            status = engine->backend->read(engine, constants, find(engine, constants));
     }
     memcpy(o->began, o->known, engine->objects * sizeof *o->began);
     o->has_constants |= !status;

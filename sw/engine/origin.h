@@ -10,7 +10,7 @@
 
 /* An engine that finds failures by itself keeps no copies: the pointers are NULL. */
 struct fp3_origin {
-    uint32_t *registers; /* of all objects */
+    uint32_t *registers; /* columns of all objects */
     uint32_t *constants; /* of all groups */
     uint64_t *known;     /* of each object: the registers that are as they are here */
     uint64_t *began;     /* ... that were when the last run began */
@@ -25,9 +25,8 @@ struct fp3_origin {
 fp3_status fp3_origin_open(fp3_engine *engine);
 void fp3_origin_close(fp3_engine *engine);
 
-/* The host writes a register or a constant. */
-void fp3_origin_write(fp3_engine *engine, size_t object, uint32_t reg, uint32_t bits);
-void fp3_origin_write_shared(fp3_engine *engine, uint32_t group, uint32_t index, uint32_t bits);
+/* The host writes. */
+void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words);
 /* A load. is_moved: objects and constants are elsewhere, and may have lost something. */
 void fp3_origin_load(fp3_engine *engine, int is_moved);
 

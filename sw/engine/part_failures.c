@@ -25,11 +25,11 @@ static void merge(fp3_watched *all, const fp3_watched *part) {
 /* Both are in the order of objects. */
 static size_t merge_all(const fp3_engine *engine, const fp3_failed *part, size_t count,
                         fp3_failed *to) {
-    const fp3_failed *all = engine->failures;
+    const fp3_failed *all = engine->failures.list;
     size_t made = 0;
-    for (size_t i = 0, k = 0; i < engine->failure_count || k < count; made++) {
+    for (size_t i = 0, k = 0; i < engine->failures.count || k < count; made++) {
         const int is_old =
-            i < engine->failure_count && (k == count || all[i].object <= part[k].object);
+            i < engine->failures.count && (k == count || all[i].object <= part[k].object);
         const int is_new = k < count && (!is_old || all[i].object == part[k].object);
         to[made] = is_old ? all[i] : part[k];
         if (is_old && is_new)
@@ -55,7 +55,7 @@ fp3_status fp3_part_failures_add(fp3_engine *engine, uint32_t began) {
     fp3_failed *part = NULL;
     size_t count = 0;
     fp3_status status = engine->backend->failures(engine, &part, &count);
-    fp3_failed *all = status ? NULL : calloc(engine->failure_count + count + 1, sizeof *all);
+    fp3_failed *all = status ? NULL : calloc(engine->failures.count + count + 1, sizeof *all);
     if (!status && !all)
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; !status && i < count; i++) {
@@ -63,10 +63,10 @@ fp3_status fp3_part_failures_add(fp3_engine *engine, uint32_t began) {
         part[i].watched.strayed = later(part[i].watched.strayed, began);
     }
     if (!status) {
-        engine->failure_count =
+        engine->failures.count =
             leave_out(all, merge_all(engine, part, count, all), engine->config->flags);
-        free(engine->failures);
-        engine->failures = all;
+        free(engine->failures.list);
+        engine->failures.list = all;
     }
     free(part);
     return status;

@@ -14,49 +14,50 @@
 /* Brings the host's copy of all sleep registers up to date. */
 static fp3_status look_who_sleeps(fp3_engine *engine) {
     fp3_status status = FP3_OK;
-    if (engine->is_slept_known)
-        return FP3_OK;
-    for (uint32_t i = 0; !status && i < engine->objects; i++) {
-        const int slept = fp3_engine_slept_of(engine, i);
-        if (slept >= 0)
-            status = engine->backend->read(engine, i, (uint32_t)slept, &engine->slept[i]);
+    for (uint32_t i = 0; !status && !engine->sleepers.is_known && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const uint32_t slept = (uint32_t)group->program.slept;
+        if (group->program.slept >= 0)
+            status = engine->backend->read(
+                engine, (fp3_cells){FP3_CELLS_REGISTER, slept, group->first, group->objects},
+                &engine->sleepers.slept[group->first]);
     }
-    engine->is_slept_known = !status;
+    engine->sleepers.is_known = !status;
     return status;
 }
 
 static int may_leave_out(const fp3_engine *engine, const fp3_members *group) {
-    return group->program.slept >= 0 || engine->lives;
+    return group->program.slept >= 0 || engine->lives.list;
 }
 
 /* The host's own list, so that a run costs it as much as there are objects awake. */
 static fp3_status list_own(fp3_engine *engine) {
     int is_any = 0;
-    engine->awake_count = 0;
+    engine->sleepers.awake_count = 0;
     for (uint32_t i = 0; i < engine->layout.count; i++)
         is_any |= may_leave_out(engine, &engine->layout.groups[i]);
-    if (is_any && !engine->awake)
-        engine->awake = malloc(engine->objects * sizeof *engine->awake);
-    if (is_any && !engine->awake)
+    if (is_any && !engine->sleepers.awake)
+        engine->sleepers.awake = malloc(engine->objects * sizeof *engine->sleepers.awake);
+    if (is_any && !engine->sleepers.awake)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         for (uint32_t n = 0; may_leave_out(engine, group) && n < group->objects; n++)
             if (fp3_engine_is_awake(engine, group->first + n))
-                engine->awake[engine->awake_count++] = group->first + n;
+                engine->sleepers.awake[engine->sleepers.awake_count++] = group->first + n;
     }
     return FP3_OK;
 }
 
 static fp3_status list_who_is_awake(fp3_engine *engine) {
-    if (engine->is_listed)
+    if (engine->sleepers.is_listed)
         return FP3_OK;
     fp3_status status = engine->config->interleave ? look_who_sleeps(engine) : FP3_OK;
     if (!status)
         status = list_own(engine);
     if (!status && engine->config->interleave)
         status = engine->backend->list(engine);
-    engine->is_listed = !status;
+    engine->sleepers.is_listed = !status;
     return status;
 }
 
@@ -72,21 +73,37 @@ static void add_counters(const fp3_engine *engine, fp3_stats *stats) {
     stats->counter[FP3_COUNTER_CYCLES] += cycles;
 }
 
-/* What an object of the list made; *is_awake: it has not fallen asleep. */
-static fp3_status count_one(fp3_engine *engine, uint32_t object, uint32_t steps, fp3_stats *stats,
-                            int *is_awake) {
-    fp3_members *group =
-        &engine->layout
-             .groups[fp3_layout_group_of(&engine->layout, object) - engine->layout.groups];
-    uint32_t *now = &engine->slept[object];
+/* How many objects of the list, from its place n on, follow each other in a group. */
+static uint32_t neighbours(const fp3_engine *engine, uint32_t n) {
+    const fp3_sleepers *s = &engine->sleepers;
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, s->awake[n]);
+    const uint32_t left = group->first + group->objects - s->awake[n];
+    uint32_t count = 1;
+    while (count < left && n + count < s->awake_count && s->awake[n + count] == s->awake[n] + count)
+        count++;
+    return count;
+}
+
+/* What neighbours made; those who have not fallen asleep go to place *left of the list. */
+static fp3_status count_some(fp3_engine *engine, uint32_t first, uint32_t count, uint32_t steps,
+                             fp3_stats *stats, uint32_t *left) {
+    const size_t number =
+        (size_t)(fp3_layout_group_of(&engine->layout, first) - engine->layout.groups);
+    fp3_members *group = &engine->layout.groups[number];
+    const int slept = group->program.slept;
+    uint32_t *now = engine->sleepers.slept;
     fp3_status status = FP3_OK;
-    *is_awake = group->program.slept < 0;
-    if (!*is_awake)
-        status = engine->backend->read(engine, object, (uint32_t)group->program.slept, now);
-    *is_awake = *is_awake || !*now;
-    const uint32_t made = *is_awake ? steps : *now - engine->clock;
-    group->steps += made;
-    stats->object_steps += made;
+    if (slept >= 0)
+        status = engine->backend->read(
+            engine, (fp3_cells){FP3_CELLS_REGISTER, (uint32_t)slept, first, count}, &now[first]);
+    for (uint32_t i = first; !status && i < first + count; i++) {
+        const int is_awake = slept < 0 || !now[i];
+        const uint32_t made = is_awake ? steps : now[i] - engine->clock;
+        group->steps += made;
+        stats->object_steps += made;
+        engine->sleepers.awake[*left] = i;
+        *left += (uint32_t)is_awake;
+    }
     return status;
 }
 
@@ -100,14 +117,11 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
         group->steps += (uint64_t)group->objects * steps;
         stats->object_steps += (uint64_t)group->objects * steps;
     }
-    for (uint32_t n = 0; !status && n < engine->awake_count; n++) {
-        const uint32_t object = engine->awake[n];
-        int is_awake;
-        status = count_one(engine, object, steps, stats, &is_awake);
-        engine->awake[left] = object;
-        left += (uint32_t)is_awake;
+    for (uint32_t n = 0, now; !status && n < engine->sleepers.awake_count; n += now) {
+        now = neighbours(engine, n);
+        status = count_some(engine, engine->sleepers.awake[n], now, steps, stats, &left);
     }
-    engine->awake_count = left;
+    engine->sleepers.awake_count = left;
     return status;
 }
 
@@ -143,9 +157,9 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     fp3_status status = list_who_is_awake(engine);
     if (status)
         return status;
-    if (engine->sums) /* of the part before */
+    if (engine->lives.sums) /* of the part before */
         forget_counters(engine);
-    engine->is_slept_known = engine->is_listed = 0;
+    engine->sleepers.is_known = engine->sleepers.is_listed = 0;
     engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
     add_counters(engine, stats);
@@ -153,7 +167,7 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     if (!status)
         status = count_steps(engine, steps, stats);
     if (!status)
-        engine->is_slept_known = engine->is_listed = 1;
+        engine->sleepers.is_known = engine->sleepers.is_listed = 1;
     return status;
 }
 
@@ -207,9 +221,9 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     engine->is_counted = 0;
     engine->is_touched = 1;
     engine->began = engine->clock;
-    free(engine->failures);
-    engine->failures = NULL;
-    engine->failure_count = 0;
+    free(engine->failures.list);
+    engine->failures.list = NULL;
+    engine->failures.count = 0;
     status = run_parts(engine, steps, stats);
     fp3_origin_end(engine, !status, stats->flags);
     if (!status) {
@@ -218,7 +232,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     } else {
         engine->clock = engine->began;
         engine->made = made;
-        engine->change = 0;
+        engine->lives.change = 0;
         stats->object_steps = 0;
     }
     return status;

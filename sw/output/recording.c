@@ -7,8 +7,7 @@
 #include "plot.h"
 #include "targets.h"
 
-#include "engine/backend.h"
-#include "engine/count.h"
+#include "engine/inside.h"
 #include "scene/split.h"
 
 #include <inttypes.h>
@@ -53,11 +52,11 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
 static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, fp3_error *error) {
     if (!def->path && !def->plot)
         return fp3_fail(error, FP3_E_ARGUMENT, "no file to record to");
-    if (engine->layout.count != 1)
+    if (fp3_engine_groups(engine) != 1)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "a recording is of one program: %" PRIu32 " groups have columns of their "
+                        "a recording is of one program: %zu groups have columns of their "
                         "own",
-                        engine->layout.count);
+                        fp3_engine_groups(engine));
     if (def->times && def->every)
         return fp3_fail(error, FP3_E_ARGUMENT, "snapshots are at times or every so many steps");
     if (def->is_compressed && !(def->path && fp3_hdf5_is_named(def->path)))
@@ -72,7 +71,7 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
 
 static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def) {
     const fp3_program *program = r->source.program;
-    const fp3_engine *engine = r->source.engine;
+    fp3_engine *engine = r->source.engine;
     return (fp3_subject){.program = program,
                          .columns = &r->columns,
                          .objects = r->source.objects,
@@ -80,8 +79,8 @@ static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def
                          .has_time = r->source.has_time,
                          .h = r->targets.times ? 0 : r->source.h,
                          .time_unit = program->model ? program->model->time_unit : "",
-                         .engine = engine->backend->name,
-                         .config = engine->config->name,
+                         .engine = fp3_engine_name(engine),
+                         .config = fp3_engine_config(engine)->name,
                          .is_compressed = def->is_compressed};
 }
 
@@ -117,6 +116,7 @@ static uint64_t every_of(const fp3_recording_def *def) {
 
 static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
     fp3_source *source = &r->source;
+    const fp3_config *config = fp3_engine_config(source->engine);
     fp3_status status = fp3_source_find_h(source, error);
     if (!status)
         status = fp3_targets_make(source, def->times, def->time_count, &r->targets, error);
@@ -130,15 +130,14 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
     if (!status)
         status = fp3_engine_check_count(source->engine, (uint32_t)def->steps);
     if (!status && !r->targets.times && fp3_plan_next(&r->plan, 0) < r->plan.steps)
-        status = fp3_split_check(source->program, source->params, source->engine->config->name,
-                                 "snapshots", error);
+        status = fp3_split_check(source->program, source->params, config->name, "snapshots", error);
     if (!status)
         status =
             fp3_columns_open(source->program, def->observed, def->observed_count, source->objects,
-                             source->engine->lives != NULL, &r->columns, error);
+                             fp3_engine_has_lives(source->engine), &r->columns, error);
     if (!status)
         status = fp3_columns_begin(&r->columns, source, error);
-    r->counter = calloc(fp3_config_schedulers(source->engine->config), sizeof *r->counter);
+    r->counter = calloc(fp3_config_schedulers(config), sizeof *r->counter);
     if (!status && !r->counter)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     return status;
@@ -228,13 +227,14 @@ static fp3_status add_counters(fp3_recording *r, const fp3_stats *part) {
 
 /* Counts each object once; those of the first part that has some tell which was first. */
 static fp3_status note_failures(fp3_recording *r, const fp3_failure *of_part, fp3_error *error) {
-    const fp3_engine *engine = r->source.engine;
+    size_t count;
+    const fp3_failed *list = fp3_engine_failures(r->source.engine, &count);
     fp3_failure *first = &r->cost.failure;
     size_t failed = first->failed;
     if (!r->has_failed && !(r->has_failed = calloc(r->source.objects, 1)))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; i < engine->failure_count; i++) {
-        char *has_failed = &r->has_failed[engine->failures[i].object];
+    for (size_t i = 0; i < count; i++) {
+        char *has_failed = &r->has_failed[list[i].object];
         failed += !*has_failed;
         *has_failed = 1;
     }

@@ -7,6 +7,7 @@
 typedef struct {
     double *times; /* as FP32 has them; NULL: steps are fixed */
     float *until;  /* where each object is to end */
+    float *next;   /* ... in the part that is run */
     size_t count;
 } fp3_targets;
 

@@ -3,7 +3,7 @@
 
 #include "adaptive.h"
 #include "apply.h"
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "lifetime.h"
 #include "scene_read.h"
 #include "split.h"
@@ -66,10 +66,10 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
         groups[i] = (fp3_group){scene->groups[i].program->image, scene->groups[i].objects};
     fp3_status status = fp3_engine_load_groups(engine, groups, scene->group_count);
     free(groups);
-    if (status && engine->def.error) {
-        const fp3_error why = *engine->def.error;
-        fp3_fail_at(engine->def.error, status, scene->path, (unsigned)scene->line, 0, "%s",
-                    why.text);
+    fp3_error *said = fp3_engine_definition(engine)->error;
+    if (status && said) {
+        const fp3_error why = *said;
+        fp3_fail_at(said, status, scene->path, (unsigned)scene->line, 0, "%s", why.text);
     }
     return status;
 }

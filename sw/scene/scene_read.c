@@ -2,7 +2,7 @@
 #include "scene_read.h"
 
 #include "adaptive.h"
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "lifetime.h"
 #include "machine/config.h"
 #include "machine/placement.h"
@@ -359,7 +359,7 @@ static fp3_status read_config(reader *r) {
 static fp3_status read_engine(const reader *r) {
     fp3_error why;
     fp3_status status = read_text(r, r->in.root, "engine", &r->scene->engine);
-    if (!status && r->scene->engine && !fp3_backend_find(r->scene->engine, &why))
+    if (!status && r->scene->engine && fp3_engine_check_name(r->scene->engine, &why))
         status = fp3_setting_wrong(&r->in, config_setting_get_member(r->in.root, "engine"),
                                    "engine: %s", why.text);
     return status;

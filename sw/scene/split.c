@@ -1,8 +1,6 @@
 /* split.c - see split.h. */
 #include "split.h"
 
-#include "engine/backend.h"
-
 #include <string.h>
 
 enum { STEPS = 4 };

@@ -8,7 +8,7 @@
  * of the isa engine, which ran that program alone. Also listed are objects that sleep: their visit must
  * do nothing.
  */
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "stream.h"
 
 #include "gen/registers.h"
@@ -22,6 +22,7 @@ enum { SCHEDULERS_MAX = 64 };
 typedef struct {
     stream s;
     fp3_engine *isa;
+    uint32_t clock;
     uint32_t objects, steps;
     fp3_stats stats;
 } scheduler;
@@ -41,6 +42,13 @@ static void fail(bench *b, const char *what, uint32_t at, uint32_t got, uint32_t
     if (b->failed++ < 10)
         printf("FAIL %s: %s 0x%08" PRIx32 ": got 0x%08" PRIx32 ", expected 0x%08" PRIx32 "\n",
                b->config->name, what, at, got, expected);
+}
+
+static void told(bench *b, fp3_status status) {
+    if (!status)
+        return;
+    printf("%s\n", b->error.text);
+    exit(1);
 }
 
 static void put(bench *b, uint32_t address, uint32_t data) {
@@ -96,16 +104,15 @@ static void open_isa(bench *b, scheduler *one) {
     def.visit = below(&b->c, 4);
     def.error = &b->error;
     const fp3_image image = stream_image(&one->s);
-    if (fp3_engine_open(&def, &one->isa) || fp3_engine_load_unchecked(one->isa, &image)) {
-        printf("%s\n", b->error.text);
-        exit(1);
-    }
-    one->isa->clock = below(&b->c, 2) ? (uint32_t)next64(&b->c) : 0;
+    told(b, fp3_engine_open(&def, &one->isa));
+    told(b, fp3_engine_load_unchecked(one->isa, &image));
+    one->clock = below(&b->c, 2) ? (uint32_t)next64(&b->c) : 0;
+    *fp3_engine_clock(one->isa) = one->clock;
 }
 
 static void write_program(bench *b, uint32_t u) {
-    const fp3_engine *isa = b->schedulers[u].isa;
-    const fp3_code *p = &isa->layout.groups[0].program;
+    fp3_engine *isa = b->schedulers[u].isa;
+    const fp3_code *p = &fp3_engine_layout(isa)->groups[0].program;
     for (uint32_t i = 0; i < p->count; i++)
         put(b, of_scheduler(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
     put(b, of_scheduler(u, FP3_ADDR_STEP), p->step);
@@ -113,8 +120,8 @@ static void write_program(bench *b, uint32_t u) {
     put(b, of_scheduler(u, FP3_ADDR_SIZE), p->count);
     put(b, of_scheduler(u, FP3_ADDR_RECORD), b->log2);
     put(b, of_scheduler(u, FP3_ADDR_STEPS), b->schedulers[u].steps);
-    put(b, of_scheduler(u, FP3_ADDR_VISIT), isa->def.visit);
-    put(b, of_scheduler(u, FP3_ADDR_CLOCK), isa->clock);
+    put(b, of_scheduler(u, FP3_ADDR_VISIT), fp3_engine_definition(isa)->visit);
+    put(b, of_scheduler(u, FP3_ADDR_CLOCK), b->schedulers[u].clock);
 }
 
 static void write_values(bench *b, uint32_t u) {
@@ -122,14 +129,18 @@ static void write_values(bench *b, uint32_t u) {
     fp3_engine *isa = one->isa;
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
-        isa->backend->write_shared(isa, 0, i, bits);
+        float word;
+        memcpy(&word, &bits, sizeof word);
+        told(b, fp3_engine_write_shared(isa, i, 1, &word));
         put(b, of_scheduler(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
     }
     for (uint32_t object = 0; object < one->objects; object++) {
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
             const int is_slept = (int)reg == one->s.slept;
             const uint32_t bits = is_slept && below(&b->c, 4) ? 0 : value(&b->c);
-            isa->backend->write(isa, object, reg, bits);
+            float word;
+            memcpy(&word, &bits, sizeof word);
+            told(b, fp3_engine_write(isa, object, 1, reg, &word));
             put(b, cell(b, u, object, reg), bits);
         }
         if (b->config->status)
@@ -186,19 +197,23 @@ static void compare(bench *b, uint32_t u) {
     want(b, "status", of_scheduler(u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
     want(b, "flags", of_scheduler(u, FP3_ADDR_FLAGS), one->stats.flags);
     for (uint32_t object = 0; object < one->objects; object++) {
-        uint32_t bits = 0;
+        fp3_object_status status;
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
-            isa->backend->read(isa, object, reg, &bits);
+            uint32_t bits;
+            float word = 0;
+            told(b, fp3_engine_read(isa, object, 1, reg, &word));
+            memcpy(&bits, &word, sizeof bits);
             want(b, "a word of an object", cell(b, u, object, reg), bits);
         }
-        isa->backend->read_status(isa, object, &bits);
+        told(b, fp3_engine_status(isa, object, 1, &status));
         if (b->config->status)
-            want(b, "an object's status", status_of(b, u, object), bits);
+            want(b, "an object's status", status_of(b, u, object),
+                 status.flags | status.failed << FP3_STATUS_STEP_LO);
     }
     /* Without sleep, lane 0 says what is issued. */
     const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
     const uint32_t paired = get(b, of_scheduler(u, FP3_ADDR_COUNTER_PAIRED));
-    if (isa->layout.groups[0].program.slept < 0)
+    if (fp3_engine_layout(isa)->groups[0].program.slept < 0)
         want(b, "counter retired", of_scheduler(u, FP3_ADDR_COUNTER_RETIRED),
              (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows) - paired);
     fp3_engine_close(&one->isa);

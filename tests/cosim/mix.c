@@ -8,7 +8,7 @@
  * which has one group alone; then other groups are loaded into the same engines. Cycles: what the
  * schedulers need is what was predicted, and no other division would have ended earlier.
  */
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "stream.h"
 
 #include <fp3/image.h>
@@ -246,7 +246,7 @@ static void load_all(bench *b) {
     }
     /* As after a first run: before any step, a sleep in the first part would write 0, for awake. */
     for (size_t k = 0; k < ALONE + b->count; k++)
-        b->m[k].engine->clock = 1;
+        *fp3_engine_clock(b->m[k].engine) = 1;
 }
 
 static void write_one(bench *b, size_t group, uint32_t object, uint32_t reg, uint32_t bits) {
@@ -296,7 +296,7 @@ static void write_values(bench *b, size_t group) {
 }
 
 static int has_sleep(const bench *b, size_t group) {
-    return b->m[ISA].engine->layout.groups[group].program.slept >= 0;
+    return fp3_engine_layout(b->m[ISA].engine)->groups[group].program.slept >= 0;
 }
 
 /* Nobody sleeps because of what a register held before. */
@@ -457,11 +457,12 @@ static fp3_image *work(uint32_t size) {
 }
 
 /* Of a run of steps, by visits. */
-static uint64_t predicted(const fp3_engine *engine, size_t group, uint32_t rows, uint32_t steps) {
-    const uint32_t visit = engine->def.visit ? engine->def.visit : steps;
+static uint64_t predicted(fp3_engine *engine, size_t group, uint32_t rows, uint32_t steps) {
+    const fp3_code *program = &fp3_engine_layout(engine)->groups[group].program;
+    const uint32_t of = fp3_engine_definition(engine)->visit, visit = of ? of : steps;
     uint64_t sum = 0;
     for (uint32_t made = 0; made < steps; made += visit)
-        sum += fp3_placement_cycles(engine->config, &engine->layout.groups[group].program,
+        sum += fp3_placement_cycles(fp3_engine_config(engine), program,
                                     steps - made < visit ? steps - made : visit, rows);
     return sum;
 }
@@ -491,13 +492,16 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
         fp3_engine_run(engine, STEPS, &stats))
         die(error.text);
     fp3_to_place list[GROUPS_MAX];
+    const fp3_layout *layout = fp3_engine_layout(engine);
     const problem p = {config, def.visit ? def.visit : STEPS, list, count};
     for (size_t i = 0; i < count; i++)
-        list[i] = (fp3_to_place){&engine->layout.groups[i].program, (uint32_t)groups[i].objects, 3};
+        list[i] = (fp3_to_place){&layout->groups[i].program, (uint32_t)groups[i].objects, 3};
     for (uint32_t scheduler = 0; scheduler < stats.schedulers; scheduler++) {
-        const uint32_t group = engine->layout.duty[scheduler].group;
-        const uint64_t cycles = engine->counters[scheduler][FP3_COUNTER_CYCLES];
-        const uint32_t rows = fp3_layout_rows(&engine->layout, config, scheduler, 0);
+        const uint32_t group = layout->duty[scheduler].group;
+        uint64_t counter[FP3_COUNTER_COUNT];
+        EXPECT(!fp3_engine_scheduler_counters(engine, scheduler, counter));
+        const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
+        const uint32_t rows = fp3_layout_rows(layout, config, scheduler, 0);
         const uint64_t said = predicted(engine, group, rows, STEPS);
         const double off = rows ? (double)apart(cycles, said) / (double)cycles : 0;
         *worst = off > *worst ? off : *worst;

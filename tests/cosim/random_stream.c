@@ -15,7 +15,7 @@
  * The fast engine instead of the hardware retires nothing and runs no illegal words: what is left after each
  * run is compared. With --vary each session has its own rounding, flushing and flags.
  */
-#include "engine/backend.h"
+#include "engine/inside.h"
 #include "machine/ahead.h"
 #include "machine/cycles.h"
 #include "stream.h"
@@ -113,7 +113,7 @@ static void take(void *user, const fp3_retirement *r) {
         return;
     print(b, "rtl  ", r);
     if (r->object >= b->objects || r->reg >= b->config->registers ||
-        r->object % b->engine[1]->layout.groups[0].columns !=
+        r->object % fp3_engine_layout(b->engine[1])->groups[0].columns !=
             r->scheduler * b->config->lanes + r->lane ||
         r->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": a retirement of object %" PRIu32 " r%" PRIu32
@@ -141,7 +141,7 @@ static void count_issue(void *user, const fp3_traced *issue) {
     b->issued++;
     if (b->wrong)
         return;
-    const fp3_code *program = &b->engine[1]->layout.groups[0].program;
+    const fp3_code *program = &fp3_engine_layout(b->engine[1])->groups[0].program;
     if (issue->pc >= program->count || issue->word != program->code[issue->pc] ||
         issue->context >= b->config->contexts)
         WRONG("cycle %" PRIu64 ": scheduler %" PRIu32 ", context %" PRIu32 " issues 0x%08" PRIx32
@@ -194,7 +194,7 @@ static void clear_status(bench *b) {
 static void disturb(bench *b, chance *c) {
     const uint32_t first = below(c, b->objects), count = 1 + below(c, b->objects - first);
     const uint32_t what = below(c, 4);
-    if (b->engine[0]->layout.groups[0].program.slept >= 0 && what < 3) {
+    if (fp3_engine_layout(b->engine[0])->groups[0].program.slept >= 0 && what < 3) {
         if (b->is_trace)
             printf("  host: %s %" PRIu32 " + %" PRIu32 "\n", what ? "wake" : "remove", first,
                    count);
@@ -216,7 +216,7 @@ static void load(bench *b) {
     for (int k = 0; k < 2 && !b->wrong; k++)
         if (fp3_engine_load_unchecked(b->engine[k], &image))
             b->wrong = b->error[k].text;
-    const fp3_code *program = &b->engine[0]->layout.groups[0].program;
+    const fp3_code *program = &fp3_engine_layout(b->engine[0])->groups[0].program;
     for (uint32_t i = 0; b->is_trace && !b->wrong && i < program->count; i++) {
         char text[FP3_WORD_TEXT_SIZE] = "illegal";
         fp3_word_text(program->code[i], NULL, text, NULL);
@@ -231,9 +231,11 @@ static void load(bench *b) {
 /* ---- what is left in the end ---- */
 
 static uint32_t kept(bench *b, int k, uint32_t object, uint32_t reg) {
-    uint32_t bits = 0;
-    if (b->engine[k]->backend->read(b->engine[k], object, reg, &bits))
+    uint32_t bits;
+    float word = 0;
+    if (fp3_engine_read(b->engine[k], object, 1, reg, &word))
         b->wrong = b->error[k].text;
+    memcpy(&bits, &word, sizeof bits);
     return bits;
 }
 
@@ -252,10 +254,12 @@ static void compare_objects(bench *b, uint32_t words) {
 
 static void compare_constants(bench *b) {
     for (uint32_t reg = 0; reg < b->config->registers; reg++) {
-        uint32_t bits[2] = {0, 0};
+        uint32_t bits[2];
+        float words[2] = {0, 0};
         for (int k = 0; k < 2; k++)
-            if (b->engine[k]->backend->read_shared(b->engine[k], 0, reg, &bits[k]))
+            if (fp3_engine_read_shared(b->engine[k], reg, 1, &words[k]))
                 b->wrong = b->error[k].text;
+        memcpy(bits, words, sizeof bits);
         if (bits[0] != bits[1])
             WRONG("at the end: k%" PRIu32 " got 0x%08" PRIx32 ", expected 0x%08" PRIx32, reg,
                   bits[1], bits[0]);
@@ -293,7 +297,7 @@ static int has_ahead(const fp3_members *group) {
 /* An object that sleeps all the time has no retirements. One that fell asleep in step 0 reads as awake,
  * and whoever repeats the run does not know: then nobody's failures are compared. */
 static int is_unseen(bench *b, uint32_t object) {
-    const int slept = b->engine[0]->layout.groups[0].program.slept;
+    const int slept = fp3_engine_layout(b->engine[0])->groups[0].program.slept;
     int is_there = slept < 0 || kept(b, 0, object, (uint32_t)slept) != 0;
     for (size_t i = 1; i <= b->q.count; i++)
         is_there |= b->q.expected[i].object == object;
@@ -303,7 +307,7 @@ static int is_unseen(bench *b, uint32_t object) {
 /* What the retirements of the isa engine and the states in the end say about an object. Where something
  * is ahead, an exception alone may be of a step that nobody makes; so may that of an object that sleeps. */
 static int is_told_right(bench *b, uint32_t object, int is_told) {
-    const fp3_members *group = &b->engine[0]->layout.groups[0];
+    const fp3_members *group = &fp3_engine_layout(b->engine[0])->groups[0];
     const uint64_t states = fp3_engine_states_of(group);
     int is_there = 0, is_raised = 0, is_astray = 0;
     for (size_t i = 1; i <= b->q.count; i++) {
@@ -362,7 +366,8 @@ static void compare_failures(bench *b, int has_steps) {
 /* Of objects that all execute all, the hardware issues what the isa engine does; with several lanes only
  * once, and lane 0 has objects wherever another lane has. */
 static void compare_counters(bench *b, const fp3_stats stats[2]) {
-    const uint32_t columns = b->engine[0]->layout.groups[0].columns, lanes = b->config->lanes;
+    const uint32_t columns = fp3_engine_layout(b->engine[0])->groups[0].columns,
+                   lanes = b->config->lanes;
     uint64_t issued = 0, in_lane_0 = 0;
     for (uint32_t i = 0; i < b->objects; i++)
         in_lane_0 += i % columns % lanes == 0;
@@ -373,7 +378,7 @@ static void compare_counters(bench *b, const fp3_stats stats[2]) {
         if (strncmp(name, "issued_", 7) != 0)
             continue;
         issued += got;
-        if (b->engine[0]->layout.groups[0].program.slept < 0 && got != expected)
+        if (fp3_engine_layout(b->engine[0])->groups[0].program.slept < 0 && got != expected)
             WRONG("%s: got %" PRIu64 ", expected %" PRIu64, name, got, expected);
     }
     const uint64_t retired =
@@ -405,11 +410,10 @@ static void compare_end(bench *b, const fp3_stats stats[2]) {
 
 /* Where one scheduler has the arithmetic, and nobody sleeps, each cycle is known beforehand; else 0. */
 static uint64_t predict(bench *b, uint32_t steps) {
-    const fp3_engine *engine = b->engine[1];
-    const fp3_code *program = &engine->layout.groups[0].program;
+    fp3_engine *engine = b->engine[1];
+    const fp3_code *program = &fp3_engine_layout(engine)->groups[0].program;
     const uint32_t rows = fp3_placement_fullest(b->config, b->objects, 1);
-    const uint32_t visit =
-        engine->def.visit && engine->def.visit < steps ? engine->def.visit : steps;
+    const uint32_t of = fp3_engine_definition(engine)->visit, visit = of && of < steps ? of : steps;
     if (b->is_fast || !b->config->interleave || fp3_config_schedulers(b->config) > 1 || !steps ||
         program->slept >= 0)
         return 0;
@@ -428,7 +432,7 @@ static void compare_cycles(bench *b, uint32_t steps, uint64_t got) {
     if (expected && got != expected)
         WRONG("%" PRIu64 " cycles, predicted %" PRIu64 ": %" PRIu32 " objects, %" PRIu32
               " steps, visits of %" PRIu32,
-              got, expected, b->objects, steps, b->engine[1]->def.visit);
+              got, expected, b->objects, steps, fp3_engine_definition(b->engine[1])->visit);
 }
 
 /* ---- runs that end before their time ---- */
@@ -445,7 +449,7 @@ static void compare_part(bench *b, const fp3_stats stats[2]) {
 
 /* The objects that are visited first have done everything before the illegal word. */
 static void compare_first_visits(bench *b) {
-    const fp3_members *group = &b->engine[1]->layout.groups[0];
+    const fp3_members *group = &fp3_engine_layout(b->engine[1])->groups[0];
     if (fp3_config_schedulers(b->config) > 1 || group->program.slept >= 0)
         return;
     for (uint32_t object = 0; object < b->objects; object++)
@@ -481,7 +485,8 @@ static void keep_round(bench *b) {
 /* The isa engine makes the same rounds one by one. */
 static fp3_status run_rounds(bench *b, uint32_t steps, fp3_stats *stats) {
     fp3_engine *isa = b->engine[0];
-    const uint32_t visit = isa->def.visit ? isa->def.visit : steps;
+    const uint32_t visit =
+        fp3_engine_definition(isa)->visit ? fp3_engine_definition(isa)->visit : steps;
     fp3_status status = FP3_OK;
     *stats = (fp3_stats){0};
     b->past.rounds = 0;
@@ -521,18 +526,19 @@ static void end_at_stop(bench *b, const fp3_stats stats[2]) {
 static void run_and_stop(bench *b, chance *c, uint32_t steps) {
     fp3_stats stats[2];
     fp3_engine *rtl = b->engine[1];
-    const uint64_t limit = rtl->def.cycle_limit;
+    const uint64_t limit = fp3_engine_definition(rtl)->cycle_limit;
     if (run_rounds(b, steps, &stats[0])) {
         b->wrong = b->error[0].text;
         return;
     }
-    const fp3_code *program = &rtl->layout.groups[0].program;
+    const fp3_code *program = &fp3_engine_layout(rtl)->groups[0].program;
     const uint64_t all = below(c, 2) ? predict(b, steps) : 0;
     const uint64_t end = 50 + (uint64_t)(program->count - program->last) * 2 * b->config->contexts;
-    rtl->def.cycle_limit = all ? all - below(c, (uint32_t)(end < all ? end : all))
-                               : 1 + below(c, below(c, 2) ? 100 : 3000);
+    fp3_engine_definition(rtl)->cycle_limit =
+        all ? all - below(c, (uint32_t)(end < all ? end : all))
+            : 1 + below(c, below(c, 2) ? 100 : 3000);
     const fp3_status status = fp3_engine_run(rtl, steps, &stats[1]);
-    rtl->def.cycle_limit = limit;
+    fp3_engine_definition(rtl)->cycle_limit = limit;
     if (b->wrong)
         return;
     if (status == FP3_E_LIMIT)
@@ -557,21 +563,21 @@ static uint32_t set_run(bench *b, chance *c) {
     const uint32_t visit = below(c, 2) ? 0 : 1 + below(c, 3);
     const uint32_t kind = below(c, 8), clock = (uint32_t)next64(c);
     for (int k = 0; k < 2; k++) {
-        b->engine[k]->def.visit = visit;
+        fp3_engine_definition(b->engine[k])->visit = visit;
         if (kind == 0)
-            b->engine[k]->clock = clock;
+            *fp3_engine_clock(b->engine[k]) = clock;
         if (kind == 1) /* it wraps */
-            b->engine[k]->clock = 0u - 1 - steps / 2;
+            *fp3_engine_clock(b->engine[k]) = 0u - 1 - steps / 2;
     }
     forget(b);
     if (b->is_trace)
         printf("  run: %" PRIu32 " steps, visits of %" PRIu32 ", clock 0x%" PRIx32 "\n", steps,
-               visit, b->engine[0]->clock);
+               visit, *fp3_engine_clock(b->engine[0]));
     return steps;
 }
 
 static void run(bench *b, chance *c) {
-    const uint32_t steps = set_run(b, c), first = b->engine[0]->clock;
+    const uint32_t steps = set_run(b, c), first = *fp3_engine_clock(b->engine[0]);
     const int is_clear = below(c, 2) == 0;
     fp3_stats stats[2];
     fp3_status status[2];
@@ -653,11 +659,10 @@ static uint32_t how_many(chance *c, const fp3_config *config) {
 static void vary(bench *b, chance *c) {
     for (int k = 0; k < 2 && !b->wrong; k++) {
         chance own = *c;
-        fp3_config *config = &b->engine[k]->own;
+        fp3_config *config = fp3_engine_config(b->engine[k]);
         config->nearest = below(&own, 2);
         config->subnormal = below(&own, 2);
         config->flags = config->status || below(&own, 2);
-        b->engine[k]->config = config;
         b->varied = *config;
     }
     if (!b->wrong)
@@ -693,8 +698,8 @@ static void open_session(bench *b, chance *c) {
         b->wrong = "out of memory";
     b->is_apart = 1;
     if (!b->wrong)
-        b->words = b->config->registers >> b->engine[0]->layout.groups[0].log2
-                       ? 1u << b->engine[0]->layout.groups[0].log2
+        b->words = b->config->registers >> fp3_engine_layout(b->engine[0])->groups[0].log2
+                       ? 1u << fp3_engine_layout(b->engine[0])->groups[0].log2
                        : b->config->registers;
     if (b->is_trace)
         printf("%" PRIu32 " objects, nearest %" PRIu32 ", subnormal %" PRIu32 ", flags %" PRIu32

@@ -66,6 +66,17 @@ def calls(root, build):
                 yield user, owner[symbol]
 
 
+def test_an_engine_is_opaque(root, build):
+    """Its struct is in engine/backend.h: nothing that is compiled outside sw/engine reads it, not even through another header."""
+    inside, outside = [], []
+    for path in (build / "obj").rglob("*.d"):
+        source = path.relative_to(build / "obj").with_suffix(".c")
+        if (root / source).exists() and "sw/engine/backend.h" in path.read_text(encoding="utf-8").split():
+            (inside if source.parent.as_posix() == "sw/engine" else outside).append(source.as_posix())
+    assert len(inside) > 10
+    assert outside == []
+
+
 def instances(root, files):
     """Module names are file names; rtl/fpga has versions of modules that have their home elsewhere."""
     modules = {path.stem: stem(root, path) for path in files if path.suffix == ".v" and "fpga" not in path.parts}

@@ -1,0 +1,49 @@
+/* inside.h - what the project itself asks of an engine besides fp3/engine.h. */
+#ifndef FP3_ENGINE_INSIDE_H
+#define FP3_ENGINE_INSIDE_H
+
+#include "layout.h"
+#include "machine/config.h"
+#include "machine/watch.h"
+
+#include <fp3/adaptive.h>
+#include <fp3/engine.h>
+
+/* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is copied.
+ * Of "isa" and "fast": "rtl" is hardware that has been built. */
+fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
+                              fp3_engine **engine);
+
+/* fp3_engine_load without its checks: for tests of what the hardware does with words that are none
+ * of its own. */
+fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
+
+/* What the next run goes by: the steps of earlier runs, by which it numbers its own; the definition, whose strings
+ * may be gone; the configuration. Tests change them. */
+uint32_t *fp3_engine_clock(fp3_engine *engine);
+fp3_engine_def *fp3_engine_definition(fp3_engine *engine);
+fp3_config *fp3_engine_config(fp3_engine *engine);
+
+/* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
+fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
+
+/* They belong to the engine. */
+const char *fp3_engine_name(const fp3_engine *engine);
+const fp3_layout *fp3_engine_layout(const fp3_engine *engine);
+
+/* The states of a group for which its records have room, as a set of registers; the sleep register is
+ * none. */
+uint64_t fp3_engine_states_of(const fp3_members *group);
+
+/* Whether some objects do not live always. */
+int fp3_engine_has_lives(const fp3_engine *engine);
+/* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
+fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
+/* Those of the last run, by object, after fp3_engine_failure. */
+const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
+
+/* fp3_adaptive_look at objects first .. first+count-1. */
+fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,
+                                 fp3_adaptive_object *found);
+
+#endif
