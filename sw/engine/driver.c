@@ -2,9 +2,11 @@
 #include "driver.h"
 
 #include "identity.h"
+#include "read_ahead.h"
 
 #include "gen/registers.h"
 #include <inttypes.h>
+#include <stdlib.h>
 
 uint32_t fp3_driver_of(uint32_t scheduler, uint32_t address) {
     return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
@@ -49,9 +51,39 @@ static fp3_status transfer_all(fp3_engine *engine, int is_write, const uint32_t 
     return status;
 }
 
+static int by_key(const void *a, const void *b) {
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void sort(uint32_t *where, uint32_t *what, uint32_t count) {
+    uint64_t keys[FP3_QUEUE_WORDS];
+    uint32_t old[FP3_QUEUE_WORDS];
+    for (uint32_t i = 0; i < count; i++) {
+        keys[i] = (uint64_t)where[i] << 32 | i;
+        old[i] = what[i];
+    }
+    qsort(keys, count, sizeof *keys, by_key);
+    for (uint32_t i = 0; i < count; i++) {
+        where[i] = (uint32_t)(keys[i] >> 32);
+        what[i] = old[(uint32_t)keys[i]];
+    }
+}
+
+/* Columns of objects come register by register, and a bus that moves neighbours at once wants them object by object.
+ * Of words that are nothing but memory only the order at one address counts. */
+static void arrange(fp3_driver *self) {
+    for (uint32_t i = 0, n; !self->bus->is_anywhere && i < self->queued; i += n + 1) {
+        for (n = 0; i + n < self->queued && fp3_read_ahead_has(self->where[i + n]);)
+            n++;
+        sort(&self->where[i], &self->what[i], n);
+    }
+}
+
 fp3_status fp3_driver_flush(fp3_engine *engine) {
     fp3_driver *self = engine->self;
     const uint32_t count = self->queued;
+    arrange(self);
     self->queued = 0;
     return transfer_all(engine, 1, self->where, self->what, count);
 }
@@ -62,7 +94,7 @@ fp3_status fp3_driver_put(fp3_engine *engine, uint32_t address, uint32_t data) {
         fprintf(self->log, "w %08" PRIx32 " %08" PRIx32 "\n", address, data);
     self->where[self->queued] = address;
     self->what[self->queued++] = data;
-    return self->queued == FP3_BUS_WORDS ? fp3_driver_flush(engine) : FP3_OK;
+    return self->queued == FP3_QUEUE_WORDS ? fp3_driver_flush(engine) : FP3_OK;
 }
 
 static fp3_status read_words(fp3_engine *engine, const uint32_t *addresses, uint32_t *data,

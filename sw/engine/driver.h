@@ -10,7 +10,8 @@
 
 #include "base/file.h"
 
-#define FP3_BUS_WORDS 512 /* the most that a bus moves at once */
+#define FP3_BUS_WORDS 512    /* the most that a bus moves at once */
+#define FP3_QUEUE_WORDS 4096 /* the most that wait for others */
 
 typedef struct {
     uint32_t words;  /* that it moves at once: 1 to FP3_BUS_WORDS */
@@ -33,7 +34,7 @@ typedef struct {
     fp3_output *output; /* NULL unless there is a bus log ... */
     FILE *log;          /* ... and its stream */
     uint32_t queued;    /* writes that the hardware has not got yet: where, and what */
-    uint32_t where[FP3_BUS_WORDS], what[FP3_BUS_WORDS];
+    uint32_t where[FP3_QUEUE_WORDS], what[FP3_QUEUE_WORDS];
 } fp3_driver;
 
 /* Opens the log and checks that the hardware is the configuration. */
