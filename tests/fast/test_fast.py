@@ -8,6 +8,8 @@ import zlib
 
 import pytest
 
+from bugs import Bug
+
 KINDS = ["x86-64", "x86-64-v3", "x86-64-v4"]
 
 
@@ -126,6 +128,39 @@ def test_products_around_the_subnormal_numbers(build, long):
     """By every way to multiply that there is here: values, and what is raised."""
     out = subprocess.run([build / "tests/products", str(1_000_000 if long else 10_000)], capture_output=True, text=True, timeout=600)
     assert out.returncode == 0 and out.stdout.endswith("\n0 wrong\n"), out.stdout
+
+
+# exp2 at the end of its range: of each number, the bits of 2 to its integral part.
+POWERS = {"-126.0": 0x00800000, "-127.0": 0x00400000, "-148.5": 2, "-149.0": 1, "-149.5": 1, "-150.0": 0, "-1000.0": 0}
+BUGS = [
+    Bug("2^-149 is 0", "sw/fast/lanes.h", "n < 150", "n < 149"),
+    Bug("2^-150 is not 0", "sw/fast/lanes.h", "n < 150", "n < 151"),
+    Bug("2^-127 is 0", "sw/fast/lanes.h", "is_tiny = n > 126", "is_tiny = n > 127"),
+    Bug("-149.5 is rounded", "sw/fast/lanes.h", "(significand >> shift)) | (is_over & 1024)", "((significand + (1 << (shift - 1))) >> shift)) | (is_over & 1024)"),
+]
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl", "interpreter", *KINDS])
+def test_exp2_at_the_end_of_its_range(run, tmp_path, engine):
+    if engine in KINDS and not has(engine):
+        pytest.skip("not on this processor")
+    (tmp_path / "x.s").write_text("\n".join([f".state {' '.join(f'p{i}' for i in range(len(POWERS)))}", "step:",
+                                            *(f"exp2 p{i}, {number}" for i, number in enumerate(POWERS))]) + "\n")
+    said = run(tmp_path / "x.s", "-c", "many_full", "-n", 1, *(f"--set=p{i}=1" for i in range(len(POWERS))),
+               engine=engine if engine in ("isa", "rtl") else "fast", FP3_FAST=engine)
+    assert {int(i): int(bits, 16) for i, bits in re.findall(r"^p(\d) .* (0x\w{8})", said, re.M)} == dict(enumerate(POWERS.values())), said
+
+
+@pytest.mark.parametrize("bug", [None, *BUGS], ids=lambda bug: bug.name if bug else "as it is")
+def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
+    """The same numbers, in the lanes of the fast engine alone."""
+    text = (root / "sw/fast/lanes.h").read_text()
+    (tmp_path / "lanes.h").write_text(bug.put(text) if bug else text)
+    (tmp_path / "x.c").write_text("#define FP3_NEAREST 1\n#define FP3_SUBNORMAL 1\n#define FP3_FLAGS 1\n#include <stdio.h>\n#include \"lanes.h\"\n"
+                                  "int main(void) {" + "".join(f'printf("%d ", ((fp3_i)fp3_exp2((fp3_v){{0}} + {number}f))[0]);' for number in POWERS) + "}\n")
+    subprocess.run(["gcc", "-O1", "-ffp-contract=off", "-frounding-math", "-Wno-psabi", tmp_path / "x.c", "-o", tmp_path / "x"], check=True)
+    said = subprocess.run([tmp_path / "x"], capture_output=True, text=True, check=True).stdout
+    assert (said.split() == [str(bits) for bits in POWERS.values()]) == (bug is None), said
 
 
 def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):

@@ -37,6 +37,7 @@ LISTS = {
     "tests/formal/scale.py": lambda root, at: formal(root, at.BUGS),
     "tests/formal/control.py": lambda root, at: [(name, source(root, subject.sources[0]), right) for subject in vars(at).values()
                                                  if isinstance(subject, at.Subject) for name, right, *_ in subject.bugs],
+    "tests/fast/test_fast.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fp/test_fp.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fpga/test_ecp5.py": lambda root, at: named(root, [(name, (f"fpga/ecp5/{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/fpga/test_ice40.py": lambda root, at: named(root, [(name, (f"fpga/ice40/{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),

@@ -1,6 +1,7 @@
 """Small modules alone, each against a model of its header (cocotb in Icarus); and broken ones."""
 
 import json
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import simulate
 from bugs import Bug, source, tree
 
+ROOT = Path(__file__).resolve().parents[2]
 DUAL = {"interleave": 1, "dual": 1, "scale": 1, "registers": 8}
 FULL = {"interleave": 1, "chain": 1, "scale": 1, "select": 1, "estimate": 1, "round": 1, "sleep": 1, "registers": 32}
 PLAIN = {"registers": 64}
@@ -27,6 +29,13 @@ def decode(keys, words):
                 {"FP3_KEYS": json.dumps(keys), "FP3_WORDS": words})
 
 
+def tile(test, **keys):
+    """A small one, seen by its host."""
+    config = {"INTERLEAVE": 1, "CONTEXTS": 2, "STORE_WORDS": 128, "REGISTERS": 8, "PROGRAM_WORDS": 16, "CHAIN": 0,
+              "ADD_LATENCY": 2, "MUL_LATENCY": 2, **keys}
+    return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
+
+
 def memory(module, latency, forward, enable, **parameters):
     return Part(module, "memory", parameters, {"FP3_LATENCY": latency, "FP3_FORWARD": forward, "FP3_ENABLE": enable})
 
@@ -35,6 +44,12 @@ PARTS = {
     "decode, dual": decode(DUAL, 6000),
     "decode, everything for one object in turn": decode(FULL, 4000),
     "decode, as little as can be": decode(PLAIN, 2000),
+    "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
+    "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, DUAL=1),
+    "tile, sums and products at once": tile("tile_steps_each_object_of_each_batch", DUAL=1, CONTEXTS=9, ADD_LATENCY=1, MUL_LATENCY=1, STORE_WORDS=256),
+    "tile, stopped": tile("tile_is_stopped_between_visits"),
+    "tile, sums and products stopped": tile("tile_is_stopped_between_visits", DUAL=1),
+    "tile, record": tile("tile_refuses_a_record_out_of_range"),
     "hub": Part("hub", "hub", {"N": 3}),
     "counters": Part("counters", "counters", {"N": 18, "INDEX_W": 5}),
     "ram_1r1w": memory("ram_1r1w", 1, 0, 1, ADDR_W=4, W=9),
@@ -58,6 +73,41 @@ BUGS = {
         Bug("doubles are not kept apart", "decode.v", SCALED, "!(half && (a_odd || b_even))"),
         Bug("a scaled sum", "decode.v", SCALED, "!((half || twice) && a_odd)"),
         Bug("a scaled operand and a product", "decode.v", SCALED, "!((half || twice) && b_even)"),
+    ],
+    "tile, batches": [
+        Bug("the third batch has the rows of the second", "issue.v", "opened_q ? {ROW_W{1'b0}} : base_q + BATCH", "opened_q ? {ROW_W{1'b0}} : BATCH"),
+    ],
+    "tile, batches of sums and products": [
+        Bug("the third batch has the rows of the second", "sequencer.v", "next_row_q <= next_row_q + CONTEXTS[ROW_W-1:0]", "next_row_q <= CONTEXTS[ROW_W-1:0]"),
+        Bug("every batch has the first rows", "sequencer.v", "row_q      <= next_row_q;", "row_q      <= {ROW_W{1'b0}};"),
+        Bug("rows go on from round to round", "sequencer.v", "if (open) next_row_q <= {ROW_W{1'b0}};\n        else if", "if"),
+        Bug("sums have one row for all", "dual_turn.v", "row_q      <= base_now_q + context_wide[ROW_W-1:0]", "row_q      <= base_now_q"),
+        Bug("a store's row is that of the next context", "two_streams.v", ".N(1+TIMING_EARLY)) u_st_row", ".N(TIMING_EARLY)) u_st_row"),
+        Bug("a product's load has the row of a sum", "two_streams.v", "retire_product_loads ? retire_product_row : retire_sum_row", "retire_sum_row"),
+        Bug("a product's load reads the register of a sum", "two_streams.v",
+            "retire_product_loads ? retire_product_register : retire_sum_register", "retire_sum_register"),
+        Bug("all loads are of sums", "two_streams.v", "to_mul || (to_memory && !st && d[0])", "to_mul"),
+        Bug("a load of a sum writes nothing", "dual_end.v", "{retire_sum_adds || retire_sum_loads, retire_sum_adds}", "{2{retire_sum_adds}}"),
+        Bug("a load of a product is a product", "dual_end.v", "retire_product_valid && !retire_product_loads}", "retire_product_valid}"),
+        Bug("a load writes the host's word", "lane.v", "other_q    <= loads ? word : data_i", "other_q    <= data_i"),
+        Bug("loads are known a cycle late", "dual_end.v", ".N(TIMING_DUAL_END-1)) u_load", ".N(TIMING_DUAL_END)) u_load"),
+        Bug("an absent object is stored", "dual_end.v", "{1'b0, issue_st_row} >= count_q", "1'b0"),
+    ],
+    "tile, sums and products at once": [
+        Bug("loads of sums and of products at once", "two_streams.v", ".muls_i(to_mul || to_memory || memory_q)", ".muls_i(to_mul)"),
+        Bug("each sum's y is of its own time", "two_streams.v", "N(TIMING_EARLY)) u_issue (", "N(TIMING_EARLY - 1)) u_issue ("),
+    ],
+    "tile, stopped": [
+        Bug("a stop between stores", "rounds.v", "stopping && !storing_i", "stopping"),
+        Bug("the next instruction stores nothing", "sequencer.v", "(valid_q && lasts_q) || (busy && under_lasts_q)", "(busy && under_lasts_q)"),
+        Bug("what is under way stores nothing", "sequencer.v", "(valid_q && lasts_q) || (busy && under_lasts_q)", "(valid_q && lasts_q)"),
+    ],
+    "tile, record": [
+        Bug("11 is 3", "host_port.v", "(req_wdata_i >> W) == 32'd0 && ", ""),
+        Bug("2 is in range", "host_port.v", "req_wdata_i[W-1:0] - LEAST[W-1:0] <= MOST[W-1:0] - LEAST[W-1:0]", "req_wdata_i[W-1:0] <= MOST[W-1:0]"),
+        Bug("7 is in range", "host_port.v", "req_wdata_i[W-1:0] - LEAST[W-1:0] <= MOST[W-1:0] - LEAST[W-1:0]", "req_wdata_i[W-1:0] >= LEAST[W-1:0]"),
+        Bug("refused, and written", "host_port.v", "else if (to_q && ok_q) value_q", "else if (to_q) value_q"),
+        Bug("written, and refused", "host_port.v", "&& !(|(ranged_q & ~fits_q))", "&& !(|ranged_q)"),
     ],
     "hub": [
         Bug("a write is answered in reset", "hub.v", "{answer_wrote && !rst_i,", "{answer_wrote,"),
@@ -115,6 +165,8 @@ BUGS = {
         Bug("an escape that the line does not take", "slip_tx.v", "valid_i && ready_i) escape_q", "valid_i) escape_q"),
     ],
 }
+
+BUGS["tile, sums and products stopped"] = BUGS["tile, stopped"]
 
 
 def run(root, folder, part, tree):
