@@ -35,12 +35,12 @@ struct fp3_derive {
         other; /* those that are the same for all objects; and those of marked objects */
     uint64_t params, states; /* that have changed */
     int has_h, has_restarted;
-    int has_moved;   /* variables are the program's */
-    int is_first;    /* not even what is always the same has been computed */
-    uint64_t *marks; /* objects, a bit each */
-    int is_all;      /* all are marked */
-    double *param_row, *start_row;
-    float *row, *block; /* of all inputs; of `other`, BLOCK numbers each */
+    int has_moved;                 /* variables are the program's */
+    int is_first;                  /* not even what is always the same has been computed */
+    uint64_t *marks;               /* objects, a bit each */
+    int is_all;                    /* all are marked */
+    double *params_of, *starts_of; /* columns of a block */
+    float *block;                  /* likewise of all inputs */
 };
 
 /* ---- open and close ---- */
@@ -105,12 +105,11 @@ fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *tab
     d->table = table;
     d->sources = calloc(inputs + 1u, sizeof *d->sources);
     d->marks = calloc(def->objects / 64 + 1, sizeof *d->marks);
-    d->param_row = calloc(table->model->param_count + 1u, sizeof *d->param_row);
-    d->start_row = calloc(table->model->state_count + 1u, sizeof *d->start_row);
-    d->row = calloc(inputs + 1u, sizeof *d->row);
-    d->block = calloc(((size_t)inputs + 1) * BLOCK, sizeof *d->block);
+    d->params_of = malloc((table->model->param_count + 1u) * BLOCK * sizeof *d->params_of);
+    d->starts_of = malloc((table->model->state_count + 1u) * BLOCK * sizeof *d->starts_of);
+    d->block = malloc(((size_t)inputs + 1) * BLOCK * sizeof *d->block);
     if (!open_portion(&d->uniform, inputs) || !open_portion(&d->other, inputs) || !d->sources ||
-        !d->marks || !d->param_row || !d->start_row || !d->row || !d->block) {
+        !d->marks || !d->params_of || !d->starts_of || !d->block) {
         fp3_derive_close(derive);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
@@ -128,9 +127,8 @@ void fp3_derive_close(fp3_derive **derive) {
     close_portion(&d->other);
     free(d->sources);
     free(d->marks);
-    free(d->param_row);
-    free(d->start_row);
-    free(d->row);
+    free(d->params_of);
+    free(d->starts_of);
     free(d->block);
     free(d);
     *derive = NULL;
@@ -204,33 +202,42 @@ static void choose(fp3_derive *d) {
 }
 
 /* What computes the portion; the one before where it is the same again. */
-static fp3_status prepare(const fp3_derive *d, portion *p, fp3_error *error) {
+static fp3_status prepare(const fp3_derive *d, portion *p, size_t most, fp3_error *error) {
     const size_t size = d->def.compiled->input_count;
     if (p->start && !memcmp(p->is_wanted, p->was_wanted, size))
         return FP3_OK;
     fp3_start_close(&p->start);
     memcpy(p->was_wanted, p->is_wanted, size);
-    return fp3_start_open(d->def.compiled, p->is_wanted, &p->start, error);
+    return fp3_start_open(d->def.compiled, p->is_wanted, most, &p->start, error);
 }
 
 /* ---- computing ---- */
 
-static double fill_rows(fp3_derive *d, size_t object, int is_first) {
+static void fill(const fp3_field *q, size_t first, size_t count, double *column) {
+    if (q->column)
+        memcpy(column, q->column + first, count * sizeof *column);
+    else
+        for (size_t i = 0; i < count; i++)
+            column[i] = q->uniform;
+}
+
+/* What objects first .. first+count-1 have; returns h. */
+static double fill_columns(fp3_derive *d, size_t first, size_t count) {
     double h = fp3_start_model(d->def.compiled)->step;
     for (uint32_t i = 0; i < d->table->count; i++) {
         const fp3_field *q = &d->table->list[i];
         if (q->kind == FP3_FIELD_STEP)
             h = q->uniform;
-        else if (q->kind == FP3_FIELD_PARAM && (is_first || q->column))
-            d->param_row[q->index] = fp3_field_at(q, object);
-        else if (q->kind == FP3_FIELD_STATE && (is_first || q->column))
-            d->start_row[q->index] = fp3_field_at(q, object);
+        else if (q->kind == FP3_FIELD_PARAM)
+            fill(q, first, count, d->params_of + q->index * count);
+        else if (q->kind == FP3_FIELD_STATE)
+            fill(q, first, count, d->starts_of + q->index * count);
     }
     return h;
 }
 
-static fp3_status write_all(const fp3_derive *d, const source *s, float value) {
-    float *same = d->block;
+static fp3_status write_same(const fp3_derive *d, const source *s, float value) {
+    float same[BLOCK];
     fp3_status status = FP3_OK;
     if (s->is_shared)
         return fp3_engine_write_shared_of(d->def.engine, d->def.group, s->place, 1, &value);
@@ -244,38 +251,45 @@ static fp3_status write_all(const fp3_derive *d, const source *s, float value) {
 }
 
 static fp3_status settle_uniform(fp3_derive *d, fp3_error *error) {
-    const double h = fill_rows(d, 0, 1);
-    fp3_status status = prepare(d, &d->uniform, error);
+    const double h = fill_columns(d, 0, 1);
+    fp3_status status = prepare(d, &d->uniform, 1, error);
     if (!status)
-        status = fp3_start_values(d->uniform.start, d->param_row, d->start_row, h, d->row, error);
+        status =
+            fp3_start_values(d->uniform.start, d->params_of, d->starts_of, h, 1, d->block, error);
     for (uint32_t i = 0; !status && i < d->def.compiled->input_count; i++)
         if (d->uniform.is_wanted[i])
-            status = write_all(d, &d->sources[i], d->row[i]);
+            status = write_same(d, &d->sources[i], d->block[i]);
     return status;
 }
 
+/* The error says which object it is only if it is one. */
 static fp3_status compute_block(fp3_derive *d, size_t first, size_t count, fp3_error *error) {
-    const uint32_t inputs = d->def.compiled->input_count;
-    for (size_t n = 0; n < count; n++) {
-        fp3_error why;
-        const double h = fill_rows(d, first + n, n == 0);
-        const fp3_status status =
-            fp3_start_values(d->other.start, d->param_row, d->start_row, h, d->row, &why);
-        if (status)
-            return fp3_fail(error, status, "object %zu: %s", first + n, why.text);
-        for (uint32_t i = 0, k = 0; i < inputs; i++)
-            if (d->other.is_wanted[i])
-                d->block[k++ * BLOCK + n] = d->row[i];
-    }
-    return FP3_OK;
+    fp3_error why;
+    const double h = fill_columns(d, first, count);
+    fp3_status status =
+        fp3_start_values(d->other.start, d->params_of, d->starts_of, h, count, d->block, &why);
+    if (status && (count == 1 || status == FP3_E_SYSTEM))
+        return fp3_fail(error, status, "object %zu: %s", first, why.text);
+    return status;
+}
+
+/* A block that fails is computed again, object by object, to find which one it is. */
+static fp3_status compute(fp3_derive *d, size_t first, size_t count, fp3_error *error) {
+    fp3_status status = compute_block(d, first, count, error);
+    if (!status || status == FP3_E_SYSTEM)
+        return status;
+    status = FP3_OK;
+    for (size_t i = first; !status && i < first + count; i++)
+        status = compute_block(d, i, 1, error);
+    return status;
 }
 
 /* A configuration of one object has params among the constants. */
 static fp3_status write_block(const fp3_derive *d, size_t first, size_t count, fp3_error *error) {
     fp3_status status = FP3_OK;
-    const float *values = d->block;
     for (uint32_t i = 0; !status && i < d->def.compiled->input_count; i++) {
         const source *s = &d->sources[i];
+        const float *values = d->block + i * count;
         if (!d->other.is_wanted[i])
             continue;
         if (s->is_shared && d->def.objects > 1)
@@ -286,16 +300,15 @@ static fp3_status write_block(const fp3_derive *d, size_t first, size_t count, f
             s->is_shared
                 ? fp3_engine_write_shared_of(d->def.engine, d->def.group, s->place, 1, values)
                 : fp3_engine_write(d->def.engine, d->def.first + first, count, s->place, values);
-        values += BLOCK;
     }
     return status;
 }
 
 static fp3_status settle_other(fp3_derive *d, fp3_error *error) {
-    fp3_status status = prepare(d, &d->other, error);
+    fp3_status status = prepare(d, &d->other, BLOCK, error);
     for (size_t i = next_marked(d, 0); !status && i < d->def.objects;) {
         const size_t count = marked_from(d, i);
-        status = compute_block(d, i, count, error);
+        status = compute(d, i, count, error);
         if (!status)
             status = write_block(d, i, count, error);
         i = next_marked(d, i + count);

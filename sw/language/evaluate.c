@@ -3,6 +3,7 @@
 #include "function_rows.h"
 
 #include <math.h>
+#include <string.h>
 
 unsigned fp3_ode_operands(fp3_expr_op op) {
     static const unsigned char operands[] = {
@@ -73,6 +74,44 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
         break;
     }
     return NAN;
+}
+
+static void compute_each(const fp3_expr *e, const double *const operand[3], size_t count,
+                         double *column) {
+    const fp3_expr alike = {.op = e->op, .number = e->number, .operand = {0, 1, 2}};
+    for (size_t i = 0; i < count; i++) {
+        double v[3] = {0};
+        for (unsigned k = 0; k < fp3_ode_operands(e->op); k++)
+            v[k] = operand[k][i];
+        column[i] = fp3_ode_compute(&alike, NULL, v);
+    }
+}
+
+void fp3_ode_compute_column(const fp3_expr *e, const double *params, const double *values,
+                            size_t count, double *column) {
+    const double *operand[3] = {0};
+    for (unsigned k = 0; k < fp3_ode_operands(e->op); k++)
+        operand[k] = values + e->operand[k] * count;
+    const double *a = operand[0], *b = operand[1];
+    switch (e->op) {
+    case FP3_EXPR_PARAM:
+        memcpy(column, params + e->index * count, count * sizeof *column);
+        break;
+#define X(OP, VALUE)                                                                               \
+    case FP3_EXPR_##OP:                                                                            \
+        for (size_t i = 0; i < count; i++)                                                         \
+            column[i] = (VALUE);                                                                   \
+        break;
+        X(NUMBER, e->number)
+        X(NEGATE, -a[i])
+        X(ADD, a[i] + b[i])
+        X(SUB, a[i] - b[i])
+        X(MUL, a[i] * b[i])
+        X(DIV, a[i] / b[i])
+#undef X
+    default:
+        compute_each(e, operand, count, column);
+    }
 }
 
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values) {

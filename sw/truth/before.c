@@ -17,22 +17,59 @@ static double lost_before(double x, double before) {
     return (double)(float)((x - before) - ((double)(float)x - (double)(float)before));
 }
 
+/* The truth of one object, whose numbers are gathered in row. */
+static fp3_status follow(const fp3_model *model, const double *params, const double *initial,
+                         double h, size_t count, double *row, double *before, fp3_error *error) {
+    double *start = row + model->param_count, *found = start + model->state_count;
+    for (uint32_t i = 0; i < model->param_count; i++)
+        row[i] = params[i * count];
+    for (uint32_t i = 0; i < model->state_count; i++)
+        start[i] = initial[i * count];
+    const fp3_status status = fp3_model_truth(model, row, start, -h, found, error);
+    for (uint32_t i = 0; !status && i < model->state_count; i++)
+        before[i * count] = found[i];
+    return status;
+}
+
+static fp3_status follow_all(const fp3_model *model, const double *params, const double *initial,
+                             double h, size_t count, double *before, fp3_error *error) {
+    double *row = calloc(model->param_count + 2u * model->state_count + 1u, sizeof *row);
+    fp3_status status = row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < count; i++)
+        status = follow(model, params + i, initial + i, h, count, row, before + i, error);
+    free(row);
+    return status;
+}
+
+static double start_of(role role, double x, double before) {
+    switch (role) {
+    case ROLE_STATE:
+        return x;
+    case ROLE_LOW:
+        return fp3_known_low(x);
+    case ROLE_BEFORE:
+        return before;
+    case ROLE_LOW_BEFORE:
+        return fp3_known_low(before);
+    case ROLE_LOST_BEFORE:
+        return lost_before(x, before);
+    default:
+        return 0;
+    }
+}
+
 fp3_status fp3_before_start(const fp3_step *step, const double *params, const double *initial,
-                            double h, double *start, fp3_error *error) {
-    double *before = calloc(step->model->state_count + 1u, sizeof *before);
+                            double h, size_t count, double *start, fp3_error *error) {
+    const fp3_model *model = step->model;
+    double *before = calloc(model->state_count * count + 1u, sizeof *before);
     fp3_status status = before ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status && needs_truth(step))
-        status = fp3_model_truth(step->model, params, initial, -h, before, error);
+        status = follow_all(model, params, initial, h, count, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {
         const variable *v = &step->variables[i];
-        const double value = v->role == ROLE_STATE || v->role == ROLE_LOW ? initial[v->state]
-                             : v->role == ROLE_BEFORE || v->role == ROLE_LOW_BEFORE
-                                 ? before[v->state]
-                                 : 0;
-        const int is_low = v->role == ROLE_LOW || v->role == ROLE_LOW_BEFORE;
-        start[i] = is_low ? fp3_known_low(value) : value;
-        if (v->role == ROLE_LOST_BEFORE)
-            start[i] = lost_before(initial[v->state], before[v->state]);
+        const size_t column = v->state == FP3_NONE ? 0 : v->state * count;
+        for (size_t n = 0; n < count; n++)
+            start[i * count + n] = start_of(v->role, initial[column + n], before[column + n]);
     }
     free(before);
     return status;

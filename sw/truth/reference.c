@@ -133,7 +133,7 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
     double *start = calloc(b->variable_count + 1u, sizeof *start);
     fp3_status status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = fp3_before_start(b, params, initial, h, start, error);
+        status = fp3_before_start(b, params, initial, h, 1, start, error);
     for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)
         start[i] = (float)start[i];
     if (!status)

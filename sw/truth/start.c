@@ -1,6 +1,7 @@
 /* start.c - values of a program's inputs, rounded once. */
 #include "start.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -24,7 +25,7 @@ struct fp3_start {
     uint32_t *wanted, count;   /* inputs */
     int has_variables;         /* some of them are variables */
     fp3_known_subset subset;   /* of the others */
-    double *known, *variables; /* values */
+    double *known, *variables; /* columns */
 };
 
 /* In the order of fp3_inputs_make. */
@@ -43,7 +44,7 @@ static origin origin_of(const fp3_compilation *k, uint32_t input) {
     return (origin){FP3_NONE, FP3_NONE};
 }
 
-static fp3_status choose(fp3_start *s, const char *is_wanted, fp3_error *error) {
+static fp3_status choose(fp3_start *s, const char *is_wanted, size_t most, fp3_error *error) {
     const known_table *table = &s->compilation->p.step.known;
     char *is_known_wanted = calloc(table->count + 1u, 1);
     fp3_status status = is_known_wanted ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -58,13 +59,13 @@ static fp3_status choose(fp3_start *s, const char *is_wanted, fp3_error *error) 
             is_known_wanted[o.known] = 1;
     }
     if (!status)
-        status = fp3_known_choose(table, is_known_wanted, &s->subset, error);
+        status = fp3_known_choose(table, is_known_wanted, most, &s->subset, error);
     free(is_known_wanted);
     return status;
 }
 
-fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, fp3_start **start,
-                          fp3_error *error) {
+fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, size_t most,
+                          fp3_start **start, fp3_error *error) {
     const fp3_compilation *k = compiled->self;
     fp3_start *s = *start = calloc(1, sizeof *s);
     if (!s)
@@ -73,13 +74,13 @@ fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, f
     s->compilation = k;
     s->origins = calloc(compiled->input_count + 1u, sizeof *s->origins);
     s->wanted = calloc(compiled->input_count + 1u, sizeof *s->wanted);
-    s->known = calloc(k->p.step.known.count + 1u, sizeof *s->known);
-    s->variables = calloc(k->p.step.variable_count + 1u, sizeof *s->variables);
+    s->known = malloc((k->p.step.known.count * most + 1u) * sizeof *s->known);
+    s->variables = malloc((k->p.step.variable_count * most + 1u) * sizeof *s->variables);
     fp3_status status = s->origins && s->wanted && s->known && s->variables
                             ? FP3_OK
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = choose(s, is_wanted, error);
+        status = choose(s, is_wanted, most, error);
     if (status)
         fp3_start_close(start);
     return status;
@@ -108,46 +109,67 @@ static void say_line(const fp3_compilation *k, uint32_t id, char *text, size_t s
         snprintf(text, size, " (line %" PRIu32 " of the model)", line);
 }
 
-static fp3_status round_all(const fp3_start *s, float *values, fp3_error *error) {
-    for (uint32_t n = 0; n < s->count; n++) {
-        const uint32_t i = s->wanted[n];
-        const origin o = s->origins[i];
-        const double wanted = o.known == FP3_NONE ? s->variables[o.variable] : s->known[o.known];
-        char line[48];
-        const char *expected = fp3_number_single(wanted, &values[i]);
-        if (!expected && !isfinite(values[i]))
-            expected = isnan(wanted) ? "a finite number, and none below 2.2e-308 on the way"
-                                     : "a finite number";
-        if (!expected)
-            continue;
-        say_line(s->compilation, o.known, line, sizeof line);
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s",
-                        s->compiled->inputs[i].formula, line, wanted, expected);
+/* Whether all have room in FP32. */
+static int round_column(const double *wanted, size_t count, float *values) {
+    int is_good = 1;
+    for (size_t i = 0; i < count; i++) {
+        values[i] = (float)wanted[i];
+        is_good &= fabsf(values[i]) <= FLT_MAX && (values[i] != 0 || wanted[i] == 0);
     }
-    return FP3_OK;
+    return is_good;
+}
+
+static fp3_status check_room(const fp3_start *s, uint32_t input, double wanted, fp3_error *error) {
+    const uint32_t known = s->origins[input].known;
+    float single;
+    char line[48];
+    const char *expected = fp3_number_single(wanted, &single);
+    if (!expected && !isfinite(single))
+        expected = isnan(wanted) ? "a finite number, and none below 2.2e-308 on the way"
+                                 : "a finite number";
+    if (!expected)
+        return FP3_OK;
+    say_line(s->compilation, known, line, sizeof line);
+    return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s",
+                    s->compiled->inputs[input].formula, line, wanted, expected);
+}
+
+static fp3_status round_all(const fp3_start *s, size_t count, float *values, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < s->count; i++) {
+        const uint32_t input = s->wanted[i];
+        const origin o = s->origins[input];
+        const double *wanted =
+            o.known == FP3_NONE ? s->variables + o.variable * count : s->known + o.known * count;
+        if (round_column(wanted, count, values + input * count))
+            continue;
+        for (size_t n = 0; !status && n < count; n++)
+            status = check_room(s, input, wanted[n], error);
+    }
+    return status;
 }
 
 fp3_status fp3_start_values(fp3_start *s, const double *params, const double *initial, double h,
-                            float *values, fp3_error *error) {
+                            size_t count, float *values, fp3_error *error) {
     const fp3_compilation *k = s->compilation;
     const fp3_step *step = &k->p.step;
     float single;
     const char *expected = fp3_number_step(h, &single);
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
-    fp3_known_values(&s->subset, params, h, s->known);
-    fp3_status status = fp3_adapted_check(step->model, &k->options, params, initial, error);
+    fp3_known_values(&s->subset, params, h, count, s->known);
+    fp3_status status = fp3_adapted_check(step->model, &k->options, params, initial, count, error);
     if (!status && s->has_variables)
-        status = fp3_before_start(step, params, initial, h, s->variables, error);
-    return status ? status : round_all(s, values, error);
+        status = fp3_before_start(step, params, initial, h, count, s->variables, error);
+    return status ? status : round_all(s, count, values, error);
 }
 
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error) {
     fp3_start *start = NULL;
-    fp3_status status = fp3_start_open(compiled, NULL, &start, error);
+    fp3_status status = fp3_start_open(compiled, NULL, 1, &start, error);
     if (!status)
-        status = fp3_start_values(start, params, initial, h, values, error);
+        status = fp3_start_values(start, params, initial, h, 1, values, error);
     fp3_start_close(&start);
     return status;
 }

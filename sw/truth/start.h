@@ -1,8 +1,8 @@
-/* start.h - some inputs of a compiled program, for object after object.
+/* start.h - some inputs of a compiled program, for block after block of objects.
  *
  *     fp3_start *start = NULL;
- *     if (fp3_start_open(compiled, is_wanted, &start, error) ||
- *         fp3_start_values(start, params, initial, h, values, error)) ...
+ *     if (fp3_start_open(compiled, is_wanted, 512, &start, error) ||
+ *         fp3_start_values(start, params, initial, h, 512, values, error)) ...
  *     fp3_start_close(&start);
  */
 #ifndef FP3_TRUTH_START_H
@@ -12,16 +12,17 @@
 
 typedef struct fp3_start fp3_start;
 
-/* is_wanted: of each input; NULL: all. compiled must outlive it. The caller closes *start, which is NULL
- * on failure. */
-fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, fp3_start **start,
-                          fp3_error *error);
+/* is_wanted: of each input; NULL: all. most: objects at once. compiled must outlive it. The caller
+ * closes *start, which is NULL on failure. */
+fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, size_t most,
+                          fp3_start **start, fp3_error *error);
 /* Sets *start to NULL, which it may be already. */
 void fp3_start_close(fp3_start **start);
 
-/* As fp3_compiled_inputs; the values of inputs that nobody wants stay as they are. */
+/* As fp3_compiled_inputs of each of count objects, in columns: params[i * count + n] is param i of object
+ * n. The values of inputs that nobody wants stay as they are. The error does not say whose it is. */
 fp3_status fp3_start_values(fp3_start *start, const double *params, const double *initial, double h,
-                            float *values, fp3_error *error);
+                            size_t count, float *values, fp3_error *error);
 
 /* The model whose params and states a program's inputs are made of. */
 const fp3_model *fp3_start_model(const fp3_compiled *compiled);

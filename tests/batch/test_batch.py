@@ -143,6 +143,19 @@ def test_any_number_of_objects(root, script, count):
         assert numbers(alone) == [rows[i]], i
 
 
+def test_a_block_is_computed_as_its_objects_are(root, script):
+    """One of them comes below the start of double on the way: the others keep their bits, and if it matters it is named."""
+    model = ("model m\nparam a = 2\nparam b = 3\nparam c = 1\nstate x = 1\nstep 0.1\nspan 1\n"
+             "x' = (c + a*b)*x/(b + 1) - cos(a)*exp(-b) + max(sqrt(b + 1), c - a)\n")
+    some = [(3, 1e-200, 3e-200), (7, 0.1, 0.7), (11, 1.7, 1e-9), (600, 0, 1e-300), (601, 2.5, 2)]
+    lines = [f"double {name} {i} {value}" for i, *values in some for name, value in zip("ab", values)]
+    told = script(model, [*lines, "set c 0", "double a 599 1e-200", "double b 599 1e-200", "step 1", "set c 0.3", "step 7", "read x"], "-n", 700, "-x")
+    assert told[0].startswith("error 1: object 3: ") and "none below 2.2e-308 on the way" in told[0]
+    rows = numbers(told[1:])
+    for i, a, b in [*some, (5, 2, 3), (599, 1e-200, 1e-200)]:
+        assert numbers(script(model, [f"set a {a}", f"set b {b}", "set c 0.3", "step 7", "read x"], "-x")) == [rows[i]], i
+
+
 def test_restart_and_time(root, script):
     told = script(root / "programs/oscillator.ode", ["spread x 1 2", "step 8", "time", "set h 0.25", "step 2", "time", "read x", "restart", "time",
                                                      "read x", "step 8", "time", "set h 0.0078125", "restart", "step 8", "read x v"], "-n", 3)

@@ -26,31 +26,42 @@ static fp3_status check_tolerance(double tolerance, const fp3_options *options, 
                         : "to which FP32 rounds a state in each step (compensated: 7.45e-09)");
 }
 
-fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
-                             const double *params, const double *initial, fp3_error *error) {
-    const uint32_t t = fp3_model_adapted(model);
-    if (t == FP3_NONE)
-        return FP3_OK;
-    const double absolute = params[fp3_model_param(model, "absolute")];
-    const double until = params[fp3_model_param(model, "until")];
-    const uint32_t locate = fp3_model_param(model, "locate");
-    const fp3_status status =
-        check_tolerance(params[fp3_model_param(model, "tolerance")], options, error);
-    if (status)
-        return status;
+static fp3_status check_object(double absolute, double until, double t, double h, double locate,
+                               fp3_error *error) {
     if (!(absolute >= ABSOLUTE_LEAST && isfinite(absolute)))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "'absolute' is %.9g: expected a finite number from %.3g on", absolute,
                         ABSOLUTE_LEAST);
-    if (!(until >= initial[t] && isfinite(until)))
+    if (!(until >= t && isfinite(until)))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "'until' is %.9g: expected a finite time that does not come before t, %.9g",
-                        until, initial[t]);
-    if (!(initial[t + 1] > 0 && isfinite(initial[t + 1])))
+                        until, t);
+    if (!(h > 0 && isfinite(h)))
         return fp3_fail(error, FP3_E_ARGUMENT, "'h_next' is %.9g: expected a finite number above 0",
-                        initial[t + 1]);
-    if (locate != FP3_NONE && !(params[locate] > 0 && isfinite(params[locate])))
+                        h);
+    if (!(locate > 0 && isfinite(locate)))
         return fp3_fail(error, FP3_E_ARGUMENT, "'locate' is %.9g: expected a finite number above 0",
-                        params[locate]);
+                        locate);
     return FP3_OK;
+}
+
+fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
+                             const double *params, const double *initial, size_t count,
+                             fp3_error *error) {
+    const uint32_t t = fp3_model_adapted(model);
+    if (t == FP3_NONE)
+        return FP3_OK;
+    const uint32_t locate = fp3_model_param(model, "locate");
+    const double *tolerance = params + fp3_model_param(model, "tolerance") * count;
+    const double *absolute = params + fp3_model_param(model, "absolute") * count;
+    const double *until = params + fp3_model_param(model, "until") * count;
+    const double *start = initial + t * count, *h = start + count;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < count; i++) {
+        status = check_tolerance(tolerance[i], options, error);
+        if (!status)
+            status = check_object(absolute[i], until[i], start[i], h[i],
+                                  locate == FP3_NONE ? 1 : params[locate * count + i], error);
+    }
+    return status;
 }

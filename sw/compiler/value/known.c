@@ -261,7 +261,8 @@ void fp3_known_release(fp3_known_subset *s) {
     free(s->ids);
     free(s->exprs);
     free(s->expr_values);
-    free(s->states);
+    free(s->param_row);
+    free(s->row);
     free(s->is_expr_lost);
     free(s->is_lost);
     *s = (fp3_known_subset){0};
@@ -292,20 +293,22 @@ static void list_chosen(const known_table *table, char *is_wanted, char *is_expr
             s->exprs[s->expr_count++] = i;
 }
 
-fp3_status fp3_known_choose(const known_table *table, const char *is_wanted,
+fp3_status fp3_known_choose(const known_table *table, const char *is_wanted, size_t most,
                             fp3_known_subset *subset, fp3_error *error) {
     const size_t exprs = table->model->expr_count + 1u, count = table->count + 1u;
     char *wanted = malloc(count), *expr_wanted = calloc(exprs, 1);
-    *subset = (fp3_known_subset){.table = table,
-                                 .ids = malloc(count * sizeof *subset->ids),
-                                 .exprs = malloc(exprs * sizeof *subset->exprs),
-                                 .expr_values = malloc(exprs * sizeof *subset->expr_values),
-                                 .states = calloc(table->model->state_count + 1u, sizeof(double)),
-                                 .is_expr_lost = malloc(exprs),
-                                 .is_lost = malloc(count)};
+    *subset =
+        (fp3_known_subset){.table = table,
+                           .ids = malloc(count * sizeof *subset->ids),
+                           .exprs = malloc(exprs * sizeof *subset->exprs),
+                           .expr_values = malloc(exprs * most * sizeof *subset->expr_values),
+                           .param_row = calloc(table->model->param_count + 1u, sizeof(double)),
+                           .row = malloc(count * sizeof *subset->row),
+                           .is_expr_lost = malloc(exprs),
+                           .is_lost = malloc(count)};
     const int is_good = wanted && expr_wanted && subset->ids && subset->exprs &&
-                        subset->expr_values && subset->states && subset->is_expr_lost &&
-                        subset->is_lost;
+                        subset->expr_values && subset->param_row && subset->row &&
+                        subset->is_expr_lost && subset->is_lost;
     if (is_good) {
         if (is_wanted)
             memcpy(wanted, is_wanted, table->count);
@@ -318,54 +321,72 @@ fp3_status fp3_known_choose(const known_table *table, const char *is_wanted,
     return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
-typedef void compute_fn(const fp3_expr *e, const fp3_point *point, uint32_t i, double *values,
-                        char *is_lost);
+/* values[i * count + n] of expression i and object n. */
+typedef void compute_fn(const fp3_expr *e, const double *params, size_t count, uint32_t i,
+                        double *values, char *is_lost);
 
-static void compute_plainly(const fp3_expr *e, const fp3_point *point, uint32_t i, double *values,
-                            char *is_lost) {
-    is_lost[i] = 0;
-    values[i] = fp3_ode_compute(e, point, values);
+static void compute_plainly(const fp3_expr *e, const double *params, size_t count, uint32_t i,
+                            double *values, char *is_lost) {
+    (void)is_lost;
+    fp3_ode_compute_column(e, params, values, count, values + i * count);
 }
 
-static void evaluate(const fp3_known_subset *s, const fp3_point *point, double h, double *values,
-                     compute_fn *compute) {
-    const known_table *table = s->table;
-    for (uint32_t n = 0; n < s->expr_count; n++)
-        compute(&table->model->exprs[s->exprs[n]], point, s->exprs[n], s->expr_values,
-                s->is_expr_lost);
-    for (uint32_t n = 0; n < s->count; n++) {
-        const uint32_t i = s->ids[n];
-        const known *k = &table->list[i];
-        s->is_lost[i] = 0;
-        if (k->op == KNOWN_NUMBER)
-            values[i] = k->number;
-        else if (k->op == KNOWN_STEP)
-            values[i] = h;
-        else if (k->op == KNOWN_MODEL) {
-            values[i] = s->expr_values[k->a];
-            s->is_lost[i] = s->is_expr_lost[k->a];
-        } else if (is_unary(k->op)) {
-            values[i] = of_one(k->op, values[k->a]);
-            s->is_lost[i] = s->is_lost[k->a];
-        } else {
-            const fp3_expr made = expr_of(k->op, k->a, k->b);
-            compute(&made, NULL, i, values, s->is_lost);
-        }
+/* Of one object. */
+static void compute_carefully(const fp3_expr *e, const double *params, size_t count, uint32_t i,
+                              double *values, char *is_lost) {
+    (void)count;
+    fp3_ode_compute_careful(e, &(fp3_point){.params = params}, i, values, is_lost);
+}
+
+static void fill(double *column, size_t count, double number) {
+    for (size_t n = 0; n < count; n++)
+        column[n] = number;
+}
+
+static void evaluate_one(const fp3_known_subset *s, uint32_t i, double h, size_t count,
+                         double *values, compute_fn *compute) {
+    const known *k = &s->table->list[i];
+    double *column = values + i * count;
+    s->is_lost[i] = 0;
+    if (k->op == KNOWN_NUMBER || k->op == KNOWN_STEP)
+        fill(column, count, k->op == KNOWN_STEP ? h : k->number);
+    else if (k->op == KNOWN_MODEL) {
+        memcpy(column, s->expr_values + k->a * count, count * sizeof *column);
+        s->is_lost[i] = s->is_expr_lost[k->a];
+    } else if (is_unary(k->op)) {
+        for (size_t n = 0; n < count; n++)
+            column[n] = of_one(k->op, values[k->a * count + n]);
+        s->is_lost[i] = s->is_lost[k->a];
+    } else {
+        const fp3_expr made = expr_of(k->op, k->a, k->b);
+        compute(&made, NULL, count, i, values, s->is_lost);
     }
 }
 
+static void evaluate(const fp3_known_subset *s, const double *params, double h, size_t count,
+                     double *values, compute_fn *compute) {
+    for (uint32_t n = 0; n < s->expr_count; n++)
+        compute(&s->table->model->exprs[s->exprs[n]], params, count, s->exprs[n], s->expr_values,
+                s->is_expr_lost);
+    for (uint32_t n = 0; n < s->count; n++)
+        evaluate_one(s, s->ids[n], h, count, values, compute);
+}
+
 /* If nothing has underflowed, nothing is lost; what watches each operation takes ten times as long. */
-void fp3_known_values(const fp3_known_subset *s, const double *params, double h, double *values) {
-    const fp3_point point = {.states = s->states, .params = params};
+void fp3_known_values(const fp3_known_subset *s, const double *params, double h, size_t count,
+                      double *values) {
     if (fetestexcept(FE_UNDERFLOW))
         feclearexcept(FE_UNDERFLOW);
-    evaluate(s, &point, h, values, compute_plainly);
+    evaluate(s, params, h, count, values, compute_plainly);
     if (!fetestexcept(FE_UNDERFLOW))
         return;
-    evaluate(s, &point, h, values, fp3_ode_compute_careful);
-    for (uint32_t n = 0; n < s->count; n++)
-        if (s->is_lost[s->ids[n]])
-            values[s->ids[n]] = NAN;
+    for (size_t i = 0; i < count; i++) {
+        for (uint32_t n = 0; n < s->table->model->param_count; n++)
+            s->param_row[n] = params[n * count + i];
+        evaluate(s, s->param_row, h, 1, s->row, compute_carefully);
+        for (uint32_t n = 0; n < s->count; n++)
+            values[s->ids[n] * count + i] = s->is_lost[s->ids[n]] ? NAN : s->row[s->ids[n]];
+    }
 }
 
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
@@ -375,9 +396,9 @@ fp3_status fp3_known_evaluate(const known_table *table, const double *params, do
     const char *expected = fp3_number_step(h, &single);
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
-    const fp3_status status = fp3_known_choose(table, NULL, &all, error);
+    const fp3_status status = fp3_known_choose(table, NULL, 1, &all, error);
     if (!status)
-        fp3_known_values(&all, params, h, values);
+        fp3_known_values(&all, params, h, 1, values);
     fp3_known_release(&all);
     return status;
 }

@@ -68,23 +68,25 @@ int fp3_known_is(const known_table *table, uint32_t id, double number);
  * bits, as far as they are multiples of 2^-149. */
 double fp3_known_low(double value);
 
-/* Some values of a table, for object after object without a call for memory. */
+/* Some values of a table, for block after block of objects without a call for memory. */
 typedef struct {
     const known_table *table;
     uint32_t *ids, count;        /* the values, operands first */
     uint32_t *exprs, expr_count; /* the expressions of the model in them, likewise */
-    double *expr_values, *states;
+    double *expr_values;         /* columns */
+    double *param_row, *row;     /* of one object; of its values */
     char *is_expr_lost, *is_lost;
 } fp3_known_subset;
 
-/* is_wanted: of each value of the table; NULL: all. The caller closes, after a failure too. */
-fp3_status fp3_known_choose(const known_table *table, const char *is_wanted,
+/* is_wanted: of each value of the table; NULL: all. most: objects at once. The caller closes, after a
+ * failure too. */
+fp3_status fp3_known_choose(const known_table *table, const char *is_wanted, size_t most,
                             fp3_known_subset *subset, fp3_error *error);
 void fp3_known_release(fp3_known_subset *subset);
 
-/* values[i] of number i, if it was chosen. A value that double has no room for, below 2.2e-308, is
- * NAN. h is a time step. */
-void fp3_known_values(const fp3_known_subset *subset, const double *params, double h,
+/* Params and values are columns of count objects: values[i * count + n] of number i, if it was chosen, and
+ * object n. A value that double has no room for, below 2.2e-308, is NAN. h is a time step. */
+void fp3_known_values(const fp3_known_subset *subset, const double *params, double h, size_t count,
                       double *values);
 
 /* All of them, once. FP3_E_ARGUMENT: h is no time step. */
