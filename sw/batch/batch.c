@@ -22,9 +22,9 @@ struct fp3_batch {
     fp3_engine *engine;
     fp3_fields *fields;
     fp3_error *error;
-    size_t objects;
-    uint64_t since;   /* steps with this h */
-    double before, h; /* the time until then */
+    size_t objects, used; /* all; the first of them, which make steps */
+    uint64_t since;       /* steps with this h */
+    double before, h;     /* the time until then */
     int is_adaptive, may_sleep;
 };
 
@@ -112,7 +112,7 @@ fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config,
     if (!b)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     b->error = def->error;
-    b->objects = def->objects;
+    b->objects = b->used = def->objects;
     const fp3_status status = make(def, config, b);
     if (status)
         fp3_batch_close(&b);
@@ -188,8 +188,8 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
 fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     fp3_status status = fp3_fields_settle(b->fields, b->error);
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
-        status = fp3_engine_wake(b->engine, 0, b->objects);
-    if (!status)
+        status = fp3_engine_wake(b->engine, 0, b->used);
+    if (!status && b->used)
         status = fp3_engine_advance(b->engine, steps, NULL);
     if (status || !steps)
         return status;
@@ -198,10 +198,20 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     return FP3_OK;
 }
 
+fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
+    if (count > b->objects)
+        return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
+    b->used = count;
+    fp3_engine_use(b->engine, count);
+    return FP3_OK;
+}
+
 double fp3_batch_time(const fp3_batch *b) { return b->before + (double)b->since * b->h; }
 
 fp3_status fp3_batch_restart(fp3_batch *b) {
+    fp3_engine_use(b->engine, b->objects);
     const fp3_status status = fp3_engine_load(b->engine, b->image);
+    fp3_engine_use(b->engine, b->used);
     if (status)
         return status;
     fp3_fields_restart(b->fields);
@@ -211,7 +221,8 @@ fp3_status fp3_batch_restart(fp3_batch *b) {
 }
 
 fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE]) {
-    const fp3_status status = fp3_engine_failure(b->engine, 0, b->objects, failure);
+    *failure = (fp3_failure){0};
+    const fp3_status status = b->used ? fp3_engine_failure(b->engine, 0, b->used, failure) : FP3_OK;
     if (text)
         text[0] = '\0';
     if (!status && text && failure->failed)

@@ -92,7 +92,7 @@ static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp
     fp3_status status = FP3_OK;
     for (uint32_t reg = 0; !status && reg < registers; reg++)
         status =
-            again->backend->write(again, (fp3_cells){FP3_CELLS_REGISTER, reg, 0, engine->objects},
+            again->backend->write(again, (fp3_cells){FP3_CELLS_REGISTER, reg, 0, again->objects},
                                   &o->registers[(size_t)reg * engine->objects]);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         watch_start(engine, &engine->layout.groups[i], watched);
@@ -102,6 +102,14 @@ static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp
     return status;
 }
 
+/* Those that make steps. */
+static uint32_t objects_of(const fp3_engine *engine) {
+    uint32_t objects = 0;
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        objects += engine->layout.groups[i].objects;
+    return objects;
+}
+
 /* *flags: what that run raised, in all. */
 static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *flags) {
     fp3_stats stats = {0};
@@ -109,7 +117,7 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *again = NULL;
     def.engine = "isa";
-    def.objects = engine->objects;
+    def.objects = objects_of(engine);
     def.visit = engine->origin->visit;
     def.error = engine->def.error;
     config.flags = 1; /* the bits are the same with and without */

@@ -226,7 +226,7 @@ static fp3_status fast_list(fp3_engine *engine) {
         if (!has_list(engine, i))
             continue;
         if (!g->awake)
-            g->awake = calloc(members->objects, sizeof *g->awake);
+            g->awake = calloc(engine->objects, sizeof *g->awake);
         if (!self->slept_in)
             self->slept_in = fp3_words_make(engine, engine->objects);
         if (!g->awake || !self->slept_in)

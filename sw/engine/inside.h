@@ -6,7 +6,6 @@
 #include "machine/config.h"
 #include "machine/watch.h"
 
-#include <fp3/adaptive.h>
 #include <fp3/engine.h>
 
 /* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is copied.
@@ -41,6 +40,10 @@ int fp3_engine_has_lives(const fp3_engine *engine);
 fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* Those of the last run, by object, after fp3_engine_failure. */
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
+
+/* From the next run on objects 0 .. count-1, of an engine with one group, make steps. The others cost nothing and
+ * keep what they hold. A load makes it all objects again; so has to be said before one, else they are moved. */
+void fp3_engine_use(fp3_engine *engine, size_t count);
 
 /* fp3_adaptive_look at objects first .. first+count-1. */
 fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,

@@ -2,6 +2,7 @@
 #include "life.h"
 
 #include "checks.h"
+#include "origin.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -103,6 +104,13 @@ void fp3_life_forget(fp3_engine *engine) {
     engine->lives.list = NULL;
     engine->lives.sums = NULL;
     engine->lives.change = 0;
+}
+
+/* Where an object is does not depend on how many there are. */
+void fp3_engine_use(fp3_engine *engine, size_t count) {
+    engine->layout.groups[0].objects = (uint32_t)count;
+    engine->sleepers.is_listed = engine->is_counted = 0;
+    engine->origin->is_complete = 0;
 }
 
 /* ---- counters ---- */

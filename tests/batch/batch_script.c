@@ -4,7 +4,7 @@
  *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o]
  *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
- *     step N                     restart
+ *     step N                     restart                     use COUNT
  *     read NAME...               wide NAME... (in double); a line for each object
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
@@ -96,6 +96,8 @@ static void obey(char *line) {
         write_column(word, count, word[0][0] == 'd');
     else if (!strcmp(word[0], "step"))
         say(fp3_batch_step(batch, strtoull(word[1], NULL, 10)));
+    else if (!strcmp(word[0], "use"))
+        say(fp3_batch_use(batch, strtoull(word[1], NULL, 10)));
     else if (!strcmp(word[0], "restart"))
         say(fp3_batch_restart(batch));
     else if (!strcmp(word[0], "read") || !strcmp(word[0], "wide"))

@@ -163,6 +163,47 @@ def test_restart_and_time(root, script):
     assert told[10:] == script(root / "programs/oscillator.ode", ["spread x 1 2", "step 8", "read x v"], "-n", 3)
 
 
+@pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
+@pytest.mark.parametrize("model, names", [("oscillator", "x v m"), ("duffing", "x v steps")])
+def test_objects_that_come_and_go(root, script, model, names, engine):
+    """Who is not used makes no step, and goes on from where it is. What is written after a step is no start."""
+    lines = ["spread x 1 2", "use 3", "step 5", f"read {names}", "write x 3 9", "use 5", "step 4", f"read {names}", "use 0", "step 2", "use 6",
+             "step 1", f"read {names}", "use 7", "restart", "use 2", "restart", "step 3", f"read {names}", "failure", "use 0", "failure"]
+    told = script(root / f"programs/{model}.ode", lines, "-n", 6, "-e", engine)
+    refused, failures = told.pop(18), [told.pop(), told.pop()]
+    assert "7 objects: there are 6" in refused and failures == ["0 failed: "]*2
+    for object in range(6):
+        spread, now = ["spread x 1 2"], []
+        for steps in ((5, 4, 1, 3), (5, 4, 1, 3), (5, 4, 1, 0), (0, 4, 1, 0), (0, 4, 1, 0), (0, 0, 1, 0))[object]:
+            if len(now) == 3:
+                spread = ["spread x 1 2", "restart"]
+            elif len(now) == 1 and object == 3:
+                spread += ["write x 3 9"]
+            spread += [f"step {steps}"]
+            now += [script(root / f"programs/{model}.ode", [*spread, f"read {names}"], "-n", 6)[object]]
+        assert told[object::6] == now, object
+
+
+def test_who_is_not_used_does_not_fail(root, script):
+    model = "model m\nparam k = 0.01\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n"
+    lines = ["write k 1 1e9", "write k 3 1e9", "use 3", "step 2", "failure", "use 1", "failure", "step 2", "failure", "use 4", "step 1", "failure"]
+    told = script(model, lines, "-n", 6, "-x")
+    assert told == [f"1 failed: {told[0].split(': ', 1)[1]}", "error 1: no run that came to its end since something was written or loaded", "0 failed: ",
+                    told[3]]
+    assert told[0].startswith("1 failed: object 1 in step ") and told[3].startswith("2 failed: object 1 before its first step")
+    assert told == script(model, lines, "-n", 6, "-x", "-e", "isa") == script(model, lines, "-n", 6, "-x", "-e", "rtl")
+
+
+def test_adaptive_objects_that_come_and_go(root, script):
+    def lines(*used):
+        return ["spread r_x 0.4 0.6"] + [line for i, n in enumerate(used) for line in (f"set until {i + 1}", f"use {n}", "step 100000", "read t r_x v_y")]
+    told = script(root / "programs/kepler.ode", lines(2, 3, 1), "-n", 3, "-t", 1e-4)
+    all_used = script(root / "programs/kepler.ode", lines(3, 3, 3), "-n", 3, "-t", 1e-4)
+    assert told == script(root / "programs/kepler.ode", lines(2, 3, 1), "-n", 3, "-t", 1e-4, "-e", "isa")
+    assert told[:2] + told[3:5] + told[6:7] == all_used[:2] + all_used[3:5] + all_used[6:7]
+    assert told[2].startswith("0 ") and told[5].startswith("2 ") and told[7:] == told[4:6]
+
+
 def test_a_text_and_a_compiled_program(root, script):
     lines = [*given(*MODELS["oscillator"]), "step 9", "read v x"]
     program = root / "programs/oscillator.ode"

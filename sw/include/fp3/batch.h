@@ -49,7 +49,7 @@ typedef struct {
     const char *text;
     size_t text_size;
     const fp3_compiled *compiled;
-    size_t objects; /* 1 (default) to 2^25; fixed once opened */
+    size_t objects; /* 1 (default) to 2^25: the most that are ever used, see fp3_batch_use */
 
     /* The next three apply to a model that is not compiled yet. integrator: a built-in table or a
      * file; NULL (default): rk4, or cash_karp if adaptive. compile: the default of its config is
@@ -115,13 +115,20 @@ fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, siz
  * but outside the range of FP32 ("object 3: 1/m is inf"); nothing was executed. Other errors are
  * those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
+/* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
+ * keep what they hold, may be written and read, and go on from there when they are used again. Each
+ * object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT: there are
+ * not that many objects. */
+fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
-/* Goes back to the starting states at time 0. Params and h stay as they are. */
+/* Goes back to the starting states at time 0. Params, h and the number of objects that are used
+ * stay as they are. */
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
-/* Which objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be NULL) gets a
- * description, or "" if none failed. FP3_E_ARGUMENT: also if something was written since. */
+/* Which of the used objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be
+ * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if something was written, or
+ * another number of objects used, since. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
 
