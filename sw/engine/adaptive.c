@@ -113,10 +113,8 @@ static fp3_status look(fp3_engine *engine, const fp3_members *group, size_t firs
 
 fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,
                                  fp3_adaptive_object *found) {
-    fp3_status status = FP3_OK;
+    fp3_status status = fp3_engine_check_objects(engine, first, count);
     for (size_t i = first, now; !status && i < first + count; i += now) {
-        if (i >= engine->objects)
-            return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "there is no object %zu", i);
         const fp3_members *group = fp3_layout_group_of(&engine->layout, i);
         const size_t left = first + count - i;
         now = fp3_cells_of(group, 0, i, left < BLOCK ? left : BLOCK).count;
@@ -256,11 +254,14 @@ static void take(size_t object, const fp3_adaptive_object *o, fp3_adaptive_repor
 
 fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t size,
                                     fp3_adaptive_report *report) {
-    uint32_t *accepted = calloc(size + 1, sizeof *accepted);
-    uint32_t *rejected = calloc(size + 1, sizeof *rejected);
+    fp3_status status = fp3_engine_check_objects(engine, first, size);
     *report = (fp3_adaptive_report){0};
-    fp3_status status =
-        accepted && rejected ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    if (status || !size)
+        return status;
+    uint32_t *accepted = calloc(size, sizeof *accepted);
+    uint32_t *rejected = calloc(size, sizeof *rejected);
+    if (!accepted || !rejected)
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (size_t done = 0; !status && done < size; done += BLOCK) {
         fp3_adaptive_object o[BLOCK];
         const size_t now = size - done < BLOCK ? size - done : BLOCK;
@@ -271,7 +272,7 @@ fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t siz
             take(first + done + i, &o[i], report);
         }
     }
-    if (!status && size) {
+    if (!status) {
         report->accepted = counts_of(accepted, size);
         report->rejected = counts_of(rejected, size);
     }

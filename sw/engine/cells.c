@@ -150,6 +150,8 @@ fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {
 
 fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, float *value) {
     fp3_status status = fp3_engine_check_loaded(engine);
+    if (!status)
+        status = fp3_engine_check_objects(engine, object, 1);
     if (status)
         return status;
     const fp3_members *group = fp3_layout_group_of(&engine->layout, object);

@@ -21,6 +21,7 @@
 /* Instructions of objects that are worth waking a thread for: about 200 microseconds. */
 #define WORTH_A_THREAD 1e7
 #define WORTH_INTERPRETED 4e5
+#define THREADS_MOST 1024u
 
 /* A program and its objects. */
 typedef struct {
@@ -79,6 +80,9 @@ static fp3_status check_def(fp3_engine *engine) {
     if (def->cycle_limit)
         return fp3_fail(def->error, FP3_E_ARGUMENT,
                         "engine 'fast' counts no cycles that a limit could be set to");
+    if (def->threads > THREADS_MOST)
+        return fp3_fail(def->error, FP3_E_ARGUMENT, "%u threads: expected at most %u", def->threads,
+                        THREADS_MOST);
     return FP3_OK;
 }
 

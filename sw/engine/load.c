@@ -97,6 +97,13 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     size_t objects = 0;
     if (count == 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "no group of objects");
+    const uint32_t schedulers = fp3_config_schedulers(engine->config);
+    if (count > schedulers)
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
+            " scheduler%s",
+            count, engine->config->name, schedulers, schedulers == 1 ? "" : "s");
     for (size_t i = 0; i < count; i++) {
         if (groups[i].objects == 0)
             return fp3_fail(error, FP3_E_ARGUMENT, "group %zu has no objects", i);
@@ -109,13 +116,6 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     if (objects < engine->objects)
         return fp3_fail(error, FP3_E_ARGUMENT, "groups of %zu objects: the engine has %" PRIu32,
                         objects, engine->objects);
-    const uint32_t schedulers = fp3_config_schedulers(engine->config);
-    if (count > schedulers)
-        return fp3_fail(
-            error, FP3_E_PROGRAM,
-            "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
-            " scheduler%s",
-            count, engine->config->name, schedulers, schedulers == 1 ? "" : "s");
     return FP3_OK;
 }
 

@@ -158,7 +158,10 @@ static fp3_status make_room(const fp3_program *program, size_t objects, fp3_colu
 
 fp3_status fp3_columns_open(const fp3_program *program, const char *const *names, size_t count,
                             size_t objects, int has_lives, fp3_columns *columns, fp3_error *error) {
-    const size_t most = names ? count : 64; /* registers */
+    const fp3_model *model = program->model;
+    /* All that has a name, each once. */
+    const size_t most = program->image->symbol_count +
+                        (model ? model->definition_count + model->invariant_count : 0);
     fp3_status status = FP3_OK;
     *columns = (fp3_columns){.list = calloc(most + 2, sizeof *columns->list)};
     if (!columns->list)

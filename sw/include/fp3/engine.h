@@ -125,7 +125,7 @@ typedef struct {
     fp3_progress_fn *progress; /* or NULL; does not change the run */
     void *progress_user;
     /* fast only: how many threads take part in a run that is long enough; 0 (default): one for each
-     * processor. The number does not change the results. */
+     * processor; at most 1024. The number does not change the results. */
     uint32_t threads;
     fp3_tasks_fn *tasks; /* fast only: the caller's threads; NULL (default): the engine's own */
     void *tasks_user;
@@ -364,7 +364,8 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
                            uint64_t gone);
 
 typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
-/* The stage of an object after the runs since the load; FP3_ALIVE if it makes the next step. */
+/* The stage of an object after the runs since the load: FP3_ALIVE if it makes the next step, FP3_GONE
+ * also if there is no such object. */
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
 /* ---- runs of adaptive steps (fp3/compile.h) ---- */
