@@ -1,7 +1,8 @@
 /* at_first.c - what objects hold on a board after a load, before anybody has written them: engine.h promises 0.
  *
  *     at_first PORT IMAGE     prints of object 0 the states x and y, the constant k, and how many objects have failed
- *                             after a step from there
+ *                             after a step from there; then how many requests the line carries for two columns
+ *                             of three objects, and for reading one word
  */
 #include <fp3/engine.h>
 #include <fp3/image.h>
@@ -13,7 +14,9 @@ int main(int count, char **arguments) {
     fp3_engine *engine = NULL;
     fp3_image *image = NULL;
     fp3_failure failure;
-    float x, y, k;
+    const float column[3] = {1, 2, 3};
+    uint64_t requests = 0;
+    float x, y, k, z;
     if (count != 3)
         return 2;
     def.engine = "board";
@@ -36,10 +39,16 @@ int main(int count, char **arguments) {
         status = fp3_engine_run(engine, 1, NULL);
     if (!status)
         status = fp3_engine_failure(engine, 0, 3, &failure);
+    requests = status ? 0 : fp3_engine_bus(engine).frames;
+    for (uint32_t reg = 0; !status && reg < 2; reg++)
+        status = fp3_engine_write(engine, 0, 3, reg, column);
+    if (!status)
+        status = fp3_engine_read(engine, 2, 1, 0, &z);
     if (status)
         fprintf(stderr, "at_first: %s\n", error.text);
     else
-        printf("%g %g %g %zu\n", (double)x, (double)y, (double)k, (size_t)failure.failed);
+        printf("%g %g %g %zu, %g in %d\n", (double)x, (double)y, (double)k, failure.failed,
+               (double)z, (int)(fp3_engine_bus(engine).frames - requests));
     fp3_engine_close(&engine);
     fp3_image_free(&image);
     return status != FP3_OK;
