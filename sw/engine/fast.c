@@ -275,6 +275,7 @@ static fp3_fast_run run_of(const fp3_engine *engine, uint32_t i, uint32_t steps)
     const fast *self = engine->self;
     const int visits = engine->config->interleave && engine->def.visit;
     return (fp3_fast_run){.columns = self->column,
+                          .objects = engine->objects,
                           .status = self->status,
                           .slept_in = self->slept_in,
                           .number = self->runs,

@@ -38,21 +38,30 @@ fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                             .vectors = (lanes->count + wide - 1) / wide};
 }
 
-static uint32_t filled(uint32_t count) { return (count + 15) / 16 * 16; }
+typedef int four __attribute__((vector_size(16), aligned(4), may_alias));
 
-static void fill(void *row, uint32_t count) {
-    uint32_t *words = row;
-    for (uint32_t i = count; i < filled(count); i++)
-        words[i] = words[count - 1];
+/* In vectors: what is stored word by word keeps a load of a vector waiting. is_there: the lanes that have an
+ * object, of the last sixteen. */
+static void fill(void *row, uint32_t count, const four is_there[4]) {
+    const int last = ((const int *)row)[count - 1];
+    four *at = (four *)row + count / 16 * 4;
+    for (int i = 0; i < 4; i++)
+        at[i] = (at[i] & is_there[i]) | (last & ~is_there[i]);
 }
 
 void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
+    const int left = (int)(l->count % 16);
+    four is_there[4];
+    if (!left)
+        return;
+    for (int i = 0; i < 4; i++)
+        is_there[i] = (four){4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3} < left;
     FP3_EACH_REGISTER (rows, reg)
-        fill(l->rows[reg], l->count);
-    FP3_EACH_REGISTER (l->is_direct ? 0 : records, reg)
-        fill(l->own[reg], l->count);
+        fill(l->rows[reg], l->count, is_there);
+    FP3_EACH_REGISTER (records, reg)
+        fill(l->records[reg], l->count, is_there);
     if (!l->is_awake)
-        fill(l->awake, l->count);
+        fill(l->awake, l->count, is_there);
 }
 
 static void pick(const void *from, const uint32_t *lanes, uint32_t count, void *to) {

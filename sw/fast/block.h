@@ -86,7 +86,7 @@ void fp3_fast_pick_witness(const fp3_fast_lanes *from, const uint32_t *lanes, ui
 /* Keeps these lanes, ascending, and forgets the others. */
 void fp3_fast_keep(fp3_fast_lanes *lanes, const uint32_t *which, uint32_t count, uint64_t rows,
                    uint64_t records);
-/* The last lane's values in all lanes that its vector has beyond it. */
+/* The last lane's values in all lanes that its vector has beyond it. Records are there. */
 void fp3_fast_fill(fp3_fast_lanes *lanes, uint64_t rows, uint64_t records);
 /* From and to the columns of the objects. */
 void fp3_fast_gather(fp3_fast_lanes *lanes, float (*to)[FP3_BLOCK], uint32_t *const *columns,

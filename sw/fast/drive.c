@@ -28,7 +28,12 @@ typedef struct {
 
 /* ---- the processor's flags ---- */
 
-static void forget_flags(void) { _mm_setcsr(_mm_getcsr() & ~STICKY); }
+/* To write it takes longer than a look. */
+static void forget_flags(void) {
+    const uint32_t now = _mm_getcsr();
+    if (now & STICKY)
+        _mm_setcsr(now & ~STICKY);
+}
 
 static uint32_t raised(unsigned seen) {
     static const uint32_t of[] = {FP3_FLAG_INVALID,        0,

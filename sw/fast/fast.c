@@ -188,10 +188,11 @@ static void begin(fp3_fast_lanes *l, const uint32_t *list, uint32_t first, uint3
     l->is_dense = !list || list[count - 1] - list[0] == count - 1; /* it ascends */
 }
 
-/* Objects side by side in whole vectors need no copy. */
+/* Objects side by side in whole vectors need no copy; nor do the last ones of all. */
 static int is_direct(const block *b) {
     const fp3_fast_lanes *l = &b->worker->now;
-    return is_interleaved(b->fast) && l->count % 16 == 0 && l->is_dense;
+    const int is_last = l->first % 16 == 0 && l->first + l->count == b->run->objects;
+    return is_interleaved(b->fast) && l->is_dense && (l->count % 16 == 0 || is_last);
 }
 
 static void take_up(const block *b) {
@@ -275,11 +276,11 @@ static void make_one_nan(const block *b, const fp3_fast_lanes *l) {
 static void settle(void *user, fp3_fast_lanes *l) {
     const block *b = user;
     const float *from[FP3_BANK_OBJECT_COUNT];
+    const uint64_t moved = l->is_direct ? 0 : changed(b->fast);
     look_for_failures(b, l);
-    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
+    FP3_EACH_REGISTER (moved, reg)
         from[reg] = is_interleaved(b->fast) ? l->records[reg] : l->rows[reg];
-    if (!l->is_direct)
-        fp3_fast_scatter(l, from, b->run->columns, changed(b->fast));
+    fp3_fast_scatter(l, from, b->run->columns, moved);
     make_one_nan(b, l);
 }
 
