@@ -14,9 +14,9 @@
  *     0  magic            1  revision of the instruction set     2  number of words in the file
  *     3  code words       4  step     5  last     6  constants   7  symbols
  *     8  object registers used | shared constants used << 16
- *     then the code; {index, bits} of each constant, sorted by index; {class << 24 | index, name in
- *     eight words padded with NULs} of each symbol, sorted by class, index and name; and the CRC-32
- *     (as in zlib) of everything before it. Each image has exactly one such file.
+ * Then come the code; {index, bits} of each constant, sorted by index; {class << 24 | index, name
+ * in eight words padded with NULs} of each symbol, sorted by class, index and name; and the CRC-32
+ * (as in zlib) of everything before it. Each image has exactly one such file.
  *
  * Threads: any number of threads may read an image at the same time.
  */
