@@ -59,6 +59,8 @@ static int by_key(const void *a, const void *b) {
 static void sort(uint32_t *where, uint32_t *what, uint32_t count) {
     uint64_t keys[FP3_QUEUE_WORDS];
     uint32_t old[FP3_QUEUE_WORDS];
+    if (count < 2)
+        return;
     for (uint32_t i = 0; i < count; i++) {
         keys[i] = (uint64_t)where[i] << 32 | i;
         old[i] = what[i];

@@ -45,12 +45,12 @@ def test_a_run_takes_its_cycles_at_the_clock(start, clock, hertz):
 def test_a_bus_that_waits_takes_longer_and_changes_nothing_else(start):
     """The same transfers, bits and counters; 0 to 3 cycles for each channel of each transfer more."""
     outs = [start("run", "m.ode", "-n", "9", "-c", "many_full", "-o", "5", "--clock", "1GHz", *more).stdout
-            for more in ([], ["--bus-waits", "1"], ["--bus-waits", "2"])]
+            for more in ([], *(["--bus-waits", seed] for seed in "123"))]
     (transfers, cycles), *waited = [tuple(map(int, re.search(r"^bus +\S+ s: (\d+) transfers in (\d+) cycles$", out, re.M).groups())) for out in outs]
     for out, (count, took) in zip(outs[1:], waited):
         assert count == transfers and cycles + transfers < took < cycles + 6 * transfers
         assert states(out) == states(outs[0]) and counters(out) == counters(outs[0]) != []
-    assert waited[0] != waited[1]
+    assert len(set(waited)) > 1                            # two seeds may have the same sum
     done = start("run", "m.ode", "--engine", "isa", "--bus-waits", "1")
     assert done.returncode == 2 and "--bus-waits: only the hardware" in done.stderr
 
