@@ -311,7 +311,8 @@ static fp3_status draw(drift *d, fp3_error *error) {
         change(d->energy, w, &mean[w], &spread);
         mean[w] = hypot(mean[w], spread);
     }
-    snprintf(series, sizeof series, "%s, %s", d->trial->integrator->name, d->arithmetic->name);
+    snprintf(series, sizeof series, "%s, %s", d->trial->integrator->name,
+             fp3_lab_name(d->arithmetic));
     fp3_status status =
         fp3_verdicts_draw(d->trial->verdicts, "energy", series, d->t + 1, mean + 1, WINDOWS, error);
     if (!status)

@@ -10,12 +10,14 @@
 #define CONFIG "many_full"
 
 const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
-    {"plain", FP3_PLAIN, 0, 0},
-    {"compensated", FP3_COMPENSATED, 0, 0},
-    {"flushed", FP3_PLAIN, 1, 0},
-    {"truncated", FP3_PLAIN, 0, 1},
-    {"double_single", FP3_DOUBLE_SINGLE, 0, 0},
+    {NULL, FP3_PLAIN, 0, 0},        {NULL, FP3_COMPENSATED, 0, 0},   {"flushed", FP3_PLAIN, 1, 0},
+    {"truncated", FP3_PLAIN, 0, 1}, {NULL, FP3_DOUBLE_SINGLE, 0, 0},
 };
+
+const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic) {
+    return arithmetic->of_machine ? arithmetic->of_machine
+                                  : fp3_arithmetic_of(arithmetic->update)->name;
+}
 
 struct fp3_lab {
     fp3_lab_def def;

@@ -14,7 +14,7 @@
 
 /* How a state is updated, and how the machine rounds. */
 typedef struct {
-    const char *name;
+    const char *of_machine; /* its name, where the machine is another than the usual one; or NULL */
     fp3_arithmetic update;
     int is_flushed;   /* no gradual underflow */
     int is_truncated; /* rounds to zero */
@@ -30,6 +30,7 @@ enum {
     FP3_LAB_ARITHMETICS
 };
 extern const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS];
+const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic);
 
 /* The relative error of an update in double-single: its sum is off by 3.1 u^2 at most (docs/compiler.md), where a plain
  * one is off by u/2, which in the mean is ROUNDED of drift.c. */

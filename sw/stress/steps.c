@@ -255,7 +255,7 @@ static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmet
                .is_driven = is_driven,
                .count = rungs_of(trial, arithmetic, is_driven)};
     char series[96];
-    snprintf(series, sizeof series, "%s, %s", trial->integrator->name, arithmetic->name);
+    snprintf(series, sizeof series, "%s, %s", trial->integrator->name, fp3_lab_name(arithmetic));
     fp3_rig rig;
     fp3_status status = measure_all(&c, &rig, error);
     if (fp3_trial_has_no_room(arithmetic, status)) {

@@ -16,7 +16,7 @@ fp3_verdict fp3_trial_verdict(const fp3_trial *trial, const char *section, const
     va_end(arguments);
     snprintf(v.model, sizeof v.model, "%s", model);
     snprintf(v.integrator, sizeof v.integrator, "%s", trial->integrator->name);
-    snprintf(v.arithmetic, sizeof v.arithmetic, "%s", arithmetic->name);
+    snprintf(v.arithmetic, sizeof v.arithmetic, "%s", fp3_lab_name(arithmetic));
     return v;
 }
 
