@@ -19,8 +19,8 @@ typedef struct {
     fp3_object_values of;
     const float *values;
     FILE *out;
-    char *rules; /* all formulas, a line each */
-    size_t size;
+    uint64_t params, states; /* that the rules so far name, a bit each */
+    int has_h;
 } writer;
 
 /* What the file calls a param or h: its own register's name, which differs where another register has that
@@ -33,40 +33,46 @@ static const char *name_in_file(const writer *w, const char *name) {
     return name;
 }
 
+/* ... with a note that a rule names it. */
+static const char *name_in_rule(writer *w, const char *name) {
+    const uint32_t param = fp3_model_param(w->program->model, name);
+    const uint32_t state = fp3_model_state(w->program->model, name);
+    w->params |= param == FP3_NONE ? 0 : (uint64_t)1 << param;
+    w->states |= state == FP3_NONE ? 0 : (uint64_t)1 << state;
+    w->has_h |= strcmp(name, FP3_NAME_STEP) == 0;
+    return name_in_file(w, name);
+}
+
 /* A rule with the names of the file. */
-static void put_renamed(const writer *w, FILE *out, const char *rule) {
+static void put_renamed(writer *w, const char *rule) {
     char name[FP3_NAME_SIZE];
     while (*rule) {
         const size_t length = strspn(rule, bytes);
         if (length > 0 && length < sizeof name && !(*rule >= '0' && *rule <= '9')) {
             snprintf(name, sizeof name, "%.*s", (int)length, rule);
-            fputs(name_in_file(w, name), out);
+            fputs(name_in_rule(w, name), w->out);
         } else
-            fprintf(out, "%.*s", length ? (int)length : 1, rule);
+            fprintf(w->out, "%.*s", length ? (int)length : 1, rule);
         rule += length ? length : 1;
     }
 }
 
 /* As libconfig reads it: a number with a point or an exponent. */
-static void put_number(FILE *out, double number, int digits) {
+static void put_number(const writer *w, double number, int digits) {
     char text[40];
     snprintf(text, sizeof text, "%.*g", digits, number);
-    fprintf(out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
+    fprintf(w->out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
 }
 
 /* "h == 0.125 and m == 2.0 ? 0.99 : 0/0", name by name */
 typedef struct {
-    const writer *w;
-    FILE *out;
+    writer *w;
     int count; /* of conditions */
 } conditional;
 
 static void put_condition(conditional *c, const char *name, double value) {
-    fprintf(c->out,
-            "%s%s"
-            " == ",
-            c->count++ ? " and " : "", name_in_file(c->w, name));
-    put_number(c->out, value, 17);
+    fprintf(c->w->out, "%s%s == ", c->count++ ? " and " : "", name_in_rule(c->w, name));
+    put_number(c->w, value, 17);
 }
 
 /* How many steps were made before, where the equations have t. */
@@ -93,9 +99,9 @@ static void put_start(conditional *c) {
 }
 
 /* With all that the value depends on. */
-static void put_conditional(const writer *w, FILE *out, const fp3_input *input, float value) {
+static void put_conditional(writer *w, const fp3_input *input, float value) {
     const fp3_model *model = w->program->model;
-    conditional c = {.w = w, .out = out};
+    conditional c = {.w = w};
     if (input->has_h)
         put_condition(&c, "h", w->of.h);
     for (uint32_t i = 0; i < model->param_count; i++)
@@ -103,17 +109,9 @@ static void put_conditional(const writer *w, FILE *out, const fp3_input *input, 
             put_condition(&c, model->params[i].name, w->of.params[i]);
     if (input->has_start)
         put_start(&c);
-    fputs(c.count ? " ? " : "", out);
-    put_number(out, (double)value, 9);
-    fputs(c.count ? " : 0/0" : "", out);
-}
-
-static void put_rule(const writer *w, FILE *out, uint32_t i) {
-    const fp3_input *input = &w->program->compiled->inputs[i];
-    if (input->rule)
-        put_renamed(w, out, input->rule);
-    else
-        put_conditional(w, out, input, w->values[i]);
+    fputs(c.count ? " ? " : "", w->out);
+    put_number(w, (double)value, 9);
+    fputs(c.count ? " : 0/0" : "", w->out);
 }
 
 /* A state's start, or a param or h itself: not made of others. */
@@ -124,15 +122,32 @@ static int is_source(const writer *w, const fp3_input *input) {
                            fp3_model_param(w->program->model, input->rule) != FP3_NONE);
 }
 
-static fp3_status gather_rules(writer *w, fp3_error *error) {
+/* What is made of others, and numbers that are not a start. */
+static void put_rules(writer *w) {
     const fp3_compiled *c = w->program->compiled;
-    FILE *out = open_memstream(&w->rules, &w->size);
-    for (uint32_t i = 0; out && i < c->input_count; i++)
-        if (c->inputs[i].state == FP3_NONE && !is_number(w, &c->inputs[i])) {
-            put_rule(w, out, i);
-            fputc('\n', out);
+    for (uint32_t i = 0; i < c->input_count; i++) {
+        const fp3_input *input = &c->inputs[i];
+        if (is_source(w, input)) {
+            if (input->rule)
+                name_in_rule(w, input->rule);
+            continue;
         }
-    return out && !fclose(out) ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        fprintf(w->out, "%s = ", input->name);
+        if (is_number(w, input)) {
+            put_number(w, (double)w->values[i], 9);
+            fputs(";\n", w->out);
+            continue;
+        }
+        fputc('"', w->out);
+        if (input->rule)
+            put_renamed(w, input->rule);
+        else
+            put_conditional(w, input, w->values[i]);
+        fputs("\";", w->out);
+        if (!input->rule)
+            fprintf(w->out, " # %s: for these values alone", input->formula);
+        fputc('\n', w->out);
+    }
 }
 
 /* No input of another meaning has the name. */
@@ -146,21 +161,11 @@ static fp3_status check_name(const writer *w, const char *name, fp3_error *error
     return FP3_OK;
 }
 
-static int is_mentioned(const char *rules, const char *name) {
-    const size_t length = strlen(name);
-    for (const char *at = strstr(rules, name); at; at = strstr(at + 1, name))
-        if ((at == rules || !strchr(bytes, at[-1])) && !(at[length] && strchr(bytes, at[length])))
-            return 1;
-    return 0;
-}
-
 static fp3_status put_source(const writer *w, const char *own, double value, const char *comment,
                              fp3_error *error) {
     const char *name = name_in_file(w, own);
-    if (!is_mentioned(w->rules, name))
-        return FP3_OK;
     fprintf(w->out, "%s = ", name);
-    put_number(w->out, value, 17);
+    put_number(w, value, 17);
     fprintf(w->out, ";%s\n", comment);
     return check_name(w, name, error);
 }
@@ -172,42 +177,45 @@ static int has_start(const fp3_compiled *c, const char *name) {
     return 0;
 }
 
-static fp3_status put_all(const writer *w, fp3_error *error) {
+/* The starts, and what else the rules name. */
+static fp3_status put_sources(const writer *w, fp3_error *error) {
     const fp3_model *model = w->program->model;
     const fp3_compiled *c = w->program->compiled;
-    if (fp3_adaptive_is(c->image))
-        fputs("# Adaptive steps: fp3 run PROGRAM --params with this file runs until each object "
-              "has come to "
-              "`until`.\n",
-              w->out);
     for (uint32_t i = 0; i < c->input_count; i++)
         if (c->inputs[i].state != FP3_NONE) {
             fprintf(w->out, "%s = ", c->inputs[i].name);
-            put_number(w->out, w->of.initial[c->inputs[i].state], 17);
+            put_number(w, w->of.initial[c->inputs[i].state], 17);
             fprintf(w->out, "; # %s\n", c->inputs[i].formula);
         }
-    fp3_status status = put_source(w, "h", w->of.h, " # time step", error);
+    fp3_status status = w->has_h ? put_source(w, "h", w->of.h, " # time step", error) : FP3_OK;
     for (uint32_t i = 0; !status && i < model->param_count; i++)
-        status = put_source(w, model->params[i].name, w->of.params[i], "", error);
+        if (w->params >> i & 1)
+            status = put_source(w, model->params[i].name, w->of.params[i], "", error);
     for (uint32_t i = 0; !status && i < model->state_count; i++)
-        if (!has_start(c, model->states[i].name))
+        if (w->states >> i & 1 && !has_start(c, model->states[i].name))
             status = put_source(w, model->states[i].name, w->of.initial[i], "", error);
-    for (uint32_t i = 0; !status && i < c->input_count; i++) {
-        if (is_source(w, &c->inputs[i]))
-            continue;
-        if (is_number(w, &c->inputs[i])) {
-            fprintf(w->out, "%s = ", c->inputs[i].name);
-            put_number(w->out, (double)w->values[i], 9);
-            fprintf(w->out, ";\n");
-            continue;
-        }
-        fprintf(w->out, "%s = \"", c->inputs[i].name);
-        put_rule(w, w->out, i);
-        fprintf(w->out, "\";");
-        if (!c->inputs[i].rule)
-            fprintf(w->out, " # %s: for these values alone", c->inputs[i].formula);
-        fputc('\n', w->out);
+    return status;
+}
+
+/* The rules come last, but what they name comes before. */
+static fp3_status put_all(writer *w, FILE *out, fp3_error *error) {
+    char *rules = NULL;
+    size_t size;
+    w->out = open_memstream(&rules, &size);
+    if (w->out)
+        put_rules(w);
+    if (!w->out || fclose(w->out)) {
+        free(rules);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
+    w->out = out;
+    if (fp3_adaptive_is(w->program->compiled->image))
+        fputs("# Adaptive steps: fp3 run PROGRAM --params with this file runs until each object "
+              "has come to `until`.\n",
+              out);
+    const fp3_status status = put_sources(w, error);
+    fputs(rules, out);
+    free(rules);
     return status;
 }
 
@@ -218,17 +226,15 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
     writer w = {.program = program, .values = values};
     fp3_status status = values ? fp3_apply_values(program, params, 0, &w.of, values, error)
                                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    FILE *out = NULL;
     *text = NULL;
-    if (!status)
-        status = gather_rules(&w, error);
-    if (!status && !(w.out = open_memstream(text, &size)))
+    if (!status && !(out = open_memstream(text, &size)))
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = put_all(&w, error);
-    if (w.out && fclose(w.out) && !status)
+        status = put_all(&w, out, error);
+    if (out && fclose(out) && !status)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     fp3_object_values_free(&w.of);
-    free(w.rules);
     free(values);
     return status;
 }
