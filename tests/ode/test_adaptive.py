@@ -18,6 +18,7 @@ r' = v
 step 0.015625
 span 6.283185307179586
 """
+ROBERTSON = pathlib.Path(__file__).parents[2] / "programs/robertson.ode"
 PAIRS = {"cash_karp": 6e-3, "dopri5": 6e-3, "tsit5": 6e-3, "ralston3": 2e-2, "heun": 4e-2}
 DECAY = """param rate = 1
 state y = 1
@@ -229,6 +230,14 @@ def test_blow_up_is_named(model):
         assert said[1] == ("2" if spread else "0")
         assert float(said[2]) == pytest.approx(1, abs=1e-3)
         assert re.search("too short to change t|not finite", said[3])
+
+
+@pytest.mark.parametrize("options", [["-i", "cash_karp", "--tolerance", "1e-3"], ["-i", "dopri5", "--tolerance", "5e-5"]])
+def test_who_is_stuck_stays_stuck(options):
+    """Where an object cannot sleep it goes on making attempts that are none: they change nothing, not even the next step."""
+    seen = [run(ROBERTSON, *options, "-o", "1", config=config, status=3)[0][0] for config in ("single_full", "many_full")]
+    seen[1].pop("slept")
+    assert seen[0] == seen[1] and number(seen[0]["accepted"]) > 50
 
 
 def test_no_attempt_left(model):

@@ -290,8 +290,9 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     const uint32_t low =
         g->is_abstract ? num(g, 0) : sel(g, a->is_good, a->end_low, a->begin_low.node);
     note(a, "the next step; one that the end cut off says nothing about it");
-    const uint32_t left =
-        g->is_abstract ? fp3_dag_first(g, sub(g, until(a), t)) : left_of(a, t, low);
+    uint32_t left = g->is_abstract ? fp3_dag_first(g, sub(g, until(a), t)) : left_of(a, t, low);
+    if (!a->options->config->sleep) /* who is stuck makes attempts that must change nothing */
+        left = mul(g, a->is_attempt, left);
     const uint32_t h = sel(g, left, mul(g, fp3_dag_first(g, a->h.node), a->by), old(a, H));
     put(a, H, h);
     if (!g->is_abstract)
