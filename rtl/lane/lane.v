@@ -106,7 +106,7 @@ module lane #(
             `END_FIELDS
             assign `RESULT = result_i[`RESULT_W*p +: `RESULT_W];
             assign `END    = ends[`END_W*p +: `END_W];
-            assign raises[p]        = FLAGS != 0 && end_executed && end_arithmetic;
+            assign raises[p]        = FLAGS != 0 && end_writes && end_arithmetic;
             assign raised[5*p +: 5] = result_flags | (p == 0 ? scale_flags : 5'd0);
             lane_result #(.CONFIG(CONFIG)) u_result (.clk_i(clk_i), .rst_i(rst_i),
                 .end_i(ends[`END_W*p +: `END_W]), .raises_i(raises[p]), .flags_i(raised[5*p +: 5]),

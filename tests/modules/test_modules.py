@@ -109,9 +109,9 @@ BUGS = {
     ],
     "lane_executes_for_the_objects_that_are_there": [
         Bug("an absent object writes", "lane_end.v", "(executed && (arithmetic_w0 || load_w0)) || sleeps", "(valid_w0 && (arithmetic_w0 || load_w0)) || sleeps"),
-        Bug("flags of an absent object", "lane.v", "FLAGS != 0 && end_executed && end_arithmetic", "FLAGS != 0 && end_valid && end_arithmetic"),
+        Bug("flags of an absent object", "lane.v", "FLAGS != 0 && end_writes && end_arithmetic", "FLAGS != 0 && end_valid && end_arithmetic"),
         Bug("an absent object is stored", "lane_store.v", "st_i2 && !move_st_absent &&", "st_i2 &&"),
-        Bug("a load raises flags", "lane.v", "FLAGS != 0 && end_executed && end_arithmetic", "FLAGS != 0 && end_executed"),
+        Bug("a load raises flags", "lane.v", "FLAGS != 0 && end_writes && end_arithmetic", "FLAGS != 0 && end_writes"),
         Bug("a load has the result", "lane.v", ".value_i(end_arithmetic ? result_value : other)", ".value_i(result_value)"),
         Bug("a store of every lane", "lane.v", "host_write_i(write && access_space == HOST_OBJECT)", "host_write_i(access_valid && access_write && access_space == HOST_OBJECT)"),
         Bug("a constant of this lane alone", "lane.v", "to_constants = access_valid && access_write", "to_constants = write"),
