@@ -37,6 +37,7 @@ def outputs(root):
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(known, regs),
         "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
+        "rtl/gen/config_rules.vh": parameters.config_rules_verilog(known),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/host_map.vh": host.host_map_verilog(regs, isa["revision"]),
         "rtl/gen/settings.vh": host.settings_verilog(regs),

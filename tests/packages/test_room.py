@@ -31,9 +31,10 @@ def copy(root, tmp_path):
 
 
 def changed(root, copy):
-    """The files that differ, without those that are generated."""
-    return {path.relative_to(copy).as_posix() for path in copy.rglob("*") if path.is_file() and path.suffix in (".v", ".vh", ".toml")
-            and "/gen/" not in path.as_posix() and path.read_bytes() != (root / path.relative_to(copy)).read_bytes()}
+    """The files that differ or are new, without those that are generated."""
+    names = {path.relative_to(copy) for path in copy.rglob("*") if path.is_file() and path.suffix in (".v", ".vh", ".toml")}
+    return {str(name) for name in names if "gen" not in name.parts
+            and not ((root / name).exists() and (copy / name).read_bytes() == (root / name).read_bytes())}
 
 
 def run(copy, config, session):
@@ -123,6 +124,54 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     subprocess.run(["gcc", "-std=c11", "-Wno-unused", f"-I{copy}/sw", f"-I{copy}/sw/include", "words.c", "-o", "words"], cwd=copy, check=True)
     words = [int(word, 16) for word in subprocess.run([copy / "words"], capture_output=True, text=True, check=True).stdout.split()]
     assert words[-1] == value << 1 and (words[-4] >> 7 & 1) == (value != 0)
+
+
+FUSED = """[key.fused]
+range    = [0, 1]
+default  = 0
+needs    = ["chain", "interleave"]
+excludes = ["select"]
+feature  = [32, 32]
+meaning  = "an arithmetic of its own"
+
+[key.add_latency]"""
+UNIT = """`default_nettype none
+`include "unit/socket.vh"
+module fused_arith #(
+`include "config/config.vh"
+) (
+    input  wire                   clk_i,
+    input  wire [`OPERANDS_W-1:0] operands_i,
+    output wire [`RESULT_W-1:0]   result_o
+);
+    `OPERANDS_FIELDS
+    assign `OPERANDS = operands_i;
+    delay #(.W(37), .N(UNIT_LATENCY)) u_result (.clk_i(clk_i), .rst_i(1'b0), .d_i({5'd0, operands_x ^ operands_y}), .q_o(result_o));
+endmodule
+`default_nettype wire
+"""
+
+
+def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
+    """What it needs and excludes stands in the key's table; the module here gives x ^ y."""
+    (copy / "rtl/unit/fused_arith.v").write_text(UNIT)
+    replace(copy / "isa/configs.toml", ("[key.add_latency]", FUSED), ('name = "many"\n', 'name = "many"\nfused = 1\n'))
+    replace(copy / "rtl/unit/unit.v", ("        if (DUAL == 0) begin : g_single", """        if (FUSED != 0) begin : g_fused
+            wire unused = &{`OPERANDS, `RESULT};
+            fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `RESULT = result_o;
+        end else if (DUAL == 0) begin : g_single"""))
+    madd = 4 << 27 | 1 << 21 | 64 << 14 | 1 << 7 | 1                                                      # r1 = r1 + k0 * r1
+    said = run(copy, "many", ["w 2000 3", "w 800004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",
+                              "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 800004 0"])
+    assert shown(said) == [2, 3 ^ 5]
+    assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/unit.v", "rtl/unit/fused_arith.v"}
+    parameters = [f"-Pfp3.{text}=1" for text in ("INTERLEAVE", "FUSED", "SELECT")]
+    done = subprocess.run(["iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", *parameters, "rtl/fp3.v"], cwd=copy, capture_output=True, text=True)
+    assert done.returncode != 0 and "FUSED_excludes_SELECT" in done.stderr
+    replace(copy / "isa/configs.toml", ("fused = 1\n", "fused = 1\nselect = 1\n"))
+    done = subprocess.run([sys.executable, copy / "tools/generate.py"], capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0 and "config 'many': fused = 1 needs select = 0" in done.stderr
 
 
 COUNTERS = "".join(f'[[counter]]\nname = "spare_{i}"\ndoc = "Never."\n' for i in range(20))

@@ -293,11 +293,11 @@ MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY
     (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
-    ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "need_INTERLEAVE"),
-    (["LANES=2"], "need_INTERLEAVE"), (["SLEEP=1"], "need_INTERLEAVE"), ([*MANY, "BYPASS=1"], "neither_BYPASS"),
+    ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_INTERLEAVE"),
+    (["LANES=2"], "needs_INTERLEAVE"), (["SLEEP=1"], "needs_INTERLEAVE"), ([*MANY, "BYPASS=1"], "BYPASS_excludes_INTERLEAVE"),
     ([*MANY, "STORE_WORDS=48"], "STORE_WORDS_must_be"), ([*MANY, "STORE_WORDS=16"], "STORE_WORDS_must_be"),
-    ([*MANY, "SCHEDULERS=2", "LANES=2"], "SCHEDULERS_must_be"), ([*MANY, "LANES=65"], "LANES_1_to_64"),
-    ([*MANY, "STATUS=1", "FLAGS=0"], "STATUS_needs_FLAGS"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])
+    ([*MANY, "SCHEDULERS=2", "LANES=2"], "SCHEDULERS_must_be"), ([*MANY, "LANES=65"], "LANES_must_be_1_to_64"),
+    ([*MANY, "STATUS=1", "FLAGS=0"], "STATUS_needs_FLAGS"), ([*MANY, "DUAL=1"], "DUAL_excludes_CHAIN"), (["NEAREST=2"], "NEAREST_must_be"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])
 def test_parameters_that_cannot_be_built_stop_elaboration(root, parameters, rule):
     done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3",
                  *[f"-Pfp3.{parameter}" for parameter in parameters], "rtl/fp3.v", cwd=root)

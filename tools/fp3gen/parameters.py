@@ -50,3 +50,19 @@ def config_keys_verilog(row):
              f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}],", "") for i, key in enumerate(known)]
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config.vh.",
             f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)[:-1], columns(rows)[-1].rstrip(",")]
+
+
+def config_rules_verilog(known):
+    """What the keys' tables say of a configuration: a broken rule names a module that does not exist."""
+    rules = []
+    for name, key in known.items():
+        this, (low, high) = name.upper(), key["range"]
+        if bits(name) == WORD:
+            power, said = key.get("power_of_two"), f"{this}_must_be_{low}_to_{high}"
+            wrong = [f"{this} < {low}", f"{this} > {high}"] + [f"({this} & ({this} - 1)) != 0"] * bool(power)
+            rules.append((" || ".join(wrong), said + "_and_a_power_of_two" * bool(power)))
+        for word, other, sign in [*(("needs", other, "==") for other in key.get("needs", [])),
+                                  *(("excludes", other, "!=") for other in key.get("excludes", []))]:
+            rules.append((f"{this} > {low} && {other.upper()} {sign} 0", f"{this}_{word}_{other.upper()}"))
+    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config_rules.v, within a generate block.",
+            *(f"if ({wrong}) begin : g_{said.lower()}\n    {said} u_error ();\nend" for wrong, said in rules)]
