@@ -109,7 +109,7 @@ void fp3_life_forget(fp3_engine *engine) {
 /* Where an object is does not depend on how many there are. */
 void fp3_engine_use(fp3_engine *engine, size_t count) {
     engine->layout.groups[0].objects = (uint32_t)count;
-    engine->sleepers.is_listed = engine->is_counted = 0;
+    engine->sleepers.is_listed = engine->sleepers.is_known = engine->is_counted = 0;
     engine->origin->is_complete = 0;
 }
 
