@@ -48,8 +48,7 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_error why = {.text = "asked for"};
     fp3_status status = FP3_E_SYSTEM;
     if (!is_interpreted && !f->native.library)
-        status = fp3_fast_native_open(&f->plan, f->sweep->name, f->sweep->lanes, may_compile,
-                                      &f->native, &why);
+        status = fp3_fast_native_open(&f->plan, f->sweep->name, may_compile, &f->native, &why);
     if (status && !f->native.library)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
     else
@@ -67,7 +66,7 @@ static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s is native code for %s; this processor is %s at most", path, kind.name,
                         f->sweep->name);
-    return fp3_fast_native_load(&f->plan, path, f->sweep->name, f->sweep->lanes, &f->native, error);
+    return fp3_fast_native_load(&f->plan, path, f->sweep->name, &f->native, error);
 }
 
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error) {
@@ -101,7 +100,7 @@ fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error) {
 }
 
 fp3_status fp3_fast_write_native(const fp3_fast *f, const char *path, fp3_error *error) {
-    return fp3_fast_native_write(&f->plan, path, f->sweep->name, f->sweep->lanes, error);
+    return fp3_fast_native_write(&f->plan, path, f->sweep->name, error);
 }
 
 void fp3_fast_free(fp3_fast **fast) {

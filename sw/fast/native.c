@@ -20,8 +20,8 @@
     "-O1", "-w", "-std=gnu11", "-ffp-contract=off", "-frounding-math", "-fPIC", "-shared",         \
         "-nostdlib"
 
-static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
-                             char **text, fp3_error *error) {
+static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, char **text,
+                             fp3_error *error) {
     static const char *const options[] = {OPTIONS};
     size_t size = 0;
     FILE *to = open_memstream(text, &size);
@@ -31,7 +31,7 @@ static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, unsign
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         fprintf(to, " %s", options[i]);
     fprintf(to, " */\n");
-    fp3_status status = fp3_fast_write(plan, lanes, to, error);
+    fp3_status status = fp3_fast_write(plan, to, error);
     if (fclose(to) && !status)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     return status;
@@ -83,12 +83,12 @@ static fp3_status make(const fp3_cache *cache, const char *text, const char *kin
     return status;
 }
 
-fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
-                                int may_compile, fp3_fast_native *native, fp3_error *error) {
+fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, int may_compile,
+                                fp3_fast_native *native, fp3_error *error) {
     char *text = NULL;
     fp3_cache cache;
     *native = (fp3_fast_native){0};
-    fp3_status status = write_text(plan, kind, lanes, &text, error);
+    fp3_status status = write_text(plan, kind, &text, error);
     if (!status) {
         fp3_cache_find(text, &cache);
         if (!fp3_cache_has(&cache, text) || load(cache.path, native, error))
@@ -104,7 +104,7 @@ fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, uns
 /* ---- a file that is shipped ---- */
 
 fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, const char *kind,
-                                 unsigned lanes, fp3_error *error) {
+                                 fp3_error *error) {
     const char *slash = strrchr(path, '/');
     const int length = slash == path ? 1 : slash ? (int)(slash - path) : 1;
     char *text = NULL, file[PATH_MAX];
@@ -113,7 +113,7 @@ fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, co
         return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(ENAMETOOLONG));
     snprintf(as.path, sizeof as.path, "%s", path);
     snprintf(as.directory, sizeof as.directory, "%.*s", length, slash ? path : ".");
-    fp3_status status = write_text(plan, kind, lanes, &text, error);
+    fp3_status status = write_text(plan, kind, &text, error);
     if (!status && !make_file(&as, file))
         status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
     else if (!status) {
@@ -165,12 +165,12 @@ static const char *behind_compiler(const char *text) {
 }
 
 fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, const char *kind,
-                                unsigned lanes, fp3_fast_native *native, fp3_error *error) {
+                                fp3_fast_native *native, fp3_error *error) {
     char *text = NULL, *own = NULL;
     fp3_status status = read_file(path, &text, error);
     *native = (fp3_fast_native){0};
     if (!status)
-        status = write_text(plan, kind, lanes, &own, error);
+        status = write_text(plan, kind, &own, error);
     if (!status && strcmp(behind_compiler(text), behind_compiler(own)) != 0)
         status =
             fp3_fail(error, FP3_E_ARGUMENT,

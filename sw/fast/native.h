@@ -21,10 +21,10 @@ typedef struct {
     fp3_fast_stretch *stretch;
 } fp3_fast_native;
 
-/* kind: of the processor, for -march; lanes: of its vectors; may_compile: 0: only what is in the cache. The caller closes *native. FP3_E_SYSTEM: there
+/* kind: of the processor, for -march; may_compile: 0: only what is in the cache. The caller closes *native. FP3_E_SYSTEM: there
  * is no native code, and error says why; *native is {0}. */
-fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, unsigned lanes,
-                                int may_compile, fp3_fast_native *native, fp3_error *error);
+fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, int may_compile,
+                                fp3_fast_native *native, fp3_error *error);
 
 /* ---- a file that is shipped: an entry of the cache under a name of the caller's ---- */
 
@@ -34,13 +34,13 @@ typedef struct {
 
 /* Compiles what fp3_fast_native_open would load. FP3_E_SYSTEM. */
 fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, const char *kind,
-                                 unsigned lanes, fp3_error *error);
+                                 fp3_error *error);
 /* The kind of processor that a file is for. FP3_E_SYSTEM: it cannot be read. FP3_E_ARGUMENT: it is damaged, no
  * such file, or made by another version. */
 fp3_status fp3_fast_native_kind(const char *path, fp3_fast_kind *kind, fp3_error *error);
 /* FP3_E_ARGUMENT: also if it is of another program. The caller closes *native. */
 fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, const char *kind,
-                                unsigned lanes, fp3_fast_native *native, fp3_error *error);
+                                fp3_fast_native *native, fp3_error *error);
 /* Leaves {0}, which may be closed as well. */
 void fp3_fast_native_close(fp3_fast_native *native);
 

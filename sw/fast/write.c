@@ -215,13 +215,12 @@ static void loop(writer *w, unsigned beside) {
 
 /* Short programs leave the units idle unless many vectors are on the way. Long ones spill, but two chains of results wait for
  * each other less than one: more than two take the compiler too long. */
-static unsigned beside_of(const fp3_fast_plan *plan, unsigned lanes) {
+static unsigned beside_of(const fp3_fast_plan *plan) {
     const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
-    const unsigned most = lanes == 16 ? 8 : 8;
-    return count <= 40 ? most : count <= 250 ? 4 : 2;
+    return count <= 40 ? 8 : count <= 250 ? 4 : 2;
 }
 
-fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error) {
+fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error) {
     writer w = {.plan = plan, .to = to};
     fprintf(to, "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FLAGS %d\n%s%s",
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->flags != 0,
@@ -230,8 +229,9 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, f
                 "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
     declare(&w);
     fprintf(to, "    unsigned long j = 0;\n");
-    loop(&w, beside_of(plan, lanes));
-    loop(&w, 1);
+    /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for four. */
+    for (unsigned beside = beside_of(plan); beside; beside /= 2)
+        loop(&w, beside);
     fprintf(to, "}\n");
     return ferror(to) ? fp3_fail(error, FP3_E_SYSTEM, "the program's C could not be written")
                       : FP3_OK;

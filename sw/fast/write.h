@@ -13,7 +13,7 @@
 /* What the text defines: a fp3_fast_stretch, see native.h. */
 #define FP3_FAST_NAME "fp3_stretch"
 
-/* lanes: of a vector of the processor that it is for. FP3_E_SYSTEM: it could not be written. */
-fp3_status fp3_fast_write(const fp3_fast_plan *plan, unsigned lanes, FILE *to, fp3_error *error);
+/* FP3_E_SYSTEM: it could not be written. */
+fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error);
 
 #endif
