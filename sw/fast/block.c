@@ -50,12 +50,13 @@ static void fill(void *row, uint32_t count, const four is_there[4]) {
 }
 
 void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
+    static const four lanes[4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {12, 13, 14, 15}};
     const int left = (int)(l->count % 16);
     four is_there[4];
     if (!left)
         return;
     for (int i = 0; i < 4; i++)
-        is_there[i] = (four){4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3} < left;
+        is_there[i] = lanes[i] < left;
     FP3_EACH_REGISTER (rows, reg)
         fill(l->rows[reg], l->count, is_there);
     FP3_EACH_REGISTER (records, reg)
