@@ -572,7 +572,7 @@ static void promises(const char *engine) {
     def.config = "single";
     def.objects = 0;
     EXPECT(!fp3_engine_open(&def, &e) && !fp3_engine_load_groups(e, &(fp3_group){one, 1}, 1));
-    EXPECT(fp3_engine_load_groups(e, good, 2) == FP3_E_ARGUMENT);
+    EXPECT(fp3_engine_load_groups(e, good, 2) == FP3_E_PROGRAM);
     fp3_engine_close(&e);
     fp3_image_free(&one);
     fp3_image_free(&two);
