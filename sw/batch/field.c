@@ -26,13 +26,14 @@ static void list_image(const fp3_image *image, fp3_field_table *t) {
         const fp3_symbol *s = &image->symbols[i];
         const int is_shared = s->symbol_class == FP3_SYMBOL_SHARED;
         const int is_state = s->symbol_class == FP3_SYMBOL_STATE;
+        const int is_count = !is_shared && !strcmp(s->name, FP3_NAME_STEPS);
         if (!(FP3_CLASS(s->symbol_class) & FP3_CLASSES_HOST))
             continue;
-        const fp3_field_kind kind = is_shared && !strcmp(s->name, FP3_NAME_STEP)   ? FP3_FIELD_STEP
-                                    : is_state && !strcmp(s->name, FP3_NAME_STEPS) ? FP3_FIELD_COUNT
-                                    : is_state && (int)s->index == slept           ? FP3_FIELD_SLEPT
-                                    : is_state                                     ? FP3_FIELD_STATE
-                                               : FP3_FIELD_PARAM;
+        const fp3_field_kind kind = is_shared && !strcmp(s->name, FP3_NAME_STEP) ? FP3_FIELD_STEP
+                                    : is_count                                   ? FP3_FIELD_COUNT
+                                    : is_state && (int)s->index == slept         ? FP3_FIELD_SLEPT
+                                    : is_state                                   ? FP3_FIELD_STATE
+                                                                                 : FP3_FIELD_PARAM;
         fp3_field *q = add(t, s->name, kind);
         q->is_shared = is_shared;
         q->place = (int)s->index;

@@ -115,33 +115,23 @@ fp3_status fp3_evaluator_add(fp3_evaluator *e, const fp3_program *program, uint3
 
 /* ---- what objects were given ---- */
 
-static fp3_status take_params(fp3_evaluator *e, const fp3_source *source, size_t object,
-                              float *inputs, fp3_error *error) {
-    const double share = source->objects > 1 ? (double)object / (double)(source->objects - 1) : 0;
-    const size_t count = e->model->param_count;
-    fp3_object_values of;
-    fp3_status status =
-        fp3_apply_values(source->program, source->params, share, &of, inputs, error);
-    if (!status && count)
-        memcpy(&e->params[object * count], of.params, count * sizeof *e->params);
-    e->is_spread = of.is_spread;
-    fp3_object_values_free(&of);
-    return status;
-}
-
 fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_error *error) {
     const size_t count = e->model->param_count;
-    float *inputs = calloc(source->program->compiled->input_count + 1u, sizeof *inputs);
-    fp3_status status = FP3_OK;
+    const double last = source->objects > 1 ? (double)(source->objects - 1) : 1;
+    fp3_object_values of;
+    fp3_status status = fp3_object_values_open(source->program, source->params, &of, error);
     free(e->params);
     e->h = source->h;
     e->params = calloc(source->objects * count + 1, sizeof *e->params);
-    if (!inputs || !e->params)
+    if (!status && !e->params)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    e->is_spread = 1;
-    for (size_t i = 0; !status && e->is_spread && i < source->objects; i++)
-        status = take_params(e, source, i, inputs, error);
-    free(inputs);
+    for (size_t i = 0; !status && (!i || of.is_spread) && i < source->objects; i++) {
+        status = fp3_object_values_at(&of, (double)i / last, error);
+        for (size_t k = 0; k < count; k++)
+            e->params[i * count + k] = of.params[k];
+    }
+    e->is_spread = of.is_spread;
+    fp3_object_values_free(&of);
     return status;
 }
 

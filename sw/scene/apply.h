@@ -2,6 +2,8 @@
 #ifndef FP3_SCENE_APPLY_H
 #define FP3_SCENE_APPLY_H
 
+#include "truth/start.h"
+
 #include <fp3/program.h>
 
 /* Objects of an engine that run the program: a group of it. */
@@ -10,15 +12,25 @@ typedef struct {
     size_t group, first, objects;
 } fp3_apply_to;
 
-/* What the inputs of an object of a model are computed from. */
+/* What objects of a model are given, one after the other. */
 typedef struct {
+    const fp3_program *program;
+    const fp3_params *given;
+    fp3_start *start;
+    char *is_varied; /* of each param, then of each state: other objects have another value */
+    int is_begun;    /* an object was asked */
+    /* Of the object that was asked last: */
     double *params, *initial, h;
-    int is_spread;
+    float *inputs;
+    int is_spread; /* some object has others */
 } fp3_object_values;
 
-/* Those of the object with this share, and its inputs. The caller frees *of, after a failure too. */
-fp3_status fp3_apply_values(const fp3_program *program, const fp3_params *params, double share,
-                            fp3_object_values *of, float *values, fp3_error *error);
+/* Both must outlive it. The caller frees *of, after a failure too. */
+fp3_status fp3_object_values_open(const fp3_program *program, const fp3_params *given,
+                                  fp3_object_values *of, fp3_error *error);
+/* Those of the object with this share, as of fp3_program_inputs. */
+fp3_status fp3_object_values_at(fp3_object_values *of, double share, fp3_error *error);
+/* Leaves {0}, which may be freed as well. */
 void fp3_object_values_free(fp3_object_values *of);
 
 /* Writes all that the program declares, as fp3_program_load does. error stays as it is where the

@@ -17,7 +17,6 @@ static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXY
 typedef struct {
     const fp3_program *program;
     fp3_object_values of;
-    const float *values;
     FILE *out;
     uint64_t params, states; /* that the rules so far name, a bit each */
     int has_h;
@@ -95,7 +94,7 @@ static void put_start(conditional *c) {
             put_condition(c, p->model->states[i].name, c->w->of.initial[i]);
     for (uint32_t i = 0; i < p->compiled->input_count; i++)
         if (is_steps(&p->compiled->inputs[i]))
-            put_condition(c, FP3_NAME_STEPS, (double)c->w->values[i]);
+            put_condition(c, FP3_NAME_STEPS, (double)c->w->of.inputs[i]);
 }
 
 /* With all that the value depends on. */
@@ -134,7 +133,7 @@ static void put_rules(writer *w) {
         }
         fprintf(w->out, "%s = ", input->name);
         if (is_number(w, input)) {
-            put_number(w, (double)w->values[i], 9);
+            put_number(w, (double)w->of.inputs[i], 9);
             fputs(";\n", w->out);
             continue;
         }
@@ -142,7 +141,7 @@ static void put_rules(writer *w) {
         if (input->rule)
             put_renamed(w, input->rule);
         else
-            put_conditional(w, input, w->values[i]);
+            put_conditional(w, input, w->of.inputs[i]);
         fputs("\";", w->out);
         if (!input->rule)
             fprintf(w->out, " # %s: for these values alone", input->formula);
@@ -222,12 +221,12 @@ static fp3_status put_all(writer *w, FILE *out, fp3_error *error) {
 fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
                                    char **text, fp3_error *error) {
     size_t size = 0;
-    float *values = calloc(program->compiled->input_count + 1u, sizeof *values);
-    writer w = {.program = program, .values = values};
-    fp3_status status = values ? fp3_apply_values(program, params, 0, &w.of, values, error)
-                               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    writer w = {.program = program};
     FILE *out = NULL;
+    fp3_status status = fp3_object_values_open(program, params, &w.of, error);
     *text = NULL;
+    if (!status)
+        status = fp3_object_values_at(&w.of, 0, error);
     if (!status && !(out = open_memstream(text, &size)))
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
@@ -235,6 +234,5 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
     if (out && fclose(out) && !status)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     fp3_object_values_free(&w.of);
-    free(values);
     return status;
 }

@@ -69,17 +69,15 @@ static fp3_status read_values(fp3_sample *s, const fp3_program *program, const f
                               fp3_error *error) {
     double *params = s->params + s->count * s->model->param_count;
     double *initial = s->initial + s->count * s->model->state_count;
-    float *inputs = calloc(program->compiled->input_count + 1u, sizeof *inputs);
-    if (!inputs)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    fp3_object_values of = {0};
-    const fp3_status status = fp3_apply_values(program, own, 0, &of, inputs, error);
+    fp3_object_values of;
+    fp3_status status = fp3_object_values_open(program, own, &of, error);
+    if (!status)
+        status = fp3_object_values_at(&of, 0, error);
     for (uint32_t i = 0; !status && i < s->model->param_count; i++)
         params[i] = (float)of.params[i];
     for (uint32_t i = 0; !status && i < s->model->state_count; i++)
         initial[i] = (float)of.initial[i];
     fp3_object_values_free(&of);
-    free(inputs);
     return status;
 }
 
