@@ -3,6 +3,7 @@
 
 #include "language/evaluate.h"
 #include "scene/apply.h"
+#include "text/number.h"
 
 #include <fp3/compile.h>
 #include <math.h>
@@ -117,6 +118,7 @@ fp3_status fp3_evaluator_add(fp3_evaluator *e, const fp3_program *program, uint3
 
 fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_error *error) {
     const size_t count = e->model->param_count;
+    const unsigned words = fp3_program_words(source->program);
     const double last = source->objects > 1 ? (double)(source->objects - 1) : 1;
     fp3_object_values of;
     fp3_status status = fp3_object_values_open(source->program, source->params, &of, error);
@@ -128,7 +130,7 @@ fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_e
     for (size_t i = 0; !status && (!i || of.is_spread) && i < source->objects; i++) {
         status = fp3_object_values_at(&of, (double)i / last, error);
         for (size_t k = 0; k < count; k++)
-            e->params[i * count + k] = of.params[k];
+            e->params[i * count + k] = fp3_number_given(of.params[k], words);
     }
     e->is_spread = of.is_spread;
     fp3_object_values_free(&of);

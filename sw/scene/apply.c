@@ -37,14 +37,14 @@ static int image_has(const void *image, const char *name) {
 
 /* What a field is for an object: none made, or awake, where nothing is given. */
 static fp3_status word_at(const fp3_params *params, const fp3_field_table *table,
-                          const fp3_field *of, double share, float *word, int *is_spread,
-                          fp3_error *error) {
+                          const fp3_field *of, double share, unsigned words, float *word,
+                          int *is_spread, fp3_error *error) {
     const int has_default = of->kind == FP3_FIELD_COUNT || of->kind == FP3_FIELD_SLEPT;
     double value = 0;
     fp3_status status = FP3_OK;
     *is_spread = 0;
     if (!has_default || fp3_params_has(params, of->name))
-        status = fp3_values_at(params, of->name, share, &value, is_spread, error);
+        status = fp3_values_at(params, of->name, share, words, &value, is_spread, error);
     const char *expected = status ? NULL : fp3_field_word(table, of, value, word);
     if (expected)
         return fp3_value_wrong(params, of->name, error, "parameter '%s' is %.9g: expected %s",
@@ -57,22 +57,23 @@ static fp3_status word_at(const fp3_params *params, const fp3_field_table *table
 }
 
 static fp3_status apply_field(const fp3_params *params, const fp3_apply_to *to,
-                              const fp3_field_table *table, const fp3_field *of, fp3_error *error) {
-    float words[BLOCK] = {0};
+                              const fp3_field_table *table, const fp3_field *of, unsigned words,
+                              fp3_error *error) {
+    float column[BLOCK] = {0};
     int is_spread;
-    fp3_status status = word_at(params, table, of, 0, &words[0], &is_spread, error);
+    fp3_status status = word_at(params, table, of, 0, words, &column[0], &is_spread, error);
     if (!status && of->is_shared)
-        return fp3_engine_write_shared_of(to->engine, to->group, (uint32_t)of->place, 1, words);
+        return fp3_engine_write_shared_of(to->engine, to->group, (uint32_t)of->place, 1, column);
     for (size_t i = 1; i < BLOCK; i++)
-        words[i] = words[0];
+        column[i] = column[0];
     for (size_t first = 0, count; !status && first < to->objects; first += count) {
         count = block_of(to, first);
         for (size_t i = 0; !status && is_spread && i < count; i++)
-            status =
-                word_at(params, table, of, share_of(to, first + i), &words[i], &is_spread, error);
+            status = word_at(params, table, of, share_of(to, first + i), words, &column[i],
+                             &is_spread, error);
         if (!status)
             status =
-                fp3_engine_write(to->engine, to->first + first, count, (uint32_t)of->place, words);
+                fp3_engine_write(to->engine, to->first + first, count, (uint32_t)of->place, column);
     }
     return status;
 }
@@ -88,10 +89,11 @@ static fp3_status check_adaptive(const fp3_image *image, const fp3_params *param
 
 static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
                               const fp3_apply_to *to, fp3_error *error) {
+    const unsigned words = fp3_values_words(image);
     fp3_field_table table;
     fp3_status status = fp3_field_list(image, NULL, 0, &table, error);
     for (uint32_t i = 0; i < table.count && !status; i++)
-        status = apply_field(params, to, &table, &table.list[i], error);
+        status = apply_field(params, to, &table, &table.list[i], words, error);
     fp3_field_close(&table);
     if (!status)
         status = check_adaptive(image, params, to, error);
@@ -117,12 +119,17 @@ static int model_has(const void *of, const char *name) {
            fp3_model_state(program->model, name) != FP3_NONE;
 }
 
+unsigned fp3_program_words(const fp3_program *program) {
+    return program->compiled->arithmetic == FP3_DOUBLE_SINGLE ? 2 : 1;
+}
+
 /* *value stays its default where there is no other. */
-static fp3_status take(const fp3_params *params, const char *name, double share, double *value,
+static fp3_status take(const fp3_object_values *of, const char *name, double share, double *value,
                        int *is_spread, fp3_error *error) {
     *is_spread = 0;
-    return fp3_params_has(params, name)
-               ? fp3_values_at(params, name, share, value, is_spread, error)
+    return fp3_params_has(of->given, name)
+               ? fp3_values_at(of->given, name, share, fp3_program_words(of->program), value,
+                               is_spread, error)
                : FP3_OK;
 }
 
@@ -133,7 +140,7 @@ static fp3_status take_quantity(fp3_object_values *of, const fp3_quantity *q, do
     if (of->is_begun && !*is_varied)
         return FP3_OK;
     *value = q->value;
-    fp3_status status = take(of->given, q->name, share, value, &is_spread, error);
+    fp3_status status = take(of, q->name, share, value, &is_spread, error);
     if (!status && q->is_shared && is_spread)
         status = fp3_value_wrong(of->given, q->name, error,
                                  "parameter '%s' is spread, and the model has one for all objects",
@@ -147,7 +154,7 @@ static fp3_status take_h(fp3_object_values *of, double share, fp3_error *error) 
     int is_spread;
     float h;
     of->h = of->program->model->step;
-    fp3_status status = take(of->given, FP3_NAME_STEP, share, &of->h, &is_spread, error);
+    fp3_status status = take(of, FP3_NAME_STEP, share, &of->h, &is_spread, error);
     if (!status && is_spread)
         status =
             fp3_value_wrong(of->given, "h", error, "'h' is spread, and all objects have the same");
@@ -189,7 +196,7 @@ static fp3_status take_steps(fp3_object_values *of, double share, fp3_error *err
     int is_spread = 0;
     if (input == FP3_NONE)
         return FP3_OK;
-    fp3_status status = take(of->given, FP3_NAME_STEPS, share, &n, &is_spread, error);
+    fp3_status status = take(of, FP3_NAME_STEPS, share, &n, &is_spread, error);
     if (is_spread) /* between whole numbers it is whole but for its last bit in double */
         n = (double)(float)n;
     of->inputs[input] = (float)n;

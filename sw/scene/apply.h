@@ -12,6 +12,9 @@ typedef struct {
     size_t group, first, objects;
 } fp3_apply_to;
 
+/* How many words a model's program has of a value: 2 in double-single (fp3_number_given). */
+unsigned fp3_program_words(const fp3_program *program);
+
 /* What objects of a model are given, one after the other. */
 typedef struct {
     const fp3_program *program;

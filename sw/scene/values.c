@@ -337,6 +337,7 @@ static double number_at(const value *v, double share) {
 typedef struct {
     const fp3_params *params;
     double share;
+    unsigned words;
     int is_spread;
     unsigned depth;
 } asking;
@@ -346,7 +347,9 @@ static fp3_status ask(asking *a, const char *name, double *number, fp3_error *er
 static fp3_status value_of(void *user, const char *name, double *number, fp3_error *error) {
     if (!find(((asking *)user)->params, name))
         return fp3_fail(error, FP3_E_PROGRAM, "'%s' has no value", name);
-    return ask(user, name, number, error);
+    const fp3_status status = ask(user, name, number, error);
+    *number = fp3_number_given(*number, ((asking *)user)->words);
+    return status;
 }
 
 /* A number that is given besides a formula is the same FP32 number. */
@@ -372,7 +375,7 @@ static char *facts_that_held(asking *a, const fp3_formula *formula) {
         double now = facts[i].is;
         fp3_error why;
         value_of(a, facts[i].name, &now, &why);
-        is_another |= now != facts[i].is;
+        is_another |= now != fp3_number_given(facts[i].is, a->words);
         fprintf(out, "%s%s = %.9g", i ? ", " : "", facts[i].name, facts[i].is);
     }
     free(facts);
@@ -422,9 +425,21 @@ static fp3_status ask(asking *a, const char *name, double *number, fp3_error *er
     return FP3_OK;
 }
 
-fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *number,
-                         int *is_spread, fp3_error *error) {
-    asking a = {.params = params, .share = share};
+unsigned fp3_values_words(const fp3_image *image) {
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *state = &image->symbols[i];
+        char low[FP3_NAME_SIZE + sizeof "_low"];
+        snprintf(low, sizeof low, "%s_low", state->name);
+        if (state->symbol_class == FP3_SYMBOL_STATE &&
+            fp3_image_find(image, low, FP3_CLASS(FP3_SYMBOL_STATE)))
+            return 2;
+    }
+    return 1;
+}
+
+fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, unsigned words,
+                         double *number, int *is_spread, fp3_error *error) {
+    asking a = {.params = params, .share = share, .words = words};
     double found = 0;
     fp3_status status = ask(&a, name, &found, error);
     if (status)
@@ -437,7 +452,7 @@ fp3_status fp3_values_at(const fp3_params *params, const char *name, double shar
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *number,
                           fp3_error *error) {
     int is_spread;
-    return fp3_values_at(params, name, 0, number, &is_spread, error);
+    return fp3_values_at(params, name, 0, 1, number, &is_spread, error);
 }
 
 /* One that cannot be read counts as of everything: what is wrong with it is said when it is asked for. */

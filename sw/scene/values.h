@@ -19,10 +19,12 @@ __attribute__((format(printf, 4, 5))) fp3_status fp3_value_wrong(const fp3_param
                                                                  const char *name, fp3_error *error,
                                                                  const char *format, ...);
 
-/* The value of an object; share is 0 of the first to 1 of the last. *is_spread: another share gives
- * another value. */
-fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, double *value,
-                         int *is_spread, fp3_error *error);
+/* The value of an object; share is 0 of the first to 1 of the last. A formula has of other values what a program
+ * of so many words has (fp3_number_given). *is_spread: another share gives another value. */
+fp3_status fp3_values_at(const fp3_params *params, const char *name, double share, unsigned words,
+                         double *value, int *is_spread, fp3_error *error);
+/* How many words a program has of a value: 2 in double-single, where states have a second one. */
+unsigned fp3_values_words(const fp3_image *image);
 
 /* A value as it was given. formula: NULL, or what it is computed from; without one it is `first`, or, if it
  * is spread, `first` of the first object to `last` of the last. */

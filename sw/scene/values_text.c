@@ -7,6 +7,8 @@
 #include "apply.h"
 #include "values.h"
 
+#include "text/number.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,7 +73,7 @@ typedef struct {
 
 static void put_condition(conditional *c, const char *name, double value) {
     fprintf(c->w->out, "%s%s == ", c->count++ ? " and " : "", name_in_rule(c->w, name));
-    put_number(c->w, value, 17);
+    put_number(c->w, fp3_number_given(value, fp3_program_words(c->w->program)), 17);
 }
 
 /* How many steps were made before, where the equations have t. */

@@ -91,6 +91,13 @@ const char *fp3_number_single(double value, float *single) {
     return fp3_number_fits(*single, value == 0, isinf(value));
 }
 
+double fp3_number_given(double value, unsigned words) {
+    float first;
+    if (fp3_number_single(value, &first) || !isnormal(first))
+        return value;
+    return words == 1 ? (double)first : (double)first + (double)(float)(value - (double)first);
+}
+
 const char *fp3_number_step(double value, float *single) {
     *single = (float)value;
     return value > 0 && *single > 0 && isfinite(*single)

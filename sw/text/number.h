@@ -30,7 +30,10 @@ const char *fp3_number_read(const char *text, double *value);
 const char *fp3_number_fits(float rounded, int is_zero, int is_infinite);
 /* Rounds once, to nearest. */
 const char *fp3_number_single(double value, float *single);
-/* The same for the step of an integrator, which is above 0. */
+/* What equations have of a param or of h, from which all else is computed: the FP32 number nearest to it, or the
+ * sum of two words nearest to it. The value itself where FP32 has no normal number for it. */
+double fp3_number_given(double value, unsigned words);
+/* As fp3_number_single, for the step of an integrator, which is above 0. */
 const char *fp3_number_step(double value, float *single);
 
 #endif

@@ -1,6 +1,8 @@
 /* before.c - states at the start, and one step before it. */
 #include "before.h"
 
+#include "text/number.h"
+
 #include <fp3/tune.h>
 #include <stdlib.h>
 
@@ -18,25 +20,29 @@ static double lost_before(double x, double before) {
 }
 
 /* The truth of one object, whose numbers are gathered in row. */
-static fp3_status follow(const fp3_model *model, const double *params, const double *initial,
+static fp3_status follow(const fp3_step *step, const double *params, const double *initial,
                          double h, size_t count, double *row, double *before, fp3_error *error) {
+    const fp3_model *model = step->model;
+    const unsigned words = step->known.words;
     double *start = row + model->param_count, *found = start + model->state_count;
     for (uint32_t i = 0; i < model->param_count; i++)
-        row[i] = params[i * count];
+        row[i] = fp3_number_given(params[i * count], words);
     for (uint32_t i = 0; i < model->state_count; i++)
-        start[i] = initial[i * count];
-    const fp3_status status = fp3_model_truth(model, row, start, -h, found, error);
+        start[i] = fp3_number_given(initial[i * count], words);
+    const fp3_status status =
+        fp3_model_truth(model, row, start, -fp3_number_given(h, words), found, error);
     for (uint32_t i = 0; !status && i < model->state_count; i++)
         before[i * count] = found[i];
     return status;
 }
 
-static fp3_status follow_all(const fp3_model *model, const double *params, const double *initial,
+static fp3_status follow_all(const fp3_step *step, const double *params, const double *initial,
                              double h, size_t count, double *before, fp3_error *error) {
+    const fp3_model *model = step->model;
     double *row = calloc(model->param_count + 2u * model->state_count + 1u, sizeof *row);
     fp3_status status = row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; !status && i < count; i++)
-        status = follow(model, params + i, initial + i, h, count, row, before + i, error);
+        status = follow(step, params + i, initial + i, h, count, row, before + i, error);
     free(row);
     return status;
 }
@@ -52,7 +58,7 @@ static double start_of(role role, double x, double before) {
     case ROLE_LOW_BEFORE:
         return fp3_known_low(before);
     case ROLE_LOST_BEFORE:
-        return lost_before(x, before);
+        return lost_before(fp3_number_given(x, 1), before);
     default:
         return 0;
     }
@@ -64,7 +70,7 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
     double *before = calloc(model->state_count * count + 1u, sizeof *before);
     fp3_status status = before ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status && needs_truth(step))
-        status = follow_all(model, params, initial, h, count, before, error);
+        status = follow_all(step, params, initial, h, count, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {
         const variable *v = &step->variables[i];
         const size_t column = v->state == FP3_NONE ? 0 : v->state * count;

@@ -3,6 +3,7 @@
 
 #include "scene/apply.h"
 #include "scene/values.h"
+#include "text/number.h"
 
 #include <fp3/tune.h>
 #include <stdlib.h>
@@ -74,7 +75,7 @@ static fp3_status read_values(fp3_sample *s, const fp3_program *program, const f
     if (!status)
         status = fp3_object_values_at(&of, 0, error);
     for (uint32_t i = 0; !status && i < s->model->param_count; i++)
-        params[i] = (float)of.params[i];
+        params[i] = fp3_number_given(of.params[i], 1);
     for (uint32_t i = 0; !status && i < s->model->state_count; i++)
         initial[i] = (float)of.initial[i];
     fp3_object_values_free(&of);

@@ -45,7 +45,7 @@ static inline void open_operation(operation *o, const char *name) {
         .name = name, .unit = "u^2", .config = {.nearest = 1, .subnormal = 1, .flags = 1}};
     if (fp3_model_read(source, strlen(source), name, &o->model, &report, &error))
         fail(name, error.text);
-    fp3_known_open(&o->known, o->model);
+    fp3_known_open(&o->known, o->model, 2);
     fp3_dag_open(&o->g, &o->known, FP3_PASS(FP3_PASS_COMMON));
 }
 

@@ -80,8 +80,9 @@ static uint32_t *find_same(const fp3_model *model) {
 static int is_single(const fp3_quantity *param) { return !param->is_shared; }
 static int is_any(const fp3_quantity *param) { return (void)param, 1; }
 
-void fp3_known_open(known_table *table, const fp3_model *model) {
+void fp3_known_open(known_table *table, const fp3_model *model, unsigned words) {
     *table = (known_table){.model = model,
+                           .words = words,
                            .is_shared = find_without(model, is_single),
                            .is_constant = find_without(model, is_any),
                            .same = find_same(model)};
@@ -349,7 +350,7 @@ static void evaluate_one(const fp3_known_subset *s, uint32_t i, double h, size_t
     double *column = values + i * count;
     s->is_lost[i] = 0;
     if (k->op == KNOWN_NUMBER || k->op == KNOWN_STEP)
-        fill(column, count, k->op == KNOWN_STEP ? h : k->number);
+        fill(column, count, k->op == KNOWN_STEP ? fp3_number_given(h, s->table->words) : k->number);
     else if (k->op == KNOWN_MODEL) {
         memcpy(column, s->expr_values + k->a * count, count * sizeof *column);
         s->is_lost[i] = s->is_expr_lost[k->a];
@@ -365,9 +366,14 @@ static void evaluate_one(const fp3_known_subset *s, uint32_t i, double h, size_t
 
 static void evaluate(const fp3_known_subset *s, const double *params, double h, size_t count,
                      double *values, compute_fn *compute) {
-    for (uint32_t n = 0; n < s->expr_count; n++)
-        compute(&s->table->model->exprs[s->exprs[n]], params, count, s->exprs[n], s->expr_values,
-                s->is_expr_lost);
+    for (uint32_t n = 0; n < s->expr_count; n++) {
+        const uint32_t i = s->exprs[n];
+        const fp3_expr *e = &s->table->model->exprs[i];
+        double *column = s->expr_values + i * count;
+        compute(e, params, count, i, s->expr_values, s->is_expr_lost);
+        for (size_t k = 0; e->op == FP3_EXPR_PARAM && k < count; k++)
+            column[k] = fp3_number_given(column[k], s->table->words);
+    }
     for (uint32_t n = 0; n < s->count; n++)
         evaluate_one(s, s->ids[n], h, count, values, compute);
 }

@@ -32,6 +32,7 @@ typedef struct {
 
 typedef struct {
     const fp3_model *model;
+    unsigned words;    /* of which the program makes a param or h: 2 in double-single */
     char *is_shared;   /* of each expression of the model */
     char *is_constant; /* likewise: no param is in it at all */
     uint32_t *same;    /* of each known expression, the first that is written alike */
@@ -41,7 +42,7 @@ typedef struct {
 } known_table;
 
 /* The table holds the number 0 at first; has_failed when there was no memory even for that. */
-void fp3_known_open(known_table *table, const fp3_model *model);
+void fp3_known_open(known_table *table, const fp3_model *model, unsigned words);
 void fp3_known_close(known_table *table);
 
 /* Each value once. */
