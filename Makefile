@@ -14,6 +14,11 @@ ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(JOBS)
 endif
 
+# make takes a space for the end of a name, and would say so only in riddles.
+ifneq ($(words $(CURDIR)),1)
+$(error the path '$(CURDIR)' has a space, and make cannot build there: move or link this directory to a path without one)
+endif
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SECONDARY:

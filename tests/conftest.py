@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import subprocess
 
 import pytest
 
@@ -44,6 +45,28 @@ def build():
 def fp3(build):
     """The command."""
     return build / "fp3"
+
+
+FAST_CLOCK = """#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <time.h>
+int clock_gettime(clockid_t id, struct timespec *time) {
+    int (*next)(clockid_t, struct timespec *) = (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
+    const int failed = next(id, time);
+    time->tv_sec *= 200;
+    time->tv_sec += time->tv_nsec / 5000000;
+    time->tv_nsec = time->tv_nsec % 5000000 * 200;
+    return failed;
+}
+"""
+
+
+@pytest.fixture
+def fast_clock(tmp_path_factory):
+    """An environment with a clock that runs 200 times as fast, so that two minutes are over in a moment."""
+    library = tmp_path_factory.mktemp("clock") / "clock.so"
+    subprocess.run(["gcc", "-shared", "-fPIC", "-x", "c", "-", "-o", library, "-ldl"], input=FAST_CLOCK, text=True, check=True)
+    return {"LD_PRELOAD": str(library)}
 
 
 def pytest_make_parametrize_id(val):

@@ -1,9 +1,10 @@
 /* cc.c - see cc.h. */
 #include "cc.h"
 
+#include "child.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,11 +13,10 @@
 #include <unistd.h>
 
 #define OPTIONS_MOST 24u
-
-extern char **environ;
+#define SECONDS_MOST 120u
 
 const char *fp3_cc(void) {
-    const char *given = getenv("FP3_CC");
+    const char *given = secure_getenv("FP3_CC");
     return given && *given ? given : "cc";
 }
 
@@ -34,7 +34,7 @@ static int open_text(const char *text) {
 }
 
 static int start(const char *const *options, int from, const char *path, int is_told,
-                 pid_t *child) {
+                 fp3_child *child) {
     const char *const rest[] = {"-o", path, "-x", "c", "-", NULL};
     char *line[1 + OPTIONS_MOST + sizeof rest / sizeof *rest];
     size_t count = 0;
@@ -46,31 +46,32 @@ static int start(const char *const *options, int from, const char *path, int is_
     }
     for (size_t i = 0; i < sizeof rest / sizeof *rest; i++)
         line[count++] = (char *)(uintptr_t)rest[i];
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, from, 0);
-    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
-    if (!is_told)
-        posix_spawn_file_actions_addopen(&files, 2, "/dev/null", O_WRONLY, 0);
-    const int failed = posix_spawnp(child, line[0], &files, NULL, line, environ);
-    posix_spawn_file_actions_destroy(&files);
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0)
+        return errno;
+    const int failed = fp3_child_start(line, from, nowhere, is_told ? STDERR_FILENO : nowhere,
+                                       SECONDS_MOST, child);
+    close(nowhere);
     return failed;
 }
 
 fp3_status fp3_cc_compile(const char *text, const char *const *options, const char *path,
                           int is_told, fp3_error *error) {
-    pid_t child = 0;
+    fp3_child child;
     int how = 0;
     const int from = open_text(text);
     if (from < 0)
         return fp3_fail(error, FP3_E_SYSTEM, "no temporary file: %s", strerror(errno));
-    const int failed = start(options, from, path, is_told, &child);
+    int failed = start(options, from, path, is_told, &child);
     close(from);
     if (failed)
         return fp3_fail(error, FP3_E_SYSTEM, "no compiler '%s': %s", fp3_cc(), strerror(failed));
-    while (waitpid(child, &how, 0) < 0)
-        if (errno != EINTR)
-            return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s': %s", fp3_cc(), strerror(errno));
+    failed = fp3_child_wait(&child, &how);
+    if (failed == ETIMEDOUT)
+        return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s' took longer than %u s, and was ended",
+                        fp3_cc(), SECONDS_MOST);
+    if (failed)
+        return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s': %s", fp3_cc(), strerror(failed));
     if (!WIFEXITED(how) || WEXITSTATUS(how))
         return fp3_fail(error, FP3_E_SYSTEM, "compiler '%s' failed", fp3_cc());
     return FP3_OK;

@@ -168,3 +168,31 @@ fp3_status fp3_path_check_output(const char *path, fp3_error *error) {
     }
     return result ? fp3_path_fail(error, path, "cannot write") : FP3_OK;
 }
+
+/* ---- whether others can change it ---- */
+
+static fp3_status check_level(const char *path, fp3_error *error) {
+    struct stat is;
+    if (lstat(path, &is))
+        return fp3_path_fail(error, path, "cannot look at it");
+    if (!S_ISDIR(is.st_mode))
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s is no directory", path);
+    if (is.st_uid != 0 && is.st_uid != geteuid())
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s belongs to another user", path);
+    return (is.st_mode & (S_IWGRP | S_IWOTH)) && !(is.st_mode & S_ISVTX)
+               ? fp3_fail(error, FP3_E_ARGUMENT, "other users can write to %s", path)
+               : FP3_OK;
+}
+
+/* From the root down: once a directory is known, nobody else can replace the one below. */
+fp3_status fp3_path_check_private(const char *path, char real[PATH_MAX], fp3_error *error) {
+    if (!realpath(path, real))
+        return fp3_path_fail(error, path, "no directory");
+    fp3_status status = check_level("/", error);
+    for (char *slash = strchr(real + 1, '/'); !status && slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        status = check_level(real, error);
+        *slash = '/';
+    }
+    return status ? status : check_level(real, error);
+}

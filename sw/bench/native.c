@@ -32,9 +32,9 @@ static fp3_status load(const char *path, fp3_bench_native *native, fp3_error *er
 /* The file can go as soon as the library is loaded. */
 fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
                                  fp3_bench_native **native, fp3_error *error) {
-    const char *top = getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp";
+    const char *top = secure_getenv("TMPDIR");
     char library[4096];
-    snprintf(library, sizeof library, "%s/fp3-XXXXXX", top);
+    snprintf(library, sizeof library, "%s/fp3-XXXXXX", top && *top ? top : "/tmp");
     *native = calloc(1, sizeof **native);
     if (!*native)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");

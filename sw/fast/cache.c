@@ -2,7 +2,9 @@
 #include "cache.h"
 
 #include <base/file.h>
+#include <base/path.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,19 +27,13 @@ static uint64_t hash(const char *text) {
     return h;
 }
 
-/* A directory of our own, that nobody else writes to. */
-static int is_safe(const char *path) {
-    struct stat is;
-    return stat(path, &is) == 0 && S_ISDIR(is.st_mode) && is.st_uid == geteuid() &&
-           !(is.st_mode & (S_IWGRP | S_IWOTH)) && access(path, W_OK | X_OK) == 0;
-}
-
 static int is_made(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST; }
 
-static int find_directory(char path[PATH_MAX]) {
-    const char *given = getenv("FP3_CACHE_DIR"), *caches = getenv("XDG_CACHE_HOME");
-    const char *home = getenv("HOME");
-    int length = -1;
+/* FP3_CACHE_DIR, or a folder where caches or a user's files are; made, if need be. */
+static fp3_status find_directory(char path[PATH_MAX], fp3_error *error) {
+    const char *given = secure_getenv("FP3_CACHE_DIR"), *caches = secure_getenv("XDG_CACHE_HOME");
+    const char *home = secure_getenv("HOME");
+    int length;
     if (given && *given)
         length = snprintf(path, PATH_MAX, "%s", given);
     else if (caches && *caches == '/') {
@@ -47,17 +43,42 @@ static int find_directory(char path[PATH_MAX]) {
         if ((size_t)snprintf(path, PATH_MAX, "%s/.cache", home) < PATH_MAX)
             is_made(path);
         length = snprintf(path, PATH_MAX, "%s/.cache/fp3", home);
+    } else {
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "FP3_CACHE_DIR, XDG_CACHE_HOME and HOME are not set");
     }
-    return length > 0 && length < PATH_MAX - 64 && is_made(path) && is_safe(path);
+    if (length >= PATH_MAX - 64)
+        return fp3_fail(error, FP3_E_ARGUMENT, "its name is too long");
+    return is_made(path) ? FP3_OK : fp3_path_fail(error, path, "cannot be made");
 }
 
-void fp3_cache_find(const char *text, fp3_cache *cache) {
+/* A directory of our own, that nobody else writes to: what is behind a name in it stays what it is. */
+static fp3_status check_directory(const char *path, char real[PATH_MAX], fp3_error *error) {
+    struct stat is;
+    fp3_status status = fp3_path_check_private(path, real, error);
+    if (status)
+        return status;
+    if (stat(real, &is) || access(real, W_OK | X_OK))
+        return fp3_path_fail(error, real, "cannot write");
+    return is.st_uid != geteuid() || (is.st_mode & (S_IWGRP | S_IWOTH))
+               ? fp3_fail(error, FP3_E_ARGUMENT, "other users can write to %s", real)
+               : FP3_OK;
+}
+
+fp3_status fp3_cache_find(const char *text, fp3_cache *cache, fp3_error *error) {
+    char path[PATH_MAX];
+    fp3_status status = find_directory(path, error);
+    if (!status)
+        status = check_directory(path, cache->directory, error);
+    if (!status && strlen(cache->directory) >= PATH_MAX - 64)
+        status = fp3_fail(error, FP3_E_ARGUMENT, "its name is too long");
     cache->path[0] = '\0';
-    if (!find_directory(cache->directory))
+    if (status)
         cache->directory[0] = '\0';
     else
         snprintf(cache->path, PATH_MAX, "%.*s/%016" PRIx64 ".so", PATH_MAX - 64, cache->directory,
                  hash(text));
+    return status;
 }
 
 const char *fp3_cache_text(const char *data, size_t size, size_t *text_size) {
@@ -78,12 +99,24 @@ static int is_whole(const char *data, size_t size, const char *text) {
     return found && text_size == strlen(text) && memcmp(found, text, text_size) == 0;
 }
 
+/* The directory may have been open to others before: what they left there is not ours. */
+static int is_own(int file) {
+    struct stat is;
+    return fstat(file, &is) == 0 && S_ISREG(is.st_mode) && is.st_uid == geteuid() &&
+           !(is.st_mode & (S_IWGRP | S_IWOTH));
+}
+
 int fp3_cache_has(const fp3_cache *cache, const char *text) {
-    char *data = NULL;
+    char *data = NULL, name[32];
     size_t size = 0;
-    const int is_there = cache->path[0] && access(cache->path, R_OK) == 0 &&
-                         !fp3_file_read(cache->path, &data, &size, NULL) &&
-                         is_whole(data, size, text);
+    const int file =
+        *cache->path ? open(cache->path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC) : -1;
+    if (file < 0)
+        return 0;
+    snprintf(name, sizeof name, "/proc/self/fd/%d", file);
+    const int is_there =
+        is_own(file) && !fp3_file_read(name, &data, &size, NULL) && is_whole(data, size, text);
+    close(file);
     free(data);
     return is_there;
 }

@@ -24,7 +24,7 @@ typedef struct {
 /* FP3_FAST: a kind of processor, or "interpreter", or both with a comma. */
 static fp3_status read_wish(wish *w, fp3_error *error) {
     static const char separators[] = ",";
-    const char *asked = getenv("FP3_FAST");
+    const char *asked = secure_getenv("FP3_FAST");
     *w = (wish){0};
     for (; asked && *asked; asked += strspn(asked, separators)) {
         const size_t length = strcspn(asked, separators);
@@ -52,7 +52,9 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     if (status && !f->native.library)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
     else
-        snprintf(f->how, sizeof f->how, "native %s", f->sweep->name);
+        snprintf(f->how, sizeof f->how,
+                 *f->native.no_cache ? "native %s (no cache: %s)" : "native %s", f->sweep->name,
+                 f->native.no_cache);
 }
 
 /* Of a lesser kind of processor than this one, maybe. */

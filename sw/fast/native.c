@@ -3,6 +3,7 @@
 
 #include "base/cc.h"
 #include "base/file.h"
+#include "base/path.h"
 #include "cache.h"
 #include "write.h"
 
@@ -43,8 +44,12 @@ static fp3_status compile(const char *text, const char *kind, const char *path, 
     return fp3_cc_compile(text, (const char *const[]){march, OPTIONS, NULL}, path, 0, error);
 }
 
+/* By its whole path: a name alone would be looked for elsewhere. */
 static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *error) {
-    native->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    char real[PATH_MAX];
+    if (!realpath(path, real))
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
+    native->library = dlopen(real, RTLD_NOW | RTLD_LOCAL);
     if (!native->library)
         return fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
     void *symbol = dlsym(native->library, FP3_FAST_NAME);
@@ -55,31 +60,49 @@ static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *err
     return fp3_fail(error, FP3_E_SYSTEM, "%s: " FP3_FAST_NAME " is missing", path);
 }
 
-/* A new file of our own in the cache or, without one, where temporary files go. */
-static int make_file(const fp3_cache *cache, char path[PATH_MAX]) {
-    const char *given = getenv("TMPDIR");
-    const char *directory = cache->directory[0] ? cache->directory
-                            : given && *given   ? given
-                                                : "/tmp";
-    if (snprintf(path, PATH_MAX, "%s/fp3-XXXXXX", directory) >= PATH_MAX)
-        return 0;
-    const int fd = mkstemp(path);
-    if (fd >= 0)
-        close(fd);
-    return fd >= 0;
+/* A directory of this user alone, for a library that is being made: a compiler replaces the file that it
+ * writes, and nobody else may do so in between. */
+typedef struct {
+    char directory[PATH_MAX], file[PATH_MAX + 16];
+} workshop;
+
+static fp3_status open_workshop(const char *in, workshop *w, fp3_error *error) {
+    if (snprintf(w->directory, PATH_MAX, "%s/fp3-XXXXXX", in) >= PATH_MAX)
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(ENAMETOOLONG));
+    if (!mkdtemp(w->directory))
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(errno));
+    snprintf(w->file, sizeof w->file, "%s/code.so", w->directory);
+    return FP3_OK;
+}
+
+static void close_workshop(const workshop *w) {
+    unlink(w->file);
+    rmdir(w->directory);
+}
+
+/* In the cache or, without one, where temporary files go. */
+static fp3_status find_workshop(const fp3_cache *cache, workshop *w, fp3_error *error) {
+    const char *given = secure_getenv("TMPDIR");
+    char real[PATH_MAX];
+    if (cache->directory[0])
+        return open_workshop(cache->directory, w, error);
+    const fp3_status status = fp3_path_check_private(given && *given ? given : "/tmp", real, error);
+    return status ? status : open_workshop(real, w, error);
 }
 
 /* Loaded before it is kept: the entry may then be whoever's it is. */
 static fp3_status make(const fp3_cache *cache, const char *text, const char *kind,
                        fp3_fast_native *native, fp3_error *error) {
-    char path[PATH_MAX];
-    if (!make_file(cache, path))
-        return fp3_fail(error, FP3_E_SYSTEM, "no temporary file: %s", strerror(errno));
-    fp3_status status = compile(text, kind, path, error);
+    workshop w = {.file = ""};
+    fp3_status status = find_workshop(cache, &w, error);
+    if (status)
+        return status;
+    status = compile(text, kind, w.file, error);
     if (!status)
-        status = load(path, native, error);
-    if (status || !cache->path[0] || fp3_cache_keep(cache, path, text, NULL))
-        unlink(path);
+        status = load(w.file, native, error);
+    if (!status && cache->path[0])
+        fp3_cache_keep(cache, w.file, text, NULL);
+    close_workshop(&w);
     return status;
 }
 
@@ -87,16 +110,18 @@ fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, int
                                 fp3_fast_native *native, fp3_error *error) {
     char *text = NULL;
     fp3_cache cache;
+    fp3_error why = {.text = "not in the cache"};
     *native = (fp3_fast_native){0};
     fp3_status status = write_text(plan, kind, &text, error);
-    if (!status) {
-        fp3_cache_find(text, &cache);
-        if (!fp3_cache_has(&cache, text) || load(cache.path, native, error))
-            status = may_compile ? make(&cache, text, kind, native, error)
-                                 : fp3_fail(error, FP3_E_SYSTEM,
-                                            "not in the cache, and no compiler "
-                                            "may be started");
-    }
+    if (status)
+        return status;
+    const fp3_status none = fp3_cache_find(text, &cache, &why);
+    if (!fp3_cache_has(&cache, text) || load(cache.path, native, error))
+        status = may_compile ? make(&cache, text, kind, native, error)
+                             : fp3_fail(error, FP3_E_SYSTEM, "%s%s, and no compiler may be started",
+                                        none ? "no cache: " : "", why.text);
+    if (none && !status)
+        snprintf(native->no_cache, sizeof native->no_cache, "%s", why.text);
     free(text);
     return status;
 }
@@ -107,23 +132,21 @@ fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, co
                                  fp3_error *error) {
     const char *slash = strrchr(path, '/');
     const int length = slash == path ? 1 : slash ? (int)(slash - path) : 1;
-    char *text = NULL, file[PATH_MAX];
+    char *text = NULL;
     fp3_cache as;
+    workshop w = {.file = ""};
     if (strlen(path) >= PATH_MAX)
         return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(ENAMETOOLONG));
     snprintf(as.path, sizeof as.path, "%s", path);
     snprintf(as.directory, sizeof as.directory, "%.*s", length, slash ? path : ".");
     fp3_status status = write_text(plan, kind, &text, error);
-    if (!status && !make_file(&as, file))
-        status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
-    else if (!status) {
-        status = compile(text, kind, file, error);
-        if (!status && chmod(file, 0644))
+    if (!status && !(status = open_workshop(as.directory, &w, error))) {
+        status = compile(text, kind, w.file, error);
+        if (!status && chmod(w.file, 0644))
             status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
         if (!status)
-            status = fp3_cache_keep(&as, file, text, error);
-        if (status)
-            unlink(file);
+            status = fp3_cache_keep(&as, w.file, text, error);
+        close_workshop(&w);
     }
     free(text);
     return status;

@@ -3,8 +3,9 @@
  * The cache is the directory FP3_CACHE_DIR, or fp3 in XDG_CACHE_HOME, or .cache/fp3 at home; without one
  * a program is compiled anew by each process. An entry is a shared library with the text that it was compiled
  * from and a checksum behind it, written beside its name and renamed: two processes may make it at the
- * same time, and one that is damaged or has another text is made again. A directory that somebody
- * else can write to is not used. FP3_CC names the compiler; the default is cc.
+ * same time, and one that is damaged or has another text is made again. A directory is not used
+ * where another user can write to it or to one above it, and neither is an entry that is not this user's. FP3_CC
+ * names the compiler; the default is cc.
  */
 #ifndef FP3_NATIVE_H
 #define FP3_NATIVE_H
@@ -19,6 +20,7 @@ typedef void fp3_fast_stretch(const fp3_fast_place *place, unsigned parts, unsig
 typedef struct {
     void *library;
     fp3_fast_stretch *stretch;
+    char no_cache[112]; /* why what was compiled now is not kept; "": it is, or nothing was */
 } fp3_fast_native;
 
 /* kind: of the processor, for -march; may_compile: 0: only what is in the cache. The caller closes *native. FP3_E_SYSTEM: there

@@ -4,42 +4,30 @@
  */
 #include "gnuplot.h"
 
+#include "base/child.h"
 #include "text/number.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
+#include <poll.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
+#define SECONDS_MOST 120u
 
-/* Returns an errno, or 0. */
-static int start(char *const *arguments, int in, int out, int err, pid_t *child) {
-    posix_spawn_file_actions_t actions;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
-        return failed;
-    failed = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-    if (!failed)
-        failed = posix_spawnp(child, arguments[0], &actions, NULL, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
+/* Its exit code, -1, or TOO_LONG. */
+#define TOO_LONG (-2)
+static int wait_for(const fp3_child *child) {
+    int how = 0;
+    const int failed = fp3_child_wait(child, &how);
+    return failed == ETIMEDOUT ? TOO_LONG : !failed && WIFEXITED(how) ? WEXITSTATUS(how) : -1;
 }
 
-/* Its exit code, or -1. */
-static int wait_for(pid_t child) {
-    int state = 0;
-    while (waitpid(child, &state, 0) < 0)
-        if (errno != EINTR)
-            return -1;
-    return WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+static fp3_status too_long(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "gnuplot took longer than %u s, and was ended",
+                    SECONDS_MOST);
 }
 
 static fp3_status cannot_start(int number, fp3_error *error) {
@@ -53,14 +41,16 @@ static fp3_status cannot_start(int number, fp3_error *error) {
 fp3_status fp3_gnuplot_check(fp3_error *error) {
     char *const arguments[] = {"gnuplot", "--version", NULL};
     const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
-    pid_t child = -1;
+    fp3_child child;
     if (nothing < 0)
         return fp3_fail(error, FP3_E_SYSTEM, "/dev/null: cannot open: %s", strerror(errno));
-    const int failed = start(arguments, nothing, nothing, nothing, &child);
-    const int code = failed ? 0 : wait_for(child);
+    const int failed = fp3_child_start(arguments, nothing, nothing, nothing, SECONDS_MOST, &child);
+    const int code = failed ? 0 : wait_for(&child);
     close(nothing);
     if (failed)
         return cannot_start(failed, error);
+    if (code == TOO_LONG)
+        return too_long(error);
     return code ? fp3_fail(error, FP3_E_SYSTEM, "gnuplot does not start: it ends with %d", code)
                 : FP3_OK;
 }
@@ -77,31 +67,36 @@ static fp3_status tell(FILE *said, int code, fp3_error *error) {
     return fp3_fail(error, FP3_E_SYSTEM, "gnuplot ends with %d", code);
 }
 
-/* Until gnuplot closes its end. What cannot be written, the stream remembers. */
-static void copy(int from, FILE *to) {
+/* Until gnuplot closes its end, or its time is over. What cannot be written, the stream remembers. */
+static void copy(int from, const fp3_child *child, FILE *to) {
     char bytes[65536];
-    for (ssize_t count; (count = read(from, bytes, sizeof bytes)) != 0;)
+    struct pollfd end = {.fd = from, .events = POLLIN};
+    for (;;) {
+        const int ready = poll(&end, 1, fp3_child_left(child));
+        const ssize_t count = ready > 0 ? read(from, bytes, sizeof bytes) : 0;
         if (count > 0)
             fwrite(bytes, 1, (size_t)count, to);
-        else if (errno != EINTR)
+        else if ((ready >= 0 && count == 0) || errno != EINTR)
             return;
+    }
 }
 
 static fp3_status draw(FILE *script, FILE *to, FILE *said, fp3_error *error) {
     char *const arguments[] = {"gnuplot", "--default-settings", NULL};
     int ends[2];
-    pid_t child = -1;
+    fp3_child child;
     if (lseek(fileno(script), 0, SEEK_SET) < 0 || pipe2(ends, O_CLOEXEC))
         return fp3_fail(error, FP3_E_SYSTEM, "cannot make a pipe: %s", strerror(errno));
-    const int failed = start(arguments, fileno(script), ends[1], fileno(said), &child);
+    const int failed =
+        fp3_child_start(arguments, fileno(script), ends[1], fileno(said), SECONDS_MOST, &child);
     close(ends[1]);
     if (!failed)
-        copy(ends[0], to);
+        copy(ends[0], &child, to);
     close(ends[0]);
     if (failed)
         return cannot_start(failed, error);
-    const int code = wait_for(child);
-    return code ? tell(said, code, error) : FP3_OK;
+    const int code = wait_for(&child);
+    return code == TOO_LONG ? too_long(error) : code ? tell(said, code, error) : FP3_OK;
 }
 
 static int ends(const char *path, const char *end) {

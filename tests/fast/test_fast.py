@@ -1,9 +1,13 @@
 """The fast engine: the bits, flags and failures of the isa engine, however it executes; its cache."""
 
 import os
+import pathlib
 import re
+import shutil
 import stat
+import struct
 import subprocess
+import tempfile
 import zlib
 
 import pytest
@@ -261,6 +265,83 @@ def test_a_full_disk(fp3, root, tmp_path):
 def test_the_cache_is_its_owner_s(run, tmp_path):
     run(*SHIP)
     assert stat.S_IMODE((tmp_path / "cache").stat().st_mode) == 0o700
+
+
+def plant(run, tmp_path):
+    """The one entry, with other code and a right checksum: what an attacker would leave there. It prints when it is loaded."""
+    expected = run(*SHIP)
+    (entry,) = entries(tmp_path)
+    data = entry.read_bytes()
+    size, = struct.unpack("<Q", data[-16:-8])
+    text = data[-16 - size:-16]
+    source = 'void planted(void) __attribute__((constructor)); int puts(const char *); void planted(void) { puts("planted"); }'
+    subprocess.run(["gcc", "-shared", "-fPIC", "-x", "c", "-", "-o", entry], input=source, text=True, check=True)
+    body = entry.read_bytes() + text
+    entry.write_bytes(body + struct.pack("<QII", size, zlib.crc32(body), 0x46335046))
+    return expected, entry
+
+
+def test_an_entry_that_is_somebody_else_s_is_not_loaded(run, tmp_path):
+    expected, entry = plant(run, tmp_path)
+    assert "planted" in run(*SHIP, status=0), "the plant works where it is the user's own"
+    entry.chmod(0o666)
+    assert run(*SHIP) == expected and run.how.startswith("native"), "others can write to it"
+    _, entry = plant(run, tmp_path)
+    if os.geteuid() == 0:
+        os.chown(entry, 12345, 12345)
+        assert run(*SHIP) == expected and entry.stat().st_uid == 0
+    _, entry = plant(run, tmp_path)
+    entry.rename(tmp_path / "elsewhere")
+    entry.symlink_to(tmp_path / "elsewhere")
+    assert run(*SHIP) == expected and not entry.is_symlink()
+
+
+def test_a_cache_below_a_directory_of_others_is_not_used(run, tmp_path):
+    """Who can rename a directory above the cache can put another in its place. A sticky one is no such door."""
+    expected = run(*SHIP)
+    above = tmp_path / "above"
+    (above / "cache").mkdir(parents=True, mode=0o700)
+    above.chmod(0o777)
+    cache = {"FP3_CACHE_DIR": str(above / "cache")}
+    assert run(*SHIP, **cache) == expected
+    assert run.how.startswith("native") and run.how.endswith(f"(no cache: other users can write to {above})") and not list((above / "cache").iterdir())
+    assert run(*SHIP, FP3_FAST="interpreter", **cache) == expected
+    above.chmod(0o1777)
+    assert run(*SHIP, **cache) == expected and run.how.endswith(run.how.split()[-1]) and "no cache" not in run.how
+    assert list((above / "cache").iterdir())
+    above.chmod(0o777)
+    assert run(*SHIP, FP3_CACHE_DIR=str(above / "cache"), TMPDIR=str(above)) == expected, "nor is a place for temporary files"
+    assert run.how.startswith("interpreter") and f"other users can write to {above}" in run.how
+
+
+def test_a_command_with_its_owner_s_rights_takes_no_program_from_its_caller(fp3):
+    """The environment is the caller's: a command that is setuid must not start what FP3_CC names, nor trust his cache."""
+    if os.geteuid() != 0:
+        pytest.skip("needs root")
+    with tempfile.TemporaryDirectory() as folder:
+        os.chmod(folder, 0o755)
+        command = shutil.copy(fp3, folder)
+        shutil.copy(fp3.parents[1] / "programs/ship.ode", folder)
+        os.chown(command, 65534, 65534)
+        os.chmod(command, 0o4755)
+        pathlib.Path(folder, "cc").write_text(f"#!/bin/sh\ntouch {folder}/started\nexit 1\n")
+        os.chmod(folder + "/cc", 0o755)
+        os.chmod(folder, 0o777)
+        environment = {**os.environ, "FP3_CC": folder + "/cc", "FP3_CACHE_DIR": folder + "/cache", "HOME": folder, "TMPDIR": folder}
+        done = subprocess.run([command, "run", "-e", "fast", "ship.ode", *map(str, SHIP[1:])], cwd=folder, capture_output=True, text=True, env=environment, timeout=60)
+        assert done.returncode == 0, done.stderr
+        assert sorted(os.listdir(folder)) == ["cc", command.split("/")[-1], "ship.ode"], done.stdout
+
+
+@pytest.mark.parametrize("deaf", ["", "trap '' TERM; "])
+def test_a_compiler_that_hangs_is_ended(run, tmp_path, fast_clock, deaf):
+    expected = run(*SHIP)
+    for entry in entries(tmp_path):
+        entry.unlink()
+    (tmp_path / "cc").write_text(f"#!/bin/bash\n{deaf}for ((;;)); do :; done\n")
+    (tmp_path / "cc").chmod(0o755)
+    assert run(*SHIP, FP3_CC=str(tmp_path / "cc"), **fast_clock) == expected
+    assert run.how.startswith("interpreter") and "took longer than 120 s" in run.how, run.how
 
 
 # ---- native code in a file ----

@@ -34,6 +34,14 @@ def test_an_unknown_configuration_is_named_before_anything_is_built(root, target
     assert "no configuration 'nonesuch': there are " in done.stderr and "single" in done.stderr
 
 
+def test_a_path_with_a_space_is_refused_at_once(root, tmp_path):
+    folder = tmp_path / "my work"
+    folder.mkdir()
+    shutil.copy(root / "Makefile", folder)
+    done = make(folder, "all")
+    assert done.returncode != 0 and done.stdout == "" and f"the path '{folder}' has a space" in done.stderr, done.stderr
+
+
 @pytest.mark.parametrize("goals", [["setup", "sim", "test"], ["sim", "test", "setup"]])
 def test_setup_ends_before_anything_else_starts(root, tmp_path, goals):
     # The same rules, with recipes that only note their order.

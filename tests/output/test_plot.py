@@ -163,6 +163,15 @@ def test_gnuplot_fails(start, tmp_path, script, message):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bin", "x.svg"]
 
 
+@pytest.mark.parametrize("when", ["", "[ $1 = --version ] || "])
+def test_gnuplot_hangs(start, tmp_path, fast_clock, when):
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin/gnuplot").write_text(f"#!/bin/bash\n{when}for ((;;)); do :; done\n")
+    (tmp_path / "bin/gnuplot").chmod(0o755)
+    done = start("ship.ode", "-e", "isa", "--plot", "x.svg", output=None, code=1, env={**os.environ, **fast_clock, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"})
+    assert "gnuplot took longer than 120 s, and was ended" in done.stderr, done.stderr
+
+
 def test_a_full_disk_is_told(start, tmp_path):
     (tmp_path / "full.svg").symlink_to("/dev/full")
     done = start("ship.ode", "-e", "isa", "--plot", "full.svg", output=None, code=1)
