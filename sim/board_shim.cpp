@@ -89,6 +89,7 @@ size_t clock_board(fp3_board *board, uint64_t cycles, const uint8_t *in, size_t 
 fp3_board *open_board() try {
     std::unique_ptr<fp3_board> board(new fp3_board());
     board->context.reset(new VerilatedContext);
+    board->context->threads(1); /* as in fp3_shim.cpp */
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     board->context->randReset(2);
     board->context->randSeed(1);

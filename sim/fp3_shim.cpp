@@ -283,6 +283,9 @@ uint64_t cycles_so_far(const fp3_rtl *rtl) { return rtl->cycle; }
 fp3_rtl *open_rtl(const fp3_rtl_watch *watch, uint64_t waits) try {
     std::unique_ptr<fp3_rtl> rtl(new fp3_rtl());
     rtl->context.reset(new VerilatedContext);
+    /* The model is of one thread. By default the context starts one for each other processor, which aborts where
+     * no more processes are allowed, and waits for ever in a child after fork. */
+    rtl->context->threads(1);
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     rtl->context->randReset(2);
     rtl->context->randSeed(1);
