@@ -14,6 +14,7 @@
 //                                  lanes of one cycle in their order)
 //               s address 0        read and shown: a line `address data`, or `address error`
 //               z cycles length    so many cycles later, reset for `length` cycles
+//               e lines 0          the end: how many lines are in front of it. A file that was cut off has none
 //           With +resets the session is replayed twice. In between it begins N times, with pauses on the
 //           bus, and each time a reset of one to four cycles ends it at a random moment, in transfers too.
 //           The second replay takes the cycles of the first, and has its hash.
@@ -168,6 +169,7 @@ module replay;
     reg [8*8-1:0]   kind;
     reg [31:0]      x, y;
     integer         file, line, fields, checks, round;
+    reg             ended;
     integer         resets = 0, seed = 1, fresh_cycles;
     reg [63:0]      fresh_hash;
 
@@ -240,11 +242,13 @@ module replay;
         begin
             line   = 0;
             checks = 0;
+            ended  = 1'b0;
             hash   = FNV_OFFSET;
             fields = $rewind(file);
             fields = $fscanf(file, " %s %h %h", kind, x, y);
             while (fields == 3) begin
                 line = line + 1;
+                if (ended) fail("a line follows the end");
                 case (kind)
                     "w": access(1'b1, x, y);
                     "r": begin
@@ -276,7 +280,11 @@ module replay;
                         repeat (x) @(negedge clk);
                         reset(y);
                     end
-                    default: fail("a line is not w, r, p, h, s or z");
+                    "e": begin
+                        if (x != line - 1) fail("the end counts other lines: some are missing");
+                        ended = 1'b1;
+                    end
+                    default: fail("a line is not w, r, p, h, s, z or e");
                 endcase
                 fields = $fscanf(file, " %s %h %h", kind, x, y);
             end
@@ -330,6 +338,7 @@ module replay;
             end
         end
         if (!$feof(file)) begin line = line + 1; fail("the line cannot be read"); end
+        if (!ended) fail("the session has no end: it was cut off");
         if (checks == 0) fail("the session checks nothing");
         $display("PASS %0s: %0d lines, %0d answers checked, %0d cycles, hash %h",
                  session, line, checks, cycles, hash);

@@ -1,6 +1,7 @@
 /* driver.c - see driver.h. */
 #include "driver.h"
 
+#include "base/path.h"
 #include "identity.h"
 #include "read_ahead.h"
 
@@ -90,10 +91,28 @@ fp3_status fp3_driver_flush(fp3_engine *engine) {
     return transfer_all(engine, 1, self->where, self->what, count);
 }
 
+fp3_status fp3_driver_note(fp3_engine *engine, char kind, uint32_t x, uint32_t y) {
+    fp3_driver *self = engine->self;
+    if (!self->log)
+        return FP3_OK;
+    self->lines++;
+    return fprintf(self->log, "%c %08" PRIx32 " %08" PRIx32 "\n", kind, x, y) > 0
+               ? FP3_OK
+               : fp3_path_fail(engine->def.error, engine->def.bus_log, "cannot write");
+}
+
+fp3_status fp3_driver_save_log(fp3_engine *engine) {
+    const fp3_driver *self = engine->self;
+    return !self->log || !fflush(self->log)
+               ? FP3_OK
+               : fp3_path_fail(engine->def.error, engine->def.bus_log, "cannot write");
+}
+
 fp3_status fp3_driver_put(fp3_engine *engine, uint32_t address, uint32_t data) {
     fp3_driver *self = engine->self;
-    if (self->log)
-        fprintf(self->log, "w %08" PRIx32 " %08" PRIx32 "\n", address, data);
+    const fp3_status status = fp3_driver_note(engine, 'w', address, data);
+    if (status)
+        return status;
     self->where[self->queued] = address;
     self->what[self->queued++] = data;
     return self->queued == FP3_QUEUE_WORDS ? fp3_driver_flush(engine) : FP3_OK;
@@ -107,10 +126,9 @@ static fp3_status read_words(fp3_engine *engine, const uint32_t *addresses, uint
 
 fp3_status fp3_driver_get_all(fp3_engine *engine, const uint32_t *addresses, uint32_t *data,
                               uint32_t count) {
-    const fp3_driver *self = engine->self;
     fp3_status status = read_words(engine, addresses, data, count);
-    for (uint32_t i = 0; !status && self->log && i < count; i++)
-        fprintf(self->log, "r %08" PRIx32 " %08" PRIx32 "\n", addresses[i], data[i]);
+    for (uint32_t i = 0; !status && i < count; i++)
+        status = fp3_driver_note(engine, 'r', addresses[i], data[i]);
     return status;
 }
 
@@ -138,5 +156,6 @@ fp3_status fp3_driver_open(fp3_engine *engine) {
 
 void fp3_driver_close(fp3_engine *engine) {
     fp3_driver *self = engine->self;
+    fp3_driver_note(engine, 'e', self->lines, 0); /* without it the log is refused */
     fp3_output_close(&self->output);
 }

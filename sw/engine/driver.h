@@ -33,6 +33,7 @@ typedef struct {
     const fp3_bus *bus;
     fp3_output *output; /* NULL unless there is a bus log ... */
     FILE *log;          /* ... and its stream */
+    uint32_t lines;     /* that it has */
     uint32_t queued;    /* writes that the hardware has not got yet: where, and what */
     uint32_t where[FP3_QUEUE_WORDS], what[FP3_QUEUE_WORDS];
 } fp3_driver;
@@ -41,6 +42,12 @@ typedef struct {
 fp3_status fp3_driver_open(fp3_engine *engine);
 /* Also after an open that failed, and of an engine whose driver is {0}. */
 void fp3_driver_close(fp3_engine *engine);
+
+/* A line of the log, if there is one: "KIND X Y". FP3_E_SYSTEM: it cannot be written. */
+fp3_status fp3_driver_note(fp3_engine *engine, char kind, uint32_t x, uint32_t y);
+
+/* What the log has so far, on the disk: a full one is found before a run, not after it. */
+fp3_status fp3_driver_save_log(fp3_engine *engine);
 
 /* A word written may wait for others; the next read sends it, and so does fp3_driver_flush. If it is refused then, that call
  * fails. */

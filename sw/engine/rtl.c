@@ -70,9 +70,10 @@ static fp3_status rest(fp3_engine *engine, uint64_t cycles, uint32_t asked) {
 
 static fp3_status ended(fp3_engine *engine) {
     const rtl_engine *self = engine->self;
-    if (self->driver.log)
-        fprintf(self->driver.log, "h %08" PRIx64 " %08" PRIx64 "\n", self->hash >> 32,
-                self->hash & UINT32_MAX);
+    const fp3_status status = fp3_driver_note(engine, 'h', (uint32_t)(self->hash >> 32),
+                                              (uint32_t)(self->hash & UINT32_MAX));
+    if (status)
+        return status;
     if (self->in_flight && fp3_in_flight_is_lost(self->in_flight))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM,
                         "the hardware ended an instruction that it had not issued");

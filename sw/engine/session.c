@@ -65,16 +65,14 @@ static fp3_status stop(fp3_engine *engine, uint32_t *outcome) {
 }
 
 static fp3_status wait_or_stop(fp3_engine *engine) {
-    const fp3_driver *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit ? engine->def.cycle_limit : UINT64_MAX;
     uint32_t outcome = 0;
     fp3_status status = wait_until_idle(engine, limit, UINT32_MAX, &outcome);
     if (!status && FIELD(outcome, STATUS_RUNNING))
         status = stop(engine, &outcome);
-    if (!status && self->log)
-        fprintf(self->log, "p %08" PRIx32 " %08x\n", fp3_driver_of_all(engine, FP3_ADDR_STATUS),
-                BIT(STATUS_RUNNING));
-    return status;
+    return status ? status
+                  : fp3_driver_note(engine, 'p', fp3_driver_of_all(engine, FP3_ADDR_STATUS),
+                                    BIT(STATUS_RUNNING));
 }
 
 static const uint32_t counter_addresses[] = {
@@ -159,6 +157,8 @@ static fp3_status ask_schedulers(fp3_engine *engine, fp3_stats *stats, uint32_t 
 fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     uint32_t all = 0, illegal = 0, word = 0, flags = 0;
     fp3_status status = start(engine, steps);
+    if (!status)
+        status = fp3_driver_save_log(engine);
     if (!status)
         status = wait_or_stop(engine);
     if (!status)

@@ -2,15 +2,16 @@
 #include <fp3/trace.h>
 
 #include "base/file.h"
+#include "base/path.h"
 #include "kanata_log.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 struct fp3_kanata {
     char *path;
+    fp3_output *output;
     const fp3_config *config;
     fp3_image *image;
     fp3_traced *rows; /* as they end */
@@ -32,6 +33,11 @@ fp3_status fp3_kanata_open(const char *path, const char *config, const fp3_image
     k->path = strdup(path);
     fp3_status status = k->path ? fp3_image_make(image, &k->image, error)
                                 : fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
+    if (!status)
+        status = fp3_output_open(path, &k->output, error);
+    if (!status && (fputs(FP3_KANATA_HEADER, fp3_output_stream(k->output)) < 0 ||
+                    fflush(fp3_output_stream(k->output)))) /* told before the run, not after it */
+        status = fp3_path_fail(error, path, "cannot write");
     if (status)
         fp3_kanata_free(&k);
     *kanata = k;
@@ -43,6 +49,7 @@ void fp3_kanata_free(fp3_kanata **kanata) {
     *kanata = NULL;
     if (!k)
         return;
+    fp3_output_close(&k->output);
     fp3_image_free(&k->image);
     free(k->path);
     free(k->rows);
@@ -98,37 +105,14 @@ static int by_issue(const void *one, const void *other) {
     return (a->scheduler > b->scheduler) - (a->scheduler < b->scheduler);
 }
 
-static fp3_status write_log(fp3_kanata *k, FILE *out) {
+static fp3_status save(fp3_kanata *k) {
     const fp3_kanata_rows rows = {k->config, k->image, k->rows, k->count};
     fp3_error why;
-    fp3_status status = fp3_kanata_log(&rows, out, &why);
-    if (status)
-        return fp3_fail(&k->error, status, "%s: %s", k->path, why.text);
-    return !fflush(out) && !ferror(out)
-               ? FP3_OK
-               : fp3_fail(&k->error, FP3_E_SYSTEM, "%s: the log does not fit a temporary file",
-                          k->path);
-}
-
-/* By way of a temporary file, since a long log is large, and path must not hold half of one. */
-static fp3_status save(fp3_kanata *k) {
-    FILE *out = tmpfile();
-    if (!out)
-        return fp3_fail(&k->error, FP3_E_SYSTEM, "%s: no temporary file", k->path);
     if (k->count)
         qsort(k->rows, k->count, sizeof *k->rows, by_issue);
-    fp3_status status = write_log(k, out);
-    const long size = status ? 0 : ftell(out);
-    void *log =
-        status ? MAP_FAILED : mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fileno(out), 0);
-    if (!status && log == MAP_FAILED)
-        status = fp3_fail(&k->error, FP3_E_SYSTEM, "%s: out of memory", k->path);
-    if (!status)
-        status = fp3_file_write(k->path, log, (size_t)size, &k->error);
-    if (log != MAP_FAILED)
-        munmap(log, (size_t)size);
-    fclose(out);
-    return status;
+    const fp3_status status = fp3_kanata_log(&rows, fp3_output_stream(k->output), &why);
+    return status ? fp3_fail(&k->error, status, "%s: %s", k->path, why.text)
+                  : fp3_output_publish(k->output, &k->error);
 }
 
 fp3_status fp3_kanata_close(fp3_kanata **kanata, fp3_error *error) {

@@ -136,7 +136,7 @@ fp3_status fp3_kanata_log(const fp3_kanata_rows *rows, FILE *out, fp3_error *err
     writer w = {.of = rows, .out = out, .said = rows->count ? rows->rows[0].issued : 0};
     fp3_status status = FP3_OK;
     size_t next = 0;
-    fprintf(out, "Kanata\t0004\nC=\t%" PRIu64 "\n", w.said);
+    fprintf(out, "C=\t%" PRIu64 "\n", w.said);
     for (uint64_t cycle = w.said; !status && (next < rows->count || w.count);) {
         size_t left = 0;
         for (size_t i = 0; i < w.count; i++)

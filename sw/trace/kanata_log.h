@@ -15,7 +15,9 @@ typedef struct {
     size_t count;
 } fp3_kanata_rows;
 
-/* What goes wrong with out itself is for the caller to find. */
+#define FP3_KANATA_HEADER "Kanata\t0004\n" /* the first line of the file */
+
+/* All behind it. What goes wrong with out itself is for the caller to find. */
 fp3_status fp3_kanata_log(const fp3_kanata_rows *rows, FILE *out, fp3_error *error);
 
 #endif

@@ -108,8 +108,8 @@ def test_one_object_has_the_bits_and_counters_of_rtl(fp3, ship, tmp_path):
         done = run(fp3, *ship, "--engine", "board", "--port", port, "--bus-log", log)
         same(done, run(fp3, *ship, "--bus-log", tmp_path / "rtl.session"))
         whole = (tmp_path / "rtl.session").read_text().splitlines()
-        rows, more = iter(log.read_text().splitlines()), []              # those of rtl, and what clears the memories before
-        for line in [line for line in whole if line[0] != "h"]:
+        rows, more = iter(log.read_text().splitlines()[:-1]), []              # those of rtl, and what clears the memories before
+        for line in [line for line in whole if line[0] not in "he"]:
             more += itertools.takewhile(lambda row: row != line, rows)
         assert not list(rows) and more and all(row[0] == "w" and row.endswith(" 00000000") for row in more)
         for name, more in (("board.csv", ["--engine", "board", "--port", port]), ("rtl.csv", [])):   # reads between runs

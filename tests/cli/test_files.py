@@ -1,6 +1,7 @@
 """Files of a command: none is lost, outputs are whole or not there, what cannot be written is found before the work."""
 
 import os
+import resource
 import stat
 import subprocess
 
@@ -180,6 +181,21 @@ def test_a_bus_log_is_there_whole_or_not_at_all(start, folder):
     done = start("run --scene isa.scene --bus-log log2")
     assert done.returncode == 2 and b"no bus" in done.stderr
     assert not [path for path in folder.iterdir() if path.name.startswith(".") or path.name == "log2"]
+
+
+@pytest.mark.parametrize("option", ["--bus-log", "--kanata"])
+def test_a_full_disk_is_found_before_the_run(start, folder, option):
+    """Ten million steps of the hardware would take minutes."""
+    done = start(f"run m.ode -n 10000000 {option} /dev/full", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (10, 10)))
+    assert done.returncode == 1 and b"/dev/full: cannot write: No space left on device" in done.stderr, done
+
+
+@pytest.mark.parametrize("command", ["run m.ode --bus-log log", "run m.ode -n 50 --kanata log", "compile m.ode -o log", "run m.ode -e isa -n 999 --every 1 --output log"])
+def test_a_file_that_may_not_grow_is_a_write_that_fails(start, folder, command):
+    """Without a signal's help: the kernel would end the command."""
+    done = start(command, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+    assert done.returncode == 1 and b"log: cannot write: File too large" in done.stderr, done
+    assert not (folder / "log").exists() and not [path for path in folder.iterdir() if path.name.startswith(".")]
 
 
 @pytest.mark.parametrize("command", ["--help", "--version", "--usage", "run --help", "info", "compile m.ode", "compile --list",

@@ -141,7 +141,8 @@ def test_the_hardware_is_the_map(rdl, build, tmp_path, name):
     for at in {base + offset for base in low for offset in (0x3000, 0x3100, 0xc00000)} - {row[1] for row in found["memories"]}:
         asked.setdefault(at, "error")
     session = tmp_path / "map.session"
-    session.write_text("".join([f"s {at:08x} 0\n" for at in asked] + [f"w {at:08x} 00000000\n" for at in writes]))
+    rows = [f"s {at:08x} 0\n" for at in asked] + [f"w {at:08x} 00000000\n" for at in writes]
+    session.write_text("".join([*rows, f"e {len(rows):x} 0\n"]))
     done = subprocess.run(["vvp", "-n", build / f"icarus/replay_{name}.vvp", f"+session={session}"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout
     answers = {int(at, 16): word for at, word in re.findall(r"^([0-9a-f]{8}) (error|[0-9a-fx]{8})$", done.stdout, re.M)}

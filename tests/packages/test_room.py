@@ -47,7 +47,7 @@ def run(copy, config, session):
     subprocess.run(["iverilog", "-g2012", "-Wno-timescale", "-DFP3_CHECK", f"-DTOP=fp3_{config}", f"-DSCHEDULERS={many}",
                     f"-DLANES={many * lanes}", f"-DSTREAMS={1 + dual}", "-s", "replay", "-c", "rtl/fp3.f", "-o", "room.vvp",
                     "sim/replay.v", f"rtl/gen/fp3_{config}.v"], cwd=copy, check=True, timeout=60)
-    (copy / "room.session").write_text("".join(line + "\n" for line in session))
+    (copy / "room.session").write_text("".join(line + "\n" for line in [*session, f"e {len(session):x} 0"]))
     done = subprocess.run(["vvp", "-n", copy / "room.vvp", f"+session={copy / 'room.session'}"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout
     return done.stdout

@@ -196,7 +196,8 @@ def test_the_bus_log_tells_the_run(run, image, params, tmp_path):
     assert run(image, *params, "--bus-log", "log").returncode == 0
     log = (tmp_path / "log").read_text()
     lines = log.splitlines()
-    assert all(re.fullmatch(r"[wrp] [0-9a-f]{8} [0-9a-f]{8}|h [0-9a-f]{8} [0-9a-f]{8}", line) for line in lines)
+    assert all(re.fullmatch(r"[wrp] [0-9a-f]{8} [0-9a-f]{8}|[he] [0-9a-f]{8} [0-9a-f]{8}", line) for line in lines)
+    assert lines[-1] == f"e {len(lines) - 1:08x} 00000000"
     assert [line[0] for line in lines].count("h") == 1
     assert re.search(r"w 00000010 00000001\np 00000014 00000001\nr 00000014 00000002\n", log)  # start, wait, done
     fails(run(image, *params, "--bus-log", "nonesuch/log"), 2, "nonesuch/log")

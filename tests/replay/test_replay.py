@@ -32,6 +32,12 @@ def record(root, fp3, tmp_path, program, config, steps, *more):
     return session
 
 
+def ended(rows):
+    """The text of a session: its rows, and the end that counts them."""
+    rows = [row for row in rows if not row.startswith("e")]
+    return "".join(row + "\n" for row in [*rows, f"e {len(rows):08x} 00000000"])
+
+
 def replay(root, vvp, session, *more):
     return start("vvp", "-n", vvp, f"+session={session}", *more, cwd=root)
 
@@ -55,6 +61,16 @@ def test_a_wrong_answer_fails(root, fp3, icarus, tmp_path, kind, column):
     session.write_text("\n".join(lines) + "\n")
     done = replay(root, icarus("single"), session)
     assert done.returncode != 0 and "FAIL" in done.stdout and "PASS" not in done.stdout
+
+
+@pytest.mark.parametrize("keep, why", [(lambda rows: rows[:-1], "it was cut off"), (lambda rows: rows[:len(rows) // 2], "it was cut off"),
+                                       (lambda rows: [*rows, rows[-2]], "a line follows the end"),
+                                       (lambda rows: [*rows[:-2], rows[-1]], "some are missing")])
+def test_a_session_that_is_not_whole_fails(root, fp3, icarus, tmp_path, keep, why):
+    session = record(root, fp3, tmp_path, "ship", "single", 3)
+    session.write_text("".join(row + "\n" for row in keep(session.read_text().splitlines())))
+    done = replay(root, icarus("single"), session)
+    assert done.returncode != 0 and why in done.stdout and "PASS" not in done.stdout, done.stdout
 
 
 @pytest.mark.parametrize("text", ["", "x 0000 00000000\n", "w 0\n", "w 0ffc 00000000\n"],
@@ -92,7 +108,7 @@ def reset_in_the_middle(session, times, length):
     rows = []
     for cycles in times:
         rows += [*head, f"z {cycles:x} {length:x}", *soon, *show, *registers, lines[start], *counters]
-    session.write_text("\n".join(rows) + "\n")
+    session.write_text(ended(rows))
     return session
 
 
@@ -127,7 +143,7 @@ def test_a_reset_of_one_cycle_ends_stores_and_flags(root, icarus, tmp_path):
     shown = []
     for length in (1, 80):
         rows = [*program, *(row for cycles in range(82, 94) for row in (*start, f"z {cycles:x} {length:x}", *show))]
-        (tmp_path / "x.session").write_text("\n".join(rows) + "\n")
+        (tmp_path / "x.session").write_text(ended(rows))
         done = replay(root, icarus("many"), tmp_path / "x.session")
         assert done.returncode == 0, done.stdout
         shown.append(done.stdout.splitlines()[:-1])
@@ -142,7 +158,7 @@ def test_all_are_asked_while_one_runs(root, fp3, icarus, tmp_path):
     lines = session.read_text().splitlines()
     head = lines[:next(i for i, line in enumerate(lines) if line.startswith("p")) - 1]       # without the start
     asked = ["s ff800000 0", "s ff800000 0", "s 01000000 0", "s 00000014 0"]
-    session.write_text("\n".join([*head, "w 00000010 00000001", *asked]) + "\n")
+    session.write_text(ended([*head, "w 00000010 00000001", *asked]))
     done = replay(root, icarus("shared"), session, "+limit=20000")
     rows = done.stdout.splitlines()                     # the first says the limit
     assert done.returncode == 0, done.stdout
@@ -186,7 +202,7 @@ def trace(root, tmp_path_factory):
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
     def run(text, *more):
-        (where / "x.session").write_text(text)
+        (where / "x.session").write_text(ended(text.splitlines()))
         return replay(root, where / "x.vvp", where / "x.session", *more)
     return run
 

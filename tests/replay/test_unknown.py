@@ -66,7 +66,8 @@ def record(root, fp3, at, config, objects, steps):
     begin = next(i for i, row in enumerate(rows) if row.startswith("p")) - 1        # the start
     # The status of an object counts from what the host wrote; the command takes it for the 0 of power-up.
     clears = [f"w {row.split()[1]} 00000000" for row in rows if row.startswith("r 00c") or re.match("r 0[1-3]c", row)]
-    session.write_text("\n".join([*rows[:begin], *clears, *rows[begin:]]) + "\n")
+    rows = [*rows[:begin], *clears, *rows[begin:-1]]
+    session.write_text("\n".join([*rows, f"e {len(rows):x} 0"]) + "\n")
     return session
 
 

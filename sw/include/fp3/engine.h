@@ -147,7 +147,9 @@ typedef struct {
      * file appears when the first run has ended, and always holds whole runs. Its lines:
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
      * h HIGH LOW, rtl only, after each run: FNV-1a hash of all retirements so far, over lane
-     * (counted over all schedulers), row within the lane, register, bits, flags. */
+     * (counted over all schedulers), row within the lane, register, bits, flags;
+     * e LINES 0, written when the engine is closed: the number of lines before it. A log without
+     * this line was cut off. */
     const char *bus_log;
 } fp3_engine_def;
 
