@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "allocate.h"
+#include "base/host.h"
 #include "parse.h"
 #include "text/nearest.h"
 #include "text/number.h"
@@ -171,12 +172,11 @@ fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_a
         fp3_assembly_free(result);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     a->report = (fp3_report){.name = name, .source = source, .size = size};
     a->scanner = fp3_scanner_open(source, size);
     fp3_asm_parse(a);
     fp3_status status = finish(a, made, error);
-    fp3_number_locale_leave(locale);
 
     made->error_count = a->report.count;
     if (!status && a->report.count > 0)

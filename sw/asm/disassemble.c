@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "machine/operation.h"
 #include "operand.h"
 
@@ -141,6 +142,7 @@ static void write_labels(const fp3_image *image, uint32_t place, FILE *out) {
 }
 
 fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error) {
+    FP3_HOST;
     *text = NULL;
     view v = view_of(image);
     v.write_numbers = numbers_fall_into_place(&v);

@@ -1,28 +1,54 @@
 #include <fp3/status.h>
+
+#include "host.h"
+#include "printable.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Behind the place, which is in fresh. The arguments may point into error->text itself. */
-static fp3_status fail(fp3_error *error, fp3_status status, fp3_error *fresh, const char *format,
-                       va_list arguments) {
-    fresh->message = (unsigned)strlen(fresh->text);
-    vsnprintf(fresh->text + fresh->message, sizeof fresh->text - fresh->message, format, arguments);
+#define ROOM 8192 /* of a whole message: two paths, and what is said of them */
+
+/* Of a message that is too long the middle goes, mostly that of a path: its end says why. */
+static void shorten(const char *whole, fp3_error *error) {
+    const size_t size = strlen(whole), room = sizeof error->text - 1;
+    size_t head = size <= room ? size : room / 3;
+    const char *tail = size <= room ? "" : whole + size - (room - head - 3);
+    while (*tail && (whole[head] & 0xc0) == 0x80) /* no part of a letter */
+        head--;
+    while ((*tail & 0xc0) == 0x80)
+        tail++;
+    snprintf(error->text, sizeof error->text, "%.*s%s%s", (int)head, whole, *tail ? "..." : "",
+             tail);
+    if (error->message > head) {
+        const char *message = whole + error->message;
+        error->path_size = 0; /* it is not whole */
+        error->message = (unsigned)(head + 3 + (message > tail ? (size_t)(message - tail) : 0));
+    }
+}
+
+/* Behind the place, which whole has. The arguments may point into error->text itself. */
+static fp3_status fail(fp3_error *error, fp3_status status, const fp3_error *place,
+                       char whole[ROOM], const char *format, va_list arguments) {
+    FP3_HOST;
+    const size_t used = strlen(whole);
+    vsnprintf(whole + used, ROOM - used, format, arguments);
     /* A name or path in the message must not break the promise of one printable line. */
-    for (char *c = fresh->text; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 0x7f)
-            *c = '?';
-    *error = *fresh;
+    for (size_t i = 0; whole[i]; i++)
+        whole[i] = fp3_printable(whole, i);
+    *error = *place;
+    error->message = (unsigned)used;
+    shorten(whole, error);
     return status;
 }
 
 fp3_status fp3_fail(fp3_error *error, fp3_status status, const char *format, ...) {
     if (!error)
         return status;
-    fp3_error fresh = {.text = ""};
+    char whole[ROOM] = "";
     va_list arguments;
     va_start(arguments, format);
-    fail(error, status, &fresh, format, arguments);
+    fail(error, status, &(fp3_error){.text = ""}, whole, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -31,19 +57,20 @@ fp3_status fp3_fail_at(fp3_error *error, fp3_status status, const char *path, un
                        unsigned column, const char *format, ...) {
     if (!error)
         return status;
-    fp3_error fresh = {.text = "", .line = line, .column = column};
-    const size_t size = sizeof fresh.text, length = path ? strnlen(path, size - 1) : 0;
-    fresh.path_size = (unsigned)length;
+    char whole[ROOM] = "";
+    const size_t length = path ? strnlen(path, ROOM / 2) : 0;
+    const fp3_error place = {.line = line, .column = column, .path_size = (unsigned)length};
+    const int size = (int)length;
     if (column)
-        snprintf(fresh.text, size, "%s%s%u:%u: error: ", path ? path : "", path ? ":" : "", line,
+        snprintf(whole, ROOM, "%.*s%s%u:%u: error: ", size, path ? path : "", path ? ":" : "", line,
                  column);
     else if (line)
-        snprintf(fresh.text, size, "%s%s%u: ", path ? path : "", path ? ":" : "", line);
+        snprintf(whole, ROOM, "%.*s%s%u: ", size, path ? path : "", path ? ":" : "", line);
     else if (path)
-        snprintf(fresh.text, size, "%s: ", path);
+        snprintf(whole, ROOM, "%.*s: ", size, path);
     va_list arguments;
     va_start(arguments, format);
-    fail(error, status, &fresh, format, arguments);
+    fail(error, status, &place, whole, format, arguments);
     va_end(arguments);
     return status;
 }

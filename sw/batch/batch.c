@@ -1,6 +1,7 @@
 /* batch.c - see fp3/batch.h. */
 #include "batch.h"
 
+#include "base/host.h"
 #include "engine/inside.h"
 #include "fields.h"
 #include "truth/start.h"
@@ -105,6 +106,7 @@ static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_b
 
 fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config,
                              fp3_batch **batch) {
+    FP3_HOST;
     *batch = NULL;
     if (def->cookie != COOKIE) /* then def->error may be anything, too */
         return FP3_E_ARGUMENT;
@@ -142,6 +144,7 @@ const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch) { return batch->c
 /* ---- values ---- */
 
 fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
+    FP3_HOST;
     const fp3_status status = fp3_fields_set(b->fields, name, value, b->error);
     if (status || strcmp(name, FP3_NAME_STEP) != 0)
         return status;
@@ -153,17 +156,20 @@ fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
 
 fp3_status fp3_batch_write(fp3_batch *b, const char *name, size_t first, size_t count,
                            const float *values) {
+    FP3_HOST;
     return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.single = values},
                             b->error);
 }
 
 fp3_status fp3_batch_write_double(fp3_batch *b, const char *name, size_t first, size_t count,
                                   const double *values) {
+    FP3_HOST;
     return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.wide = values}, b->error);
 }
 
 fp3_status fp3_batch_read(fp3_batch *b, const char *const *names, size_t name_count, size_t first,
                           size_t count, float *const *values) {
+    FP3_HOST;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < name_count; i++)
         status = fp3_fields_read(b->fields, names[i], first, count, values[i], NULL, b->error);
@@ -172,6 +178,7 @@ fp3_status fp3_batch_read(fp3_batch *b, const char *const *names, size_t name_co
 
 fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values) {
+    FP3_HOST;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < name_count; i++)
         status = fp3_fields_read(b->fields, names[i], first, count, NULL, values[i], b->error);
@@ -186,6 +193,7 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
 /* ---- steps ---- */
 
 fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
+    FP3_HOST;
     fp3_status status = fp3_fields_settle(b->fields, b->error);
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
         status = fp3_engine_wake(b->engine, 0, b->used);

@@ -2,6 +2,7 @@
 #include "bench_files.h"
 
 #include "base/file.h"
+#include "base/host.h"
 #include "output/gnuplot.h"
 #include "text/number.h"
 
@@ -54,9 +55,8 @@ fp3_status fp3_bench_csv(const char *path, const json_t *points, fp3_error *erro
     fp3_status status = fp3_output_open(path, &output, error);
     if (status)
         return status;
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     put_table(fp3_output_stream(output), points);
-    fp3_number_locale_leave(locale);
     status = fp3_output_publish(output, error);
     fp3_output_close(&output);
     return status;

@@ -2,8 +2,23 @@
 #include "cli.h"
 
 #include <fp3/model.h>
+#include <limits.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "base/printable.h"
+
+void fp3_cli_line(FILE *out, const char *format, ...) {
+    char line[2 * PATH_MAX];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    for (size_t i = 0; line[i]; i++)
+        fputc(fp3_printable(line, i), out);
+    fputc('\n', out);
+}
 
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error) {
     fflush(stdout);
@@ -33,5 +48,5 @@ void fp3_cli_warn(const char *command, const char *path, const char *warning) {
     if (!warning)
         return;
     fflush(stdout);
-    fprintf(stderr, "fp3 %s: %s: warning: %s\n", command, path, warning);
+    fp3_cli_line(stderr, "fp3 %s: %s: warning: %s", command, path, warning);
 }

@@ -3,6 +3,7 @@
 #define FP3_CLI_H
 
 #include <fp3/status.h>
+#include <stdio.h>
 
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
  * code: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run, or results do not hold. Ends usage errors itself through argp. */
@@ -16,6 +17,9 @@ int fp3_cmd_stress(int argc, char **argv);
 int fp3_cmd_tune(int argc, char **argv);
 int fp3_cmd_board(int argc, char **argv);
 int fp3_cmd_info(int argc, char **argv);
+
+/* Prints a line in which a name or a path from a file cannot control the terminal. */
+__attribute__((format(printf, 2, 3))) void fp3_cli_line(FILE *out, const char *format, ...);
 
 /* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error);

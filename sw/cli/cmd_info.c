@@ -68,6 +68,7 @@ static void print_names(const fp3_image *image, fp3_symbol_class symbol_class, c
 static fp3_status try_load(const fp3_config *c, const fp3_image *image, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
+    def.engine = "isa"; /* it refuses what the hardware has no room for */
     def.config = c->name;
     def.error = error;
     fp3_status status = fp3_engine_open(&def, &engine);
@@ -94,13 +95,16 @@ static int print_image(const char *path) {
     print_names(image, FP3_SYMBOL_PARAM, "param");
     print_names(image, FP3_SYMBOL_SHARED, "shared");
     print_names(image, FP3_SYMBOL_LABEL, "label");
-    for (uint32_t i = 0; i < fp3_config_count; i++) {
-        const int fits = !try_load(&fp3_configs[i], image, &error);
-        printf("%-11s %s%s%s\n", fits ? "for" : "not for", fp3_configs[i].name, fits ? "" : ": ",
-               fits ? "" : error.text);
+    for (uint32_t i = 0; !status && i < fp3_config_count; i++) {
+        status = try_load(&fp3_configs[i], image, &error);
+        if (!status)
+            printf("%-11s %s\n", "for", fp3_configs[i].name);
+        else if (status == FP3_E_PROGRAM) /* all else says nothing about the program */
+            printf("%-11s %s: %s\n", "not for", fp3_configs[i].name, error.text);
+        status = status == FP3_E_PROGRAM ? FP3_OK : status;
     }
     fp3_image_free(&image);
-    return 0;
+    return status ? fp3_cli_fail("info", status, &error) : 0;
 }
 
 static const char *plural(uint32_t count) { return count == 1 ? "" : "s"; }

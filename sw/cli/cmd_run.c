@@ -387,11 +387,10 @@ static void tell(void *options_of, double share) {
 }
 
 /* What both have. */
-static void define(options *o, fp3_engine_def *def, fp3_error *error) {
-    fp3_run_engine_define(&o->on, def);
+static fp3_status define(options *o, fp3_engine_def *def, fp3_error *error) {
     def->progress = o->progress ? tell : NULL;
     def->progress_user = o;
-    def->error = error;
+    return fp3_run_engine_define(&o->on, def, error);
 }
 
 static fp3_status check_files(options *o, fp3_error *error) {
@@ -440,8 +439,9 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     how.compile.config = def.config;
     how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
-    define(o, &def, error);
-    fp3_status status = fp3_program_open(o->program, &how, &program, report, error);
+    fp3_status status = define(o, &def, error);
+    if (!status)
+        status = fp3_program_open(o->program, &how, &program, report, error);
     if (!status && !o->has_steps && fp3_adaptive_is(program->image))
         o->steps = FP3_ADAPTIVE_ATTEMPTS;
     if (!status)
@@ -460,7 +460,8 @@ static fp3_status run_scene(options *o, fp3_error *error) {
     status = check_files_of(scene, o, error);
     fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
-    define(o, &def, error);
+    if (!status)
+        status = define(o, &def, error);
     if (!status)
         status = run(o, &(fp3_run_task){.scene = scene}, &def, &has_run, error);
     fp3_scene_close(&scene);

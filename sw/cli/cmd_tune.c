@@ -3,6 +3,7 @@
 #include "cli.h"
 #include "files.h"
 #include "progress.h"
+#include "run_values.h"
 #include "tune_print.h"
 
 #include <fp3/model.h>
@@ -23,7 +24,7 @@ typedef struct {
     int is_model, is_scene, has_hardware;
     double around;
     uint32_t objects;
-    fp3_params *params;
+    fp3_run_values values;
     fp3_files files;
     fp3_tune_def def;
     fp3_tune_print out;
@@ -94,14 +95,13 @@ static void check(options *o, struct argp_state *state) {
     o->is_scene = !o->is_model && ends_in_scene(o->input);
     if (!o->is_scene)
         fp3_arguments_model(state, o->input, o->is_model);
-    if (o->is_scene && (fp3_params_count(o->params) || o->around > 0 || o->objects))
+    if (o->is_scene && (fp3_params_count(o->values.params) || o->around > 0 || o->objects))
         argp_error(state, "values, ranges and objects are in the scene, not in --params, --set, "
                           "--spread, --around or --objects");
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
-    fp3_error error;
     switch (key) {
     case 'c':
         o->config = text;
@@ -135,16 +135,13 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_PARAMS:
         fp3_files_read(&o->files, "--params", text);
-        if (fp3_params_load(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
+        fp3_run_values_load(&o->values, state, text);
         break;
     case KEY_SPREAD:
-        if (fp3_params_spread(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
+        fp3_run_values_spread(&o->values, state, text);
         break;
     case KEY_SET:
-        if (fp3_params_set(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
+        fp3_run_values_set(&o->values, state, text);
         break;
     case ARGP_KEY_ARG:
         if (o->input)
@@ -175,9 +172,9 @@ static fp3_status spread_around(fp3_params *params, const fp3_quantity *q, doubl
 static fp3_status add_ranges(const options *o, const fp3_model *model, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; o->around > 0 && !status && i < model->param_count; i++)
-        status = spread_around(o->params, &model->params[i], o->around, error);
+        status = spread_around(o->values.params, &model->params[i], o->around, error);
     for (uint32_t i = 0; o->around > 0 && !status && i < model->state_count; i++)
-        status = spread_around(o->params, &model->states[i], o->around, error);
+        status = spread_around(o->values.params, &model->states[i], o->around, error);
     return status;
 }
 
@@ -219,12 +216,12 @@ static fp3_status tune_model(options *o, char **report, fp3_error *error) {
         status = add_ranges(o, program->model, error);
     if (!status) {
         if (!o->objects)
-            o->objects = o->around > 0 || fp3_tune_print_has_ranges(o->params)
+            o->objects = o->around > 0 || fp3_tune_print_has_ranges(o->values.params)
                              ? config->contexts * config->lanes
                              : 1;
         o->out.program = o->input;
         o->def.program = program;
-        o->def.params = o->params;
+        o->def.params = o->values.params;
         status = tune(o, error);
     }
     fp3_program_close(&program);
@@ -319,7 +316,7 @@ int fp3_cmd_tune(int argc, char **argv) {
     options o = {.def = fp3_tune_default()};
     fp3_error error = {.text = ""};
     char *report = NULL;
-    fp3_status status = fp3_params_make(&o.params, &error);
+    fp3_status status = fp3_params_make(&o.values.params, &error);
     if (status)
         return fp3_cli_fail("tune", status, &error);
     fp3_arguments_parse(&argp, argc, argv, &o);
@@ -334,6 +331,6 @@ int fp3_cmd_tune(int argc, char **argv) {
     }
     const int exit_code = fp3_cli_end("tune", status, &error, report);
     free(report);
-    fp3_params_free(&o.params);
+    fp3_run_values_free(&o.values);
     return exit_code;
 }

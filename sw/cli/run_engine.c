@@ -1,6 +1,8 @@
 /* run_engine.c - see run_engine.h. */
 #include "run_engine.h"
 
+#include "machine/config.h"
+
 #include <string.h>
 
 void fp3_run_engine_check(const fp3_run_engine *on, struct argp_state *state) {
@@ -20,7 +22,21 @@ void fp3_run_engine_check(const fp3_run_engine *on, struct argp_state *state) {
         argp_error(state, "--port, --baud: only engine board has a port");
 }
 
-void fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def) {
+/* What is known when a scene has said which engine and configuration. */
+static fp3_status check(const fp3_run_engine *on, const fp3_engine_def *def, fp3_error *error) {
+    const fp3_config *config = fp3_config_find(def->config);
+    if (on->threads && strcmp(def->engine, "fast") != 0)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--threads: only engine fast has threads, not engine '%s'", def->engine);
+    if (on->visit && config && !config->interleave)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--visit: configuration '%s' does not interleave: its object makes all "
+                        "steps in one visit",
+                        config->name);
+    return FP3_OK;
+}
+
+fp3_status fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def, fp3_error *error) {
     def->engine = on->engine ? on->engine : def->engine;
     def->visit = on->visit ? (uint32_t)on->visit : def->visit;
     def->cycle_limit = on->cycle_limit;
@@ -30,4 +46,6 @@ void fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def) {
     def->bus_waits = on->bus_waits;
     def->port = on->port;
     def->baud = (uint32_t)on->baud;
+    def->error = error;
+    return check(on, def, error);
 }

@@ -13,6 +13,7 @@ typedef struct {
 
 /* Ends the command with an error where they do not. */
 void fp3_run_engine_check(const fp3_run_engine *on, struct argp_state *state);
-void fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def);
+/* def has the engine and configuration where the options say nothing. FP3_E_ARGUMENT: an option that means nothing there. */
+fp3_status fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def, fp3_error *error);
 
 #endif

@@ -1,6 +1,7 @@
 /* run_print.c - see run_print.h. */
 #include "run_print.h"
 
+#include "cli.h"
 #include "run_adaptive.h"
 
 #include <fp3/trace.h>
@@ -232,8 +233,8 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
                         const fp3_cost *cost, int all) {
     const fp3_scene_group *group = &scene->groups[number];
     const part of = part_of(group);
-    printf("group %-10zu %s, objects %zu to %zu\n", number, group->path, group->first,
-           group->first + group->objects - 1);
+    fp3_cli_line(stdout, "group %-10zu %s, objects %zu to %zu", number, group->path, group->first,
+                 group->first + group->objects - 1);
     print_states(engine, &of, all);
     print_lives(engine, group);
     print_status(engine, &of, cost);

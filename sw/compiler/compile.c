@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/host.h"
 #include "compiled.h"
 #include "compiler/integrate/integrate.h"
 #include "emit.h"
@@ -100,6 +101,7 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
 
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error) {
+    FP3_HOST;
     *compiled = NULL;
     const fp3_config *config = NULL;
     fp3_status status = fp3_config_choose(def->config, &config, error);

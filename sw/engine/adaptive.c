@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "cells.h"
 #include "checks.h"
 
@@ -124,12 +125,14 @@ fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,
 }
 
 fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_object *found) {
+    FP3_HOST;
     *found = (fp3_adaptive_object){.end = FP3_ADAPTIVE_ENDED};
     return fp3_adaptive_look_all(engine, object, 1, found);
 }
 
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+    FP3_HOST;
     char why[FP3_NAME_SIZE + 48] = "it has ended", counts[64] = "";
     if (found->end == FP3_ADAPTIVE_STUCK)
         strcpy(why, "the step that the tolerance allows is too short to change t");
@@ -208,6 +211,7 @@ static fp3_status end_fixed(fp3_engine *engine, uint64_t steps) {
 }
 
 fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats) {
+    FP3_HOST;
     fp3_stats sum = {0};
     fp3_status status = FP3_OK;
     uint32_t adaptive = 0;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "chebyshev.h"
 #include "conditions.h"
 #include "embedded.h"
@@ -129,8 +130,11 @@ static fp3_status read_coefficient(const reader *r, const config_setting_t *sett
                                    const char *what, double *number) {
     const char *formula = config_setting_get_string(setting);
     fp3_error why;
-    if (formula && fp3_constant_read(formula, number, &why))
-        return fp3_setting_wrong(&r->in, setting, "%s: %s", what, why.text);
+    const fp3_status status = formula ? fp3_constant_read(formula, number, &why) : FP3_OK;
+    if (status)
+        return status == FP3_E_SYSTEM
+                   ? fp3_fail(r->in.error, status, "%s", why.text)
+                   : fp3_setting_wrong(&r->in, setting, "%s: %s", what, why.text);
     if (!formula && !fp3_setting_is_number(setting))
         return fp3_setting_expected(&r->in, setting, what, "a number or a text like \"1/6\"");
     return formula ? FP3_OK : fp3_setting_number(&r->in, setting, what, number);
@@ -430,6 +434,7 @@ void fp3_integrator_free(fp3_integrator **integrator) {
 
 fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrator **integrator,
                                fp3_error *error) {
+    FP3_HOST;
     *integrator = NULL;
     fp3_integrator *table = calloc(1, sizeof *table);
     if (!table)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "constant.h"
 #include "dimension_check.h"
 #include "expression.h"
@@ -121,11 +122,10 @@ static fp3_status read(const char *text, ode_context context, fp3_formula **form
     *formula = NULL;
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     fp3_status status = context == ODE_IN_CONSTANT ? FP3_OK : declare_names(p, text, error);
     if (!status)
         status = parse(p, text, context, formula, error);
-    fp3_number_locale_leave(locale);
     free(p);
     return status;
 }
@@ -151,6 +151,7 @@ static fp3_status evaluate(const fp3_formula *f, const double *params, double *v
 
 fp3_status fp3_formula_value(const fp3_formula *f, fp3_name_fn *value_of, void *user, double *value,
                              fp3_error *error) {
+    FP3_HOST;
     double params[ODE_QUANTITIES], *values = malloc(f->expr_count * sizeof *values);
     char *is_lost = malloc(f->expr_count);
     fp3_status status = values && is_lost ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");

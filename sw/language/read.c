@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/host.h"
 #include "constant.h"
 #include "finish.h"
 #include "function.h"
@@ -163,10 +164,9 @@ fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3
     ode_parser *p = calloc(1, sizeof *p);
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     fp3_ode_open(&p->in, source, size, name);
     parse(p);
-    fp3_number_locale_leave(locale);
     fp3_status status = take_result(p, name, model, report, error);
     free_parser(p);
     return status;

@@ -2,6 +2,7 @@
 #include "csv.h"
 
 #include "base/file.h"
+#include "base/host.h"
 #include "base/path.h"
 #include "text/number.h"
 
@@ -74,7 +75,7 @@ static fp3_status csv_put(fp3_sink *sink, const fp3_slice *block, fp3_error *err
     csv *self = (csv *)sink;
     const fp3_columns *columns = self->subject->columns;
     FILE *out = fp3_output_stream(self->output);
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     char *begin = self->row + snprintf(self->row, NUMBER_BYTES, "%" PRIu64, block->step);
     if (self->subject->has_time)
         begin = put_number(begin, block->time, 17);
@@ -85,9 +86,6 @@ static fp3_status csv_put(fp3_sink *sink, const fp3_slice *block, fp3_error *err
         at = stpcpy(at, "\r\n");
         fwrite(self->row, 1, (size_t)(at - self->row), out);
     }
-    const int number = errno;
-    fp3_number_locale_leave(locale);
-    errno = number;
     return ferror(out) ? failed(self, error) : FP3_OK;
 }
 

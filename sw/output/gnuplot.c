@@ -5,6 +5,7 @@
 #include "gnuplot.h"
 
 #include "base/child.h"
+#include "base/host.h"
 #include "text/number.h"
 
 #include <errno.h>
@@ -136,9 +137,8 @@ fp3_status fp3_gnuplot_draw(fp3_gnuplot_script_fn *script, const void *user, fp3
     FILE *file = tmpfile(), *said = tmpfile();
     fp3_status status = file && said ? FP3_OK : cannot_write(error);
     if (!status) {
-        const fp3_number_locale locale = fp3_number_locale_enter();
+        FP3_HOST;
         script(user, file);
-        fp3_number_locale_leave(locale);
         status = fflush(file) || ferror(file) ? cannot_write(error) : FP3_OK;
     }
     if (!status)

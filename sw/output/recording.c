@@ -7,6 +7,7 @@
 #include "plot.h"
 #include "targets.h"
 
+#include "base/host.h"
 #include "engine/inside.h"
 #include "scene/split.h"
 
@@ -39,6 +40,7 @@ fp3_recording_def fp3_recording_default(void) { return (fp3_recording_def){.step
 fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *params,
                                const double *times, size_t count, uint64_t *steps,
                                fp3_error *error) {
+    FP3_HOST;
     fp3_source source = {.program = program, .params = params};
     fp3_status status = fp3_source_find_h(&source, error);
     *steps = 0;
@@ -146,6 +148,7 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error) {
+    FP3_HOST;
     *recording = NULL;
     fp3_status status = check(def, engine, error);
     if (status)
@@ -294,6 +297,7 @@ static fp3_status run(fp3_recording *r, fp3_error *error) {
 }
 
 fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error) {
+    FP3_HOST;
     fp3_status status = r->number || r->at
                             ? fp3_fail(error, FP3_E_ARGUMENT, "a recording is of one run")
                             : run(r, error);

@@ -9,6 +9,7 @@
 #include "adaptive_image.h"
 #include "values.h"
 
+#include "base/host.h"
 #include "batch/field.h"
 #include "text/number.h"
 
@@ -250,6 +251,7 @@ void fp3_object_values_free(fp3_object_values *of) {
 
 fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *params, double share,
                               float *values, int *is_spread, fp3_error *error) {
+    FP3_HOST;
     fp3_object_values of;
     fp3_status status = fp3_object_values_open(program, params, &of, error);
     if (!status)
@@ -307,6 +309,7 @@ fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const
 
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error) {
+    FP3_HOST;
     const fp3_apply_to all = {engine, 0, 0, fp3_engine_objects(engine)};
     fp3_status status = fp3_engine_load(engine, program->image);
     return status ? status : fp3_apply(program, params, &all, error);

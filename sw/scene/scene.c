@@ -3,6 +3,7 @@
 
 #include "adaptive.h"
 #include "apply.h"
+#include "base/host.h"
 #include "engine/inside.h"
 #include "lifetime.h"
 #include "scene_read.h"
@@ -13,6 +14,7 @@
 
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error) {
+    FP3_HOST;
     fp3_scene *s = *scene = calloc(1, sizeof *s);
     fp3_status status = FP3_OK;
     if (s) {
@@ -94,6 +96,7 @@ static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
 }
 
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
+    FP3_HOST;
     fp3_status status = load_programs(scene, engine, error);
     if (!status)
         status = check_split(scene, error);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "language/formula.h"
 #include "text/number.h"
 
@@ -192,12 +193,12 @@ fp3_status fp3_params_put(fp3_params *params, const char *name, double number, f
 
 /* A number, or else a formula of numbers. */
 static fp3_status read_number(const char *set, const char *text, double *number, fp3_error *error) {
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     const char *expected = fp3_number_read(text, number);
-    fp3_number_locale_leave(locale);
     fp3_error why;
-    if (!expected || !fp3_constant_read(text, number, &why))
-        return FP3_OK;
+    const fp3_status status = expected ? fp3_constant_read(text, number, &why) : FP3_OK;
+    if (!status || status == FP3_E_SYSTEM)
+        return status ? fp3_fail(error, status, "'%s': %s", set, why.text) : FP3_OK;
     return fp3_fail(error, FP3_E_ARGUMENT, "'%s': '%s' is no number: %s", set, text, why.text);
 }
 
@@ -212,6 +213,7 @@ static const char *split(const char *text, char name[FP3_NAME_SIZE]) {
 }
 
 fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error) {
+    FP3_HOST;
     char name[FP3_NAME_SIZE];
     double number = 0;
     const char *is = split(text, name);
@@ -222,6 +224,7 @@ fp3_status fp3_params_set(fp3_params *params, const char *text, fp3_error *error
 }
 
 fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *error) {
+    FP3_HOST;
     char name[FP3_NAME_SIZE];
     value pair = {.is_spread = 1};
     const char *first = split(text, name), *colon = first ? strchr(first, ':') : NULL;
@@ -304,6 +307,7 @@ fp3_status fp3_values_spread(fp3_params *params, const fp3_settings *s,
 }
 
 fp3_status fp3_params_load(fp3_params *params, const char *path, fp3_error *error) {
+    FP3_HOST;
     fp3_settings s;
     fp3_status status = fp3_settings_load(path, FP3_E_ARGUMENT, &s, error);
     if (!status)
@@ -451,6 +455,7 @@ fp3_status fp3_values_at(const fp3_params *params, const char *name, double shar
 
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *number,
                           fp3_error *error) {
+    FP3_HOST;
     int is_spread;
     return fp3_values_at(params, name, 0, 1, number, &is_spread, error);
 }

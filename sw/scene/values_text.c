@@ -5,6 +5,7 @@
  * says which: with any other it has no value.
  */
 #include "apply.h"
+#include "base/host.h"
 #include "values.h"
 
 #include "text/number.h"
@@ -222,6 +223,7 @@ static fp3_status put_all(writer *w, FILE *out, fp3_error *error) {
 
 fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
                                    char **text, fp3_error *error) {
+    FP3_HOST;
     size_t size = 0;
     writer w = {.program = program};
     FILE *out = NULL;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/host.h"
 #include "text/nearest.h"
 #include "text/number.h"
 
@@ -215,11 +216,10 @@ fp3_status fp3_setting_number(const fp3_settings *s, const config_setting_t *set
                               const char *what, double *number) {
     char text[FP3_NUMBER_SIZE];
     int is_negative = 0;
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     const char *expected = spelled_text(s, setting, text, &is_negative);
     if (!expected)
         expected = read_number(text, number);
-    fp3_number_locale_leave(locale);
     if (expected)
         return fp3_setting_expected(s, setting, what, expected);
     *number = is_negative ? -*number : *number;

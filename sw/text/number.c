@@ -1,5 +1,7 @@
 #include "number.h"
 
+#include "base/host.h"
+
 #include "scanner.h"
 
 #include <errno.h>
@@ -9,17 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-fp3_number_locale fp3_number_locale_enter(void) {
-    /* "C" is built in: newlocale cannot fail. */
-    const locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    return (fp3_number_locale){c, uselocale(c)};
-}
-
-void fp3_number_locale_leave(fp3_number_locale locale) {
-    uselocale(locale.before);
-    freelocale(locale.c);
-}
 
 const char *fp3_number_copy(fp3_token t, char text[FP3_NUMBER_SIZE]) {
     if (t.length >= FP3_NUMBER_SIZE)
@@ -122,14 +113,13 @@ void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "bits:0x%08x", bits);
         return;
     }
-    const fp3_number_locale locale = fp3_number_locale_enter();
+    FP3_HOST;
     for (int digits = 1; digits <= 9; digits++) { /* nine always suffice */
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%.*g", digits, (double)value);
         float again = strtof(text, NULL);
         if (!memcmp(&again, &value, sizeof value))
             break;
     }
-    fp3_number_locale_leave(locale);
     if (!strpbrk(text, ".e"))
         strcat(text, ".0");
 }

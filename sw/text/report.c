@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include "base/printable.h"
 #include "scanner.h"
 
 #include <assert.h>
@@ -54,8 +55,8 @@ static void show_line(FILE *out, const fp3_report *r, const char *at) {
 
 static void show(FILE *out, const fp3_report *r, fp3_location location, const char *at,
                  const char *text) {
-    for (const char *c = r->name; *c; c++)
-        fputc((unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c, out);
+    for (size_t i = 0; r->name[i]; i++)
+        fputc(fp3_printable(r->name, i), out);
     fprintf(out, ":%u:%u: error: %s\n", location.line, location.column, text);
     show_line(out, r, at);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/host.h"
 #include "language/evaluate.h"
 #include "text/number.h"
 
@@ -97,6 +98,7 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
 
 fp3_status fp3_ladder_open(const fp3_model *model, double span, uint64_t most_steps,
                            fp3_ladder **ladder, fp3_error *error) {
+    FP3_HOST;
     *ladder = calloc(1, sizeof **ladder);
     if (!*ladder)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -240,6 +242,7 @@ static fp3_status converge_at(const fp3_ladder *l, const fp3_compiled *compiled,
 
 fp3_status fp3_converge(const fp3_ladder *l, const fp3_compiled *compiled, unsigned order,
                         fp3_convergence *c, fp3_error *error) {
+    FP3_HOST;
     const size_t cells = (size_t)FP3_LOOKS * l->model->state_count + 1u;
     float *rounded = calloc(2 * cells, sizeof *rounded); /* first words, and second ones */
     double *fp32 = calloc(cells, sizeof *fp32), *exact = calloc(cells, sizeof *exact);

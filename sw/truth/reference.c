@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "before.h"
 #include "compiler/compiled.h"
 #include "machine/execute.h"
@@ -153,6 +154,7 @@ static float canonical(double x) {
 fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
                                         const double *initial, double h, const uint64_t *steps,
                                         size_t count, float *states, float *low, fp3_error *error) {
+    FP3_HOST;
     const fp3_compilation *k = compiled->self;
     const size_t cells = count * k->reference.model->state_count;
     double *wide = calloc(2 * cells + 1u, sizeof *wide);
@@ -174,6 +176,7 @@ fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const doub
 fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
                                   const double *initial, double h, const uint64_t *steps,
                                   size_t count, float *states, fp3_error *error) {
+    FP3_HOST;
     return fp3_compiled_reference_pairs(compiled, params, initial, h, steps, count, states, NULL,
                                         error);
 }
@@ -181,6 +184,7 @@ fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *pa
 fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params,
                               const double *initial, double h, const uint64_t *steps, size_t count,
                               double *states, fp3_error *error) {
+    FP3_HOST;
     const fp3_compilation *k = compiled->self;
     return run(&k->reference, params, initial, h, EXACT, steps, count, states, NULL, error);
 }
@@ -188,6 +192,7 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
 fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
                                     const double *initial, double h, const uint64_t *steps,
                                     size_t count, double *states, fp3_error *error) {
+    FP3_HOST;
     const fp3_compilation *k = compiled->self;
     const rounding rounding = k->options.arithmetic == FP3_DOUBLE_SINGLE ? EXACT : INPUTS_ROUNDED;
     return run(&k->reference, params, initial, h, rounding, steps, count, states, NULL, error);

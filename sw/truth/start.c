@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/host.h"
 #include "before.h"
 #include "compiler/adaptive/adapted.h"
 #include "compiler/compiled.h"
@@ -166,6 +167,7 @@ fp3_status fp3_start_values(fp3_start *s, const double *params, const double *in
 
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error) {
+    FP3_HOST;
     fp3_start *start = NULL;
     fp3_status status = fp3_start_open(compiled, NULL, 1, &start, error);
     if (!status)

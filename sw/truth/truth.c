@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "crossing.h"
 
 #define ROUGH 1e-6      /* tolerance of the run that finds out how large each state becomes */
@@ -301,12 +302,14 @@ static fp3_status look(const fp3_model *model, const double *params, const doubl
 fp3_status fp3_model_truths(const fp3_model *model, const double *params, const double *initial,
                             const double *times, size_t count, double *states, double *sizes,
                             fp3_error *error) {
+    FP3_HOST;
     const fp3_status status = check_times(times, count, error);
     return status ? status : look(model, params, initial, times, count, states, sizes, error);
 }
 
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error) {
+    FP3_HOST;
     if (t != 0)
         return look(model, params, initial, &t, 1, states, NULL, error);
     const fp3_status status = check_arguments(model, params, initial, t, error);

@@ -1,6 +1,7 @@
 /* scene_text.c - a choice as a scene that runs as it is. */
 #include <fp3/tune.h>
 
+#include "base/host.h"
 #include "scene/values.h"
 
 #include <inttypes.h>
@@ -79,6 +80,7 @@ static void put_scene(FILE *to, const fp3_tune_def *def, const fp3_tuning *t, co
 
 fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, const char *program,
                             uint32_t objects, char **text, fp3_error *error) {
+    FP3_HOST;
     size_t size = 0;
     *text = NULL;
     if (tuning->best >= tuning->row_count)

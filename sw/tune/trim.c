@@ -1,6 +1,7 @@
 /* trim.c - see trim.h. */
 #include "trim.h"
 
+#include "base/host.h"
 #include "candidate.h"
 #include "image/visit.h"
 #include "machine/config.h"
@@ -135,6 +136,7 @@ static fp3_status put(const trimmed *t, const char *integrator, char **text, fp3
 
 fp3_status fp3_tuning_hardware(const fp3_tune_def *def, const fp3_tuning *tuning, uint32_t objects,
                                char **text, fp3_error *error) {
+    FP3_HOST;
     *text = NULL;
     if (tuning->best >= tuning->row_count)
         return fp3_fail(error, FP3_E_ARGUMENT, "nothing meets the tolerance: there is no program");

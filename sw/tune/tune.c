@@ -1,6 +1,7 @@
 /* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
 #include "search.h"
 
+#include "base/host.h"
 #include "machine/config.h"
 
 #include <fp3/compile.h>
@@ -382,6 +383,7 @@ static void end(tuner *k) {
 }
 
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error) {
+    FP3_HOST;
     *tuning = calloc(1, sizeof **tuning);
     gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
     if (!*tuning || !random) {

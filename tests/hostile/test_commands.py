@@ -83,6 +83,12 @@ LINES = {
     "run m.ode --objects 4294967295": "configuration 'single_full' has room for 1 object",
     "run m.ode -c many_full -o 4294967295": "4294967295 objects: .* has room for",
     "run m.ode --visit 0": "from 1 to 4294967295",
+    "run m.ode --visit 2": "--visit: configuration 'single_full' does not interleave",
+    "run m.ode -e isa --threads 2": "--threads: only engine fast has threads, not engine 'isa'",
+    "run m.ode --threads 2": "not engine 'rtl'",
+    "tune m.ode --tolerance 1e-3 --spread k=1:2 --set k=1": "found both --set and --spread of 'k'",
+    "tune m.ode --tolerance 1e-3 --set k=1 --spread k=1:2": "found both --set and --spread of 'k'",
+    f"run {300 * 'long/'}m.ode": "^fp3 run: long/.*long.*\\.\\.\\..*/m.ode: cannot open: No such file or directory$",
     "run m.ode --cycle-limit -5": "from 0 to 18446744073709551615",
     "run m.ode --clock 5": "no frequency",
     "bench -n 0": "from 1 to 10000000",
@@ -337,3 +343,16 @@ def test_streams_that_are_closed(fp3, folder):
         done = subprocess.run(["sh", "-c", f"{fp3} {shell}"], cwd=folder, capture_output=True, timeout=60)
         assert done.returncode == code, shell
     assert (folder / "m.ode").read_text() == SWING
+
+
+def test_a_name_in_a_scene_does_not_control_the_terminal(hostile, folder):
+    """Neither what is printed nor a message: ESC, and the controls of UTF-8 (U+009B begins a sequence, too)."""
+    name = "x\x1b[2J\u009b2J\u00e9.s"
+    scene = 'config = "many"; groups = ({ program = "%s"; objects = 2; set = { x = 1.0; }; });'
+    for at in ([], ["--steps", "99999999999"]):
+        done = hostile({name: ONE, "x.scene": scene % name}, ["run", "-e", "isa", "--scene", "x.scene", *at])
+        said = (done.stdout + done.stderr).decode()
+        assert "\x1b" not in said and "\u009b" not in said
+    assert "x?[2J??2J\u00e9.s" in hostile({}, ["run", "-e", "isa", "--scene", "x.scene"]).stdout.decode()
+    done = hostile({"x.scene": scene % ("\u009b" + name[:-2] + "none.s")}, ["run", "-e", "isa", "--scene", "x.scene"])
+    assert done.returncode == 2 and b"cannot open" in done.stderr and "\u009b" not in done.stderr.decode()

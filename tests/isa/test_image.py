@@ -1,5 +1,6 @@
 """Images: back to text, what is refused in them, and what `fp3 info` says of them."""
 
+import os
 import re
 import struct
 import subprocess
@@ -262,6 +263,17 @@ def test_info_of_the_programs(run, root):
     assert "for paper" in said["ship"]
     assert not [line for line in said["ship"] if line.startswith("needs")] and "needs chain sleep" in said["ship_sleep"]
     assert "not for paper: word 0 is a chained multiply-add, which configuration 'paper' does not have" in said["ship_madd"]
+
+
+def test_info_without_memory_is_no_answer(fp3, run, root, tmp_path):
+    """That a program does not fit is what the engine says of the program; all else is an error."""
+    assert run("asm", root / "programs/ship.s", "-o", "x.fp3").returncode == 0
+    text = "#include <stddef.h>\nvoid *__libc_calloc(size_t, size_t);\nvoid *calloc(size_t n, size_t size) { return n * size > 3000 ? NULL : __libc_calloc(n, size); }\n"
+    subprocess.run(["gcc", "-shared", "-fPIC", "-x", "c", "-", "-o", tmp_path / "few.so"], input=text, text=True, check=True)
+    done = subprocess.run([fp3, "info", "x.fp3"], cwd=tmp_path, env={**os.environ, "LD_PRELOAD": str(tmp_path / "few.so")}, capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr == "fp3 info: out of memory\n" and "memory" not in done.stdout, done.stdout + done.stderr
+    done = subprocess.run([fp3, "info", "x.fp3"], cwd=tmp_path, env={**os.environ, "FP3_RTL_DIR": "/nonexistent"}, capture_output=True, text=True)
+    assert done.returncode == 0 and "for         paper" in done.stdout, "hardware that is not installed does not count"
 
 
 def test_info_says_what_a_program_needs(run, tmp_path):

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/host.h"
 #include "options.h"
 
 #define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
@@ -89,6 +90,7 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
 }
 
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {
+    FP3_HOST;
     const double until = def->until != 0 ? def->until : model->span;
     const addition states[] = {
         {"t", "time", 0, 0},

@@ -10,7 +10,15 @@
  *
  * Threads: the library has no global state. Two threads may call it at the same time with different
  * objects (engines, images, scenes ...), and may read what neither changes. Only one thread at a
- * time may use an object. The other headers say where they differ.
+ * time may use an object. The other headers say where they differ. After a fork the child may go on
+ * with what its parent made, but for two engines: "fast" once it has started threads, which the
+ * child does not have, and "board", whose port both would share. The child opens its own.
+ *
+ * Locale and arithmetic: a call that computes, reads or writes numbers does so in the locale "C",
+ * rounds to nearest and keeps subnormal numbers, and gives the calling thread back what it had. A
+ * decimal comma, fesetround or -ffast-math in the host changes no bit and no text. A callback comes
+ * with the library's locale and arithmetic. fp3_model_evaluate and fp3_model_fire, which are called
+ * often, compute with the caller's.
  *
  * Experimental: a header marked so may change in any version. While the first number of the version
  * is 0, all other headers change only with the second number.
@@ -53,7 +61,7 @@ typedef enum {
  * "path:line: ...", "path:line:column: error: ..." or "line:column: error: ...". The numbers repeat
  * the place for editors. */
 typedef struct {
-    char text[512];        /* one line without a newline, truncated if too long */
+    char text[512];        /* one line without a newline; of a longer one the middle is left out */
     unsigned line, column; /* from 1; 0: unknown */
     unsigned path_size;    /* bytes of the path at the start of the text; 0: no path */
     unsigned message;      /* offset in the text at which the message begins, after the place */
