@@ -1,15 +1,22 @@
-/* crossing.c - the time of an event by bisection, as far as double can tell two times apart. */
+/* crossing.c - the time of an event or a turn by bisection, as far as double can tell two times apart. */
 #include "crossing.h"
 
 #include <gsl/gsl_errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-int fp3_crossing_open(fp3_crossing *c, const fp3_model *model, const double *params,
-                      const gsl_odeiv2_system *system, const gsl_odeiv2_step_type *how) {
+#define RESOLUTION                                                                                 \
+    0x1p-60       /* of the whole time: near 0 double tells more apart than anybody needs */
+#define SLIDES 32 /* turns with no step between them: the solution stays on the switch */
+
+int fp3_crossing_open(fp3_crossing *c, fp3_switches *switches, const gsl_odeiv2_system *system,
+                      const gsl_odeiv2_step_type *how) {
+    const fp3_model *model = switches->model;
     const size_t count = model->state_count + 1u;
     *c = (fp3_crossing){.model = model,
-                        .params = params,
+                        .params = switches->params,
+                        .switches = switches,
                         .system = system,
                         .step = gsl_odeiv2_step_alloc(how, model->state_count),
                         .values = calloc(model->expr_count + 1u, sizeof(double)),
@@ -37,13 +44,23 @@ static int happens(const fp3_crossing *c, double t, const double *y) {
     return fp3_model_fire(c->model, c->params, t, c->next, c->values);
 }
 
-int fp3_crossing_fire(fp3_crossing *c, double t, double *y) {
+static int is_over(const fp3_crossing *c, double t, const double *y) {
+    return fp3_switches_have_turned(c->switches, t, y) || happens(c, t, y);
+}
+
+static int fire(fp3_crossing *c, double t, double *y) {
     if (!happens(c, t, y))
         return GSL_SUCCESS;
     memcpy(y, c->next, bytes(c));
     if (happens(c, t, y))
         return FP3_CROSSING_STAYS;
     return ++c->happened > FP3_EVENTS_MOST ? FP3_CROSSING_MOST : GSL_SUCCESS;
+}
+
+int fp3_crossing_fire(fp3_crossing *c, double t, double *y) {
+    const int result = fire(c, t, y);
+    fp3_switches_hold(c->switches, t, y);
+    return result;
 }
 
 /* c->there: the states at t0 + h. */
@@ -55,22 +72,35 @@ static int go(const fp3_crossing *c, double t0, double h) {
     return gsl_odeiv2_step_apply(c->step, t0, h, c->there, error, NULL, NULL, c->system);
 }
 
+/* A turn right at the beginning of a step, again and again, is none that the solution gets past. */
+static int count_turn(fp3_crossing *c, double t0, double t, const double *y) {
+    if (!fp3_switches_have_turned(c->switches, t, y))
+        return GSL_SUCCESS;
+    const double least = 4 * RESOLUTION * fabs(c->switches->end) + 4 * 0x1p-53 * fabs(t);
+    c->slid = fabs(t - t0) <= least ? c->slid + 1 : 0;
+    return c->slid > SLIDES || ++c->turned > FP3_TURNS_MOST ? FP3_CROSSING_SLIDES : GSL_SUCCESS;
+}
+
 int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_found) {
+    const double least = RESOLUTION * fabs(c->switches->end);
     double before = t0;
-    *is_found = happens(c, *t, y);
-    while (*is_found) {
+    *is_found = is_over(c, *t, y);
+    while (*is_found && fabs(*t - before) > least) {
         const double middle = before + (*t - before) / 2;
-        if (middle <= before || middle >= *t)
+        if (middle == before || middle == *t)
             break;
         const int result = go(c, t0, middle - t0);
         if (result)
             return result;
-        if (!happens(c, middle, c->there)) {
+        if (!is_over(c, middle, c->there)) {
             before = middle;
             continue;
         }
         *t = middle;
         memcpy(y, c->there, bytes(c));
     }
-    return *is_found ? fp3_crossing_fire(c, *t, y) : GSL_SUCCESS;
+    if (!*is_found)
+        return GSL_SUCCESS;
+    const int result = count_turn(c, t0, *t, y);
+    return result ? result : fp3_crossing_fire(c, *t, y);
 }

@@ -22,6 +22,7 @@
 
 typedef struct {
     const fp3_model *model;
+    fp3_switches switches;
     const double *params, *initial, *times;
     size_t count;   /* times, the last is the end */
     double *values; /* of all expressions */
@@ -32,11 +33,7 @@ typedef struct {
     double reached; /* time */
 } orbit;
 
-static int derivative(double t, const double y[], double dydt[], void *self) {
-    const orbit *o = self;
-    fp3_model_evaluate(
-        o->model, &(fp3_point){.states = y, .params = o->params, .initial = o->initial, .t = t},
-        o->values);
+static int take_rates(const orbit *o, double dydt[]) {
     int result = GSL_SUCCESS;
     for (uint32_t i = 0; i < o->model->state_count; i++) {
         dydt[i] = o->values[o->model->states[i].derivative];
@@ -46,6 +43,19 @@ static int derivative(double t, const double y[], double dydt[], void *self) {
     return result;
 }
 
+/* What a switch keeps out may have no value beyond it, as the root of max(x, 0): there nothing is held. */
+static int derivative(double t, const double y[], double dydt[], void *self) {
+    const orbit *o = self;
+    const fp3_point point = {.states = y, .params = o->params, .initial = o->initial, .t = t};
+    if (o->switches.has_any) {
+        fp3_switches_evaluate(&o->switches, &point, o->values);
+        if (take_rates(o, dydt) == GSL_SUCCESS)
+            return GSL_SUCCESS;
+    }
+    fp3_model_evaluate(o->model, &point, o->values);
+    return take_rates(o, dydt);
+}
+
 static double of_two(double a, double b) { return fmax(fabs(a), fabs(b)); }
 
 /* Sizes before anything is known: what a state is, or becomes at its first speed. One that begins
@@ -53,6 +63,7 @@ static double of_two(double a, double b) { return fmax(fabs(a), fabs(b)); }
 static int guess_sizes(orbit *o, double t) {
     const uint32_t count = o->model->state_count;
     double *rate = o->peak, *moment = o->other;
+    fp3_switches_hold(&o->switches, 0, o->initial);
     int result = derivative(0, o->initial, rate, o);
     for (uint32_t i = 0; i < count && !result; i++) {
         o->guess[i] = of_two(o->initial[i], rate[i] * t);
@@ -72,7 +83,7 @@ static void see_peaks(const orbit *o, const double *y) {
         o->peak[i] = of_two(o->peak[i], y[i]);
 }
 
-/* One step of GSL's, up to an event if one happens. */
+/* One step of GSL's, up to an event if one happens, or to where a switch turns. */
 static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *now,
                    double *h, double *y) {
     const uint32_t count = (uint32_t)driver->sys->dimension;
@@ -80,7 +91,9 @@ static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, do
     int is_found = 0;
     if (!events)
         return gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
-    *h = fmin(*h, t / LOOKS);
+    if (events->model->event_count || events->switches->has_states)
+        *h = copysign(fmin(fabs(*h), fabs(t) / LOOKS), t);
+    t = fp3_switches_until(events->switches, from, t);
     memcpy(events->from, y, count * sizeof *y);
     int result =
         gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
@@ -124,13 +137,14 @@ static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance
         &system, how, end_of(o) * 1e-6, tolerance, tolerance, 1, 0, sizes);
     fp3_crossing events = {0};
     int result = driver ? GSL_SUCCESS : GSL_ENOMEM;
-    if (!result && o->model->event_count)
-        result = fp3_crossing_open(&events, o->model, o->params, &system, how);
+    const int has_crossings = o->model->event_count || o->switches.has_any;
+    if (!result && has_crossings)
+        result = fp3_crossing_open(&events, &o->switches, &system, how);
     memcpy(o->y, o->initial, count * sizeof *o->y);
     for (uint32_t i = 0; i < count; i++)
         o->peak[i] = fabs(o->y[i]);
     if (!result)
-        result = go(o, driver, o->model->event_count ? &events : NULL, o->y, rows);
+        result = go(o, driver, has_crossings ? &events : NULL, o->y, rows);
     fp3_crossing_close(&events);
     if (driver)
         gsl_odeiv2_driver_free(driver);
@@ -147,6 +161,12 @@ static fp3_status stopped(const orbit *o, const char *how, double t, int result,
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "no truth from time %.9g on: more than %d events happened until then",
                         o->reached, FP3_EVENTS_MOST);
+    if (result == FP3_CROSSING_SLIDES)
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "no truth from time %.9g on: the solution does not leave a point at which a "
+            "condition of the equations changes",
+            o->reached);
     return fp3_fail(
         error, result == GSL_ENOMEM ? FP3_E_SYSTEM : FP3_E_ARGUMENT,
         "GSL's %s does not reach time %.9g: %s (an explicit method, which stiff models defeat)",
@@ -286,6 +306,8 @@ static fp3_status look(const fp3_model *model, const double *params, const doubl
     double *room = make_room(&o, count), *rows = calloc(cells + 1, sizeof *rows);
     if (!room || !rows)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = fp3_switches_open(&o.switches, model, params, times[count - 1], error);
     gsl_error_handler_t *handler = gsl_set_error_handler_off(); /* GSL's own ends the program */
     if (!status)
         status = follow(&o, rows, error);
@@ -294,6 +316,7 @@ static fp3_status look(const fp3_model *model, const double *params, const doubl
         memcpy(states, rows, cells * sizeof *states);
     for (uint32_t i = 0; !status && sizes && i < model->state_count; i++)
         sizes[i] = o.peak[i];
+    fp3_switches_close(&o.switches);
     free(rows);
     free(room);
     return status;

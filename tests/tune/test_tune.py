@@ -226,6 +226,18 @@ def test_what_is_refused(tune, tmp_path, arguments, said):
 
 # ---- truth, table ----
 
+def test_steps_that_miss_a_pulse_have_an_error(tune, fp3, tmp_path):
+    (tmp_path / "pulse.ode").write_text("state x = 0\nx' = -x + ((t > 5 and t < 5.0625) ? 160 : 0)\nstep 0.5\nspan 6\n")
+    done, row = tune("pulse.ode", "--tolerance", "1e-2", "--output", "p.scene")
+    assert done.returncode == 0 and row["met"]
+    assert row["baseline_error"] > 0.1
+    out = subprocess.run([fp3, "run", "--scene", "p.scene"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    x = float(re.search(r"^x +(\S+)", out, re.M)[1])
+    top = 160*(1 - math.exp(-0.0625))
+    assert abs(x - top*math.exp(-0.9375)) <= 1e-2*top
+
+
+
 def test_truths_at_several_times(root, build):
     models = [root / f"programs/{name}.ode" for name in ("pendulum", "oscillator", "bouncing_ball")]
     out = subprocess.run([build / "tests/truths", *models], capture_output=True, text=True, check=True).stdout.split()
