@@ -287,6 +287,8 @@ int fp3_cmd_compile(int argc, char **argv) {
     fp3_progress *progress = status ? NULL : fp3_progress_begin("compile", o.model);
     fp3_progress_say(progress, "looking for an order of instructions");
     if (!status)
+        status = fp3_run_adaptive_maxstep(&o.def, o.params, &error);
+    if (!status)
         status = fp3_program_open(o.model, &o.def, &program, &text, &error);
     fp3_progress_end(&progress);
     if (!status)

@@ -141,7 +141,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         fp3_run_values_spread(&o->values, state, text);
         break;
     case KEY_SET:
-        fp3_run_values_set(&o->values, state, text);
+        if (!strncmp(text, "maxstep=", 8))
+            o->def.maxstep = fp3_arguments_above_zero(state, "--set maxstep", text + 8);
+        else
+            fp3_run_values_set(&o->values, state, text);
         break;
     case ARGP_KEY_ARG:
         if (o->input)
@@ -203,6 +206,16 @@ static fp3_status tune(options *o, fp3_error *error) {
     return status;
 }
 
+/* A model that has the name itself means its own: it has no adaptive steps. */
+static fp3_status own_maxstep(options *o, const fp3_model *model, fp3_error *error) {
+    const double value = o->def.maxstep;
+    if (value == 0 || (fp3_model_param(model, "maxstep") == FP3_NONE &&
+                       fp3_model_state(model, "maxstep") == FP3_NONE))
+        return FP3_OK;
+    o->def.maxstep = 0;
+    return fp3_params_put(o->params, "maxstep", value, error);
+}
+
 static fp3_status tune_model(options *o, char **report, fp3_error *error) {
     fp3_program_def how = fp3_program_default();
     fp3_program *program = NULL;
@@ -212,6 +225,8 @@ static fp3_status tune_model(options *o, char **report, fp3_error *error) {
     fp3_status status = fp3_config_choose(o->def.config, &config, error);
     if (!status)
         status = fp3_program_open(o->input, &how, &program, report, error);
+    if (!status)
+        status = own_maxstep(o, program->model, error);
     if (!status)
         status = add_ranges(o, program->model, error);
     if (!status) {
@@ -248,6 +263,14 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
     fp3_files_write(&files, "--output", o->out.scene);
     fp3_files_write(&files, "--json", o->out.json);
     return fp3_files_check(&files, error);
+}
+
+/* Of adaptive steps; 0: there is none. */
+static double scene_maxstep(const fp3_scene *scene) {
+    const fp3_model *model = scene->groups[0].program->model;
+    const uint32_t param =
+        fp3_model_adapted(model) == FP3_NONE ? FP3_NONE : fp3_model_param(model, "maxstep");
+    return param == FP3_NONE ? 0 : model->params[param].value;
 }
 
 static fp3_status scene_span(const fp3_scene *scene, double *span, fp3_error *error) {
@@ -289,6 +312,7 @@ static fp3_status tune_scene(options *o, fp3_error *error) {
         status = open_fixed(scene, &fixed, error);
     if (!status) {
         o->objects = (uint32_t)scene->objects;
+        o->def.maxstep = scene_maxstep(scene);
         o->out.program = scene->groups[0].path;
         o->def.config = scene->config;
         o->def.program = fixed ? fixed : scene->groups[0].program;

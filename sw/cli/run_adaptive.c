@@ -15,6 +15,13 @@ void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, cons
     def->adaptive.until = fp3_arguments_above_zero(state, "--until", text);
 }
 
+fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *params,
+                                    fp3_error *error) {
+    return def->is_adaptive && fp3_params_has(params, "maxstep")
+               ? fp3_params_get(params, "maxstep", &def->adaptive.maxstep, error)
+               : FP3_OK;
+}
+
 void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state) {
     if (def->is_adaptive && !is_model)
         argp_error(state, "--tolerance: only a model (*.ode, or --model) is compiled");

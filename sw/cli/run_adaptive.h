@@ -9,6 +9,9 @@
 /* What an option says; ends with 2 and a message where it cannot be. */
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);
 void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, const char *text);
+/* Before the model is opened: it has no maxstep unless there is a value. */
+fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *params,
+                                    fp3_error *error);
 /* After the last option. */
 void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
 

@@ -29,11 +29,17 @@ fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t
     const config_setting_t *tolerance = config_setting_get_member(from, "tolerance");
     const config_setting_t *until = config_setting_get_member(from, "until");
     const config_setting_t *absolute = config_setting_get_member(from, "absolute");
-    if (!tolerance && (until || absolute))
-        return fp3_setting_wrong(s, until ? until : absolute,
+    const config_setting_t *maxstep = config_setting_get_member(from, "maxstep");
+    if (!tolerance && (until || absolute || maxstep))
+        return fp3_setting_wrong(s,
+                                 until      ? until
+                                 : absolute ? absolute
+                                            : maxstep,
                                  "%s: expected a tolerance, too: fixed steps are counted by "
                                  "'steps' of the scene",
-                                 until ? "until" : "absolute");
+                                 until      ? "until"
+                                 : absolute ? "absolute"
+                                            : "maxstep");
     if (!tolerance)
         return FP3_OK;
     if (!until)
@@ -45,6 +51,8 @@ fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t
         status = read_above_zero(s, from, "until", &def->adaptive.until);
     if (!status)
         status = read_above_zero(s, from, "absolute", &def->adaptive.absolute);
+    if (!status)
+        status = read_above_zero(s, from, "maxstep", &def->adaptive.maxstep);
     def->is_adaptive = 1;
     return status;
 }

@@ -18,10 +18,10 @@ static fp3_status take(const fp3_params *params, const char *name, double share,
     return status;
 }
 
-/* tolerance, absolute and locate are no values of the program, but of what it gets. */
+/* tolerance, absolute, locate and maxstep are no values of the program, but of what it gets. */
 static fp3_status check_above_zero(const fp3_params *params, double share, unsigned words,
                                    int *is_spread, fp3_error *error) {
-    static const char *const names[] = {"h_next", "tolerance", "absolute", "locate"};
+    static const char *const names[] = {"h_next", "tolerance", "absolute", "locate", "maxstep"};
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++) {
         double value = 1;

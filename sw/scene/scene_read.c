@@ -266,8 +266,8 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     static const char *const names[] = {"program", "integrator", "compensated", "double_single",
                                         "folded",  "tolerance",  "until",       "absolute",
-                                        "objects", "params",     "set",         "spread",
-                                        "born",    "gone",       NULL};
+                                        "maxstep", "objects",    "params",      "set",
+                                        "spread",  "born",       "gone",        NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");

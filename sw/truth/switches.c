@@ -5,62 +5,14 @@
 #include <stdlib.h>
 
 #include "language/evaluate.h"
+#include "language/turn.h"
 
 #define CELLS 16384     /* of the grid on which turns of what is not linear in t are looked for */
 #define STOPS_MOST 2048 /* more, and the grid may have missed as many */
 #define RESOLUTION 0x1p-60  /* of the whole time */
 #define EXTREMUM_ROUNDS 100 /* each leaves two thirds */
 
-/* Bits of fp3_switches.kind. */
-enum { HAS_TIME = 1, HAS_STATE = 2, IS_LINEAR = 4, IS_RATE = 8, IS_CONDITION = 16, IS_HELD = 32 };
-
-static int can_turn(fp3_expr_op op) {
-    return op == FP3_EXPR_LESS || op == FP3_EXPR_LESS_EQUAL || op == FP3_EXPR_EQUAL ||
-           op == FP3_EXPR_MIN || op == FP3_EXPR_MAX || op == FP3_EXPR_ABS;
-}
-
-/* ---- what each expression is ---- */
-
-/* In t, where its operands are. */
-static int is_linear(const fp3_model *model, const char *kind, const fp3_expr *e) {
-    if (e->is_known || e->op == FP3_EXPR_TIME)
-        return 1;
-    const int a = e->operand[0] != FP3_NONE && kind[e->operand[0]] & IS_LINEAR;
-    const int b = e->operand[1] != FP3_NONE && kind[e->operand[1]] & IS_LINEAR;
-    switch (e->op) {
-    case FP3_EXPR_NEGATE:
-        return a;
-    case FP3_EXPR_ADD:
-    case FP3_EXPR_SUB:
-        return a && b;
-    case FP3_EXPR_MUL:
-        return a && b &&
-               (model->exprs[e->operand[0]].is_known || model->exprs[e->operand[1]].is_known);
-    case FP3_EXPR_DIV:
-        return a && model->exprs[e->operand[1]].is_known;
-    default:
-        return 0;
-    }
-}
-
-static void find_kinds(const fp3_model *model, char *kind) {
-    for (uint32_t i = 0; i < model->expr_count; i++) {
-        const fp3_expr *e = &model->exprs[i];
-        int made_of = e->op == FP3_EXPR_TIME ? HAS_TIME : e->op == FP3_EXPR_STATE ? HAS_STATE : 0;
-        for (int k = 0; k < 3; k++)
-            if (e->operand[k] != FP3_NONE)
-                made_of |= kind[e->operand[k]] & (HAS_TIME | HAS_STATE);
-        kind[i] = (char)(made_of | (is_linear(model, kind, e) ? IS_LINEAR : 0));
-    }
-    for (uint32_t i = 0; i < model->state_count; i++)
-        kind[model->states[i].derivative] |= IS_RATE;
-    for (uint32_t i = 0; i < model->event_count; i++)
-        kind[model->events[i].condition] |= IS_CONDITION;
-    for (uint32_t i = model->expr_count; i-- > 0;)
-        for (int k = 0; k < 3; k++)
-            if (model->exprs[i].operand[k] != FP3_NONE)
-                kind[model->exprs[i].operand[k]] |= kind[i] & (IS_RATE | IS_CONDITION);
-}
+#define IS_HELD 32 /* beside the bits of turn.h */
 
 /* ---- the side of a switch ---- */
 
@@ -119,7 +71,7 @@ static double look(fp3_switches *s, uint32_t expr, double t, int *side) {
     const fp3_point point = {.params = s->params, .t = t};
     const fp3_expr *e = &s->model->exprs[expr];
     for (uint32_t i = 0; i < expr; i++)
-        if (!(s->kind[i] & HAS_STATE))
+        if (!(s->kind[i] & FP3_TURN_STATE))
             s->values[i] = fp3_ode_compute(&s->model->exprs[i], &point, s->values);
     *side = side_of(e, s->values);
     return s->values[e->operand[0]] - (e->op == FP3_EXPR_ABS ? 0 : s->values[e->operand[1]]);
@@ -175,10 +127,7 @@ static int search_extremum(fp3_switches *s, uint32_t expr, double a, double b) {
 }
 
 static int find_turns(fp3_switches *s, uint32_t expr) {
-    const fp3_expr *e = &s->model->exprs[expr];
-    const int a_is = s->kind[e->operand[0]] & IS_LINEAR;
-    const int b_is = e->op == FP3_EXPR_ABS || s->kind[e->operand[1]] & IS_LINEAR;
-    const int cells = a_is && b_is ? 1 : CELLS;
+    const int cells = fp3_turn_is_linear(s->model, s->kind, expr) ? 1 : CELLS;
     double d[3] = {0};
     int side[3], is_good = 1;
     for (int k = 0; is_good && s->stop_count <= STOPS_MOST && k <= cells; k++) {
@@ -203,15 +152,16 @@ static int by_size(const void *a, const void *b) {
 static fp3_status find_stops(fp3_switches *s, fp3_error *error) {
     const fp3_model *model = s->model;
     for (uint32_t i = 0; i < model->expr_count; i++) {
-        const int is_of_time = (s->kind[i] & (HAS_TIME | HAS_STATE)) == HAS_TIME;
-        if (!can_turn(model->exprs[i].op) || !(s->kind[i] & (IS_RATE | IS_CONDITION)))
+        const int is_of_time = fp3_turn_is_of_time(model, s->kind, i);
+        if (!fp3_turn_can(model->exprs[i].op))
             continue;
-        if (s->kind[i] & IS_RATE && s->kind[i] & (HAS_TIME | HAS_STATE)) {
+        if (s->kind[i] & FP3_TURN_RATE && s->kind[i] & (FP3_TURN_TIME | FP3_TURN_STATE)) {
             s->kind[i] |= IS_HELD;
             s->has_any = 1;
             s->has_states |= !is_of_time;
         }
-        if (!is_of_time || model->exprs[i].op == FP3_EXPR_EQUAL)
+        if (!is_of_time || !(s->kind[i] & (FP3_TURN_RATE | FP3_TURN_CONDITION)) ||
+            model->exprs[i].op == FP3_EXPR_EQUAL)
             continue;
         s->has_any = 1;
         if (!find_turns(s, i))
@@ -237,7 +187,7 @@ fp3_status fp3_switches_open(fp3_switches *s, const fp3_model *model, const doub
                         .end = end};
     if (!s->kind || !s->side || !s->values)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    find_kinds(model, s->kind);
+    fp3_turn_kinds(model, s->kind);
     return find_stops(s, error);
 }
 

@@ -12,7 +12,7 @@
 typedef struct {
     const fp3_model *model;
     const double *params;
-    char *kind; /* of each expression: a set of bits of switches.c */
+    char *kind; /* of each expression: a set of bits of turn.h, and one of switches.c */
     char *side; /* of each switch, while it is held */
     double *values;
     double end, *stops; /* in the order in which they are reached */

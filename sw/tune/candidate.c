@@ -27,9 +27,16 @@ static fp3_status compile(const fp3_candidate *c, const fp3_model *model, const 
 
 /* What the numbers of adaptive steps are is told before each run. */
 static fp3_status adapt(fp3_candidate *c, const fp3_model *model, fp3_error *error) {
-    const fp3_adaptive_def def = fp3_adaptive_default();
-    const fp3_status status = fp3_model_copy(model, &c->adapted, error);
-    return status ? status : fp3_model_adapt(c->adapted, &def, error);
+    fp3_adaptive_def def = fp3_adaptive_default();
+    def.maxstep = c->maxstep;
+    fp3_status status = fp3_model_copy(model, &c->adapted, error);
+    if (!status)
+        status = fp3_model_adapt(c->adapted, &def, error);
+    if (!status && c->maxstep == 0 && fp3_model_param(c->adapted, "maxstep") != FP3_NONE)
+        status = fp3_fail(error, FP3_E_PROGRAM,
+                          "conditions in t change at times that are not known before the run: "
+                          "adaptive steps need --set maxstep=...");
+    return status;
 }
 
 fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const char *config,

@@ -9,6 +9,7 @@ typedef struct {
     fp3_integrator *integrator;
     fp3_arithmetic arithmetic;
     int is_adaptive;
+    double maxstep;         /* the longest step, if it is; 0: none */
     fp3_model *adapted;     /* what the programs are of, if it is */
     fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */
     fp3_compiled *measured; /* for FP3_METER_CONFIG; the same pointer where that is it */

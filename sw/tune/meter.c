@@ -246,8 +246,10 @@ static fp3_status run(const measurement *k, fp3_meter_found *found) {
 /* The sample's model with the params and states of adaptive steps. */
 static fp3_status adapt(const fp3_sample *s, const fp3_stepping *how, fp3_model **adapted,
                         fp3_error *error) {
-    const fp3_adaptive_def def = {
-        .tolerance = how->tolerance, .absolute = how->absolute, .until = (float)s->times[LAST]};
+    const fp3_adaptive_def def = {.tolerance = how->tolerance,
+                                  .absolute = how->absolute,
+                                  .until = (float)s->times[LAST],
+                                  .maxstep = how->maxstep};
     const fp3_status status = fp3_model_copy(s->model, adapted, error);
     return status ? status : fp3_model_adapt(*adapted, &def, error);
 }

@@ -22,6 +22,7 @@ typedef struct {
     double tolerance, absolute; /* ... with these, as in docs/adaptive.md */
     double
         most; /* attempts of an object, as the mean of the sample: what takes more is not run to the end */
+    double maxstep; /* as of the candidate */
 } fp3_stepping;
 
 typedef struct {

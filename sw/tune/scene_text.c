@@ -47,7 +47,10 @@ static void put_steps(FILE *to, const fp3_tune_row *best) {
         fprintf(to, "steps  = %" PRIu64 ";\nh      = %.9g;\n", best->steps, (double)best->h);
 }
 
-static void put_tolerance(FILE *to, const fp3_tune_row *best, double span) {
+static void put_tolerance(FILE *to, const fp3_tune_def *def, const fp3_tune_row *best,
+                          double span) {
+    if (best->is_adaptive && def->maxstep != 0)
+        fprintf(to, "            maxstep = %.9g;\n", def->maxstep);
     if (best->is_adaptive)
         fprintf(to,
                 "            tolerance = %.9g;\n            absolute = %.9g;\n            until = "
@@ -71,7 +74,7 @@ static void put_scene(FILE *to, const fp3_tune_def *def, const fp3_tuning *t, co
     put_string(to, program);
     fprintf(to, ";\n            integrator = \"%s\";\n", best->integrator);
     put_arithmetic(to, best->arithmetic);
-    put_tolerance(to, best, t->span);
+    put_tolerance(to, def, best, t->span);
     fprintf(to, "            objects = %" PRIu32 ";\n", objects);
     put_values(to, def->params, 0);
     put_values(to, def->params, 1);

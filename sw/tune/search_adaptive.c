@@ -81,7 +81,10 @@ static fp3_status look(seeker *s, double tolerance, point *p) {
     const fp3_search *q = s->search;
     p->tolerance = tidy(fmin(fmax(tolerance, LEAST), MOST));
     const double absolute = tidy(p->tolerance * s->size);
-    const fp3_stepping how = {.tolerance = p->tolerance, .absolute = absolute, .most = s->most};
+    const fp3_stepping how = {.tolerance = p->tolerance,
+                              .absolute = absolute,
+                              .most = s->most,
+                              .maxstep = s->candidate->maxstep};
     const fp3_status status =
         fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &p->found, s->error);
     s->looks++;

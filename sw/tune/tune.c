@@ -187,6 +187,7 @@ static fp3_status list_candidates(tuner *k) {
                                      k->error);
         c->arithmetic = (fp3_arithmetic)(i / names % FP3_ARITHMETICS);
         c->is_adaptive = i >= most / 2;
+        c->maxstep = k->def->maxstep;
         if (!status && !is_candidate(c))
             fp3_candidate_free(c);
         else
@@ -316,7 +317,7 @@ static fp3_status measure_baseline(tuner *k) {
 }
 
 static fp3_status measure_unseen(tuner *k, const fp3_tune_row *row, const fp3_compiled *compiled) {
-    const fp3_stepping how = {row->steps, row->tolerance, row->absolute, INFINITY};
+    const fp3_stepping how = {row->steps, row->tolerance, row->absolute, INFINITY, k->def->maxstep};
     fp3_meter_found found;
     const fp3_status status =
         fp3_meter_read(&k->held, &k->unseen, compiled, &how, &found, k->error);

@@ -1,7 +1,10 @@
 /* adapted.c - see adapted.h. */
 #include "adapted.h"
 
+#include "compiler/step/switching.h"
+
 #include <fp3/compile.h>
+#include <inttypes.h>
 #include <math.h>
 
 /* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What is compensated
@@ -24,6 +27,28 @@ static fp3_status check_tolerance(double tolerance, const fp3_options *options, 
                     : options->arithmetic == FP3_COMPENSATED
                         ? "which a compensated update can keep"
                         : "to which FP32 rounds a state in each step (compensated: 7.45e-09)");
+}
+
+/* A model has the param where it is given, or where a step might pass over what t changes. */
+static fp3_status check_maxstep(const fp3_model *model, double maxstep, fp3_error *error) {
+    fp3_switchings switchings;
+    if (maxstep > 0 && isfinite(maxstep))
+        return FP3_OK;
+    const fp3_status status = fp3_switchings_find(model, &switchings, error);
+    const uint32_t unknown = switchings.unknown;
+    fp3_switchings_close(&switchings);
+    if (status)
+        return status;
+    if (maxstep != 0 || unknown == FP3_NONE)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "'maxstep' is %.9g: expected a finite number above 0", maxstep);
+    return fp3_fail(
+        error, FP3_E_ARGUMENT,
+        "line %" PRIu32
+        " changes with t at times that are not known before the run, and an adaptive step may "
+        "pass over them: expected a 'maxstep', the longest step, shorter than the time "
+        "between two of them",
+        model->exprs[unknown].line);
 }
 
 static fp3_status check_object(double absolute, double until, double t, double h, double locate,
@@ -52,6 +77,7 @@ fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
     if (t == FP3_NONE)
         return FP3_OK;
     const uint32_t locate = fp3_model_param(model, "locate");
+    const uint32_t maxstep = fp3_model_param(model, "maxstep");
     const double *tolerance = params + fp3_model_param(model, "tolerance") * count;
     const double *absolute = params + fp3_model_param(model, "absolute") * count;
     const double *until = params + fp3_model_param(model, "until") * count;
@@ -62,6 +88,8 @@ fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
         if (!status)
             status = check_object(absolute[i], until[i], start[i], h[i],
                                   locate == FP3_NONE ? 1 : params[locate * count + i], error);
+        if (!status && maxstep != FP3_NONE)
+            status = check_maxstep(model, params[maxstep * count + i], error);
     }
     return status;
 }

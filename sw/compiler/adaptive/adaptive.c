@@ -2,10 +2,12 @@
 #include "adaptive.h"
 
 #include "compiler/value/ops.h"
+#include "language/turn.h"
 #include "locate.h"
 
 #include <fp3/compile.h>
 #include <math.h>
+#include <string.h>
 
 #define SAFETY 0.75 /* of the step that would have just the error that is allowed */
 #define SHRINK 0.2  /* the next step is this much shorter at most, */
@@ -53,48 +55,111 @@ static uint32_t allowed(const fp3_advance *a, const char *name, double share) {
                                         fp3_known_param(known, name)));
 }
 
+/* ---- where it ends at the latest ---- */
+
+/* The time, if it comes after t and before the limit so far. */
+static void add_limit(fp3_advance *a, uint32_t known) {
+    dag *g = &a->step->values;
+    const uint32_t t = old(a, T), time = fp3_dag_known(g, known);
+    const uint32_t first = g->is_abstract
+                               ? sel(g, op2(g, FP3_OP_LT, time, a->limit), time, a->limit)
+                               : op2(g, FP3_OP_MIN, time, a->limit);
+    a->limit = sel(g, op2(g, FP3_OP_LT, t, time), first, a->limit);
+}
+
+/* At `until`, or where a condition in t changes. One of an event is looked at when it has held for `locate`: the event then is
+ * at most that late. */
+static void find_limit(fp3_advance *a) {
+    known_table *known = &a->step->known;
+    uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
+    for (uint32_t i = 0; i < a->switchings.count; i++) {
+        const char kind = a->switchings.kind[a->switchings.expr[i]];
+        const uint32_t time = fp3_switching_time(known, &a->switchings, i);
+        if (time == FP3_NONE)
+            continue;
+        if (kind & FP3_TURN_RATE)
+            times[count++] = time;
+        if (kind & FP3_TURN_CONDITION)
+            times[count++] =
+                fp3_known_make(known, KNOWN_ADD, time, fp3_known_param(known, "locate"));
+    }
+    a->limit = until(a);
+    if (count && a->step->values.is_abstract) /* as a pair, which those times are */
+        a->limit = fp3_dag_known(&a->step->values, fp3_known_param(known, "until"));
+    note(a, "where a condition in t changes next");
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t k = 0;
+        while (times[k] != times[i])
+            k++;
+        if (k == i)
+            add_limit(a, times[i]);
+    }
+}
+
+/* A condition in t is made once, in the middle of the step: it holds in all of it, but not at both its ends. */
+static fp3_status open_inside(fp3_advance *a, fp3_error *error) {
+    if (!a->switchings.count)
+        return FP3_OK;
+    const fp3_status status = fp3_lower_open(&a->inside, a->step->model, &a->step->values, error);
+    a->inside.notes = &a->step->notes;
+    a->inside.time = fp3_advance_time(a, &a->step->values, 0.5);
+    strcpy(a->inside.place, "middle");
+    return status;
+}
+
 /* ---- the step ---- */
 
-/* Until the end, from the time t + low. */
+/* As the last one has left it, or the longest that there may be. */
+static uint32_t tried(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    if (fp3_model_param(a->step->model, "maxstep") == FP3_NONE)
+        return old(a, H);
+    const uint32_t most = fp3_dag_known(g, fp3_known_param(&a->step->known, "maxstep"));
+    const uint32_t h = old(a, H);
+    return g->is_abstract ? sel(g, op2(g, FP3_OP_LT, h, most), h, most)
+                          : op2(g, FP3_OP_MIN, most, h);
+}
+
+/* Until the limit, from the time t + low. */
 static uint32_t left_of(const fp3_advance *a, uint32_t t, uint32_t low) {
     dag *g = &a->step->values;
-    return sub(g, sub(g, until(a), t), low);
+    return sub(g, sub(g, a->limit, t), low);
 }
 
 /* What is added to t in place of low: h more, or what leads to the end itself. */
-static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h) {
+static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h, uint32_t end) {
     dag *g = &a->step->values;
-    return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, until(a), t));
+    return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, end, t));
 }
 
 /* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first, and what that
- * loses is the second. The first is until where by is until - t, whatever that difference has lost. */
+ * loses is the second. The first is the limit where by is limit - t, whatever that difference has lost. */
 static void find_end(fp3_advance *a, uint32_t by) {
     dag *g = &a->step->values;
     const uint32_t t = a->begin.node;
     note(a, "t at the end of the step");
-    a->end = fp3_term(op2(g, FP3_OP_MIN, add(g, t, by), until(a)));
+    a->end = fp3_term(op2(g, FP3_OP_MIN, add(g, t, by), a->limit));
     note(a, "second word of t at the end of the step");
     a->end_low = sub(g, by, sub(g, a->end.node, t));
 }
 
-/* In double-single t is a pair as states are, and so is the step. The end is `until` itself where that comes
+/* In double-single t is a pair as states are, and so is the step. The end is the limit itself where that comes
  * first. */
 typedef struct {
     uint32_t h, end, gain;
 } move;
 
-static move move_in_pairs(const fp3_advance *a, uint32_t t, uint32_t h) {
+static move move_in_pairs(const fp3_advance *a, uint32_t t, uint32_t h, uint32_t limit) {
     dag *g = &a->step->values;
-    const uint32_t left = sub(g, until(a), t), is_within = op2(g, FP3_OP_LT, h, left);
+    const uint32_t left = sub(g, limit, t), is_within = op2(g, FP3_OP_LT, h, left);
     const uint32_t step = sel(g, is_within, h, left);
-    const uint32_t end = sel(g, is_within, add(g, t, step), until(a));
+    const uint32_t end = sel(g, is_within, add(g, t, step), limit);
     return (move){step, end, fp3_dag_first(g, sub(g, end, t))};
 }
 
 static void begin_in_pairs(fp3_advance *a) {
     note(a, "t at the end of the step, and the step that is tried");
-    const move m = move_in_pairs(a, old(a, T), old(a, H));
+    const move m = move_in_pairs(a, old(a, T), tried(a), a->limit);
     a->begin = fp3_term(old(a, T));
     a->h = fp3_term(m.h);
     a->end = fp3_term(m.end);
@@ -112,21 +177,25 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status = fp3_switchings_find(a->step->model, &a->switchings, error);
+    if (status)
+        return status;
+    find_limit(a);
     if (g->is_abstract) {
         begin_in_pairs(a);
-        return FP3_OK;
+        return open_inside(a, error);
     }
-    const uint32_t t = old(a, T), low = low_of_time(a), h = old(a, H);
+    const uint32_t t = old(a, T), low = low_of_time(a), h = tried(a);
     a->begin = fp3_term(t);
     a->begin_low = fp3_term(low);
     note(a, "the step that is tried");
     a->h = fp3_term(op2(g, FP3_OP_MIN, left_of(a, t, low), h));
     note(a, "how t moves");
-    const uint32_t by = moved_by(a, t, low, h);
+    const uint32_t by = moved_by(a, t, low, h, a->limit);
     find_end(a, by);
     note(a, "what t gains");
     a->gain = sub(g, by, low);
-    return FP3_OK;
+    return open_inside(a, error);
 }
 
 /* ---- its error ---- */
@@ -240,12 +309,12 @@ static fp3_status keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error 
 }
 
 /* The slopes at the new states are the first ones of the next step; after a rejected step the old ones
- * are. In double-single they would be two variables each. Where an event may change the new states, they are computed again. */
+ * are. In double-single they would be two variables each. Where an event may change the new states, or time the equations, they are computed again. */
 static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
     if (!a->has_slope || g->is_abstract || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
-        fp3_fit_has_events(a->fit, a->step->model))
+        a->switchings.count || fp3_fit_has_events(a->fit, a->step->model))
         return FP3_OK;
     for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
         if (!fp3_fit_is_moved(a->fit, s))
@@ -270,7 +339,7 @@ static void count(const fp3_advance *a) {
         put(a, REJECTED, add(g, old(a, REJECTED), sub(g, a->is_attempt, a->is_good)));
     if (is_live(a, SMALLEST)) {
         const uint32_t so_far = old(a, SMALLEST);
-        const uint32_t meant = sel(g, a->is_good, old(a, H), so_far);
+        const uint32_t meant = sel(g, a->is_good, tried(a), so_far);
         put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, meant));
     }
     if (is_live(a, LARGEST))
@@ -290,7 +359,7 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     const uint32_t low =
         g->is_abstract ? num(g, 0) : sel(g, a->is_good, a->end_low, a->begin_low.node);
     note(a, "the next step; one that the end cut off says nothing about it");
-    uint32_t left = g->is_abstract ? fp3_dag_first(g, sub(g, until(a), t)) : left_of(a, t, low);
+    uint32_t left = g->is_abstract ? fp3_dag_first(g, sub(g, a->limit, t)) : left_of(a, t, low);
     if (!a->options->config->sleep) /* who is stuck makes attempts that must change nothing */
         left = mul(g, a->is_attempt, left);
     const uint32_t h = sel(g, left, mul(g, fp3_dag_first(g, a->h.node), a->by), old(a, H));
@@ -299,8 +368,8 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
         a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);
     note(a, "what t gains by the step that is tried next");
-    const uint32_t next =
-        g->is_abstract ? move_in_pairs(a, t, h).gain : sub(g, moved_by(a, t, low, h), low);
+    const uint32_t next = g->is_abstract ? move_in_pairs(a, t, h, until(a)).gain
+                                         : sub(g, moved_by(a, t, low, h, until(a)), low);
     a->step->tested = a->step->variable_count;
     a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
     fp3_status status = keep(a->step, a->gain, next, error);

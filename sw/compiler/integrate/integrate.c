@@ -114,6 +114,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     for (uint32_t i = 0; i < a.place_count; i++)
         fp3_lower_close(&a.places[i]);
     free(a.places);
+    fp3_lower_close(&a.inside);
+    fp3_switchings_close(&a.switchings);
     free(a.now);
     free(a.lost);
     free(a.error);

@@ -6,6 +6,7 @@
 
 #include "base/host.h"
 #include "options.h"
+#include "switching.h"
 
 #define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
@@ -106,14 +107,21 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         {"absolute", "of a step's error", def->absolute != 0 ? def->absolute : def->tolerance, 1},
         {"locate", "how late an event may be",
          def->locate != 0 ? def->locate : def->tolerance * until, 1},
+        {"maxstep", "the longest step", def->maxstep, 1},
     };
     const char *unit = model->time_unit;
-    const size_t param_count = model->event_count ? 4 : 3;
-    fp3_status status = FP3_OK;
-    if (is_taken(model, "t_low"))
+    fp3_switchings switchings;
+    fp3_status status = fp3_switchings_find(model, &switchings, error);
+    const int is_wanted[] = {1, 1, 1, model->event_count > 0,
+                             def->maxstep != 0 || switchings.unknown != FP3_NONE};
+    fp3_switchings_close(&switchings);
+    if (!status && is_taken(model, "t_low"))
         status = fp3_fail(error, FP3_E_PROGRAM, TAKEN, "t_low");
-    for (size_t i = 0; !status && i < param_count; i++)
-        status = add_param(model, &params[i], i == 0 || i == 3 ? unit : "", error);
+    if (!status && is_taken(model, "maxstep"))
+        status = fp3_fail(error, FP3_E_PROGRAM, TAKEN, "maxstep");
+    for (size_t i = 0; !status && i < sizeof params / sizeof *params; i++)
+        if (is_wanted[i])
+            status = add_param(model, &params[i], i == 1 || i == 2 ? "" : unit, error);
     for (size_t i = 0; !status && i < sizeof states / sizeof *states; i++)
         status = add_state(model, &states[i], i == 2 || i == 3 ? "" : unit, i == 0, error);
     return status;

@@ -7,6 +7,7 @@
 #include "fit.h"
 #include "lower.h"
 #include "step.h"
+#include "switching.h"
 
 typedef struct {
     fp3_step *step;
@@ -22,6 +23,10 @@ typedef struct {
     term h, end;           /* the step that is made, the first word of t + h */
     uint32_t end_low;      /* node: the second */
     uint32_t gain;         /* node: h, as far as the second word has a place for it */
+    uint32_t limit;        /* node: where the step ends at the latest */
+    fp3_switchings switchings;
+    lowering
+        inside; /* in the middle of the step, if a condition in t changes at a time that is known */
     term *error;      /* of each live state: how wrong the step is, as the method estimates it */
     term error_scale; /* what they all have to be multiplied with */
     term *slope;      /* likewise, where has_slope: its derivative at the new states */

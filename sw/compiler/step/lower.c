@@ -8,6 +8,7 @@
 #include "compiler/value/ops.h"
 #include "language/evaluate.h"
 #include "language/function_rows.h"
+#include "language/turn.h"
 
 #include <assert.h>
 #include <fp3/compile.h>
@@ -198,11 +199,14 @@ static term divide(lowering *l, const fp3_expr *e) {
     return is_power(l, below) ? times_power(l, x, below, 1) : divided(l, x, below, 1);
 }
 
+static int is_comparison(fp3_expr_op op) {
+    return op == FP3_EXPR_LESS || op == FP3_EXPR_LESS_EQUAL || op == FP3_EXPR_EQUAL;
+}
+
 /* Whether an expression is 0 or 1 and nothing else. */
 static int is_truth(const lowering *l, uint32_t expr) {
     const fp3_expr_op op = expr_of(l, expr)->op;
-    return op == FP3_EXPR_LESS || op == FP3_EXPR_LESS_EQUAL || op == FP3_EXPR_EQUAL ||
-           op == FP3_EXPR_AND || op == FP3_EXPR_OR || op == FP3_EXPR_NOT;
+    return is_comparison(op) || op == FP3_EXPR_AND || op == FP3_EXPR_OR || op == FP3_EXPR_NOT;
 }
 
 static uint32_t truth(lowering *l, uint32_t expr) {
@@ -227,10 +231,19 @@ static term made_later(lowering *l, const fp3_expr *e) {
     case FP3_EXPR_##OP:                                                                            \
         return fp3_##name(g, at(l, o[0]), at(l, o[1]));
 
+/* A comparison that does not change within the step, whatever t is at its ends: where the host knows when it does, a
+ * step ends there. */
+static int is_inside(const lowering *l, uint32_t expr) {
+    return l->inside && is_comparison(expr_of(l, expr)->op) &&
+           fp3_turn_is_linear(l->model, l->kind, expr);
+}
+
 static term lower(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
     const uint32_t *o = e->operand;
     dag *g = l->g;
+    if (is_inside(l, expr))
+        return fp3_lower(l->inside, expr);
     if (e->is_known)
         return fp3_term(fp3_dag_known(g, fp3_known_model(g->known, expr)));
     if (g->is_abstract && fp3_ode_has_constants(e->op) && e->op != FP3_EXPR_POWER)
@@ -323,7 +336,7 @@ static void want_below(lowering *l, uint32_t below) {
 
 static void want_operands(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
-    if (e->is_known)
+    if (e->is_known || is_inside(l, expr))
         return;
     if (e->op == FP3_EXPR_POWER) {
         want_power(l, expr, 0);

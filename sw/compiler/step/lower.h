@@ -16,6 +16,8 @@ typedef struct lowering {
     term (*state)(struct lowering *l, uint32_t state); /* the value of a state there */
     void *user;                                        /* of the function above */
     term time;                                         /* t there, if the model has it */
+    struct lowering *inside; /* where conditions in t are made for all of the step; NULL: here */
+    const char *kind;        /* with inside: of each expression (language/turn.h) */
     fp3_notes *notes;
     char place[FP3_PLACE_SIZE]; /* as notes call it */
     uint32_t index;

@@ -186,6 +186,9 @@ typedef struct {
     double absolute;  /* 0: the same number as tolerance */
     double until;     /* the time at which objects end; 0: the model's span */
     double locate;    /* an event is found at most this late; 0: tolerance * until */
+    /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
+     * one (docs/adaptive.md). */
+    double maxstep;
 } fp3_adaptive_def;
 
 fp3_adaptive_def fp3_adaptive_default(void);
@@ -196,9 +199,9 @@ fp3_adaptive_def fp3_adaptive_default(void);
 
 /* Adds to the model what adaptive steps need: after its own states, in this order, t, h_next (the
  * next step to try, at first the model's step), accepted, rejected, smallest and largest; the param
- * until of each object; and the shared params tolerance, absolute and, if there are events, locate.
- * fp3_compile then makes a program with adaptive steps. FP3_E_PROGRAM: the model already has one of
- * these names, or is too large. */
+ * until of each object; and the shared params tolerance, absolute, locate if there are events, and
+ * maxstep if one is given or needed. fp3_compile then makes a program with adaptive steps.
+ * FP3_E_PROGRAM: the model already has one of these names, or is too large. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
 /* The index of state t, which the others follow, or FP3_NONE if the model is not adapted. */

@@ -42,8 +42,9 @@ typedef struct {
     const char *config;         /* that configuration: costs are its cycles */
     const fp3_params *params;   /* a spread value may have any value of its range */
     double tolerance;
-    double span;   /* how long to integrate; 0: the model's span */
-    double safety; /* at least 1: in round n the sample must meet tolerance / safety^n */
+    double span;    /* how long to integrate; 0: the model's span */
+    double maxstep; /* of adaptive steps (fp3_adaptive_def); 0: none */
+    double safety;  /* at least 1: in round n the sample must meet tolerance / safety^n */
     uint32_t sample, held_out; /* objects; without ranges one, and none */
     uint32_t rounds;           /* at most this number of held-out samples */
     fp3_tune_say_fn *say;      /* called before each part of the work, or NULL */
