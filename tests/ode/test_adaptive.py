@@ -346,3 +346,20 @@ def test_tables(model, tmp_path, row, message):
                      f'A = ((), (1)); b = ("1/2", "1/2");\n{row}\n')
     done = fp3("run", model(PLANET), "-e", "isa", "--tolerance", "1e-4", "-i", table, status=2)
     assert message in done.stderr
+
+
+@pytest.mark.parametrize("wall", [0.05, 0.3, 0.5, 0.9, 0.99])
+@pytest.mark.parametrize("integrator", ["cash_karp", "dopri5", "tsit5", "heun"])
+def test_no_step_passes_over_an_event_and_back(model, integrator, wall):
+    """Behind a wall for a part of a period, which a step may be longer than: what tells is that the speed has changed its sign."""
+    path = model("param wall = 0.5\nparam e = 0.9\nstate x = 0\nstate v = 1\nstate n = 0\nstep 0.01\nspan 20\nx' = v\nv' = -x\nn' = 0\n"
+                 "when x > wall and v > 0: v = -e*v, n = n + 1\n")
+    amplitude, bounces, t = 1.0, 0, math.asin(wall)
+    while t < 20 and amplitude > wall:  # back at the wall after the time on its other side
+        bounces += 1
+        amplitude = math.hypot(wall, 0.9*math.sqrt(amplitude**2 - wall**2))
+        t += 2*math.pi - 2*math.acos(wall/amplitude) if amplitude > wall else math.inf
+    for tolerance in ("1e-2", "1e-3", "1e-4"):
+        of, _ = run(path, "-i", integrator, "--tolerance", tolerance, "--set", f"wall={wall}", "--set", "absolute=1e-4", "--set", "locate=1e-3",
+                    engine="fast")
+        assert value(of, "n") == bounces, tolerance
