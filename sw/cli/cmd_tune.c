@@ -213,7 +213,7 @@ static fp3_status own_maxstep(options *o, const fp3_model *model, fp3_error *err
                        fp3_model_state(model, "maxstep") == FP3_NONE))
         return FP3_OK;
     o->def.maxstep = 0;
-    return fp3_params_put(o->params, "maxstep", value, error);
+    return fp3_params_put(o->values.params, "maxstep", value, error);
 }
 
 static fp3_status tune_model(options *o, char **report, fp3_error *error) {

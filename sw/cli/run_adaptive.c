@@ -5,6 +5,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text) {
     def->is_adaptive = 1;
@@ -66,12 +67,24 @@ fp3_status fp3_run_adaptive_print(fp3_engine *engine, const fp3_image *image, si
     return FP3_OK;
 }
 
-fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, size_t *failed,
-                                   char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+/* A step with a NaN in it is rejected as one with too large an error is. */
+static void add_cause(const fp3_adaptive_object *found, uint32_t flags,
+                      char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+    const size_t size = strlen(text);
+    if (found->end == FP3_ADAPTIVE_STUCK && flags & FP3_FLAG_INVALID)
+        snprintf(
+            text + size, FP3_ADAPTIVE_TEXT_SIZE - size,
+            ", or it has no derivative there: an operation gave no number (0/0, a root below 0)");
+}
+
+fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, uint32_t flags,
+                                   size_t *failed, char text[FP3_ADAPTIVE_TEXT_SIZE]) {
     fp3_adaptive_report report;
     fp3_status status = fp3_adaptive_report_make(engine, first, objects, &report);
     *failed = status ? 0 : report.failed;
-    if (*failed)
+    if (*failed) {
         fp3_adaptive_text(report.first, &report.why, text);
+        add_cause(&report.why, flags, text);
+    }
     return status;
 }

@@ -22,8 +22,8 @@ void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *reco
 /* Prints how many steps these objects made, all of the program image. */
 fp3_status fp3_run_adaptive_print(fp3_engine *engine, const fp3_image *image, size_t first,
                                   size_t objects);
-/* How many of them did not end, and of the first what is known. */
-fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, size_t *failed,
-                                   char text[FP3_ADAPTIVE_TEXT_SIZE]);
+/* How many of them did not end, and of the first what is known. flags: of the run. */
+fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t objects, uint32_t flags,
+                                   size_t *failed, char text[FP3_ADAPTIVE_TEXT_SIZE]);
 
 #endif

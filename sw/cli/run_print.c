@@ -126,7 +126,8 @@ static fp3_status find_failed(fp3_engine *engine, const part *of, const fp3_cost
     fp3_failure failure = cost->failure;
     fp3_status status = FP3_OK;
     if (of->image && fp3_adaptive_is(of->image))
-        return fp3_run_adaptive_failed(engine, of->first, of->objects, failed, text);
+        return fp3_run_adaptive_failed(engine, of->first, of->objects, cost->stats.flags, failed,
+                                       text);
     if (!cost->counter)
         status = fp3_engine_failure(engine, of->first, of->objects, &failure);
     *failed = status ? 0 : failure.failed;

@@ -16,6 +16,32 @@
 #define METHOD_SMALL 1e-4
 #define ERROR_MOST 0.2 /* of the scale: beyond it there is no order to see */
 
+/* A state that is 0 at all samples may be another between them. */
+static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) {
+    const uint32_t states = l->model->state_count;
+    uint32_t unknown = 0, known = 0;
+    for (uint32_t s = 0; s < states; s++)
+        unknown += l->scale[s] == 0;
+    if (!unknown)
+        return FP3_OK;
+    double *at = calloc(2 * states + 1u, sizeof *at), *sizes = at + states;
+    fp3_status status =
+        at ? fp3_model_truths(l->model, l->params, l->initial, &span, 1, at, sizes, error)
+           : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t s = 0; !status && s < states; s++) {
+        if (l->scale[s] == 0)
+            l->scale[s] = sizes[s];
+        known += l->scale[s] > 0;
+    }
+    free(at);
+    return status || known
+               ? status
+               : fp3_fail(error, FP3_E_ARGUMENT,
+                          "every state is 0 up to time %.9g: an error has no size that it "
+                          "could be relative to",
+                          span);
+}
+
 /* The largest magnitude of each state along the truth. */
 static fp3_status find_scale(fp3_ladder *l, double span, fp3_error *error) {
     const uint32_t states = l->model->state_count;
@@ -30,7 +56,7 @@ static fp3_status find_scale(fp3_ladder *l, double span, fp3_error *error) {
                 l->scale[s] = fabs(at[s]);
     }
     free(at);
-    return status;
+    return status ? status : find_short_ones(l, span, error);
 }
 
 static uint64_t steps_at(const fp3_ladder *l, unsigned rung, unsigned look) {

@@ -44,6 +44,19 @@ static int happens(const fp3_crossing *c, double t, const double *y) {
     return fp3_model_fire(c->model, c->params, t, c->next, c->values);
 }
 
+const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, double t,
+                                 const double *y, double *values) {
+    fp3_model_evaluate(model, &(fp3_point){.states = y, .params = params, .t = t}, values);
+    for (uint32_t i = 0; i < model->event_count; i++) {
+        const fp3_event *event = &model->events[i];
+        const fp3_assignment *set = &model->assignments[event->first];
+        for (uint32_t k = 0; values[event->condition] != 0 && k < event->count; k++)
+            if (values[set[k].expr] != y[set[k].state])
+                return event;
+    }
+    return NULL;
+}
+
 static int is_over(const fp3_crossing *c, double t, const double *y) {
     return fp3_switches_have_turned(c->switches, t, y) || happens(c, t, y);
 }

@@ -35,6 +35,9 @@ void fp3_crossing_close(fp3_crossing *c);
 
 /* Events at this time, after which switches are held. GSL_SUCCESS, or one of those above. */
 int fp3_crossing_fire(fp3_crossing *c, double t, double *y);
+/* The first event that changes y at this time; NULL: none. values: room for all expressions. */
+const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, double t,
+                                 const double *y, double *values);
 /* A step has come from time t0 and the states c->from to *t and y. If an event happens or a switch
  * turns on the way, they become those right after it, and *is_found is 1. Returns GSL's codes, or one of those above. */
 int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_found);

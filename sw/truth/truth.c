@@ -151,12 +151,21 @@ static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance
     return result;
 }
 
+/* A loop of several events has none that changes the states alone. */
+static fp3_status stays(const orbit *o, fp3_error *error) {
+    const fp3_event *event = fp3_crossing_of(o->model, o->params, o->reached, o->y, o->values);
+    return fp3_fail(
+        error, FP3_E_ARGUMENT,
+        "no truth from time %.9g on: the event of line %u happens again and again, as its "
+        "condition is still true after it and it changes the states each time (so does a "
+        "projection, as `when 1: q = q/norm(q)`, which is for steps alone)",
+        o->reached, event ? event->line : o->model->events[0].line);
+}
+
 /* result is of integrate: a state that leaves all bounds, or memory. */
 static fp3_status stopped(const orbit *o, const char *how, double t, int result, fp3_error *error) {
     if (result == FP3_CROSSING_STAYS)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "no truth from time %.9g on: what an event does there triggers it again",
-                        o->reached);
+        return stays(o, error);
     if (result == FP3_CROSSING_MOST)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "no truth from time %.9g on: more than %d events happened until then",

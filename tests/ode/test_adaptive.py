@@ -363,3 +363,10 @@ def test_no_step_passes_over_an_event_and_back(model, integrator, wall):
         of, _ = run(path, "-i", integrator, "--tolerance", tolerance, "--set", f"wall={wall}", "--set", "absolute=1e-4", "--set", "locate=1e-3",
                     engine="fast")
         assert value(of, "n") == bounces, tolerance
+
+
+def test_a_derivative_that_is_no_number_is_told(model):
+    _, done = run(model("state x = 0\nstate y = 0\nstep 0.5\nspan 6\nx' = y/x\ny' = 0\n"), "--tolerance", "1e-4", status=3)
+    assert "or it has no derivative there: an operation gave no number (0/0, a root below 0)" in done.stderr
+    _, done = run(model("state y = 1\ny' = y*y\nstep 0.01\nspan 2"), "--tolerance", "1e-4", status=3)
+    assert "0/0" not in done.stderr

@@ -180,3 +180,22 @@ def test_an_image_has_a_longest_step(run, tmp_path):
     assert float(re.search(r"^x +(\S+)", done.stdout, re.M)[1]) == expected["x"]
     done = fp3("run", image, "--params", values, "--set", "maxstep=0", "-e", "isa", "-c", "single_full", status=2)
     assert "'maxstep' is 0: expected a finite number above 0" in done.stderr
+
+
+# ---- what is measured against the truth ----
+
+def test_compare_sees_a_pulse_and_says_when_there_is_nothing_to_see(tmp_path):
+    def compare(text, status):
+        (tmp_path / "m.ode").write_text(text)
+        return fp3("compare", tmp_path / "m.ode", "--quick", "-i", "euler", "--arithmetic", "plain", "--most-steps", "4096", status=status)
+
+    row = compare(PULSE, 0).stdout.splitlines()[1].split()
+    assert float(row[9]) == pytest.approx(1, abs=0.5) and float(row[12]) > 1e-4  # the measured order, the floor
+    done = compare("state x = 0\nstep 0.5\nspan 6\nx' = -x\n", 3)
+    assert "no reference: every state is 0 up to time 6: an error has no size that it could be relative to" in done.stderr
+
+
+def test_a_projection_has_no_truth(truth):
+    text = "state q[2] = (1, 0)\nstep 0.125\nspan 6\nq' = (-q.y, q.x)\nwhen 1: q = q/norm(q)\n"
+    assert "the event of line 5 happens again and again, as its condition is still true after it" in truth(text, 6.0)
+    assert "projection" in truth(text, 6.0)
