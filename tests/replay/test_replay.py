@@ -293,7 +293,7 @@ def test_64_contexts_take_turns(root, tmp_path):
     for u in range(4):
         lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + n:08x}" for n in range(64)]
         lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
-    session.write_text("\n".join(lines) + "\n")
+    session.write_text(ended(lines))
     done = start("iverilog", "-g2012", *shape(root, "array"), "-DTOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
                  bench, "sim/replay.v", wrapper, cwd=root)
     assert done.returncode == 0, done.stderr
