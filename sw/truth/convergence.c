@@ -24,7 +24,7 @@ static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) 
         unknown += l->scale[s] == 0;
     if (!unknown)
         return FP3_OK;
-    double *at = calloc(2 * states + 1u, sizeof *at), *sizes = at + states;
+    double *at = calloc(states + 1u, sizeof *at), *sizes = calloc(states + 1u, sizeof *sizes);
     fp3_status status =
         at ? fp3_model_truths(l->model, l->params, l->initial, &span, 1, at, sizes, error)
            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -34,6 +34,7 @@ static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) 
         known += l->scale[s] > 0;
     }
     free(at);
+    free(sizes);
     return status || known
                ? status
                : fp3_fail(error, FP3_E_ARGUMENT,

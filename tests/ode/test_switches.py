@@ -111,6 +111,12 @@ def test_in_every_arithmetic(arithmetic, run):
     assert got["x"] == pytest.approx(160*(1 - math.exp(-0.2))*math.exp(-0.9), rel=3e-6)
 
 
+def test_an_expression_of_many_readers_is_solved_once(run):
+    doubled = "a0 = t + 0\n" + "".join(f"a{i + 1} = a{i} + a{i}\n" for i in range(60))
+    text = PULSE.replace("x' =", doubled + "x' =").replace("t > 5 and t < 5.0625", "a60 > 5*2^60 and a60 < 5.0625*2^60")
+    assert run(text, "--tolerance", "1e-5")[0]["x"] == pytest.approx(SHORT, rel=1e-4)
+
+
 def test_each_object_has_its_own_times_on_every_engine(run):
     text = "param from = 1\n" + PULSE.replace("t > 5 and t < 5.0625", "t > from and t < from + 0.0625")
     spread = ["--tolerance", "1e-4", "--spread", "from=0:7", "--spread", "until=5:6", "-o", "8"]
