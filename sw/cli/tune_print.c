@@ -4,7 +4,7 @@
 #include "base/file.h"
 #include "base/path.h"
 #include "json.h"
-#include "tune/sample.h"
+#include "tune/meter.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -61,15 +61,32 @@ static void print_rows(const fp3_tuning *t) {
     }
 }
 
+/* Where the errors are from. */
+static void print_looks(const fp3_tune_row *best) {
+    const uint64_t every = fp3_meter_every(best->steps);
+    printf("%-16s ", "errors");
+    if (best->is_adaptive)
+        printf("the largest after each of the first %d attempts, then after each in a thousand\n",
+               2 * FP3_TUNE_LOOKS - 1);
+    else if (every == 1)
+        printf("the largest after each step\n");
+    else
+        printf("the largest at %" PRIu64 " times of the span: after every %" PRIu64
+               " steps, and the last\n",
+               (best->steps + every - 1) / every, every);
+}
+
 static void print_choice(const fp3_tune_row *best, double baseline) {
     printf("%-16s %s, %s, ", "chosen", best->integrator, fp3_arithmetic_of(best->arithmetic)->name);
     if (best->is_adaptive)
         printf("adaptive steps, tolerance = %.9g, absolute = %.9g, %.1f attempts", best->tolerance,
                best->absolute, best->attempts);
     else
-        printf("h = %.9g, %" PRIu64 " steps", (double)best->h, best->steps);
+        printf("h = %.9g, %" PRIu64 " steps to %.9g", (double)best->h, best->steps,
+               (double)best->h * (double)best->steps);
     printf(": %.1f cycles, %.3f of the baseline, error %.2e\n", best->cycles,
            best->cycles / baseline, best->error);
+    print_looks(best);
 }
 
 /* If none of n independent objects is beyond, a share p of the range is with (1 - p)^n. */

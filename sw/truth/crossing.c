@@ -1,6 +1,8 @@
 /* crossing.c - the time of an event or a turn by bisection, as far as double can tell two times apart. */
 #include "crossing.h"
 
+#include "path.h"
+
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +64,8 @@ static int is_over(const fp3_crossing *c, double t, const double *y) {
 }
 
 static int fire(fp3_crossing *c, double t, double *y) {
-    if (!happens(c, t, y))
+    c->is_event = happens(c, t, y);
+    if (!c->is_event)
         return GSL_SUCCESS;
     memcpy(y, c->next, bytes(c));
     if (happens(c, t, y))
@@ -114,6 +117,8 @@ int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_
     }
     if (!*is_found)
         return GSL_SUCCESS;
-    const int result = count_turn(c, t0, *t, y);
+    int result = count_turn(c, t0, *t, y);
+    if (!result && c->path)
+        result = fp3_path_stop(c->path, *t);
     return result ? result : fp3_crossing_fire(c, *t, y);
 }

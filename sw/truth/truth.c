@@ -12,6 +12,7 @@
 
 #include "base/host.h"
 #include "crossing.h"
+#include "path.h"
 
 #define ROUGH 1e-6      /* tolerance of the run that finds out how large each state becomes */
 #define TOLERANCE 1e-14 /* of a step, relative to that size */
@@ -19,6 +20,9 @@
 #define ROUNDING 1e-14  /* of two ways, relative to the largest state */
 #define STEPS_MAX 500000
 #define LOOKS 1024 /* for events, at least, on the way: one that ends between two is not seen */
+#define CHECKS 64  /* of a path: two ways agree there */
+#define UNEVEN                                                                                     \
+    0.618033988749895 /* where between two even times: what is symmetric has events at those */
 
 typedef struct {
     const fp3_model *model;
@@ -31,6 +35,7 @@ typedef struct {
     double *other;  /* rows of states, one for each time, the second way */
     double *y;      /* states, on the way */
     double reached; /* time */
+    fp3_path *path; /* NULL: only the states at the times are of interest */
 } orbit;
 
 static int take_rates(const orbit *o, double dydt[]) {
@@ -85,10 +90,10 @@ static void see_peaks(const orbit *o, const double *y) {
 
 /* One step of GSL's, up to an event if one happens, or to where a switch turns. */
 static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *now,
-                   double *h, double *y) {
+                   double *h, double *y, int *is_found) {
     const uint32_t count = (uint32_t)driver->sys->dimension;
     const double from = *now;
-    int is_found = 0;
+    *is_found = 0;
     if (!events)
         return gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
     if (events->model->event_count || events->switches->has_states)
@@ -98,8 +103,8 @@ static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, do
     int result =
         gsl_odeiv2_evolve_apply(driver->e, driver->c, driver->s, driver->sys, now, t, h, y);
     if (!result)
-        result = fp3_crossing_find(events, from, now, y, &is_found);
-    if (is_found) {
+        result = fp3_crossing_find(events, from, now, y, is_found);
+    if (*is_found) {
         gsl_odeiv2_evolve_reset(driver->e);
         gsl_odeiv2_step_reset(driver->s);
     }
@@ -108,29 +113,54 @@ static int advance(gsl_odeiv2_driver *driver, fp3_crossing *events, double t, do
 
 static double end_of(const orbit *o) { return o->times[o->count - 1]; }
 
-/* y goes from time 0 to the end, and is kept at each time; peak becomes the largest size of each state
- * on the way. */
-static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double *y, double *rows) {
-    const uint32_t states = o->model->state_count;
-    double h = end_of(o) * 1e-6, now = 0;
-    unsigned steps = 0;
-    int result = events ? fp3_crossing_fire(events, 0, y) : GSL_SUCCESS;
-    for (size_t i = 0; !result && i < o->count; i++) {
-        while (!result && now != o->times[i]) {
-            result = advance(driver, events, o->times[i], &now, &h, y);
-            see_peaks(o, y);
-            o->reached = now;
-            if (!result && ++steps == STEPS_MAX)
-                result = GSL_EMAXITER;
-        }
-        memcpy(rows + i * states, y, states * sizeof *y);
+/* A step has come to y, or to where the solution stopped (crossing.h) and goes on from y. */
+static int keep(fp3_path *path, double t, const double *y, int is_stop, int is_event) {
+    if (!path)
+        return GSL_SUCCESS;
+    return is_stop ? fp3_path_start(path, t, y, is_event) : fp3_path_step(path, t, y);
+}
+
+/* y goes on to a time. */
+static int go_to(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double t, double *now,
+                 double *h, unsigned *steps) {
+    int result = GSL_SUCCESS, is_stop;
+    while (!result && *now != t) {
+        result = advance(driver, events, t, now, h, o->y, &is_stop);
+        if (!result)
+            result = keep(o->path, *now, o->y, is_stop, is_stop && events->is_event);
+        see_peaks(o, o->y);
+        o->reached = *now;
+        if (!result && ++*steps == STEPS_MAX)
+            result = GSL_EMAXITER;
     }
     return result;
 }
 
-/* rows: of states, one for each time. */
+/* y goes from time 0 to the end, and is kept at each time; peak becomes the largest size of each state
+ * on the way. A path has no stop on the way. */
+static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double *rows) {
+    const uint32_t states = o->model->state_count;
+    double h = end_of(o) * 1e-6, now = 0;
+    unsigned steps = 0;
+    int result = events ? fp3_crossing_fire(events, 0, o->y) : GSL_SUCCESS;
+    if (!result && o->path)
+        result = fp3_path_start(o->path, 0, o->y, 0);
+    for (size_t i = o->path ? o->count - 1 : 0; !result && i < o->count; i++) {
+        result = go_to(o, driver, events, o->times[i], &now, &h, &steps);
+        memcpy(rows + i * states, o->y, states * sizeof *o->y);
+    }
+    if (result || !o->path)
+        return result;
+    result = fp3_path_stop(o->path, now);
+    fp3_path_finish(o->path);
+    for (size_t i = 0; !result && i + 1 < o->count; i++)
+        fp3_path_at(o->path, o->times[i], rows + i * states);
+    return result;
+}
+
+/* rows: of states, one for each time. path: NULL, or where to keep how it goes. */
 static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance,
-                     const double *sizes, double *rows) {
+                     const double *sizes, double *rows, fp3_path **path) {
     const uint32_t count = o->model->state_count;
     gsl_odeiv2_system system = {derivative, NULL, count, o};
     gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_scaled_new(
@@ -140,11 +170,15 @@ static int integrate(orbit *o, const gsl_odeiv2_step_type *how, double tolerance
     const int has_crossings = o->model->event_count || o->switches.has_any;
     if (!result && has_crossings)
         result = fp3_crossing_open(&events, &o->switches, &system, how);
+    o->path = path ? *path = fp3_path_begin(&system, how, sizes) : NULL;
+    events.path = o->path;
+    if (path && !o->path)
+        result = GSL_ENOMEM;
     memcpy(o->y, o->initial, count * sizeof *o->y);
     for (uint32_t i = 0; i < count; i++)
         o->peak[i] = fabs(o->y[i]);
     if (!result)
-        result = go(o, driver, has_crossings ? &events : NULL, o->y, rows);
+        result = go(o, driver, has_crossings ? &events : NULL, rows);
     fp3_crossing_close(&events);
     if (driver)
         gsl_odeiv2_driver_free(driver);
@@ -230,7 +264,7 @@ static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
         unknown += o->model->states[i].exact == FP3_NONE;
     if (!unknown)
         return FP3_OK;
-    const int result = integrate(o, gsl_odeiv2_step_rkck, TOLERANCE, o->guess, o->other);
+    const int result = integrate(o, gsl_odeiv2_step_rkck, TOLERANCE, o->guess, o->other, NULL);
     fp3_status status = result ? stopped(o, "rkck", end_of(o), result, error) : FP3_OK;
     for (size_t i = 0; !status && i < o->count; i++)
         status = check_look(o, i, rows + i * count, o->other + i * count, error);
@@ -240,15 +274,15 @@ static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
 /* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
  * model then explodes: with a tighter one it does not. */
 static int find_sizes(orbit *o, double *rows) {
-    const int first = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, rows);
+    const int first = integrate(o, gsl_odeiv2_step_rk8pd, ROUGH, o->guess, rows, NULL);
     int result = first;
     for (double rough = ROUGH / 1000; result && first != GSL_ENOMEM && rough > TOLERANCE;
          rough /= 1000)
-        result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, rows);
+        result = integrate(o, gsl_odeiv2_step_rk8pd, rough, o->guess, rows, NULL);
     return result ? first : GSL_SUCCESS;
 }
 
-static fp3_status follow(orbit *o, double *rows, fp3_error *error) {
+static fp3_status follow(orbit *o, double *rows, fp3_path **path, fp3_error *error) {
     const uint32_t count = o->model->state_count;
     int result = guess_sizes(o, end_of(o));
     if (!result)
@@ -257,7 +291,7 @@ static fp3_status follow(orbit *o, double *rows, fp3_error *error) {
         if (o->peak[i] > 0)
             o->guess[i] = o->peak[i];
     if (!result)
-        result = integrate(o, gsl_odeiv2_step_rk8pd, TOLERANCE, o->guess, rows);
+        result = integrate(o, gsl_odeiv2_step_rk8pd, TOLERANCE, o->guess, rows, path);
     fp3_status status = result ? stopped(o, "rk8pd", end_of(o), result, error) : FP3_OK;
     for (size_t i = 0; !status && i < o->count; i++)
         status = check_exact(o, i, rows + i * count, error);
@@ -303,9 +337,10 @@ static fp3_status check_times(const double *times, size_t count, fp3_error *erro
     return count ? FP3_OK : fp3_fail(error, FP3_E_ARGUMENT, "expected a time");
 }
 
+/* states, sizes and path may be NULL. */
 static fp3_status look(const fp3_model *model, const double *params, const double *initial,
                        const double *times, size_t count, double *states, double *sizes,
-                       fp3_error *error) {
+                       fp3_path **path, fp3_error *error) {
     orbit o = {
         .model = model, .params = params, .initial = initial, .times = times, .count = count};
     const size_t cells = count * model->state_count;
@@ -319,9 +354,9 @@ static fp3_status look(const fp3_model *model, const double *params, const doubl
         status = fp3_switches_open(&o.switches, model, params, times[count - 1], error);
     gsl_error_handler_t *handler = gsl_set_error_handler_off(); /* GSL's own ends the program */
     if (!status)
-        status = follow(&o, rows, error);
+        status = follow(&o, rows, path, error);
     gsl_set_error_handler(handler);
-    if (!status)
+    if (!status && states)
         memcpy(states, rows, cells * sizeof *states);
     for (uint32_t i = 0; !status && sizes && i < model->state_count; i++)
         sizes[i] = o.peak[i];
@@ -336,16 +371,31 @@ fp3_status fp3_model_truths(const fp3_model *model, const double *params, const 
                             fp3_error *error) {
     FP3_HOST;
     const fp3_status status = check_times(times, count, error);
-    return status ? status : look(model, params, initial, times, count, states, sizes, error);
+    return status ? status : look(model, params, initial, times, count, states, sizes, NULL, error);
 }
 
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error) {
     FP3_HOST;
     if (t != 0)
-        return look(model, params, initial, &t, 1, states, NULL, error);
+        return look(model, params, initial, &t, 1, states, NULL, NULL, error);
     const fp3_status status = check_arguments(model, params, initial, t, error);
     if (!status)
         memcpy(states, initial, model->state_count * sizeof *states);
+    return status;
+}
+
+fp3_status fp3_path_open(const fp3_model *model, const double *params, const double *initial,
+                         double end, double *sizes, fp3_path **path, fp3_error *error) {
+    double times[CHECKS + 1];
+    *path = NULL;
+    for (int i = 0; i < CHECKS; i++)
+        times[i] = end * (i + UNEVEN) / CHECKS;
+    times[CHECKS] = end;
+    fp3_status status = check_times(times, CHECKS + 1, error);
+    if (!status)
+        status = look(model, params, initial, times, CHECKS + 1, NULL, sizes, path, error);
+    if (status)
+        fp3_path_close(path);
     return status;
 }

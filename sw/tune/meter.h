@@ -10,7 +10,7 @@
 typedef struct {
     fp3_engine *engine; /* of `objects`; NULL at first */
     size_t objects;
-    float *room;   /* of two numbers for each object */
+    float *column; /* a number for each object */
     fp3_error why; /* where the engine tells */
 } fp3_meter;
 
@@ -18,7 +18,7 @@ void fp3_meter_close(fp3_meter *meter);
 
 /* How objects come from the start to the end of the span. */
 typedef struct {
-    uint64_t steps;             /* fixed ones, a multiple of FP3_TUNE_LOOKS; 0: adaptive ones ... */
+    uint64_t steps;             /* fixed ones; 0: adaptive ones ... */
     double tolerance, absolute; /* ... with these, as in docs/adaptive.md */
     double
         most; /* attempts of an object, as the mean of the sample: what takes more is not run to the end */
@@ -38,5 +38,7 @@ fp3_status fp3_meter_read(fp3_meter *meter, const fp3_sample *sample, const fp3_
 
 /* h of so many steps. */
 float fp3_meter_h(const fp3_sample *sample, uint64_t steps);
+/* After how many of them objects are looked at, and so on. */
+uint64_t fp3_meter_every(uint64_t steps);
 
 #endif

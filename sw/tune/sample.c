@@ -6,6 +6,7 @@
 #include "text/number.h"
 
 #include <fp3/tune.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,17 +19,17 @@ uint32_t fp3_sample_ranges(const fp3_params *params) {
 }
 
 void fp3_sample_open(fp3_sample *sample, const fp3_model *model, double span) {
-    *sample = (fp3_sample){.model = model};
-    for (int i = 0; i < FP3_TUNE_LOOKS; i++)
-        sample->times[i] = span * (i + 1) / FP3_TUNE_LOOKS;
+    *sample = (fp3_sample){.model = model, .span = span};
 }
 
 void fp3_sample_close(fp3_sample *sample) {
+    for (size_t i = 0; i < sample->count; i++)
+        fp3_path_close(&sample->paths[i]);
+    free(sample->paths);
     free(sample->params);
     free(sample->initial);
     free(sample->sizes);
-    free(sample->truth);
-    free(sample->slopes);
+    free(sample->there);
     *sample = (fp3_sample){0};
 }
 
@@ -43,9 +44,12 @@ static fp3_status make_room(fp3_sample *s, size_t count, fp3_error *error) {
     const size_t states = s->model->state_count;
     if (count <= s->room)
         return FP3_OK;
-    if (!grow(&s->params, count, s->model->param_count) || !grow(&s->initial, count, states) ||
-        !grow(&s->sizes, count, states) || !grow(&s->truth, count, FP3_TUNE_LOOKS * states) ||
-        !grow(&s->slopes, count, FP3_TUNE_LOOKS * states))
+    fp3_path **paths = realloc(s->paths, count * sizeof *paths);
+    if (paths)
+        s->paths = paths;
+    if (!paths || !grow(&s->params, count, s->model->param_count) ||
+        !grow(&s->initial, count, states) || !grow(&s->sizes, count, states) ||
+        !grow(&s->there, 2, states))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     s->room = count;
     return FP3_OK;
@@ -82,35 +86,15 @@ static fp3_status read_values(fp3_sample *s, const fp3_program *program, const f
     return status;
 }
 
-static fp3_status find_slopes(fp3_sample *s, fp3_error *error) {
-    const fp3_model *model = s->model;
-    const size_t states = model->state_count, first = s->count * FP3_TUNE_LOOKS * states;
-    double *values = calloc(model->expr_count + 1u, sizeof *values);
-    if (!values)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; i < FP3_TUNE_LOOKS; i++) {
-        const fp3_point at = {.states = s->truth + first + i * states,
-                              .params = s->params + s->count * model->param_count,
-                              .initial = s->initial + s->count * states,
-                              .t = s->times[i]};
-        fp3_model_evaluate(model, &at, values);
-        for (size_t k = 0; k < states; k++)
-            s->slopes[first + i * states + k] = values[model->states[k].derivative];
-    }
-    free(values);
-    return FP3_OK;
-}
-
 static fp3_status find_truth(fp3_sample *s, fp3_error *error) {
     const size_t states = s->model->state_count;
     fp3_error why;
-    const fp3_status status = fp3_model_truths(
+    const fp3_status status = fp3_path_open(
         s->model, s->params + s->count * s->model->param_count, s->initial + s->count * states,
-        s->times, FP3_TUNE_LOOKS, s->truth + s->count * FP3_TUNE_LOOKS * states,
-        s->sizes + s->count * states, &why);
+        s->span, s->sizes + s->count * states, &s->paths[s->count], &why);
     if (status == FP3_E_ARGUMENT || status == FP3_E_MISMATCH)
         return fp3_fail(error, FP3_E_FAILED, "no truth to measure errors against: %s", why.text);
-    return status ? fp3_fail(error, status, "%s", why.text) : find_slopes(s, error);
+    return status ? fp3_fail(error, status, "%s", why.text) : FP3_OK;
 }
 
 fp3_status fp3_sample_add(fp3_sample *sample, const fp3_program *program, const fp3_params *params,
@@ -132,7 +116,7 @@ static void append(double *to, size_t count, const double *from, size_t more, si
     memcpy(to + count * width, from, more * width * sizeof *to);
 }
 
-fp3_status fp3_sample_join(fp3_sample *s, const fp3_sample *other, fp3_error *error) {
+fp3_status fp3_sample_join(fp3_sample *s, fp3_sample *other, fp3_error *error) {
     const size_t states = s->model->state_count, count = s->count, more = other->count;
     const fp3_status status = make_room(s, count + more, error);
     if (status || !more)
@@ -140,14 +124,44 @@ fp3_status fp3_sample_join(fp3_sample *s, const fp3_sample *other, fp3_error *er
     append(s->params, count, other->params, more, s->model->param_count);
     append(s->initial, count, other->initial, more, states);
     append(s->sizes, count, other->sizes, more, states);
-    append(s->truth, count, other->truth, more, FP3_TUNE_LOOKS * states);
-    append(s->slopes, count, other->slopes, more, FP3_TUNE_LOOKS * states);
+    memcpy(s->paths + count, other->paths, more * sizeof *s->paths);
     s->count += more;
+    other->count = 0;
     return FP3_OK;
 }
 
-double fp3_sample_truth(const fp3_sample *sample, size_t object, unsigned look, uint32_t state,
-                        double late) {
-    const size_t cell = (object * FP3_TUNE_LOOKS + look) * sample->model->state_count + state;
-    return sample->truth[cell] + late * sample->slopes[cell];
+/* ---- errors ---- */
+
+/* A state that is 0 all the time must stay it. */
+static double distance(const fp3_sample *s, size_t object, const double *states) {
+    const double *sizes = s->sizes + object * s->model->state_count;
+    double worst = 0;
+    for (uint32_t i = 0; i < s->model->state_count; i++) {
+        const double away = fabs(states[i] - s->there[i]), e = away == 0 ? 0 : away / sizes[i];
+        if (!(e <= worst)) /* a NaN, too */
+            worst = isfinite(e) ? e : INFINITY;
+    }
+    return worst;
+}
+
+/* Near an event, the object may be on the other side of it. */
+double fp3_sample_error(const fp3_sample *s, size_t object, double t, const double *states) {
+    const fp3_path *path = s->paths[object];
+    double when;
+    fp3_path_at(path, t, s->there);
+    double e = distance(s, object, states);
+    if (e > 0 && fp3_path_before(path, t, &when, s->there))
+        e = fmin(e, fmax((t - when) / s->span, distance(s, object, states)));
+    if (e > 0 && fp3_path_after(path, t, &when, s->there))
+        e = fmin(e, fmax((when - t) / s->span, distance(s, object, states)));
+    return e;
+}
+
+double fp3_sample_gap(const fp3_sample *s, double t) {
+    double worst = 0, *end = s->there + s->model->state_count;
+    for (size_t i = 0; i < s->count; i++) {
+        fp3_path_at(s->paths[i], s->span, end);
+        worst = fmax(worst, fp3_sample_error(s, i, t, end));
+    }
+    return worst;
 }

@@ -2,15 +2,17 @@
 #ifndef FP3_TUNE_SAMPLE_H
 #define FP3_TUNE_SAMPLE_H
 
+#include "truth/path.h"
+
 #include <fp3/tune.h>
 
 typedef struct {
     const fp3_model *model;
-    double times[FP3_TUNE_LOOKS];
+    double span;
     size_t count, room;
-    /* A row for each object. */
-    double *params, *initial, *sizes;
-    double *truth, *slopes; /* FP3_TUNE_LOOKS rows of a number for each state */
+    double *params, *initial, *sizes; /* a row for each object */
+    fp3_path **paths;
+    double *there; /* room for two rows of states */
 } fp3_sample;
 
 /* Ranges of the params: how many values are spread. */
@@ -23,11 +25,12 @@ void fp3_sample_close(fp3_sample *sample);
  * and start are FP32 numbers. FP3_E_FAILED: it has no truth. */
 fp3_status fp3_sample_add(fp3_sample *sample, const fp3_program *program, const fp3_params *params,
                           const double *shares, fp3_error *error);
-/* Adds all objects of another one. */
-fp3_status fp3_sample_join(fp3_sample *sample, const fp3_sample *other, fp3_error *error);
+/* Takes all objects of another one, which then has none. */
+fp3_status fp3_sample_join(fp3_sample *sample, fp3_sample *other, fp3_error *error);
 
-/* Where the object's state is at `late` behind a look: late is far less than a step. */
-double fp3_sample_truth(const fp3_sample *sample, size_t object, unsigned look, uint32_t state,
-                        double late);
+/* The error of an object that has these states at time t, as fp3/tune.h defines it. */
+double fp3_sample_error(const fp3_sample *sample, size_t object, double t, const double *states);
+/* How far the truths move between time t and the end of the span, likewise. */
+double fp3_sample_gap(const fp3_sample *sample, double t);
 
 #endif

@@ -19,6 +19,8 @@
 #define HOPELESS 4         /* ... and steps that need so many times the most are not tried */
 #define MARGIN 1.03        /* of a guess, which else just misses */
 #define NOTHING_GAINED 0.8 /* steps that leave so much of the error are spent on rounding */
+#define GIVEN_UP 100       /* of so many steps one may go for a better end ... */
+#define END 0.01           /* ... unless it is good to this share of the target */
 
 typedef struct {
     const fp3_search *search;
@@ -27,9 +29,30 @@ typedef struct {
     fp3_error *error;
 } seeker;
 
-static uint64_t whole(double steps) {
-    const double looks = FP3_TUNE_LOOKS;
-    return (uint64_t)(fmax(1, ceil(steps / looks)) * looks);
+/* h is rounded to FP32, so that most numbers of steps end beside the span. Of the numbers from the first to the last, the
+ * first that ends at it, or the one that ends nearest. */
+static uint64_t find_end(const seeker *s, uint64_t first, uint64_t last) {
+    const fp3_sample *sample = s->search->sample;
+    uint64_t best = first;
+    double least = INFINITY;
+    for (uint64_t n = first;; n += first < last ? 1u : UINT64_MAX) {
+        const double end = (double)n * (double)fp3_meter_h(sample, n);
+        const double late = fabs(end - sample->span);
+        if (late < least) {
+            best = n;
+            least = late;
+            if (fp3_sample_gap(sample, end) <= END * s->search->target)
+                return n;
+        }
+        if (n == last)
+            return best;
+    }
+}
+
+/* A few less may end better. */
+static uint64_t tidy(const seeker *s, double most) {
+    const uint64_t steps = (uint64_t)fmax(1, ceil(most));
+    return find_end(s, steps, steps - steps / GIVEN_UP);
 }
 
 static double cycles(const seeker *s, uint64_t steps) {
@@ -58,15 +81,15 @@ static fp3_status look(const seeker *s, uint64_t steps, double *found) {
 /* The most steps that are of interest; 0: not even the fewest. */
 static uint64_t find_most(const seeker *s) {
     const double limit = fmin(s->search->dearest, s->search->cheaper);
-    uint64_t low = 0, high = FP3_STEPS_LIMIT / FP3_TUNE_LOOKS;
+    uint64_t low = 0, high = FP3_STEPS_LIMIT;
     while (low < high) {
         const uint64_t middle = high - (high - low) / 2;
-        if (cycles(s, middle * FP3_TUNE_LOOKS) < limit)
+        if (cycles(s, middle) < limit)
             low = middle;
         else
             high = middle - 1;
     }
-    return low * FP3_TUNE_LOOKS;
+    return low ? tidy(s, (double)low) : 0;
 }
 
 /* By the order, even many more steps than are of interest are too few. */
@@ -88,7 +111,7 @@ static double guess(const seeker *s, uint64_t steps, double error) {
 
 /* Upwards from where the search begins. *low failed, *high met the target; 0: nothing did. */
 static fp3_status climb(const seeker *s, uint64_t most, uint64_t *low, uint64_t *high) {
-    uint64_t steps = s->search->first < most ? s->search->first : most;
+    uint64_t steps = s->search->first < most ? tidy(s, (double)s->search->first) : most;
     double last = INFINITY, error = INFINITY;
     unsigned idle = 0;
     fp3_status status = FP3_OK;
@@ -102,7 +125,7 @@ static fp3_status climb(const seeker *s, uint64_t most, uint64_t *low, uint64_t 
             return FP3_OK;
         last = error;
         const double next = fmax(guess(s, steps, error), 1.25 * (double)steps);
-        steps = whole(fmin(next, (double)most));
+        steps = next < (double)most ? tidy(s, next) : most;
     }
     *high = error <= s->search->target ? steps : 0;
     return status;
@@ -114,11 +137,11 @@ static fp3_status descend(const seeker *s, uint64_t most, uint64_t *high) {
     fp3_status status = FP3_OK;
     *high = 0;
     for (unsigned i = 0; !status && i < HALVINGS; i++) {
-        const uint64_t steps = whole((double)most / (1u << i));
+        const uint64_t steps = i ? tidy(s, (double)most / (1u << i)) : most;
         status = look(s, steps, &error);
         if (!status && error <= s->search->target)
             *high = steps;
-        if (*high || !(error < NEARLY * s->search->target) || steps <= FP3_TUNE_LOOKS)
+        if (*high || !(error < NEARLY * s->search->target) || steps == 1)
             break;
     }
     return status;
@@ -128,25 +151,25 @@ static fp3_status descend(const seeker *s, uint64_t most, uint64_t *high) {
 static fp3_status roam(const seeker *s, uint64_t most, uint64_t *low, uint64_t *high) {
     const uint64_t first = s->search->first < most ? s->search->first : most;
     fp3_status status = climb(s, most, low, high);
-    if (status || *high || first <= FP3_TUNE_LOOKS)
+    if (status || *high || first == 1)
         return status;
     *low = 0;
-    return descend(s, whole((double)first / 2), high);
+    return descend(s, tidy(s, (double)first / 2), high);
 }
 
 /* Between the two, guessing by the order first. */
 static fp3_status divide(const seeker *s, uint64_t low, uint64_t high, double error) {
     fp3_status status = FP3_OK;
-    while (!status && s->row->looks < LOOKS_MOST && high - low > FP3_TUNE_LOOKS &&
+    while (!status && s->row->looks < LOOKS_MOST && high - low > 1 &&
            high - low > high / RESOLUTION) {
-        double steps = sqrt((double)(low ? low : FP3_TUNE_LOOKS) * (double)high);
+        double steps = sqrt((double)(low ? low : 1) * (double)high);
         if (error > 0 && error < s->search->target / 2)
             steps = fmax(guess(s, high, error), steps / 2);
-        uint64_t next = whole(fmax(steps, (double)low + 1));
+        uint64_t next = tidy(s, fmax(steps, (double)low + 1));
         if (next >= high || next <= low)
-            next = whole((double)(low + high) / 2);
+            next = tidy(s, (double)(low + high) / 2);
         if (next >= high)
-            next = high - FP3_TUNE_LOOKS;
+            next = high - 1;
         if (next <= low)
             break;
         double found = INFINITY;
@@ -160,6 +183,14 @@ static fp3_status divide(const seeker *s, uint64_t low, uint64_t high, double er
         }
     }
     return status;
+}
+
+/* Or a few more than the fewest. */
+static fp3_status end_well(const seeker *s, uint64_t most) {
+    const uint64_t steps = s->row->steps, last = steps + steps / RESOLUTION;
+    const uint64_t better = find_end(s, steps, last < most ? last : most);
+    double error;
+    return better == steps ? FP3_OK : look(s, better, &error);
 }
 
 static void explain(const seeker *s, uint64_t most) {
@@ -186,15 +217,16 @@ fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candi
     row->steps = 0;
     row->lowest = row->error = INFINITY;
     if (!most) {
-        row->cycles = cycles(&s, FP3_TUNE_LOOKS);
-        snprintf(row->why, sizeof row->why, "skipped: %d steps cost more than the best",
-                 FP3_TUNE_LOOKS);
+        row->cycles = cycles(&s, 1);
+        snprintf(row->why, sizeof row->why, "skipped: one step costs more than the best");
         return FP3_OK;
     }
     const int is_bounded = isfinite(search->cheaper) && most <= FAR * search->first;
     fp3_status status = is_bounded ? descend(&s, most, &high) : roam(&s, most, &low, &high);
     if (!status && high)
         status = divide(&s, low, high, row->error);
+    if (!status && high)
+        status = end_well(&s, most);
     explain(&s, most);
     return status;
 }

@@ -81,10 +81,10 @@ static fp3_status check(const tuner *k) {
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "'steps' has a value: a tuner's objects start at time 0");
     const double steps = k->t->span / k->model->step;
-    if (!(steps >= FP3_TUNE_LOOKS && steps < FP3_STEPS_LIMIT / 2))
+    if (!(steps >= 1 && steps < FP3_STEPS_LIMIT / 2))
         return fp3_fail(k->error, FP3_E_ARGUMENT,
-                        "the span %g is %g of the model's steps: expected %d to %d", k->t->span,
-                        steps, FP3_TUNE_LOOKS, FP3_STEPS_LIMIT / 2);
+                        "the span %g is %g of the model's steps: expected 1 to %d", k->t->span,
+                        steps, FP3_STEPS_LIMIT / 2);
     return check_machine(def, k->error);
 }
 
@@ -249,10 +249,6 @@ static int is_the_method(tuner *k, size_t i, double target) {
     return 1;
 }
 
-static uint64_t whole_looks(uint64_t steps) {
-    return (steps + FP3_TUNE_LOOKS - 1) / FP3_TUNE_LOOKS * FP3_TUNE_LOOKS;
-}
-
 static fp3_status try_one(tuner *k, size_t i, double target) {
     const fp3_tuning *t = k->t;
     fp3_tune_row *row = &k->t->rows[i];
@@ -260,7 +256,7 @@ static fp3_status try_one(tuner *k, size_t i, double target) {
                                .meter = &k->meter,
                                .config = k->def->config,
                                .target = target,
-                               .first = whole_looks(t->baseline_steps),
+                               .first = t->baseline_steps,
                                .dearest = fmax(DEAREST, DEAREST_TIMES * t->baseline_cycles),
                                .cheaper =
                                    t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
@@ -309,7 +305,7 @@ static fp3_status measure_baseline(tuner *k) {
     if (status)
         return status;
     t->baseline_cycles = fp3_candidate_cycles(rk4, k->def->config, (double)t->baseline_steps);
-    const fp3_stepping how = {.steps = whole_looks(t->baseline_steps)};
+    const fp3_stepping how = {.steps = t->baseline_steps};
     fp3_meter_found found;
     status = fp3_meter_read(&k->meter, &k->seen, rk4->measured, &how, &found, k->error);
     t->baseline_error = found.worst;

@@ -28,11 +28,13 @@
 
 FP3_API_BEGIN
 
-/* An object is compared with the truth at FP3_TUNE_LOOKS times of the span, evenly spaced, the last
- * at its end. Its error is the largest distance of any state from the truth at any of these times,
+/* An error is the largest distance of any state, after any step, from the truth at that time,
  * relative to the largest magnitude of that state along the object's truth. The error of several
- * objects is that of the worst. An infinite error means that a run went wrong. */
-#define FP3_TUNE_LOOKS 4
+ * objects is that of the worst. An infinite error means that a run went wrong. Of n steps or
+ * attempts, where n is above FP3_TUNE_LOOKS, every one in n / FP3_TUNE_LOOKS (rounded down) counts,
+ * and the last one does. After the last step the truth is that of the end of the span. Around an
+ * event the object may be on the other side of it: docs/tuner.md. */
+#define FP3_TUNE_LOOKS 1024
 #define FP3_TUNE_LEAST 1e-7 /* the smallest tolerance: FP32 itself rounds by 6e-8 */
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
@@ -88,8 +90,8 @@ typedef struct {
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
  * meets the tolerance: see is_met. FP3_E_ARGUMENT: the tolerance is below FP3_TUNE_LEAST or not
- * below 1; the span is not above 0, or shorter than FP3_TUNE_LOOKS steps; the configuration does
- * not round as IEEE 754 says, or its cycles cannot be predicted; the program is not a model, or has
+ * below 1; the span is not above 0, or shorter than the model's step; the configuration does not
+ * round as IEEE 754 says, or its cycles cannot be predicted; the program is not a model, or has
  * adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Frees *tuning and sets it to NULL. *tuning may be NULL already. */

@@ -1,0 +1,331 @@
+/* path.c - polynomials between the steps of a solution, each as long as it may be.
+ *
+ * One of degree 7 goes through four points and has their slopes, which begin as those of three steps. Where it
+ * misses the solution in the middle of the longest step, each step gets one of its own, with points at its thirds. Two
+ * neighbours become one if that goes through the points that it leaves out: so a stiff model, whose many steps are
+ * short beside its motion, does not fill the memory.
+ */
+#include "path.h"
+
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NEAR 1e-10 /* of the solution, relative to a state's size */
+#define POINTS 4   /* of a polynomial */
+#define TERMS (2 * POINTS)
+#define TWICE 2       /* a neighbour more than so many times as long stays by itself */
+#define NO_STEP 1e-14 /* an event so close behind the step before, relative to the time, is at it */
+
+/* A part without events or turns of the equations. */
+typedef struct {
+    size_t row;   /* its first */
+    int is_event; /* it begins with one */
+} piece;
+
+/* A polynomial is a row: the times of its points, then states and slopes of one point after the other; in the end, of all states,
+ * the coefficients of Newton's form. */
+struct fp3_path {
+    size_t states, width; /* of a row */
+    double *rows;
+    size_t count, room;
+    piece *pieces;
+    size_t piece_count, piece_room;
+    /* Until it is finished. */
+    const gsl_odeiv2_system *system;
+    const double *sizes;
+    gsl_odeiv2_step *step;
+    double *pending, *third, *both, *there, *lost; /* three rows; states */
+    unsigned points;                               /* of `pending` */
+};
+
+fp3_path *fp3_path_begin(const gsl_odeiv2_system *system, const gsl_odeiv2_step_type *how,
+                         const double *sizes) {
+    fp3_path *p = calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    p->system = system;
+    p->sizes = sizes;
+    p->states = system->dimension;
+    p->width = POINTS + TERMS * p->states;
+    p->step = gsl_odeiv2_step_alloc(how, p->states);
+    p->pending = calloc(3 * p->width + 2 * p->states, sizeof *p->pending);
+    if (!p->step || !p->pending) {
+        fp3_path_close(&p);
+        return NULL;
+    }
+    p->third = p->pending + p->width;
+    p->both = p->third + p->width;
+    p->there = p->both + p->width;
+    p->lost = p->there + p->states;
+    return p;
+}
+
+static void free_steps(fp3_path *p) {
+    if (p->step)
+        gsl_odeiv2_step_free(p->step);
+    p->step = NULL;
+    free(p->pending);
+    p->pending = NULL;
+}
+
+void fp3_path_close(fp3_path **path) {
+    fp3_path *p = *path;
+    if (!p)
+        return;
+    free_steps(p);
+    free(p->rows);
+    free(p->pieces);
+    free(p);
+    *path = NULL;
+}
+
+/* ---- a polynomial ---- */
+
+static double *point_of(const fp3_path *p, const double *row, unsigned point) {
+    return (double *)row + POINTS + 2 * point * p->states;
+}
+
+static int put_point(const fp3_path *p, double *row, unsigned point, double t, const double *y) {
+    double *to = point_of(p, row, point);
+    row[point] = t;
+    memcpy(to, y, p->states * sizeof *y);
+    return p->system->function(t, to, to + p->states, p->system->params);
+}
+
+static void copy_point(const fp3_path *p, double *row, unsigned point, const double *from,
+                       unsigned which) {
+    row[point] = from[which];
+    memcpy(point_of(p, row, point), point_of(p, from, which), 2 * p->states * sizeof *row);
+}
+
+/* Points and slopes become divided differences, each point being there twice. */
+static void solve(const fp3_path *p, double *row) {
+    for (size_t i = 0; i < p->states; i++) {
+        double *cell = row + POINTS + i, d[TERMS];
+        for (unsigned k = 0; k < TERMS; k++)
+            d[k] = cell[(k & ~1u) * p->states];
+        for (unsigned order = 1; order < TERMS; order++)
+            for (unsigned k = TERMS - 1; k >= order; k--)
+                d[k] = order == 1 && k % 2
+                           ? cell[k * p->states]
+                           : (d[k] - d[k - 1]) / (row[k / 2] - row[(k - order) / 2]);
+        for (unsigned k = 0; k < TERMS; k++)
+            cell[k * p->states] = d[k];
+    }
+}
+
+static double value(const fp3_path *p, const double *row, double t, size_t state) {
+    const double *cell = row + POINTS + state;
+    double sum = cell[(TERMS - 1) * p->states];
+    for (unsigned k = TERMS - 1; k-- > 0;)
+        sum = sum * (t - row[k / 2]) + cell[k * p->states];
+    return sum;
+}
+
+static double product(const double *row, double t) {
+    double product = 1;
+    for (unsigned i = 0; i < POINTS; i++)
+        product *= t - row[i];
+    return product * product;
+}
+
+/* Whether it goes through y at a time, by which its error is told where it is largest: near the middle between two points. */
+static int meets(const fp3_path *p, const double *row, double t, const double *y) {
+    double most = 0;
+    for (unsigned i = 0; i + 1 < POINTS; i++)
+        most = fmax(most, product(row, (row[i] + row[i + 1]) / 2));
+    const double near = NEAR * fmin(1, product(row, t) / most);
+    for (size_t i = 0; i < p->states; i++)
+        if (!(fabs(value(p, row, t, i) - y[i]) <= near * p->sizes[i]))
+            return 0;
+    return 1;
+}
+
+/* ---- rows ---- */
+
+static double length(const double *row) { return row[POINTS - 1] - row[0]; }
+
+/* The last two rows become one. */
+static int merge(fp3_path *p) {
+    static const struct {
+        unsigned row, point;
+    } kept[POINTS] = {{0, 0}, {0, 2}, {1, 1}, {1, 3}}, left[] = {{0, 1}, {0, 3}, {1, 2}};
+    if (p->count < p->pieces[p->piece_count - 1].row + 2)
+        return 0;
+    double *at = p->rows + (p->count - 2) * p->width;
+    const double *const rows[] = {at, at + p->width};
+    if (length(rows[0]) > TWICE * length(rows[1]))
+        return 0;
+    for (unsigned i = 0; i < POINTS; i++)
+        copy_point(p, p->both, i, rows[kept[i].row], kept[i].point);
+    solve(p, p->both);
+    for (unsigned i = 0; i < sizeof left / sizeof *left; i++) {
+        const double *row = rows[left[i].row];
+        if (!meets(p, p->both, row[left[i].point], point_of(p, row, left[i].point)))
+            return 0;
+    }
+    copy_point(p, at, 1, at, 2);
+    copy_point(p, at, 2, rows[1], 1);
+    copy_point(p, at, 3, rows[1], 3);
+    p->count--;
+    return 1;
+}
+
+static int push(fp3_path *p, const double *row) {
+    if (p->count == p->room) {
+        const size_t room = 2 * p->room + 16;
+        double *more = realloc(p->rows, room * p->width * sizeof *more);
+        if (!more)
+            return GSL_ENOMEM;
+        p->rows = more;
+        p->room = room;
+    }
+    memcpy(p->rows + p->count++ * p->width, row, p->width * sizeof *row);
+    while (merge(p)) {
+    }
+    return GSL_SUCCESS;
+}
+
+/* ---- steps ---- */
+
+/* p->there: the states at a time behind a point of `pending`. */
+static int go(fp3_path *p, unsigned point, double t) {
+    const double from = p->pending[point];
+    memcpy(p->there, point_of(p, p->pending, point), p->states * sizeof *p->there);
+    gsl_odeiv2_step_reset(p->step);
+    return t == from ? GSL_SUCCESS
+                     : gsl_odeiv2_step_apply(p->step, from, t - from, p->there, p->lost, NULL, NULL,
+                                             p->system);
+}
+
+/* A polynomial of its own for a step from a point of `pending`. */
+static int push_step(fp3_path *p, unsigned point, double end) {
+    const double from = p->pending[point];
+    int result = GSL_SUCCESS;
+    for (unsigned i = 0; !result && i < POINTS; i++) {
+        const double t = i == POINTS - 1 ? end : from + (end - from) * i / (POINTS - 1);
+        result = go(p, point, t);
+        if (!result)
+            result = put_point(p, p->third, i, t, p->there);
+    }
+    return result ? result : push(p, p->third);
+}
+
+static int push_steps(fp3_path *p) {
+    int result = GSL_SUCCESS;
+    for (unsigned i = 0; !result && i + 1 < p->points; i++)
+        result = push_step(p, i, p->pending[i + 1]);
+    return result;
+}
+
+static int push_all(fp3_path *p) {
+    unsigned longest = 0;
+    for (unsigned i = 1; i + 1 < POINTS; i++)
+        if (p->pending[i + 1] - p->pending[i] > p->pending[longest + 1] - p->pending[longest])
+            longest = i;
+    const double t = (p->pending[longest] + p->pending[longest + 1]) / 2;
+    const int result = go(p, longest, t);
+    if (result)
+        return result;
+    memcpy(p->both, p->pending, p->width * sizeof *p->both);
+    solve(p, p->both);
+    return meets(p, p->both, t, p->there) ? push(p, p->pending) : push_steps(p);
+}
+
+int fp3_path_start(fp3_path *p, double t, const double *states, int is_event) {
+    if (p->piece_count == p->piece_room) {
+        const size_t room = 2 * p->piece_room + 16;
+        piece *more = realloc(p->pieces, room * sizeof *more);
+        if (!more)
+            return GSL_ENOMEM;
+        p->pieces = more;
+        p->piece_room = room;
+    }
+    p->pieces[p->piece_count++] = (piece){p->count, is_event};
+    p->points = 1;
+    return put_point(p, p->pending, 0, t, states);
+}
+
+int fp3_path_step(fp3_path *p, double t, const double *states) {
+    int result = put_point(p, p->pending, p->points++, t, states);
+    if (result || p->points < POINTS)
+        return result;
+    result = push_all(p);
+    copy_point(p, p->pending, 0, p->pending, POINTS - 1);
+    p->points = 1;
+    return result;
+}
+
+int fp3_path_stop(fp3_path *p, double t) {
+    const double last = p->pending[p->points - 1];
+    int result = push_steps(p);
+    if (!result && t - last > NO_STEP * t)
+        result = push_step(p, p->points - 1, t);
+    if (p->count == p->pieces[p->piece_count - 1].row)
+        p->piece_count--; /* it has no length */
+    return result;
+}
+
+void fp3_path_finish(fp3_path *p) {
+    free_steps(p);
+    for (size_t i = 0; i < p->count; i++)
+        solve(p, p->rows + i * p->width);
+}
+
+/* ---- looks ---- */
+
+static void look(const fp3_path *p, size_t row, double t, double *states) {
+    for (size_t i = 0; i < p->states; i++)
+        states[i] = value(p, p->rows + row * p->width, t, i);
+}
+
+void fp3_path_at(const fp3_path *p, double t, double *states) {
+    size_t low = 0, high = p->count;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (p->rows[middle * p->width] <= t)
+            low = middle;
+        else
+            high = middle;
+    }
+    look(p, low, t, states);
+}
+
+/* The first piece that begins after t. */
+static size_t next_piece(const fp3_path *p, double t) {
+    size_t low = 0, high = p->piece_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (p->rows[p->pieces[middle].row * p->width] <= t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+int fp3_path_before(const fp3_path *p, double t, double *when, double *states) {
+    size_t next = next_piece(p, t);
+    while (next >= 2 && !p->pieces[next - 1].is_event)
+        next--;
+    if (next < 2)
+        return 0;
+    const size_t row = p->pieces[next - 1].row;
+    *when = p->rows[row * p->width];
+    look(p, row - 1, *when, states);
+    return 1;
+}
+
+int fp3_path_after(const fp3_path *p, double t, double *when, double *states) {
+    size_t next = next_piece(p, t);
+    while (next < p->piece_count && !p->pieces[next].is_event)
+        next++;
+    if (next == p->piece_count)
+        return 0;
+    const size_t row = p->pieces[next].row;
+    *when = p->rows[row * p->width];
+    look(p, row, *when, states);
+    return 1;
+}
