@@ -27,7 +27,8 @@ typedef struct {
     double *from, *there, *next;     /* states */
     unsigned happened, turned, slid; /* slid: turns in a row without a step between them */
     int is_event;                    /* what was found last is an event, no turn alone */
-    struct fp3_path *path; /* NULL, or what is told where the solution stops, before switches turn */
+    struct fp3_path
+        *path; /* NULL, or what is told where the solution stops, before switches turn */
 } fp3_crossing;
 
 /* Room for a model with events or switches. GSL_ENOMEM. The caller closes, after a failure too. */

@@ -32,6 +32,7 @@ struct fp3_path {
     size_t count, room;
     piece *pieces;
     size_t piece_count, piece_room;
+    int is_event; /* a piece without length began with one */
     /* Until it is finished. */
     const gsl_odeiv2_system *system;
     const double *sizes;
@@ -243,7 +244,8 @@ int fp3_path_start(fp3_path *p, double t, const double *states, int is_event) {
         p->pieces = more;
         p->piece_room = room;
     }
-    p->pieces[p->piece_count++] = (piece){p->count, is_event};
+    p->pieces[p->piece_count++] = (piece){p->count, is_event || p->is_event};
+    p->is_event = 0;
     p->points = 1;
     return put_point(p, p->pending, 0, t, states);
 }
@@ -263,8 +265,8 @@ int fp3_path_stop(fp3_path *p, double t) {
     int result = push_steps(p);
     if (!result && t - last > NO_STEP * t)
         result = push_step(p, p->points - 1, t);
-    if (p->count == p->pieces[p->piece_count - 1].row)
-        p->piece_count--; /* it has no length */
+    if (p->count == p->pieces[p->piece_count - 1].row) /* it has no length */
+        p->is_event = p->pieces[--p->piece_count].is_event;
     return result;
 }
 
