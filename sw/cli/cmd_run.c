@@ -440,10 +440,8 @@ static fp3_status run_program(options *o, char **report, fp3_error *error) {
     how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
     fp3_status status = define(o, &def, error);
-    if (!status)
-        status = fp3_run_adaptive_maxstep(&how, o->values.params, error);
-    if (!status)
-        status = fp3_program_open(o->program, &how, &program, report, error);
+    status = status ? status : fp3_run_adaptive_maxstep(&how, o->values.params, error);
+    status = status ? status : fp3_program_open(o->program, &how, &program, report, error);
     if (!status && !o->has_steps && fp3_adaptive_is(program->image))
         o->steps = FP3_ADAPTIVE_ATTEMPTS;
     if (!status)
