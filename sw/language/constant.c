@@ -55,7 +55,14 @@ static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
     return 1;
 }
 
-/* The expressions of a constant are forgotten once it is computed. */
+static int has_param(const ode_parser *p, uint32_t from) {
+    int has = 0;
+    for (uint32_t i = from; i < p->expr_count; i++)
+        has |= p->exprs[i].op == FP3_EXPR_PARAM;
+    return has;
+}
+
+/* The expressions of a constant are forgotten once it is computed; but a start follows params that a run gives. */
 static int read(ode_parser *p, ode_context context, unsigned size, int may_have_unit,
                 ode_constant *constant) {
     fp3_token at = p->in.next;
@@ -70,7 +77,11 @@ static int read(ode_parser *p, ode_context context, unsigned size, int may_have_
         fp3_ode_check_dimensions(p, from);
         is_good = take(p, at, value, size, constant);
     }
-    p->expr_count = from;
+    const int is_kept = is_good && context == ODE_IN_START && has_param(p, from);
+    for (unsigned i = 0; i < ODE_VECTOR; i++)
+        constant->expr[i] = is_kept && i < size ? value.expr[i] : FP3_NONE;
+    if (!is_kept)
+        p->expr_count = from;
     return is_good;
 }
 

@@ -6,6 +6,8 @@
 
 typedef struct {
     double value[ODE_VECTOR];
+    uint32_t
+        expr[ODE_VECTOR]; /* what a start is computed from, if params are in it; else FP3_NONE */
     ode_dimension dimension;
     char dimension_text[ODE_DIMENSION_SOURCE_SIZE];
 } ode_constant;

@@ -105,6 +105,7 @@ static void add_quantity(ode_parser *p, fp3_token at, ode_class class, unsigned 
         q->quantity.dimension = copied(p, constant->dimension_text);
         q->quantity.doc = copied(p, doc);
         q->quantity.value = constant->value[i];
+        q->quantity.start = constant->expr[i];
         q->quantity.is_shared = is_shared;
         q->quantity.derivative = q->quantity.velocity = q->quantity.exact = FP3_NONE;
         q->quantity.line = at.location.line;

@@ -151,6 +151,37 @@ static fp3_status take_quantity(fp3_object_values *of, const fp3_quantity *q, do
     return status;
 }
 
+/* Whether a param in the expression is given. */
+static int has_given(const fp3_object_values *of, uint32_t expr) {
+    const fp3_model *model = of->program->model;
+    const fp3_expr *e = &model->exprs[expr];
+    if (e->op == FP3_EXPR_PARAM)
+        return fp3_params_has(of->given, model->params[e->index].name);
+    int has = 0;
+    for (int i = 0; i < 3; i++)
+        has |= e->operand[i] != FP3_NONE && has_given(of, e->operand[i]);
+    return has;
+}
+
+/* A start that is made of params follows those that are given, unless it is given itself. */
+static void take_starts(fp3_object_values *of) {
+    const fp3_model *model = of->program->model;
+    double *params = of->values + model->expr_count;
+    int is_evaluated = 0;
+    for (uint32_t i = 0; i < model->state_count; i++) {
+        const uint32_t start = model->states[i].start;
+        if (start == FP3_NONE || fp3_params_has(of->given, model->states[i].name) ||
+            !has_given(of, start))
+            continue;
+        for (uint32_t k = 0; !is_evaluated && k < model->param_count; k++)
+            params[k] = fp3_number_given(of->params[k], fp3_program_words(of->program));
+        if (!is_evaluated++)
+            fp3_model_evaluate(model, &(fp3_point){.params = params, .states = of->initial},
+                               of->values);
+        of->initial[i] = of->values[start];
+    }
+}
+
 static fp3_status take_h(fp3_object_values *of, double share, fp3_error *error) {
     int is_spread;
     float h;
@@ -176,6 +207,7 @@ static fp3_status take_all(fp3_object_values *of, double share, fp3_error *error
     for (uint32_t i = 0; !status && i < model->state_count; i++)
         status = take_quantity(of, &model->states[i], share, &of->is_varied[model->param_count + i],
                                &of->initial[i], error);
+    take_starts(of);
     return status || of->is_begun ? status : take_h(of, share, error);
 }
 
@@ -225,9 +257,10 @@ fp3_status fp3_object_values_open(const fp3_program *program, const fp3_params *
                               .is_varied = calloc(params + states + 1, 1),
                               .params = calloc(params + 1, sizeof *of->params),
                               .initial = calloc(states + 1, sizeof *of->initial),
+                              .values = calloc(model->expr_count + params + 1, sizeof *of->values),
                               .inputs =
                                   calloc(program->compiled->input_count + 1u, sizeof *of->inputs)};
-    return of->is_varied && of->params && of->initial && of->inputs
+    return of->is_varied && of->params && of->initial && of->values && of->inputs
                ? fp3_start_open(program->compiled, NULL, 1, &of->start, error)
                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
@@ -245,6 +278,7 @@ void fp3_object_values_free(fp3_object_values *of) {
     free(of->is_varied);
     free(of->params);
     free(of->initial);
+    free(of->values);
     free(of->inputs);
     *of = (fp3_object_values){0};
 }

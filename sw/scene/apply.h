@@ -24,6 +24,7 @@ typedef struct {
     int is_begun;    /* an object was asked */
     /* Of the object that was asked last: */
     double *params, *initial, h;
+    double *values; /* of the model's expressions, then params as the program has them */
     float *inputs;
     int is_spread; /* some object has others */
 } fp3_object_values;

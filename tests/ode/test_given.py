@@ -85,3 +85,20 @@ def test_a_folded_scene_has_the_same(fp3, tmp_path):
         done = subprocess.run([fp3, "run", "--scene", "m.scene"], cwd=tmp_path, capture_output=True, text=True, check=True)
         found.append(re.findall(r"^([xv]) +(\S+)", done.stdout, re.M))
     assert found[0] == found[1] and len(found[0]) == 2
+
+
+def test_a_start_follows_the_params_that_are_given(fp3, tmp_path):
+    (tmp_path / "m.ode").write_text("param g = 9\nparam l = 1\nstate a = 0.5\nstate w = sqrt(g/l)\na' = w\nw' = -(g/l)*sin(a)\nstep 0.0078125\nspan 1\n")
+
+    def starts(*options):
+        out = subprocess.run([fp3, "run", "m.ode", "-e", "isa", "-c", "many_full", "-o", "2", "-n", "0", *options], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+        return [float(x) for x in re.findall(r"^w +(\S+)", out, re.M)]
+    assert starts() == [3, 3]
+    assert starts("--set", "l=4") == [1.5, 1.5]
+    assert starts("--spread", "l=1:4") == [3, 1.5]
+    assert starts("--set", "l=4", "--set", "w=2") == [2, 2]
+    (tmp_path / "m.scene").write_text('config = "many_full"; engine = "isa"; steps = 0;\ngroups = ( { program = "m.ode"; objects = 2; set = { l = 4; }; } );\n')
+    out = subprocess.run([fp3, "run", "--scene", "m.scene"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert re.findall(r"^w +(\S+)", out, re.M) == ["1.5", "1.5"]
+    done = subprocess.run([fp3, "run", "m.ode", "-n", "0", "--set", "l=-1"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "w at the start" in done.stderr

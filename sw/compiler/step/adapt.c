@@ -62,6 +62,7 @@ static fp3_status add(fp3_model *model, fp3_quantity **list, uint32_t *count, co
                         .is_shared = what->is_shared,
                         .derivative = FP3_NONE,
                         .velocity = FP3_NONE,
+                        .start = FP3_NONE,
                         .exact = FP3_NONE,
                         .dimension = strdup(dimension),
                         .doc = strdup(what->doc)};

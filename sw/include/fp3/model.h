@@ -91,6 +91,7 @@ typedef struct {
     uint32_t derivative; /* state: expression of its derivative */
     uint32_t velocity;   /* state: the other state that is its derivative, or FP3_NONE */
     uint32_t exact;      /* state: its closed form in t, or FP3_NONE */
+    uint32_t start; /* state: expression of params that its start is computed from, or FP3_NONE */
     uint32_t line;
 } fp3_quantity;
 
