@@ -119,6 +119,9 @@ void fp3_tune_print_all(const fp3_tune_print *out, const fp3_tune_def *def, cons
            t->ranges, t->ranges == 1 ? "" : "s", t->target);
     printf("%-16s rk4, plain, %" PRIu64 " steps of the model's h: %.1f cycles, error %.2e\n",
            "baseline", t->baseline_steps, t->baseline_cycles, t->baseline_error);
+    if (t->sensitive[0])
+        printf("%-16s one unit in the last place of '%s' alone moves the result by %.2e\n",
+               "sensitivity", t->sensitive, t->sensitivity);
     if (!best)
         return;
     print_choice(best, t->baseline_cycles);
@@ -137,17 +140,27 @@ fp3_status fp3_tune_print_judge(const fp3_tune_def *def, const fp3_tuning *t, fp
     if (!lowest)
         return fp3_fail(error, FP3_E_FAILED, "nothing meets the tolerance %g: every run went wrong",
                         def->tolerance);
+    char sensitivity[FP3_NAME_SIZE + 80] = "";
+    if (t->sensitivity > def->tolerance)
+        snprintf(sensitivity, sizeof sensitivity,
+                 "; one unit in the last place of '%s' alone moves the result by %.2e",
+                 t->sensitive, t->sensitivity);
     return fp3_fail(error, FP3_E_FAILED,
                     "nothing meets the tolerance %g: the smallest error that was found is %.2e, by "
-                    "%s, %s",
+                    "%s, %s%s",
                     def->tolerance, lowest->lowest, lowest->integrator,
-                    fp3_arithmetic_of(lowest->arithmetic)->name);
+                    fp3_arithmetic_of(lowest->arithmetic)->name, sensitivity);
 }
 
 /* ---- files ---- */
 
 /* Null where there is none: h of adaptive steps, a tolerance of fixed ones. */
 static json_t *above_zero(double x) { return fp3_json_number(x > 0 ? x : NAN); }
+
+static int put_sensitivity(json_t *o, const fp3_tuning *t) {
+    return json_object_set_new(o, "sensitivity", fp3_json_number(t->sensitivity)) |
+           json_object_set_new(o, "sensitive", json_string(t->sensitive));
+}
 
 static int put_steps(json_t *o, const fp3_tune_row *r) {
     return json_object_set_new(o, "steps", json_integer((json_int_t)(r ? r->steps : 0))) |
@@ -189,7 +202,7 @@ static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
         "span", fp3_json_number(t->span), "ranges", (json_int_t)t->ranges, "sample",
         (json_int_t)t->sample, "held_out", (json_int_t)t->held_out, "rounds", (json_int_t)t->rounds,
         "tried", tried(t));
-    if (all && put_steps(all, best)) {
+    if (all && (put_steps(all, best) || put_sensitivity(all, t))) {
         json_decref(all);
         all = NULL;
     }

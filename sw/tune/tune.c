@@ -1,5 +1,6 @@
 /* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
 #include "search.h"
+#include "sensitivity.h"
 
 #include "base/host.h"
 #include "machine/config.h"
@@ -365,6 +366,8 @@ static fp3_status begin(tuner *k) {
     say(k, "the truth");
     if (!status)
         status = draw_seen(k);
+    if (!status)
+        status = fp3_sensitivity_find(&k->seen, k->t->sensitive, &k->t->sensitivity, k->error);
     return status ? status : measure_baseline(k);
 }
 

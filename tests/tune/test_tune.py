@@ -69,6 +69,15 @@ def test_nothing_that_was_tried_is_cheaper_and_good_enough(tune):
     assert {(r["integrator"], r["arithmetic"]) for r in row["tried"]} >= {("euler", "plain"), ("rk6", "folded"), ("rk4", "compensated")}
 
 
+def test_the_sensitivity_is_that_of_the_equations(tune, tmp_path):
+    """x = x0 exp(k t): a unit in the last place of k, 2^-23, moves ln x by 4 times that in the end."""
+    (tmp_path / "m.ode").write_text("state x = 1\nparam k = 1.5\nx' = k*x\nexact x = exp(k*t)\nstep 0.0078125\nspan 4\n")
+    done, row = tune("m.ode", "--tolerance", "1e-3")
+    assert done.returncode == 0 and row["sensitive"] == "k"
+    assert row["sensitivity"] == pytest.approx(4 * 2**-23, rel=1e-2)
+    assert "one unit in the last place of 'k' alone moves the result by 4.77e-07" in done.stdout
+
+
 def test_what_the_sample_misses_the_held_out_objects_find(tune, tmp_path):
     (tmp_path / "comb.ode").write_text(COMB)
     done, row = tune("comb.ode", "--tolerance", "1e-3", "--spread", "a=0:1")

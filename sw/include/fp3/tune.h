@@ -86,6 +86,10 @@ typedef struct {
     double error_held_out; /* of the best row; NaN: there is none, or there are no ranges */
     double baseline_cycles, baseline_error; /* rk4, plain, at the model's default step */
     uint64_t baseline_steps;
+    /* How far one unit in the last place of one number moves the truth of the first object, as an
+     * error, and which param or start that is; "": none moves it. No arithmetic gives less. */
+    double sensitivity;
+    char sensitive[FP3_NAME_SIZE];
 } fp3_tuning;
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
