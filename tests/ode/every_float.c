@@ -21,7 +21,7 @@ typedef struct {
     const char *name, *expression;
     double (*truth)(double x, double n);
     float from, to;
-    double n; /* of x^n; a NaN: of all sizes */
+    double n; /* of x^n, an FP32 number as every param; a NaN: of all sizes */
     double least,
         most; /* a smaller truth counts as least: near a zero. A larger one is near a pole; 0: none is */
 } function;
@@ -66,7 +66,7 @@ static const function functions[] = {
     {"x^-2.5", "x^-2.5", pow, POSITIVE, -2.5, 0, 0},
     {"x^(1/3)", "x^(1/3)", pow, POSITIVE, 1.0 / 3, 0, 0},
     {"x^-0.7", "x^-0.7", pow, POSITIVE, -0.7, 0, 0},
-    {"x^1.4", "x^n", pow, POSITIVE, 1.4, 0, 0},
+    {"x^1.4", "x^n", pow, POSITIVE, 1.4f, 0, 0},
     {"x^3", "x^n", pow, ALL, 3, 0, 0},
     {"x^-31", "x^-31", pow, ALL, -31, 0, 0},
     {"x^100.5", "x^n", pow, POSITIVE, 100.5, 0, 0},

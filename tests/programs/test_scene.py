@@ -164,7 +164,7 @@ BAD = [
     ("groups = ({ program = \"nonesuch.fp3\"; objects = 1; });", r"nonesuch\.fp3"),
     ("groups = ({ program = \"bad.s\"; objects = 1; });", r"bad\.s:2:1: error: found 'jump'"),
     ("groups = ({ program = \"ship.s\"; objects = 1;\ncolour = 1; });",
-     r"x\.scene:2: found 'colour', expected a setting of a group: program, integrator, compensated, double_single, folded, tolerance, until, absolute, objects, params, set, spread"),
+     r"x\.scene:2: found 'colour', expected a setting of a group: program, integrator, compensated, double_single, folded, tolerance, until, absolute, maxstep, objects, params, set, spread"),
     ("groups = ({ program = \"ship.s\"; objects = 1; params = \"nonesuch.cfg\"; });", r"x\.scene:1: nonesuch\.cfg: cannot open"),
     ("groups = ({ program = \"ship.s\"; objects = 1;\nset = 3; });", r"x\.scene:2: set: found '3', expected a group"),
     ("groups = ({ program = \"ship.s\"; objects = 1; set = { v = 0.0; s = 0.0; C = 1.0; rm = 1.0;\nT = \"two\"; }; });",
