@@ -205,6 +205,11 @@ static const at_end ends[] = {
     {fp3_pair_acos, 1, 0, 0},
     {fp3_pair_acos, -1, 2 * QUARTER, 0},
     {fp3_pair_acos, -1.5, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_root, 0, 0, 0},
+    {fp3_pair_root, 0x1p-149, 0x1.67fffdp-85, 0},
+    {fp3_pair_root, 0x1p-127, 0x1.68b68p-64, 0},
+    {fp3_pair_root, 0x1p-126, 0x1p-63, 0},
+    {fp3_pair_inverse_root, 0x1p-127, NAN, FP3_FLAG_INVALID},
 };
 
 static int is_right(const at_end *e, const float result[2], uint32_t flags) {

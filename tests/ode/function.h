@@ -1,5 +1,5 @@
-/* function.h - a function of x, and of a parameter n, as the compiler makes it: compiled as a step of y' = f(x), and
- * its operations carried out one by one. */
+/* function.h - a function of x, of a parameter n and of root, which is sqrt(x), as the compiler makes it:
+ * compiled as a step of y' = f(x), and its operations carried out one by one. */
 #ifndef FP3_TESTS_FUNCTION_H
 #define FP3_TESTS_FUNCTION_H
 
@@ -62,7 +62,8 @@ static inline void make(program *p, const char *expression, double n, const char
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
     snprintf(source, sizeof source,
-             "param n = 1\nstate x = 1\nstate y = 0\nstep 1\nspan 1\nx' = 0\ny' = %s\n",
+             "param n = 1\nstate x = 1\nstate y = 0\nstep 1\nspan 1\nroot = sqrt(x)\n"
+             "x' = 0\ny' = %s\n",
              expression);
     *p = (program){0};
     if (fp3_model_read(source, strlen(source), expression, &p->model, &report, &error) ||

@@ -20,7 +20,31 @@ typedef struct {
     uint32_t flags;
 } special;
 
+#define SMALL 0x1p-127f /* a subnormal number */
+
 static const special specials[] = {
+    {"sqrt(x)", 0, 0, 0, 0},
+    {"sqrt(x)", 0, -0.0f, -0.0f, 0},
+    {"sqrt(x)", 0, 0x1p-149f, 0x1.dffffbp-86f, 0},
+    {"sqrt(x)", 0, SMALL, 0x1.58p-64f, 0},
+    {"sqrt(x)", 0, 0x1p-126f, 0x1p-63f, 0},
+    {"sqrt(x)", 0, 0x1p126f, 0x1p63f, 0},
+    {"sqrt(x)", 0, -0x1p-126f, NAN, FP3_FLAG_INVALID},
+    {"sqrt(x)", 0, INFINITY, NAN, FP3_FLAG_INVALID},
+    {"sqrt(x)", 0, NAN, NAN, 0},
+    {"min(sqrt(x), 1)", 0, SMALL, 0x1.58p-64f, 0},
+    {"x^0.5", 0, SMALL, 0x1.58p-64f, 0},
+    {"x < 1 ? root : 1/root", 0, SMALL, 0x1.01p-64f, 0},
+    {"x < 1 ? root : 1/root", 0, 0x1p-126f, 0x1p-63f, 0},
+    {"x < 1 ? root : 1/root", 0, 0, 0, FP3_FLAG_INVALID},
+    {"x < 1 ? root : 1/root", 0, -1, NAN, FP3_FLAG_INVALID},
+    {"1/x", 0, 0, NAN, FP3_FLAG_INVALID},
+    {"1/x", 0, SMALL, NAN, FP3_FLAG_INVALID},
+    {"1/x", 0, -0x1p-126f, -0x1p126f, 0},
+    {"1/x", 0, 0x1.fffffep127f, 0x1p-128f, 0},
+    {"1/x", 0, -INFINITY, NAN, FP3_FLAG_INVALID},
+    {"n/x", 0x1p-149, 0.25f, 0x1p-147f, 0},
+    {"n/(x*x)", 1, 0x1p64f, NAN, RAISES},
     {"sin(x)", 0, 0, 0, 0},
     {"sin(x)", 0, -65536, NAN, RAISES},
     {"sin(x)", 0, INFINITY, NAN, FP3_FLAG_INVALID},

@@ -13,10 +13,13 @@ fp3_series fp3_reciprocal(dag *g, uint32_t b) {
 }
 
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
-fp3_series fp3_inverse_root(dag *g, uint32_t b) {
-    const uint32_t y = op1(g, FP3_OP_RSQRT, b);
+static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
     const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
     return (fp3_series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
+}
+
+fp3_series fp3_inverse_root(dag *g, uint32_t b) {
+    return root_series(g, b, op1(g, FP3_OP_RSQRT, b));
 }
 
 term fp3_corrected(dag *g, term x, fp3_series s) {
@@ -24,14 +27,24 @@ term fp3_corrected(dag *g, term x, fp3_series s) {
     return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
 }
 
-fp3_series fp3_inverse_root_or_one(dag *g, uint32_t b) {
-    return fp3_inverse_root(g, sel(g, b, b, num(g, 1)));
+/* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
+ * infinite. */
+#define MOST 0x1p63
+#define MOST_CORRECTION 0x1p-8
+
+static uint32_t finite(dag *g, uint32_t y) { return op2(g, FP3_OP_MIN, num(g, MOST), y); }
+
+fp3_series fp3_finite_inverse_root(dag *g, uint32_t b) {
+    return root_series(g, b, finite(g, op1(g, FP3_OP_RSQRT, b)));
 }
 
 uint32_t fp3_root(dag *g, uint32_t b) {
-    return fp3_corrected(g, fp3_term(b), fp3_inverse_root_or_one(g, b)).node;
+    return fp3_corrected(g, fp3_term(b), fp3_finite_inverse_root(g, b)).node;
 }
 
+/* Of 0 the correction is a NaN: then min is its second operand. */
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
-    return sel(g, b, fp3_corrected(g, fp3_term(b), fp3_inverse_root(g, b)).node, b);
+    const fp3_series s = fp3_inverse_root(g, b);
+    const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION));
+    return fp3_corrected(g, fp3_term(b), (fp3_series){finite(g, s.estimate), t}).node;
 }

@@ -15,11 +15,11 @@ fp3_series fp3_inverse_root(dag *g, uint32_t b);
 /* x y (1 + t) */
 term fp3_corrected(dag *g, term x, fp3_series s);
 
-/* Where b is 0, that of 1: 0 times it is 0, and nothing is raised. */
-fp3_series fp3_inverse_root_or_one(dag *g, uint32_t b);
+/* Of b below 2^-126 with the estimate of 2^-126, so that b times it is small. */
+fp3_series fp3_finite_inverse_root(dag *g, uint32_t b);
 
-/* sqrt(b) is b/sqrt(b), and 0 for 0. The second shares what x/sqrt(b) has, and raises invalid for 0 as
- * that does. */
+/* sqrt(b) is b/sqrt(b), 0 for 0. Below 2^-126 it is off by 2^-65 at most. The second shares what x/sqrt(b) has,
+ * and raises invalid for 0 as that does. */
 uint32_t fp3_root(dag *g, uint32_t b);
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b);
 

@@ -77,7 +77,7 @@ static void advance(dag *g, uint32_t *s, uint32_t *rest, uint32_t slope) {
 uint32_t fp3_exact_root(dag *g, uint32_t b) {
     const uint32_t n = op1(g, FP3_OP_RINT, mul(g, exponent(g, b), num(g, 0.5)));
     const uint32_t a = mul(g, b, power_of_two(g, sub(g, num(g, 0), add(g, n, n))));
-    const uint32_t over = inverse(g, fp3_inverse_root_or_one(g, a)),
+    const uint32_t over = inverse(g, fp3_finite_inverse_root(g, a)),
                    half = mul(g, num(g, 0.5), over);
     uint32_t s = head(g, mul(g, a, over)), rest = less_product(g, a, s, s);
     advance(g, &s, &rest, half);

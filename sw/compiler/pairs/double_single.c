@@ -241,7 +241,7 @@ fp3_pair fp3_pair_quotient(dag *g, fp3_pair x, fp3_pair y) {
 
 /* q + (x - q^2)/(2 sqrt(x)) */
 fp3_pair fp3_pair_root(dag *g, fp3_pair x) {
-    const fp3_series s = fp3_inverse_root_or_one(g, x.high);
+    const fp3_series s = fp3_finite_inverse_root(g, x.high);
     const uint32_t q = fp3_corrected(g, fp3_term(x.high), s).node;
     const uint32_t half = mul(g, fp3_dag_number(g, 0.5), one_over(g, s));
     const fp3_pair p = two_product_less(g, q, q);
