@@ -54,6 +54,13 @@
       "log@(A)", "jnp.log(A)") \
     X(LOG2, log2, POLYNOMIAL, NONE, log2(a), quotient(k, da, product(k, a, number(k, M_LN2))), \
       "log2@(A)", "jnp.log2(A)") \
+    X(EXPM1, expm1, POLYNOMIAL, NONE, expm1(a), product(k, sum(k, f, number(k, 1)), da), \
+      "expm1@(A)", "jnp.expm1(A)") \
+    X(LOG1P, log1p, POLYNOMIAL, NONE, log1p(a), quotient(k, da, sum(k, number(k, 1), a)), \
+      "log1p@(A)", "jnp.log1p(A)") \
+    X(LOGISTIC, logistic, POLYNOMIAL, NONE, 1 / (1 + exp(-a)), \
+      product(k, product(k, f, difference(k, number(k, 1), f)), da), \
+      "1/(1 + exp@(-A))", "1/(1 + jnp.exp(-A))") \
     X(SINH, sinh, POLYNOMIAL, NONE, sinh(a), product(k, one(k, FP3_EXPR_COSH, a), da), \
       "sinh@(A)", "jnp.sinh(A)") \
     X(COSH, cosh, POLYNOMIAL, NONE, cosh(a), product(k, one(k, FP3_EXPR_SINH, a), da), \

@@ -15,6 +15,8 @@ typedef fp3_pair unary(dag *g, fp3_pair x);
 /* What an error counts against. */
 static real absolute(real x, real y) { return (void)x, (void)y, 1; }
 static real relative(real x, real y) { return (void)x, y; }
+static real logisticl(real x) { return 1 / (1 + expl(-x)); }
+
 /* An error of the argument. */
 static real steep(real x, real y) { return (void)x, 1 + y * y; }
 
@@ -41,7 +43,8 @@ static real argument(const row *r, float *words) {
         if (r->middle != 0)
             to_pair((real)r->middle + (real)words[0] + (real)words[1], words);
     } while (fabs((double)words[0]) > r->limit ||
-             (words[0] < 0 && (r->made == fp3_pair_log || r->made == fp3_pair_log2)));
+             (words[0] < 0 && (r->made == fp3_pair_log || r->made == fp3_pair_log2)) ||
+             (words[0] <= -1 && r->made == fp3_pair_log1p));
     return (real)words[0] + (real)words[1];
 }
 
@@ -84,6 +87,11 @@ static const row rows[] = {
     {"sinh", fp3_pair_sinh, sinhl, relative, 16, -60, 6, 89.4, 0},
     {"cosh", fp3_pair_cosh, coshl, relative, 16, -60, 6, 89.4, 0},
     {"tanh", fp3_pair_tanh, tanhl, relative, 16, -60, 6, 128, 0},
+    {"expm1", fp3_pair_expm1, expm1l, relative, 16, -60, 6, 88.7, 0},
+    {"log1p", fp3_pair_log1p, log1pl, relative, 16, -60, 126, 3e38, 0},
+    {"log1p near 0", fp3_pair_log1p, log1pl, relative, 16, -30, 0, 0.9999999, 0},
+    {"log1p near -1", fp3_pair_log1p, log1pl, relative, 16, -23, -2, 2, -1},
+    {"logistic", fp3_pair_logistic, logisticl, relative, 16, -60, 6, 70, 0},
     {"atan", fp3_pair_atan, atanl, relative, 16, -60, 126, 3e38, 0},
     {"asin", fp3_pair_asin, asinl, relative, 16, -60, -1, 0.9999999, 0},
     {"asin near 1", fp3_pair_asin, asinl, relative, 16, -24, -3, 0.9999999, 0.9},
@@ -197,6 +205,23 @@ static const at_end ends[] = {
     {fp3_pair_cosh, 0, 1, 0},
     {fp3_pair_tanh, 1e38, 1, 0},
     {fp3_pair_tanh, -INFINITY, -1, 0},
+    {fp3_pair_expm1, 0, 0, 0},
+    {fp3_pair_expm1, 0x1p-149, 0x1p-149, 0},
+    {fp3_pair_expm1, 88.5, 2.72308782506811161e38, 0},
+    {fp3_pair_expm1, 88.73, INFINITY, FP3_FLAG_OVERFLOW},
+    {fp3_pair_expm1, INFINITY, INFINITY, FP3_FLAG_OVERFLOW},
+    {fp3_pair_expm1, -INFINITY, -1, 0},
+    {fp3_pair_expm1, NAN, NAN, 0},
+    {fp3_pair_log1p, 0, 0, 0},
+    {fp3_pair_log1p, 0x1p-149, 0x1p-149, 0},
+    {fp3_pair_log1p, -1, -INFINITY, FP3_FLAG_INVALID},
+    {fp3_pair_log1p, -1.5, NAN, FP3_FLAG_INVALID},
+    {fp3_pair_log1p, INFINITY, INFINITY, FP3_FLAG_INVALID},
+    {fp3_pair_logistic, 0, 0.5, 0},
+    {fp3_pair_logistic, INFINITY, 1, 0},
+    {fp3_pair_logistic, -95, 5.52108227702853273e-42, 0},
+    {fp3_pair_logistic, -INFINITY, 0, 0},
+    {fp3_pair_logistic, NAN, NAN, 0},
     {fp3_pair_atan, 3e38, QUARTER, 0},
     {fp3_pair_atan, -INFINITY, -QUARTER, 0},
     {fp3_pair_asin, 1, QUARTER, 0},

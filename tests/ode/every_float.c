@@ -38,6 +38,9 @@ static double log2_of(double x, double n) { return (void)n, log2(x); }
 static double sinh_of(double x, double n) { return (void)n, sinh(x); }
 static double cosh_of(double x, double n) { return (void)n, cosh(x); }
 static double tanh_of(double x, double n) { return (void)n, tanh(x); }
+static double expm1_of(double x, double n) { return (void)n, expm1(x); }
+static double log1p_of(double x, double n) { return (void)n, log1p(x); }
+static double logistic_of(double x, double n) { return (void)n, 1 / (1 + exp(-x)); }
 
 #define ALL -INFINITY, INFINITY
 #define POSITIVE 0, INFINITY
@@ -57,6 +60,9 @@ static const function functions[] = {
     {"sinh", "sinh(x)", sinh_of, ALL, 0, 0, 0},
     {"cosh", "cosh(x)", cosh_of, ALL, 0, 0, 0},
     {"tanh", "tanh(x)", tanh_of, ALL, 0, 0, 0},
+    {"expm1", "expm1(x)", expm1_of, ALL, 0, 0, 0},
+    {"log1p", "log1p(x)", log1p_of, -1, INFINITY, 0, 0, 0},
+    {"logistic", "logistic(x)", logistic_of, ALL, 0, 0, 0},
     {"x^0.5", "x^0.5", pow, 0x1p-126, 0x1p126, 0.5, 0, 0},
     {"x^1.5", "x^1.5", pow, 0x1p-84, 0x1p84, 1.5, 0, 0},
     {"x^2.5", "x^2.5", pow, 0x1p-50, 0x1p51, 2.5, 0, 0},

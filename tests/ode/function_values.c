@@ -20,7 +20,8 @@ typedef struct {
     uint32_t flags;
 } special;
 
-#define SMALL 0x1p-127f /* a subnormal number */
+#define SMALL 0x1p-127f                    /* a subnormal number */
+#define NOT_0 "abs(x) < 1e-16 ? 1e-16 : x" /* what docs/models.md divides by */
 
 static const special specials[] = {
     {"sqrt(x)", 0, 0, 0, 0},
@@ -125,6 +126,40 @@ static const special specials[] = {
     {"tanh(x)", 0, INFINITY, 1, 0},
     {"tanh(x)", 0, -INFINITY, -1, 0},
     {"tanh(x)", 0, NAN, NAN, 0},
+    {"expm1(x)", 0, 0, 0, 0},
+    {"expm1(x)", 0, 0x1p-149f, 0x1p-149f, 0},
+    {"expm1(x)", 0, -1e-10f, -1e-10f, 0},
+    {"expm1(x)", 0, 88.72283f, 0x1.ffff08p127f, 0},
+    {"expm1(x)", 0, 88.73f, INFINITY, FP3_FLAG_OVERFLOW},
+    {"expm1(x)", 0, 1e30f, INFINITY, FP3_FLAG_OVERFLOW},
+    {"expm1(x)", 0, INFINITY, INFINITY, 0},
+    {"expm1(x)", 0, -18, -1, 0},
+    {"expm1(x)", 0, -INFINITY, -1, 0},
+    {"expm1(x)", 0, NAN, NAN, 0},
+    {"expm1(x)/x", 0, 0, NAN, FP3_FLAG_INVALID},
+    {"x == 0 ? 1 : expm1(x)/x", 0, 0, 1, FP3_FLAG_INVALID},
+    {"expm1(" NOT_0 ")/(" NOT_0 ")", 0, 0, 1, 0},
+    {"expm1(" NOT_0 ")/(" NOT_0 ")", 0, 0x1p-149f, 1, 0},
+    {"expm1(" NOT_0 ")/(" NOT_0 ")", 0, -20, 0x1.99999ap-5f, 0},
+    {"log1p(x)", 0, 0, 0, 0},
+    {"log1p(x)", 0, 0x1p-149f, 0x1p-149f, 0},
+    {"log1p(x)", 0, -1e-10f, -1e-10f, 0},
+    {"log1p(x)", 0, 0x1.fffffep127f, 0x1.62e43p6f, 0},
+    {"log1p(x)", 0, INFINITY, INFINITY, 0},
+    {"log1p(x)", 0, -1, -INFINITY, 0},
+    {"log1p(x)", 0, -0x1.000002p0f, NAN, FP3_FLAG_INVALID},
+    {"log1p(x)", 0, -3e38f, NAN, FP3_FLAG_INVALID},
+    {"log1p(x)", 0, -INFINITY, NAN, FP3_FLAG_INVALID},
+    {"log1p(x)", 0, NAN, NAN, 0},
+    {"1/(1 + exp(-x))", 0, -100, NAN, RAISES},
+    {"logistic(x)", 0, 0, 0.5f, 0},
+    {"logistic(x)", 0, 100, 1, 0},
+    {"logistic(x)", 0, INFINITY, 1, 0},
+    {"logistic(x)", 0, -100, 0x1.bp-145f, 0},
+    {"logistic(x)", 0, -104, 0, 0},
+    {"logistic(x)", 0, -3e38f, 0, 0},
+    {"logistic(x)", 0, -INFINITY, 0, 0},
+    {"logistic(x)", 0, NAN, NAN, 0},
     {"x^(1/3)", 0, 1, 1, 0},
     {"x^(1/3)", 0, 0, 0, 0},
     {"x^(1/3)", 0, INFINITY, INFINITY, FP3_FLAG_OVERFLOW},

@@ -94,7 +94,7 @@ class Maker:
         if kind == 20:
             return f"atan2({a}, {b})"
         if kind == 21:
-            return f"{self.rng.choice(['exp', 'log', 'log2', 'sinh', 'cosh', 'tanh'])}({a})"
+            return f"{self.rng.choice(['exp', 'log', 'log2', 'expm1', 'log1p', 'logistic', 'sinh', 'cosh', 'tanh'])}({a})"
         if kind == 22:
             exponent = self.rng.choice(["0.5", "(-0.5)", "1.5", "(-1.5)", "4.5", "9", "(1/3)", "(-0.7)", *self.params])
             return f"{self.rng.choice(['', f'{b}/'])}{self.rng.choice(self.values)}^{exponent}"

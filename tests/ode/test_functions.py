@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-EXACTLY = {"exp": "exp(x)", "log": "log(x)", "log2": "log2(x)", "sinh": "sinh(x)", "cosh": "cosh(x)", "tanh": "tanh(x)"}
+EXACTLY = {"exp": "exp(x)", "log": "log(x)", "log2": "log2(x)", "sinh": "sinh(x)", "cosh": "cosh(x)", "tanh": "tanh(x)",
+           "expm1": "expm1(x)", "log1p": "log1p(x)", "logistic": "logistic(x)"}
 NUMBERS = ["x^-2.5", "x^(1/3)", "x^-0.7"]        # exponents that are numbers
 PARAMS = ["x^1.4", "x^3", "x^-31", "x^100.5", "x^n"]
 

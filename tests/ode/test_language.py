@@ -139,6 +139,7 @@ HEAD = "step 0.1\nstate x = 0\nstate y = 1\nparam k = 2\nparam n = 3\nx' = y\ny'
     ("x^k + y^(1/3)", "(ADD (POWER x k) (POWER y (DIV 1 3)))"),
     ("exp(x)*log(y)", "(MUL (EXP x) (LOG y))"),
     ("log2(x) - log2(k)", "(SUB (LOG2 x) (LOG2 k))"),
+    ("expm1(x) + log1p(y)*logistic(x)", "(ADD (EXPM1 x) (MUL (LOG1P y) (LOGISTIC x)))"),
     ("sinh(x) + cosh(x) + tanh(y)", "(ADD (ADD (SINH x) (COSH x)) (TANH y))"),
 ])
 def test_expressions(model, text, expected):

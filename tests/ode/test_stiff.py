@@ -61,11 +61,13 @@ def test_the_order_holds_with_every_function_and_with_t(model, tmp_path, text):
         assert row["order"] == 3 and row["method_order"] > 2.4, row
 
 
-RULES = ["sin(x)", "cos(x)", "tan(x)", "atan(x)", "asin(x)", "acos(x)", "exp(x)", "log(x)", "log2(x)", "sinh(x)", "cosh(x)", "tanh(x)", "sqrt(x)",
+RULES = ["sin(x)", "cos(x)", "tan(x)", "atan(x)", "asin(x)", "acos(x)", "exp(x)", "log(x)", "log2(x)", "sinh(x)", "cosh(x)", "tanh(x)", "expm1(x)", "log1p(x)",
+         "logistic(x)", "sqrt(x)",
          "x^3", "x^-2", "x^2", "x^1", "x^0", "x^1.5", "x^0.3", "1/x", "x/(1 + x)", "(2 - x)*x", "-x", "3 - x", "atan2(x, 2)", "atan2(2, x)",
          "min(x, 1)", "min(x, 0)", "max(x, 1)", "max(x, 0)", "abs(x)", "abs(-x)", "x < 1 ? x^2 : 5*x", "x > 1 ? x^2 : 5*x", "2*(x < 1) + x",
          "5", "sin(x^2)*exp(-x)/sqrt(1 + x)"]
-HOST = {name: getattr(math, name) for name in "sin cos tan atan asin acos exp log log2 sinh cosh tanh sqrt atan2".split()} | {"min": min, "max": max, "abs": abs}
+HOST = {name: getattr(math, name) for name in "sin cos tan atan asin acos exp log log2 expm1 log1p sinh cosh tanh sqrt atan2".split()} | {
+    "min": min, "max": max, "abs": abs, "logistic": lambda x: 1/(1 + math.exp(-x))}
 
 
 def value(text, x):

@@ -78,14 +78,29 @@ term fp3_cosh(dag *g, term x) {
     return fp3_term(add(g, h.p, add(g, mul(g, h.sinh, h.d), mul(g, h.cosh_less_1, h.p))));
 }
 
-/* E/(E + 2) with E = e^(2x) - 1 = (2^k - 1) + 2^k (e^r - 1), which is accurate near 0. Beyond 20 the
- * quotient is 1. */
+/* e^x - 1 = (2^k - 1) + 2^k (e^r - 1), which is accurate near 0. */
+static uint32_t less_1(dag *g, uint32_t x, uint32_t k) {
+    const uint32_t r = remainder_of(g, x, k), scale = power_of_two(g, k);
+    const uint32_t grown = add(g, r, mul(g, mul(g, r, r), polynomial(g, r, rest, 6)));
+    return add(g, add(g, scale, num(g, -1)), mul(g, scale, grown));
+}
+
+/* Below -20 it is -1. What is too large overflows as exp does. */
+term fp3_expm1(dag *g, term x) {
+    const uint32_t y = fp3_at_least(g, -20, fp3_term_value(g, x));
+    return fp3_term(less_1(g, y, fp3_at_most(g, 127, multiple_of_ln2(g, y))));
+}
+
+/* e^x/(1 + e^x). Beyond 20 the quotient is 1. */
+term fp3_logistic(dag *g, term x) {
+    const uint32_t y = fp3_at_least(g, -104, fp3_at_most(g, 20, fp3_term_value(g, x)));
+    const uint32_t k = multiple_of_ln2(g, y), e = fp3_exp_scaled(g, remainder_of(g, y, k), k);
+    return fp3_corrected(g, fp3_term(e), fp3_reciprocal(g, add(g, e, num(g, 1))));
+}
+
+/* E/(E + 2) with E = e^(2x) - 1. Beyond 20 the quotient is 1. */
 term fp3_tanh(dag *g, term x) {
     const uint32_t near = fp3_at_least(g, -20, fp3_at_most(g, 20, fp3_term_value(g, x)));
-    const uint32_t y = add(g, near, near);
-    const uint32_t k = multiple_of_ln2(g, y), r = remainder_of(g, y, k);
-    const uint32_t scale = power_of_two(g, k);
-    const uint32_t grown = add(g, r, mul(g, mul(g, r, r), polynomial(g, r, rest, 6)));
-    const uint32_t e = add(g, add(g, scale, num(g, -1)), mul(g, scale, grown));
+    const uint32_t y = add(g, near, near), e = less_1(g, y, multiple_of_ln2(g, y));
     return fp3_corrected(g, fp3_term(e), fp3_reciprocal(g, add(g, e, num(g, 2))));
 }

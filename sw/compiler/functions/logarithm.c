@@ -55,12 +55,26 @@ static fp3_log_parts parts_of(dag *g, uint32_t x) {
     return fp3_log_parts_of(g, mul(g, x, scale), scale);
 }
 
-/* -e ln 2 + log m */
+/* -e ln 2 + log(1 + r) */
+static term log_of(dag *g, uint32_t e, uint32_t r) {
+    const uint32_t low = sub(g, curve_of(g, r), mul(g, e, num(g, FP3_LN2_LOW)));
+    return fp3_term(sub(g, add(g, r, low), mul(g, e, num(g, FP3_LN2_HIGH))));
+}
+
 term fp3_log(dag *g, term x) {
     const fp3_log_parts p = parts_of(g, fp3_term_value(g, x));
-    const uint32_t r = add(g, p.m, num(g, -1));
-    const uint32_t low = sub(g, curve_of(g, r), mul(g, p.e, num(g, FP3_LN2_LOW)));
-    return fp3_term(sub(g, add(g, r, low), mul(g, p.e, num(g, FP3_LN2_HIGH))));
+    return log_of(g, p.e, add(g, p.m, num(g, -1)));
+}
+
+/* Of u = 1 + x, with what the sum rounds away of x added to r: where e is 0, r is x. u is never subnormal. The
+ * rest of infinity is infinite. */
+term fp3_log1p(dag *g, term at) {
+    const uint32_t x = fp3_term_value(g, at), u = add(g, x, num(g, 1));
+    const uint32_t rest = sub(g, x, sub(g, fp3_at_most(g, 0x1.fffffep127, u), num(g, 1)));
+    const uint32_t scale = sel(g, is_negative(g, u), num(g, 0), num(g, 0.25));
+    const fp3_log_parts p = fp3_log_parts_of(g, mul(g, u, scale), scale);
+    const uint32_t power = mul(g, p.power, num(g, 0.25));
+    return log_of(g, p.e, add(g, add(g, p.m, num(g, -1)), mul(g, rest, power)));
 }
 
 /* -e + log2 m, where log2 m = r + (r (1/ln 2 - 1) + (log m - r)/ln 2): r is exact. Of a power of two it is the

@@ -68,6 +68,18 @@ static fp3_pair half_grown(dag *g, fp3_pair x) {
     return scaled(g, fp3_pair_add(g, rest, scaled(g, p.grown, quarter)), num(g, 2));
 }
 
+/* From 89 on it overflows, below -40 it is -1. */
+fp3_pair fp3_pair_expm1(dag *g, fp3_pair x) {
+    return scaled(g, half_grown(g, fp3_pair_at_least(g, -40, fp3_pair_at_most(g, 89, x))),
+                  num(g, 2));
+}
+
+/* e^x/(1 + e^x): beyond 40 it is 1. */
+fp3_pair fp3_pair_logistic(dag *g, fp3_pair x) {
+    const fp3_pair e = fp3_pair_exp(g, fp3_pair_at_most(g, 40, x));
+    return fp3_pair_quotient(g, e, fp3_pair_add(g, fp3_pair_number(g, 1), e));
+}
+
 static hyperbolic hyperbolic_of(dag *g, fp3_pair x) {
     const fp3_pair f = half_grown(g, fp3_pair_at_most(g, 89.5, fp3_pair_abs(g, x)));
     const fp3_pair least = fp3_pair_at_most(g, 0x1p60, f);
@@ -100,12 +112,11 @@ fp3_pair fp3_pair_tanh(dag *g, fp3_pair x) {
 
 /* ---- logarithms ---- */
 
-/* log(m) for m from sqrt(1/2) to sqrt(2): y, that of floats, and log(m e^-y) = log(1 + d) = d - d^2/2, as d is
- * some 2^-24 of y, or 2^-25 from the second word of m. With g = e^-y - 1, d = (m - 1) + m g: what cancels is exact, and so it is as good near 1. */
-static fp3_pair log_near_1(dag *g, fp3_pair m) {
+/* log(m) for m from sqrt(1/2) to sqrt(2), and less = m - 1: y, that of floats, and log(m e^-y) = log(1 + d) = d - d^2/2, as d is
+ * some 2^-24 of y, or 2^-25 from the second word of m. With g = e^-y - 1, d = less + m g: what cancels is exact, and so it is as good near 1. */
+static fp3_pair log_near_1(dag *g, fp3_pair m, fp3_pair less) {
     const uint32_t y = fp3_log_near_1(g, m.high);
     const fp3_pair minus_y = {op(g, FP3_OP_SUB, num(g, -0.0), y), FP3_NONE};
-    const fp3_pair less = fp3_pair_sub(g, m, fp3_pair_number(g, 1));
     const fp3_pair d = fp3_pair_add(g, less, fp3_pair_mul(g, m, grown_by(g, minus_y)));
     const uint32_t square = op(g, FP3_OP_MUL, op(g, FP3_OP_MUL, d.high, num(g, 0.5)), d.high);
     return fp3_pair_add_smaller(g, (fp3_pair){y, FP3_NONE},
@@ -126,20 +137,35 @@ static normal normal_of(dag *g, fp3_pair x, uint32_t scale) {
                     p.e};
 }
 
-static fp3_pair log_of(dag *g, fp3_pair x, uint32_t scale) {
-    const normal n = normal_of(g, x, scale);
+static fp3_pair less_1(dag *g, fp3_pair m) { return fp3_pair_sub(g, m, fp3_pair_number(g, 1)); }
+
+/* -e ln 2 + log(m) */
+static fp3_pair log_of_normal(dag *g, normal n, fp3_pair less) {
     const fp3_pair whole = fp3_fast_two_sum(g, op(g, FP3_OP_MUL, n.e, num(g, -ln2_part[0])),
                                             op(g, FP3_OP_MUL, n.e, num(g, -ln2_part[1])));
     const uint32_t low = op(g, FP3_OP_SUB, whole.low, op(g, FP3_OP_MUL, n.e, num(g, ln2_part[2])));
-    return fp3_pair_add_smaller(g, (fp3_pair){whole.high, low}, log_near_1(g, n.m));
+    return fp3_pair_add_smaller(g, (fp3_pair){whole.high, low}, log_near_1(g, n.m, less));
+}
+
+static fp3_pair log_of(dag *g, fp3_pair x, uint32_t scale) {
+    const normal n = normal_of(g, x, scale);
+    return log_of_normal(g, n, less_1(g, n.m));
 }
 
 fp3_pair fp3_pair_log(dag *g, fp3_pair x) { return log_of(g, x, fp3_log_scale(g, x.high)); }
 
+/* Where e is 0, m - 1 is x. */
+fp3_pair fp3_pair_log1p(dag *g, fp3_pair x) {
+    const fp3_pair u = fp3_pair_add(g, fp3_pair_number(g, 1), x);
+    const normal n = normal_of(g, u, fp3_log_scale(g, u.high));
+    return log_of_normal(g, n, fp3_pair_select(g, n.e, less_1(g, n.m), x));
+}
+
 /* -e + log(m)/ln 2 */
 fp3_pair fp3_pair_log2(dag *g, fp3_pair x) {
     const normal n = normal_of(g, x, fp3_log_scale(g, x.high));
-    const fp3_pair part = fp3_pair_mul(g, log_near_1(g, n.m), fp3_pair_number(g, M_LOG2E));
+    const fp3_pair part =
+        fp3_pair_mul(g, log_near_1(g, n.m, less_1(g, n.m)), fp3_pair_number(g, M_LOG2E));
     const fp3_pair whole = {op(g, FP3_OP_SUB, num(g, -0.0), n.e), FP3_NONE};
     return fp3_pair_add_smaller(g, whole, part);
 }

@@ -61,7 +61,10 @@ FP3_API_BEGIN
     X(SINH, 1, 0)                                                                                  \
     X(COSH, 1, 0)                                                                                  \
     X(TANH, 1, 0)                                                                                  \
-    X(LOG2, 1, 0)
+    X(LOG2, 1, 0)                                                                                  \
+    X(EXPM1, 1, 0)                                                                                 \
+    X(LOG1P, 1, 0)                                                                                 \
+    X(LOGISTIC, 1, 0)
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
