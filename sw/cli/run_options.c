@@ -1,0 +1,283 @@
+/* run_options.c - see run_options.h. */
+#include "run_options.h"
+
+#include "arguments.h"
+#include "run_adaptive.h"
+
+enum {
+    KEY_SET = 256,
+    KEY_PARAMS,
+    KEY_LIMIT,
+    KEY_BUS_LOG,
+    KEY_BUS_WAITS,
+    KEY_PORT,
+    KEY_BAUD,
+    KEY_VISIT,
+    KEY_KANATA,
+    KEY_ALL,
+    KEY_SCENE,
+    KEY_MODEL,
+    KEY_CLOCK,
+    KEY_SPREAD,
+    KEY_ALLOW,
+    KEY_EVERY,
+    KEY_TIMES,
+    KEY_OBSERVE,
+    KEY_OUTPUT,
+    KEY_COMPRESS,
+    KEY_PLOT,
+    KEY_THREADS,
+    KEY_NATIVE,
+    KEY_TOLERANCE,
+    KEY_UNTIL,
+    KEY_DOUBLE
+};
+
+static const struct argp_option table[] = {
+    {"config", 'c', "NAME", 0,
+     "Configuration (default: single, for a model single_full; with --port that of the board)", 0},
+    {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
+    {"integrator", 'i', "NAME", 0,
+     "Of a model: a built-in table, or a file (default: " FP3_FIXED_INTEGRATOR ", with "
+     "--tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
+     0},
+    {"tolerance", KEY_TOLERANCE, "TOL", 0,
+     "Of a model: each object chooses its own steps, each with an error of about TOL", 0},
+    {"until", KEY_UNTIL, "TIME", 0,
+     "With --tolerance: where objects end (default: the model's span)", 0},
+    {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
+    {"double-single", KEY_DOUBLE, NULL, 0,
+     "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
+    {"engine", 'e', "ENGINE", 0,
+     "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, "
+     "fast, native code for many objects, which counts no cycles, or board, hardware behind --port",
+     0},
+    {"port", KEY_PORT, "DEV", 0,
+     "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints", 0},
+    {"baud", KEY_BAUD, "N", 0,
+     "With --engine board: the rate of the port, 9600 to 3000000 (default: 115200)", 0},
+    {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
+    {"native", KEY_NATIVE, "FILE", 0, "Of engine fast: the code of fp3 compile --native", 0},
+    {"steps", 'n', "N", 0,
+     "How often the step part runs (default: 1; with --times until the last of them; with "
+     "--tolerance 1000000, and objects end before)",
+     0},
+    {"objects", 'o', "N", 0, "How many (default: all contexts of the configuration full)", 0},
+    {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
+    {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
+    {"params", KEY_PARAMS, "FILE", 0,
+     "Values of states, parameters and shared constants; may be repeated", 0},
+    {"set", KEY_SET, "NAME=VALUE", 0,
+     "One such value; replaces what was given before it; may be repeated", 0},
+    {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
+     "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated", 0},
+    {"scene", KEY_SCENE, "FILE", 0,
+     "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
+     "--steps and --visit replace what it says",
+     0},
+    {"clock", KEY_CLOCK, "FREQUENCY", 0,
+     "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
+    {"allow-failures", KEY_ALLOW, NULL, 0,
+     "End with exit code 0, not 3, where objects failed: an instruction raised invalid or "
+     "overflow, or a state is NaN or infinite in the end",
+     0},
+    {"output", KEY_OUTPUT, "FILE", 0,
+     "Write what is observed to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a row "
+     "for each object of each snapshot",
+     0},
+    {"compress", KEY_COMPRESS, NULL, 0, "With --output: compress what is HDF5", 0},
+    {"plot", KEY_PLOT, "FILE", 0,
+     "Draw what is observed over time, and of two states one against the other, into FILE, whose "
+     "name ends in .svg or .png; of more than 8 objects 8 are drawn. Needs gnuplot",
+     0},
+    {"every", KEY_EVERY, "N", 0,
+     "With --output or --plot: a snapshot after every N steps, at the start and at the end "
+     "(default: "
+     "at these two; of a plot some 500)",
+     0},
+    {"times", KEY_TIMES, "T1,T2,...", 0,
+     "With --output or --plot: snapshots at these times from the start of the run alone, whole "
+     "multiples of "
+     "h in its unit",
+     0},
+    {"observe", KEY_OBSERVE, "NAMES", 0,
+     "With --output or --plot: states, and of a model definitions and invariants, with commas "
+     "between them; "
+     "may be repeated (default: all states)",
+     0},
+    {"cycle-limit", KEY_LIMIT, "N", 0,
+     "Stop after N clock cycles, with exit code 1 (default: none)", 0},
+    {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the bus to FILE", 0},
+    {"bus-waits", KEY_BUS_WAITS, "SEED", 0,
+     "Let each channel of the bus wait 0 to 3 cycles in each transfer, at random from SEED", 0},
+    {"kanata", KEY_KANATA, "FILE", 0, "Write the pipeline's log to FILE, for the viewer Konata", 0},
+    {0},
+};
+
+/* What belongs to an image, and what to a scene. */
+static void check(const fp3_run_options *o, struct argp_state *state) {
+    if (!o->program && !o->scene)
+        argp_error(state, "expected a program, or --scene FILE");
+    if (o->program && o->scene)
+        argp_error(state, "--scene: found '%s', but the scene names its programs itself",
+                   o->program);
+    fp3_run_adaptive_check(&o->how, o->is_model, state);
+    if (o->is_model && !o->program)
+        argp_error(state, "--model: a scene's programs are known by their names");
+    if ((o->integrator || o->how.compile.arithmetic) && !o->is_model)
+        argp_error(state, "--integrator, --compensated, --double-single: only a model (*.ode, or "
+                          "--model) is compiled");
+    if (o->scene && o->objects)
+        argp_error(state, "--scene: the scene says how many objects there are, not --objects");
+    if (o->scene && fp3_params_count(o->values.params))
+        argp_error(state, "--scene: values are in the scene, not in --params, --set or --spread");
+    if (o->scene && o->on.kanata)
+        argp_error(state, "--kanata: a log is of one program, not of a scene");
+    fp3_run_engine_check(&o->on, state);
+    if (fp3_run_record_is_asked(&o->record) && o->on.cycle_limit)
+        argp_error(state,
+                   "--cycle-limit: a limit is of one run, and --output and --plot make a run "
+                   "for each snapshot");
+    fp3_run_record_check(&o->record, state);
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    fp3_run_options *o = state->input;
+    switch (key) {
+    case 'c':
+        o->config = text;
+        break;
+    case 'e':
+        o->on.engine = text;
+        break;
+    case 'o':
+        o->objects = fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);
+        break;
+    case 'i':
+        o->integrator = text;
+        break;
+    case 'k':
+        fp3_arguments_arithmetic(state, &o->how.compile, FP3_COMPENSATED);
+        break;
+    case KEY_DOUBLE:
+        fp3_arguments_arithmetic(state, &o->how.compile, FP3_DOUBLE_SINGLE);
+        break;
+    case KEY_MODEL:
+        o->is_model = 1;
+        break;
+    case KEY_TOLERANCE:
+        fp3_run_adaptive_tolerance(&o->how, state, text);
+        break;
+    case KEY_UNTIL:
+        fp3_run_adaptive_until(&o->how, state, text);
+        break;
+    case KEY_THREADS:
+        o->on.threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
+        break;
+    case KEY_NATIVE:
+        o->on.native = text;
+        break;
+    case KEY_PORT:
+        o->on.port = text;
+        break;
+    case KEY_BAUD:
+        o->on.baud = fp3_arguments_number(state, "--baud", text, 1, UINT32_MAX);
+        break;
+    case KEY_VISIT:
+        o->on.visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
+        break;
+    case KEY_ALL:
+        o->all = 1;
+        break;
+    case KEY_KANATA:
+        o->on.kanata = text;
+        break;
+    case 'n':
+        o->steps = fp3_arguments_number(state, "--steps", text, 0, UINT32_MAX);
+        o->has_steps = 1;
+        break;
+    case KEY_SCENE:
+        o->scene = text;
+        break;
+    case KEY_CLOCK:
+        o->on.clock = fp3_arguments_frequency(state, "--clock", text);
+        break;
+    case KEY_ALLOW:
+        o->allows_failures = 1;
+        break;
+    case KEY_LIMIT:
+        o->on.cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
+        break;
+    case KEY_BUS_LOG:
+        o->on.bus_log = text;
+        break;
+    case KEY_BUS_WAITS:
+        o->on.bus_waits = fp3_arguments_number(state, "--bus-waits", text, 1, UINT64_MAX);
+        break;
+    case KEY_OUTPUT:
+        o->record.def.path = text;
+        break;
+    case KEY_PLOT:
+        o->record.def.plot = text;
+        break;
+    case KEY_COMPRESS:
+        o->record.def.is_compressed = 1;
+        break;
+    case KEY_EVERY:
+        fp3_run_record_every(&o->record, state, text);
+        break;
+    case KEY_TIMES:
+        fp3_run_record_times(&o->record, state, text);
+        break;
+    case KEY_OBSERVE:
+        fp3_run_record_observe(&o->record, state, text);
+        break;
+    case KEY_PARAMS:
+        fp3_files_read(&o->files, "--params", text);
+        fp3_run_values_load(&o->values, state, text);
+        break;
+    case KEY_SPREAD:
+        fp3_run_values_spread(&o->values, state, text);
+        break;
+    case KEY_SET:
+        fp3_run_values_set(&o->values, state, text);
+        break;
+    case ARGP_KEY_ARG:
+        if (o->program)
+            argp_error(state, "found '%s', expected one program", text);
+        o->program = text;
+        break;
+    case ARGP_KEY_END:
+        o->is_model = o->is_model || (o->program && fp3_program_is_model(o->program));
+        check(o, state);
+        if (o->how.is_adaptive && fp3_run_record_is_asked(&o->record))
+            fp3_run_adaptive_record(&o->how, &o->record.def, state);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *o, fp3_error *error) {
+    const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "PROGRAM\n--scene FILE",
+        .doc =
+            "Runs PROGRAM (an image, assembly *.s, or a model *.ode, which is compiled): its first "
+            "part once, its step part N times, its last part once, for every object. Prints the "
+            "final states and what the run cost. A scene has several programs, each for objects of "
+            "its own."};
+    *o = (fp3_run_options){
+        .steps = 1, .how = fp3_program_default(), .record.def = fp3_recording_default()};
+    const fp3_status status = fp3_params_make(&o->values.params, error);
+    if (!status)
+        fp3_arguments_parse(&argp, argc, argv, o);
+    return status;
+}
+
+void fp3_run_options_free(fp3_run_options *o) {
+    fp3_run_values_free(&o->values);
+    fp3_run_record_free(&o->record);
+}

@@ -1,0 +1,31 @@
+/* run_options.h - the command line of fp3 run. */
+#ifndef FP3_CLI_RUN_OPTIONS_H
+#define FP3_CLI_RUN_OPTIONS_H
+
+#include "files.h"
+#include "progress.h"
+#include "run_engine.h"
+#include "run_record.h"
+#include "run_values.h"
+
+#include <fp3/program.h>
+
+typedef struct {
+    const char *program, *scene, *config, *integrator;
+    uint64_t steps, objects;
+    fp3_run_engine on;
+    int all, has_steps, is_model, allows_failures;
+    fp3_run_values values;
+    fp3_run_record record;
+    fp3_recording *recording; /* while it runs; else NULL */
+    fp3_files files;
+    fp3_program_def how;
+    fp3_progress *progress;
+} fp3_run_options;
+
+/* Makes the defaults, and what the command line says of them. Ends the command where it is wrong. FP3_E_SYSTEM: out of
+ * memory. The caller frees *options, after a failure too. */
+fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *options, fp3_error *error);
+void fp3_run_options_free(fp3_run_options *options);
+
+#endif
