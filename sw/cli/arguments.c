@@ -97,7 +97,7 @@ static int walk_long(arguments *a, const char *text) {
     if (option < 0 || count > 1) /* argp's own, or argp says that it is ambiguous */
         return 0;
     note(a, option);
-    return a->table[option].arg && !text[length];
+    return a->table[option].arg && !(a->table[option].flags & OPTION_ARG_OPTIONAL) && !text[length];
 }
 
 static int walk_short(arguments *a, const char *text) {

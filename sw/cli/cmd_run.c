@@ -3,6 +3,7 @@
  */
 #include "cli.h"
 #include "run_adaptive.h"
+#include "run_loss.h"
 #include "run_options.h"
 #include "run_print.h"
 
@@ -47,10 +48,46 @@ static fp3_status record(fp3_run_options *o, const fp3_run_task *of, fp3_engine 
     return status ? status : fp3_recording_run(o->recording, cost, error);
 }
 
+static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
+                               size_t *warnings, fp3_error *error) {
+    fp3_run_loss *loss = NULL;
+    if (!part->program->model)
+        return FP3_OK;
+    fp3_status status = fp3_run_loss_open(part, &loss, error);
+    if (!status)
+        status = fp3_run_loss_warn(loss, path, o->check.bound, warnings, error);
+    fp3_run_loss_close(&loss);
+    return status;
+}
+
+/* What no flag tells. */
+static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
+                        const fp3_run_check *check, fp3_error *error) {
+    fp3_run_part part = {of->program, o->values.params,           engine,
+                         0,           fp3_engine_objects(engine), o->steps};
+    size_t warnings = 0;
+    fp3_status status = of->program ? warn_of_part(o, o->program, &part, &warnings, error) : FP3_OK;
+    for (size_t i = 0; !status && of->scene && i < of->scene->group_count; i++) {
+        const fp3_scene_group *group = &of->scene->groups[i];
+        part = (fp3_run_part){group->program, group->params,  engine,
+                              group->first,   group->objects, o->steps};
+        status = warn_of_part(o, group->path, &part, &warnings, error);
+    }
+    if (status || !o->check.is_strict)
+        return status;
+    if (check)
+        status = fp3_run_check_judge(check, o->check.bound, error);
+    return !status && warnings
+               ? fp3_fail(error, FP3_E_FAILED, "%zu of these warnings, and --strict allows none",
+                          warnings)
+               : status;
+}
+
 /* *has_run: it came as far. */
 static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engine_def *def,
                       int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
+    fp3_run_check *check = NULL;
     fp3_cost cost = {.stats = {.flags = 0}};
     if (o->on.cycle_limit && fp3_run_is_adaptive(of))
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -68,15 +105,22 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         status = fp3_run_record_is_asked(&o->record)
                      ? record(o, of, engine, &cost, error)
                      : fp3_engine_advance(engine, o->steps, &cost.stats);
+        *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
+        if (!status && o->check.is_asked)
+            status = fp3_run_check_make(
+                &(fp3_run_checked){of->program, o->values.params, engine, def, o->steps}, &check,
+                error);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
-        *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
         if (*has_run)
-            fp3_run_print(engine, of, def, &cost, o->all, o->on.clock);
+            fp3_run_print(engine, of, def, &cost, check, o->all, o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
-        status = fp3_run_check(engine, of, &cost, error);
+        status = fp3_run_failed(engine, of, &cost, error);
+    if (!status)
+        status = judge(o, of, engine, check, error);
+    fp3_run_check_free(&check);
     fp3_recording_close(&o->recording);
     fp3_engine_close(&engine);
     return status;

@@ -30,7 +30,9 @@ enum {
     KEY_NATIVE,
     KEY_TOLERANCE,
     KEY_UNTIL,
-    KEY_DOUBLE
+    KEY_DOUBLE,
+    KEY_CHECK,
+    KEY_STRICT
 };
 
 static const struct argp_option table[] = {
@@ -80,6 +82,15 @@ static const struct argp_option table[] = {
     {"allow-failures", KEY_ALLOW, NULL, 0,
      "End with exit code 0, not 3, where objects failed: an instruction raised invalid or "
      "overflow, or a state is NaN or infinite in the end",
+     0},
+    {"check", KEY_CHECK, NULL, 0,
+     "Of a model: run again with h/2 and twice the steps, or with a tenth of the tolerance, in "
+     "double-single where that compiles, and print an estimate of the error beside each final "
+     "state",
+     0},
+    {"strict", KEY_STRICT, "TOL", OPTION_ARG_OPTIONAL,
+     "End with exit code 3 after a warning about digits that FP32 loses, and with --check where an "
+     "estimate is above TOL, relative to the size of the state (default: 1e-3)",
      0},
     {"output", KEY_OUTPUT, "FILE", 0,
      "Write what is observed to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a row "
@@ -139,6 +150,7 @@ static void check(const fp3_run_options *o, struct argp_state *state) {
                    "--cycle-limit: a limit is of one run, and --output and --plot make a run "
                    "for each snapshot");
     fp3_run_record_check(&o->record, state);
+    fp3_run_check_check(&o->check, o->is_model, o->values.params, state);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -205,6 +217,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_ALLOW:
         o->allows_failures = 1;
         break;
+    case KEY_CHECK:
+        o->check.is_asked = 1;
+        break;
+    case KEY_STRICT:
+        fp3_run_check_strict(&o->check, state, text);
+        break;
     case KEY_LIMIT:
         o->on.cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);
         break;
@@ -269,8 +287,10 @@ fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *o, fp3_
             "part once, its step part N times, its last part once, for every object. Prints the "
             "final states and what the run cost. A scene has several programs, each for objects of "
             "its own."};
-    *o = (fp3_run_options){
-        .steps = 1, .how = fp3_program_default(), .record.def = fp3_recording_default()};
+    *o = (fp3_run_options){.steps = 1,
+                           .how = fp3_program_default(),
+                           .record.def = fp3_recording_default(),
+                           .check.bound = FP3_RUN_BOUND};
     const fp3_status status = fp3_params_make(&o->values.params, error);
     if (!status)
         fp3_arguments_parse(&argp, argc, argv, o);

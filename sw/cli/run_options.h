@@ -4,6 +4,7 @@
 
 #include "files.h"
 #include "progress.h"
+#include "run_check.h"
 #include "run_engine.h"
 #include "run_record.h"
 #include "run_values.h"
@@ -17,6 +18,7 @@ typedef struct {
     int all, has_steps, is_model, allows_failures;
     fp3_run_values values;
     fp3_run_record record;
+    fp3_run_check_def check;
     fp3_recording *recording; /* while it runs; else NULL */
     fp3_files files;
     fp3_program_def how;

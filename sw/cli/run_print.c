@@ -11,26 +11,35 @@
 
 #define SHOWN 8 /* objects whose states are printed without --all */
 
-static void print_state(fp3_engine *engine, const fp3_symbol *symbol, size_t object, int is_slept) {
+/* The objects of one program. */
+typedef struct {
+    const fp3_program *program;
+    const fp3_image *image;
+    size_t first, objects;
+    const fp3_run_check *check; /* NULL: no estimates */
+} part;
+
+static void end_state(const part *of, const fp3_symbol *symbol, size_t object) {
+    printf("   object %zu", object);
+    fp3_run_check_print_state(of->check, symbol->name, object);
+    putchar('\n');
+}
+
+static void print_state(fp3_engine *engine, const part *of, const fp3_symbol *symbol,
+                        size_t object) {
     union {
         float value;
         uint32_t bits;
     } word;
     if (fp3_engine_read(engine, object, 1, symbol->index, &word.value))
         return;
-    if (is_slept)
+    if ((int)symbol->index == fp3_image_slept(of->image))
         printf("%-16s %-16" PRIu32, symbol->name, word.bits);
     else
         printf("%-16s %-16.9g", symbol->name, (double)word.value);
-    printf(" 0x%08" PRIx32 "   object %zu\n", word.bits, object);
+    printf(" 0x%08" PRIx32, word.bits);
+    end_state(of, symbol, object);
 }
-
-/* The objects of one program. */
-typedef struct {
-    const fp3_program *program;
-    const fp3_image *image;
-    size_t first, objects;
-} part;
 
 /* The register of the second word of a symbol's state; -1: it is in no double-single. */
 static int low_of(const part *of, const fp3_symbol *symbol) {
@@ -50,7 +59,8 @@ static int is_low(const part *of, const fp3_symbol *symbol) {
 }
 
 /* The sum in double, then both words. */
-static void print_sum(fp3_engine *engine, const fp3_symbol *symbol, int low, size_t object) {
+static void print_sum(fp3_engine *engine, const part *of, const fp3_symbol *symbol, int low,
+                      size_t object) {
     union {
         float value;
         uint32_t bits;
@@ -58,8 +68,9 @@ static void print_sum(fp3_engine *engine, const fp3_symbol *symbol, int low, siz
     if (fp3_engine_read(engine, object, 1, symbol->index, &word[0].value) ||
         fp3_engine_read(engine, object, 1, (uint32_t)low, &word[1].value))
         return;
-    printf("%-16s %-23.17g 0x%08" PRIx32 " 0x%08" PRIx32 "   object %zu\n", symbol->name,
-           (double)word[0].value + (double)word[1].value, word[0].bits, word[1].bits, object);
+    printf("%-16s %-23.17g 0x%08" PRIx32 " 0x%08" PRIx32, symbol->name,
+           (double)word[0].value + (double)word[1].value, word[0].bits, word[1].bits);
+    end_state(of, symbol, object);
 }
 
 static void print_symbol(fp3_engine *engine, const part *of, const fp3_symbol *symbol,
@@ -68,9 +79,9 @@ static void print_symbol(fp3_engine *engine, const part *of, const fp3_symbol *s
     if (is_low(of, symbol))
         return;
     if (low >= 0)
-        print_sum(engine, symbol, low, object);
+        print_sum(engine, of, symbol, low, object);
     else
-        print_state(engine, symbol, object, (int)symbol->index == fp3_image_slept(of->image));
+        print_state(engine, of, symbol, object);
 }
 
 static void print_states(fp3_engine *engine, const part *of, int all) {
@@ -223,11 +234,11 @@ static void print_speed(const fp3_stats *stats, const char *how) {
 }
 
 static part part_of(const fp3_scene_group *group) {
-    return (part){group->program, group->program->image, group->first, group->objects};
+    return (part){group->program, group->program->image, group->first, group->objects, NULL};
 }
 
 static part part_of_program(const fp3_engine *engine, const fp3_program *program) {
-    return (part){program, program->image, 0, fp3_engine_objects(engine)};
+    return (part){program, program->image, 0, fp3_engine_objects(engine), NULL};
 }
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
@@ -265,12 +276,13 @@ static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
 }
 
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, int all, double clock) {
+                   const fp3_cost *cost, const fp3_run_check *check, int all, double clock) {
     const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     const int is_hardware = is_rtl || strcmp(def->engine, "board") == 0;
     if (of->program) {
-        const part objects = part_of_program(engine, of->program);
+        part objects = part_of_program(engine, of->program);
+        objects.check = check;
         print_states(engine, &objects, all);
         print_status(engine, &objects, cost);
     }
@@ -286,6 +298,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_occupancy(engine, cost);
     if (is_hardware && of->scene)
         print_balance(engine, cost);
+    if (check)
+        fp3_run_check_print(check);
 }
 
 int fp3_run_is_adaptive(const fp3_run_task *of) {
@@ -302,8 +316,8 @@ static part part_to_judge(const fp3_engine *engine, const fp3_run_task *of, size
                                      : (part){.objects = fp3_engine_objects(engine)};
 }
 
-fp3_status fp3_run_check(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
-                         fp3_error *error) {
+fp3_status fp3_run_failed(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
+                          fp3_error *error) {
     const size_t parts = of->scene && fp3_run_is_adaptive(of) ? of->scene->group_count : 1;
     char first[FP3_ADAPTIVE_TEXT_SIZE] = "";
     fp3_status status = FP3_OK;

@@ -2,7 +2,7 @@
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H
 
-#include <fp3/program.h>
+#include "run_check.h"
 
 /* What is run: a program, or a scene; the other is NULL. */
 typedef struct {
@@ -12,15 +12,15 @@ typedef struct {
 
 /* cost: of a recording all; of a plain run stats alone, and the engine knows the rest.
  * A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
- * 0: not asked for. */
+ * 0: not asked for. check: estimates of the errors of the states, or NULL. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, int all, double clock);
+                   const fp3_cost *cost, const fp3_run_check *check, int all, double clock);
 
 /* Whether a group, or the program, has adaptive steps. */
 int fp3_run_is_adaptive(const fp3_run_task *of);
 
 /* FP3_E_FAILED: objects failed in the run; error names the first. */
-fp3_status fp3_run_check(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
-                         fp3_error *error);
+fp3_status fp3_run_failed(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
+                          fp3_error *error);
 
 #endif

@@ -1,0 +1,340 @@
+/* run_check.c - see run_check.h. */
+#include "run_check.h"
+
+#include "arguments.h"
+#include "run_loss.h"
+
+#include "scene/values.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CONFIG "many_full" /* has room for the longest programs */
+#define LOOKS 16           /* at the second run, for the size of each state */
+
+struct fp3_run_check {
+    fp3_run_checked run;
+    const fp3_model *model;
+    uint32_t states; /* those of the model, without what adaptive steps add */
+    size_t objects;
+    double *error, *size; /* rows of a number for each object */
+    fp3_compiled *compiled;
+    fp3_program
+        program; /* of the second run: its parts, but for the compiled program, are the first one's */
+    fp3_params *params;
+    fp3_engine *engine;
+    fp3_engine_def def;
+    int is_adaptive;
+    char how[400];
+    size_t worst_object;
+    uint32_t worst_state;
+};
+
+void fp3_run_check_strict(fp3_run_check_def *def, struct argp_state *state, const char *text) {
+    def->is_strict = 1;
+    def->has_bound = text != NULL;
+    if (text)
+        def->bound = fp3_arguments_above_zero(state, "--strict", text);
+}
+
+void fp3_run_check_check(const fp3_run_check_def *def, int is_model, const fp3_params *params,
+                         struct argp_state *state) {
+    if (def->is_asked && !is_model)
+        argp_error(state, "--check: only a model (*.ode, or --model) has a step that can be "
+                          "halved; an image, assembly and a scene do not say how it enters");
+    if (def->is_asked && fp3_params_has(params, FP3_NAME_STEPS))
+        argp_error(state, "--check: found a value of 'steps', but with half the step an object "
+                          "that starts at this number of steps starts at another time");
+    if (def->has_bound && !def->is_asked)
+        argp_error(state, "--strict=TOL: expected --check, too; TOL is for its estimates");
+}
+
+/* ---- the second run ---- */
+
+static fp3_status compile(fp3_run_check *c, fp3_arithmetic arithmetic, fp3_error *error) {
+    const fp3_program *first = c->run.program;
+    fp3_compile_def def = fp3_compile_default();
+    def.config = CONFIG;
+    def.arithmetic = arithmetic;
+    fp3_compiled_free(&c->compiled);
+    const fp3_status status =
+        fp3_compile(first->model, first->integrator, &def, &c->compiled, error);
+    if (status)
+        return status;
+    c->program = *first;
+    c->program.compiled = c->compiled;
+    c->program.image = c->compiled->image;
+    return FP3_OK;
+}
+
+/* A part of what the run has: of the value that was given, or of the model's. */
+static fp3_status scale(fp3_run_check *c, const char *name, double factor, double *value,
+                        fp3_error *error) {
+    fp3_status status =
+        fp3_params_has(c->params, name) ? fp3_params_get(c->params, name, value, error) : FP3_OK;
+    *value *= factor;
+    return status ? status : fp3_params_put(c->params, name, *value, error);
+}
+
+/* Values that are computed from what has been scaled would change the equations. */
+static fp3_status check_formulas(const fp3_run_check *c, fp3_error *error) {
+    fp3_value_look one;
+    for (size_t i = 0; fp3_values_look(c->run.params, i, &one); i++) {
+        double first = 0, second = 0;
+        fp3_status status =
+            one.formula ? fp3_params_get(c->run.params, one.name, &first, error) : FP3_OK;
+        if (!status && one.formula)
+            status = fp3_params_get(c->params, one.name, &second, error);
+        if (status)
+            return status;
+        if (first != second)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "--check: '%s' is computed from a value that a check changes; give "
+                            "it as a number",
+                            one.name);
+    }
+    return FP3_OK;
+}
+
+static fp3_status scale_all(fp3_run_check *c, fp3_error *error) {
+    const fp3_model *m = c->model;
+    double value = m->step;
+    fp3_status status = fp3_params_copy(c->run.params, &c->params, error);
+    if (!status && !c->is_adaptive) {
+        status = scale(c, FP3_NAME_STEP, 0.5, &value, error);
+        snprintf(c->how, sizeof c->how, "h = %.9g in %" PRIu64 " steps", value, 2 * c->run.steps);
+    }
+    static const char *const names[] = {"absolute", "tolerance"};
+    for (size_t i = 0; !status && c->is_adaptive && i < 2; i++) {
+        value = m->params[fp3_model_param(m, names[i])].value;
+        status = scale(c, names[i], 0.1, &value, error);
+        snprintf(c->how, sizeof c->how, "tolerance %.9g", value);
+    }
+    return status ? status : check_formulas(c, error);
+}
+
+static fp3_status open_engine(fp3_run_check *c, fp3_error *error) {
+    const fp3_engine_def *first = c->run.def;
+    c->def = fp3_engine_default();
+    c->def.engine = "fast";
+    c->def.config = CONFIG;
+    c->def.objects = (uint32_t)c->objects;
+    c->def.threads = first->threads;
+    c->def.is_interpreted = strcmp(first->engine, "fast") != 0 || first->native;
+    c->def.is_without_compiler = c->def.is_interpreted;
+    c->def.error = error;
+    fp3_engine_close(&c->engine);
+    fp3_status status = fp3_engine_open(&c->def, &c->engine);
+    return status ? status : fp3_program_load(&c->program, c->params, c->engine, error);
+}
+
+/* Notes how large each state is, and leaves the states in c->error. */
+static fp3_status look(fp3_run_check *c, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t s = 0; !status && s < c->states; s++) {
+        double *row = c->error + s * c->objects, *size = c->size + s * c->objects;
+        status = fp3_run_state_read(&c->program, c->engine, s, 0, c->objects, row, error);
+        for (size_t i = 0; !status && i < c->objects; i++)
+            size[i] = fmax(size[i], fabs(row[i]));
+    }
+    return status;
+}
+
+static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
+    const uint64_t all = 2 * c->run.steps, parts = c->is_adaptive ? 1 : LOOKS;
+    fp3_status status = look(c, error);
+    for (uint64_t i = 0; !status && i < parts; i++) {
+        const uint64_t steps =
+            c->is_adaptive ? 10 * c->run.steps : all * (i + 1) / parts - all * i / parts;
+        status = fp3_engine_advance(c->engine, steps < UINT32_MAX ? steps : UINT32_MAX, NULL);
+        if (!status)
+            status = look(c, error);
+    }
+    return status;
+}
+
+/* ---- estimates ---- */
+
+/* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the end of a step is of
+ * first order. */
+static double share_of(const fp3_run_check *c) {
+    const unsigned order = c->model->event_count ? 1 : c->compiled->order;
+    return c->is_adaptive || !order ? 1 : 1 / (1 - pow(0.5, order));
+}
+
+/* *is_lost: the second run has no number where the first has one. */
+static fp3_status compare_states(fp3_run_check *c, uint32_t state, double *first, int *is_lost,
+                                 fp3_error *error) {
+    double *row = c->error + state * c->objects, *size = c->size + state * c->objects;
+    fp3_status status =
+        fp3_run_state_read(c->run.program, c->run.engine, state, 0, c->objects, first, error);
+    for (size_t i = 0; !status && i < c->objects; i++) {
+        *is_lost |= isfinite(first[i]) && !isfinite(row[i]);
+        row[i] = fabs(first[i] - row[i]) * share_of(c);
+        size[i] = fmax(size[i], fabs(first[i]));
+    }
+    return status;
+}
+
+/* An object that has not ended has no estimate. */
+static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && c->is_adaptive && i < c->objects; i++) {
+        fp3_adaptive_object first, second;
+        status = fp3_adaptive_look(c->run.engine, i, &first);
+        if (!status)
+            status = fp3_adaptive_look(c->engine, i, &second);
+        if (!status && first.until != second.until)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "--check: the run ends at %.9g, its last snapshot, and not at %.9g, "
+                            "as --until says",
+                            (double)first.until, (double)second.until);
+        const int has_ended =
+            !status && first.end == FP3_ADAPTIVE_ENDED && second.end == FP3_ADAPTIVE_ENDED;
+        for (uint32_t s = 0; !status && !has_ended && s < c->states; s++)
+            c->error[s * c->objects + i] = NAN;
+    }
+    return status;
+}
+
+/* Both runs underflow alike. */
+static fp3_status add_underflow(fp3_run_check *c, fp3_error *error) {
+    const fp3_run_part part = {c->run.program, c->run.params, c->run.engine, 0,
+                               c->objects,     c->run.steps};
+    fp3_run_loss *loss = NULL;
+    fp3_status status = fp3_run_loss_open(&part, &loss, error);
+    for (size_t i = 0; !status && i < fp3_run_loss_looked(loss); i++) {
+        fp3_run_lost found;
+        status = fp3_run_loss_look(loss, i, &found, error);
+        for (uint32_t s = 0; !status && s < c->states; s++) {
+            const size_t at = s * c->objects + i;
+            c->error[at] += found.lost[s];
+            c->size[at] = fmax(c->size[at], found.lost[s]);
+        }
+    }
+    fp3_run_loss_close(&loss);
+    return status;
+}
+
+static double relative(const fp3_run_check *c, size_t at) {
+    return c->error[at] == 0 ? 0 : c->error[at] / c->size[at];
+}
+
+/* NaN is worse than any number. */
+static void find_worst(fp3_run_check *c) {
+    double worst = -1;
+    for (size_t i = 0; i < c->objects; i++)
+        for (uint32_t s = 0; s < c->states; s++) {
+            const double error = relative(c, s * c->objects + i);
+            if (isnan(worst) || error <= worst)
+                continue;
+            worst = error;
+            c->worst_object = i;
+            c->worst_state = s;
+        }
+}
+
+static fp3_status run_in(fp3_run_check *c, fp3_arithmetic arithmetic, double *first, int *is_lost,
+                         fp3_error *error) {
+    memset(c->size, 0, c->objects * c->states * sizeof *c->size);
+    *is_lost = 0;
+    fp3_status status = compile(c, arithmetic, error);
+    if (!status)
+        status = open_engine(c, error);
+    if (!status)
+        status = run_again(c, error);
+    for (uint32_t s = 0; !status && s < c->states; s++)
+        status = compare_states(c, s, first, is_lost, error);
+    return status ? status : judge_ends(c, error);
+}
+
+/* Double-single has no room for products near the ends of FP32, and its programs are long. */
+static fp3_status run_in_best(fp3_run_check *c, double *first, fp3_error *error) {
+    static const fp3_arithmetic tried[] = {FP3_DOUBLE_SINGLE, FP3_COMPENSATED, FP3_PLAIN};
+    fp3_status status = FP3_E_PROGRAM;
+    int is_lost = 0;
+    for (size_t i = 0; (status == FP3_E_PROGRAM || is_lost) && i < sizeof tried / sizeof *tried;
+         i++)
+        if (fp3_arithmetic_applies(tried[i], c->run.program->integrator, c->is_adaptive))
+            status = run_in(c, tried[i], first, &is_lost, error);
+    return status;
+}
+
+static fp3_status make(fp3_run_check *c, fp3_error *error) {
+    double *first = malloc(c->objects * sizeof *first);
+    c->error = calloc(c->objects * c->states, sizeof *c->error);
+    c->size = calloc(c->objects * c->states, sizeof *c->size);
+    fp3_status status = first && c->error && c->size
+                            ? scale_all(c, error)
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = run_in_best(c, first, error);
+    free(first);
+    if (!status)
+        status = add_underflow(c, error);
+    if (!status)
+        find_worst(c);
+    return status;
+}
+
+fp3_status fp3_run_check_make(const fp3_run_checked *run, fp3_run_check **check, fp3_error *error) {
+    fp3_run_check *c = *check = calloc(1, sizeof *c);
+    if (!c)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    c->run = *run;
+    c->model = run->program->model;
+    c->is_adaptive = fp3_adaptive_is(run->program->image);
+    c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
+    c->objects = fp3_engine_objects(run->engine);
+    fp3_error why = {.text = ""};
+    const fp3_status status = make(c, &why);
+    if (!status)
+        return FP3_OK;
+    fp3_run_check_free(check);
+    return fp3_fail(error, status, "%s%s", strncmp(why.text, "--check", 7) ? "--check: " : "",
+                    why.text);
+}
+
+void fp3_run_check_free(fp3_run_check **check) {
+    fp3_run_check *c = *check;
+    if (!c)
+        return;
+    fp3_engine_close(&c->engine);
+    fp3_compiled_free(&c->compiled);
+    fp3_params_free(&c->params);
+    free(c->error);
+    free(c->size);
+    free(c);
+    *check = NULL;
+}
+
+/* ---- what is said ---- */
+
+void fp3_run_check_print_state(const fp3_run_check *c, const char *name, size_t object) {
+    const uint32_t state = c ? fp3_model_state(c->model, name) : FP3_NONE;
+    if (state == FP3_NONE || state >= c->states)
+        return;
+    const size_t at = state * c->objects + object;
+    printf("   error %.1e, relative %.1e", c->error[at], relative(c, at));
+}
+
+void fp3_run_check_print(const fp3_run_check *c) {
+    const size_t at = c->worst_state * c->objects + c->worst_object;
+    printf("%-16s %s, %s; %s\n", "check", c->how, fp3_arithmetic_of(c->compiled->arithmetic)->text,
+           fp3_engine_how(c->engine));
+    printf("%-16s object %zu, %s: error %.1e, relative %.1e\n", "worst", c->worst_object,
+           c->model->states[c->worst_state].name, c->error[at], relative(c, at));
+}
+
+fp3_status fp3_run_check_judge(const fp3_run_check *c, double bound, fp3_error *error) {
+    const size_t at = c->worst_state * c->objects + c->worst_object;
+    return relative(c, at) <= bound
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_FAILED,
+                          "object %zu, %s: relative error %.2g, and --strict allows %.2g",
+                          c->worst_object, c->model->states[c->worst_state].name, relative(c, at),
+                          bound);
+}

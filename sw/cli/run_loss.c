@@ -1,0 +1,313 @@
+/* run_loss.c - see run_loss.h. */
+#include "run_loss.h"
+
+#include "cli.h"
+
+#include "language/evaluate.h"
+#include "scene/apply.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LOOKED                                                                                     \
+    1024 /* objects, the first of a part: a warning costs little, however many there are */
+
+/* More than a normal number loses when FP32 rounds it. */
+#define ROUNDING 5.9604644775390625e-8
+
+struct fp3_run_loss {
+    fp3_run_part part;
+    const fp3_model *model;
+    fp3_object_values values;
+    size_t looked;
+    int is_adaptive;
+    char *is_needed; /* expressions that derivatives and events are made of */
+    char *is_read;   /* those that an instruction reads, if they are known before the run */
+    double *columns; /* final states of the first `looked` objects */
+    double *states, *moved, *lost;
+    double *exact,
+        *clipped; /* of each expression: in double, and without what FP32 has no room for */
+    double t, span;
+};
+
+/* ---- states ---- */
+
+fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, uint32_t state,
+                              size_t first, size_t count, double *values, fp3_error *error) {
+    const fp3_symbol *symbol = fp3_image_find(program->image, program->model->states[state].name,
+                                              FP3_CLASS(FP3_SYMBOL_STATE));
+    const int low = fp3_compiled_low(program->compiled, state);
+    float *words = malloc((count + 1) * sizeof *words);
+    if (!words)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        symbol ? fp3_engine_read(engine, first, count, symbol->index, words) : FP3_OK;
+    for (size_t i = 0; !status && i < count; i++)
+        values[i] = symbol ? (double)words[i] : NAN;
+    if (!status && symbol && low >= 0)
+        status = fp3_engine_read(engine, first, count, (uint32_t)low, words);
+    for (size_t i = 0; !status && symbol && low >= 0 && i < count; i++)
+        values[i] += (double)words[i];
+    free(words);
+    return status;
+}
+
+/* ---- open and close ---- */
+
+static void mark_root(fp3_run_loss *l, uint32_t expr) {
+    if (expr != FP3_NONE)
+        l->is_needed[expr] = l->is_read[expr] = 1;
+}
+
+static void mark(fp3_run_loss *l) {
+    const fp3_model *m = l->model;
+    for (uint32_t s = 0; s < m->state_count; s++)
+        mark_root(l, m->states[s].derivative);
+    for (uint32_t i = 0; i < m->event_count; i++)
+        mark_root(l, m->events[i].condition);
+    for (uint32_t i = 0; i < m->assignment_count; i++)
+        mark_root(l, m->assignments[i].expr);
+    for (uint32_t i = m->expr_count; i-- > 0;)
+        for (unsigned k = 0; l->is_needed[i] && k < fp3_ode_operands(m->exprs[i].op); k++) {
+            l->is_needed[m->exprs[i].operand[k]] = 1;
+            l->is_read[m->exprs[i].operand[k]] |= !m->exprs[i].is_known;
+        }
+}
+
+fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_error *error) {
+    fp3_run_loss *l = *loss = calloc(1, sizeof *l);
+    if (!l)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_model *m = l->model = part->program->model;
+    l->part = *part;
+    l->is_adaptive = fp3_adaptive_is(part->program->image);
+    l->looked = part->objects < LOOKED ? part->objects : LOOKED;
+    l->is_needed = calloc(m->expr_count + 1u, 1);
+    l->is_read = calloc(m->expr_count + 1u, 1);
+    l->columns = calloc(m->state_count * l->looked + 1, sizeof *l->columns);
+    l->states = calloc(3u * m->state_count + 1u, sizeof *l->states);
+    l->exact = calloc(2u * m->expr_count + 1u, sizeof *l->exact);
+    fp3_status status = l->is_needed && l->is_read && l->columns && l->states && l->exact
+                            ? fp3_object_values_open(part->program, part->params, &l->values, error)
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t s = 0; !status && s < m->state_count; s++)
+        status = fp3_run_state_read(part->program, part->engine, s, part->first, l->looked,
+                                    l->columns + s * l->looked, error);
+    if (status) {
+        fp3_run_loss_close(loss);
+        return status;
+    }
+    l->moved = l->states + m->state_count;
+    l->lost = l->moved + m->state_count;
+    l->clipped = l->exact + m->expr_count;
+    mark(l);
+    return FP3_OK;
+}
+
+void fp3_run_loss_close(fp3_run_loss **loss) {
+    fp3_run_loss *l = *loss;
+    if (!l)
+        return;
+    fp3_object_values_free(&l->values);
+    free(l->is_needed);
+    free(l->is_read);
+    free(l->columns);
+    free(l->states);
+    free(l->exact);
+    free(l);
+    *loss = NULL;
+}
+
+/* ---- one object ---- */
+
+static double clip(double value) {
+    return fabs(value) < (double)FLT_MIN ? (double)(float)value : value;
+}
+
+/* Whether FP32 has a number less exactly than it has a normal one. */
+static int is_spoiled(double value) { return fabs(clip(value) - value) > ROUNDING * fabs(value); }
+
+static fp3_point point_of(const fp3_run_loss *l, const double *states) {
+    return (fp3_point){
+        .states = states, .params = l->values.params, .initial = l->values.initial, .t = l->t};
+}
+
+/* What the program has where the host has exact[]. A value that is known before the run is computed in double: only
+ * what the program reads of it, as the host has rounded it, is FP32. */
+static void evaluate(fp3_run_loss *l) {
+    const fp3_model *m = l->model;
+    const fp3_point at = point_of(l, l->states);
+    fp3_model_evaluate(m, &at, l->exact);
+    for (uint32_t i = 0; i < m->expr_count; i++)
+        l->clipped[i] = clip(m->exprs[i].is_known ? l->exact[i]
+                                                  : fp3_ode_compute(&m->exprs[i], &at, l->clipped));
+}
+
+static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
+    const fp3_model *m = l->model;
+    const size_t last = l->part.objects - 1;
+    fp3_status status =
+        fp3_object_values_at(&l->values, last ? (double)object / (double)last : 0, error);
+    if (status)
+        return status;
+    for (uint32_t s = 0; s < m->state_count; s++)
+        l->states[s] = l->columns[s * l->looked + object];
+    double before = 0;
+    for (uint32_t i = 0; i < l->part.program->compiled->input_count; i++)
+        if (!strcmp(l->part.program->compiled->inputs[i].name, FP3_NAME_STEPS))
+            before = (double)l->values.inputs[i];
+    l->span = l->is_adaptive ? l->states[fp3_model_adapted(m)]
+                             : (double)l->part.steps * (double)(float)l->values.h;
+    l->t = l->is_adaptive ? l->span : l->span + before * (double)(float)l->values.h;
+    evaluate(l);
+    for (uint32_t s = 0; s < m->state_count; s++) {
+        const uint32_t of = m->states[s].derivative;
+        l->lost[s] = of == FP3_NONE ? 0 : fabs(l->exact[of] - l->clipped[of]) * fabs(l->span);
+    }
+    return FP3_OK;
+}
+
+size_t fp3_run_loss_looked(const fp3_run_loss *l) { return l->looked; }
+
+fp3_status fp3_run_loss_look(fp3_run_loss *l, size_t object, fp3_run_lost *found,
+                             fp3_error *error) {
+    *found = (fp3_run_lost){l->states, l->values.initial, l->lost};
+    return look(l, object, error);
+}
+
+/* ---- warnings ---- */
+
+typedef struct {
+    fp3_run_loss *loss;
+    const char *path;
+    double bound;
+    size_t warnings;
+} warner;
+
+__attribute__((format(printf, 2, 3))) static void warn(warner *w, const char *format, ...) {
+    char text[320];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    fp3_cli_warn("run", w->path, text);
+    w->warnings++;
+}
+
+static void say_digits(warner *w, size_t object, const char *name, double value) {
+    if (is_spoiled(value))
+        warn(w, "object %zu: %s = %.9g loses digits: FP32 has %.3g (%.2g %% off)", object, name,
+             value, clip(value), 100 * fabs(clip(value) / value - 1));
+}
+
+/* Numbers that the program reads. A state with two words has more, but not down here. */
+static void warn_of_digits(warner *w, size_t object) {
+    const fp3_run_loss *l = w->loss;
+    const fp3_model *m = l->model;
+    for (uint32_t s = 0; s < m->state_count; s++)
+        say_digits(w, object, m->states[s].name, l->values.initial[s]);
+    for (uint32_t i = 0; i < m->expr_count; i++) {
+        const fp3_expr *e = &m->exprs[i];
+        char name[FP3_NAME_SIZE + 32];
+        if (!l->is_read[i] || !e->is_known)
+            continue;
+        if (e->op == FP3_EXPR_PARAM)
+            snprintf(name, sizeof name, "%s", m->params[e->index].name);
+        else
+            snprintf(name, sizeof name, "a number in line %" PRIu32, e->line);
+        say_digits(w, object, name, l->exact[i]);
+    }
+}
+
+/* The first expression that underflows; its operands do not. */
+static uint32_t line_of_underflow(const fp3_run_loss *l, double *value) {
+    for (uint32_t i = 0; i < l->model->expr_count; i++)
+        if (l->is_needed[i] && is_spoiled(l->exact[i])) {
+            *value = l->exact[i];
+            return l->model->exprs[i].line;
+        }
+    return 0;
+}
+
+/* Returns whether it said something. */
+static int warn_of_underflow(warner *w, size_t object) {
+    const fp3_run_loss *l = w->loss;
+    const fp3_model *m = l->model;
+    for (uint32_t s = 0; s < m->state_count; s++) {
+        const double size = fmax(fabs(l->states[s]), fabs(l->values.initial[s]));
+        if (!(l->lost[s] > w->bound * size))
+            continue;
+        const uint32_t of = m->states[s].derivative;
+        double value = 0;
+        const uint32_t line = line_of_underflow(l, &value);
+        warn(w,
+             "object %zu: %s' is %.3g, but FP32 makes it %.3g: a value of %.3g in line %" PRIu32
+             " is too small for FP32; scale the equations",
+             object, m->states[s].name, l->exact[of], l->clipped[of], value, line);
+        return 1;
+    }
+    return 0;
+}
+
+static int stands_still(double x, double increment) {
+    return increment != 0 && isfinite(x) && (double)(float)(x + increment) == x;
+}
+
+/* A state at an equilibrium stands still, too, and loses nothing: if it had moved on, its derivative would turn. */
+static int is_lost(fp3_run_loss *l, uint32_t state) {
+    const uint32_t of = l->model->states[state].derivative;
+    const double slope = l->exact[of];
+    memcpy(l->moved, l->states, l->model->state_count * sizeof *l->moved);
+    l->moved[state] += l->span * slope;
+    const fp3_point at = point_of(l, l->moved);
+    fp3_model_evaluate(l->model, &at, l->clipped);
+    return l->clipped[of] * slope > 0;
+}
+
+static int warn_of_standstill(warner *w, size_t object) {
+    fp3_run_loss *l = w->loss;
+    const fp3_model *m = l->model;
+    for (uint32_t s = 0; s < m->state_count; s++) {
+        const double x = l->states[s];
+        const double slope =
+            m->states[s].derivative == FP3_NONE ? 0 : l->exact[m->states[s].derivative];
+        const double increment = slope * (double)(float)l->values.h;
+        if (!stands_still(x, increment) || !(fabs(slope * l->span) > w->bound * fabs(x)) ||
+            !is_lost(l, s))
+            continue;
+        const float single = fabsf((float)x);
+        warn(w,
+             "object %zu: %s stands still: a step adds %.2g, and FP32 rounds %s = %.6g by up to "
+             "%.2g; use --compensated or a longer step",
+             object, m->states[s].name, increment, m->states[s].name, x,
+             ((double)nextafterf(single, INFINITY) - (double)single) / 2);
+        return 1;
+    }
+    return 0;
+}
+
+/* Each kind is said of the first object that has it. */
+fp3_status fp3_run_loss_warn(fp3_run_loss *l, const char *path, double bound, size_t *warnings,
+                             fp3_error *error) {
+    warner w = {.loss = l, .path = path, .bound = bound};
+    int has_underflow = 0;
+    int has_standstill = l->is_adaptive || l->part.program->compiled->arithmetic != FP3_PLAIN;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < l->looked; i++) {
+        const size_t object = l->part.first + i;
+        status = look(l, i, error);
+        if (!status && (i == 0 || (!w.warnings && l->values.is_spread)))
+            warn_of_digits(&w, object);
+        if (!status && !has_underflow)
+            has_underflow = warn_of_underflow(&w, object);
+        if (!status && !has_standstill)
+            has_standstill = warn_of_standstill(&w, object);
+    }
+    *warnings += w.warnings;
+    return status;
+}

@@ -1,0 +1,46 @@
+/* run_loss.h - what FP32 loses in a run without a flag that tells: increments that are too small for their state, and
+ * numbers too small for FP32. The host evaluates the equations in double, and looks.
+ */
+#ifndef FP3_CLI_RUN_LOSS_H
+#define FP3_CLI_RUN_LOSS_H
+
+#include <fp3/program.h>
+
+/* Objects of a model that have made a run. */
+typedef struct {
+    const fp3_program *program;
+    const fp3_params *params;
+    fp3_engine *engine;
+    size_t first, objects;
+    uint64_t steps;
+} fp3_run_part;
+
+/* A state of a model in double, of count objects: the sum of its words. */
+fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, uint32_t state,
+                              size_t first, size_t count, double *values, fp3_error *error);
+
+typedef struct fp3_run_loss fp3_run_loss;
+
+/* The caller closes *loss, which is NULL on failure. */
+fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_error *error);
+/* Sets *loss to NULL, which it may be already. */
+void fp3_run_loss_close(fp3_run_loss **loss);
+
+/* How many objects it looks at: all of the part, or the first of them. */
+size_t fp3_run_loss_looked(const fp3_run_loss *loss);
+
+/* The final states of an object in double, its start, and by how much underflow has changed each state over the run if
+ * its derivative is wrong all the time as it is in the end. Each has as many numbers as the model has states and
+ * belongs to the loss until the next call. */
+typedef struct {
+    const double *states, *start, *lost;
+} fp3_run_lost;
+fp3_status fp3_run_loss_look(fp3_run_loss *loss, size_t number, fp3_run_lost *found,
+                             fp3_error *error);
+
+/* Prints a warning for each kind of loss that may change a state by more than bound, relative to its size, and
+ * for each number that FP32 has less exactly than a normal one. Adds their number to *warnings. */
+fp3_status fp3_run_loss_warn(fp3_run_loss *loss, const char *path, double bound, size_t *warnings,
+                             fp3_error *error);
+
+#endif
