@@ -255,7 +255,7 @@ static int warn_of_underflow(warner *w, size_t object) {
 }
 
 static int stands_still(double x, double increment) {
-    return increment != 0 && isfinite(x) && (double)(float)(x + increment) == x;
+    return increment != 0 && isfinite(x) && (double)(float)(x + (double)(float)increment) == x;
 }
 
 /* A state at an equilibrium stands still, too, and loses nothing: if it had moved on, its derivative would turn. */
