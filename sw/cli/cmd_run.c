@@ -16,12 +16,22 @@ static const char *warning_of(const fp3_program *program) {
     return program->compiled ? program->compiled->warning : NULL;
 }
 
+static void warn_of_values(const char *path, const fp3_program *program, const fp3_params *params) {
+    char text[FP3_RUN_ADAPTIVE_TEXT_SIZE];
+    fp3_run_adaptive_warning(program, params, text);
+    if (text[0])
+        fp3_cli_warn("run", path, text);
+}
+
 /* Of a program that several groups run, once. */
 static void warn(const fp3_run_options *o, const fp3_run_task *of) {
-    if (of->program)
+    if (of->program) {
         fp3_cli_warn("run", o->program, warning_of(of->program));
+        warn_of_values(o->program, of->program, o->values.params);
+    }
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++) {
         const fp3_scene_group *groups = of->scene->groups;
+        warn_of_values(groups[i].path, groups[i].program, groups[i].params);
         const char *warning = warning_of(groups[i].program);
         int is_said = 0;
         for (size_t j = 0; warning && j < i; j++)

@@ -4,8 +4,13 @@
 #include "arguments.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+#define SMALL                                                                                      \
+    0.01 /* states that are beside 1, which `absolute` takes for their size if nothing is said */
 
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text) {
     def->is_adaptive = 1;
@@ -87,4 +92,35 @@ fp3_status fp3_run_adaptive_failed(fp3_engine *engine, size_t first, size_t obje
         add_cause(&report.why, flags, text);
     }
     return status;
+}
+
+/* The largest start of a state of the model's own; 0: all are, or there is no value. */
+static double largest_start(const fp3_program *program, const fp3_params *params) {
+    const fp3_compiled *c = program->compiled;
+    float *values = calloc(c->input_count + 1u, sizeof *values);
+    int is_spread;
+    double largest = 0;
+    if (values && !fp3_program_inputs(program, params, 0, values, &is_spread, NULL))
+        for (uint32_t i = 0; i < c->input_count; i++)
+            if (c->inputs[i].state < fp3_model_adapted(program->model))
+                largest = fmax(largest, fabs((double)values[i]));
+    free(values);
+    return largest;
+}
+
+void fp3_run_adaptive_warning(const fp3_program *program, const fp3_params *params,
+                              char text[FP3_RUN_ADAPTIVE_TEXT_SIZE]) {
+    const fp3_model *m = program->model;
+    text[0] = '\0';
+    if (!m || fp3_model_adapted(m) == FP3_NONE || fp3_params_has(params, "absolute"))
+        return;
+    const double absolute = m->params[fp3_model_param(m, "absolute")].value;
+    const double tolerance = m->params[fp3_model_param(m, "tolerance")].value;
+    const double largest = largest_start(program, params);
+    if (absolute == tolerance && largest > 0 && largest < SMALL)
+        snprintf(
+            text, FP3_RUN_ADAPTIVE_TEXT_SIZE,
+            "no state starts above %.3g, and a step may be wrong by 'absolute', which is %.3g like "
+            "the tolerance: set it to the tolerance times the size of the states",
+            largest, absolute);
 }

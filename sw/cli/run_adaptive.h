@@ -12,6 +12,11 @@ void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, cons
 /* Before the model is opened: it has no maxstep unless there is a value. */
 fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *params,
                                     fp3_error *error);
+#define FP3_RUN_ADAPTIVE_TEXT_SIZE 256
+/* A warning, or "": the tolerance says nothing of states that are all small beside what `absolute` takes for their
+ * size. */
+void fp3_run_adaptive_warning(const fp3_program *program, const fp3_params *params,
+                              char text[FP3_RUN_ADAPTIVE_TEXT_SIZE]);
 /* After the last option. */
 void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
 

@@ -370,3 +370,15 @@ def test_a_derivative_that_is_no_number_is_told(model):
     assert "or it has no derivative there: an operation gave no number (0/0, a root below 0)" in done.stderr
     _, done = run(model("state y = 1\ny' = y*y\nstep 0.01\nspan 2"), "--tolerance", "1e-4", status=3)
     assert "0/0" not in done.stderr
+
+
+def test_states_too_small_for_their_tolerance_are_told(tmp_path):
+    """An oscillator of 1e-9: what `absolute` leaves free is 100,000 times its states."""
+    path = tmp_path / "tiny.ode"
+    path.write_text("state x = 1e-9\nstate v = 0\nx' = v\nv' = -x\nstep 0.03125\nspan 16\n")
+    run = ("run", path, "--tolerance", "1e-4", "-c", "many_full", "-o", 1, "-e", "isa")
+    assert "warning: no state starts above 1e-09" in fp3(*run).stderr
+    assert "warning" not in fp3(*run, "--set", "absolute=1e-13").stderr
+    assert "warning" not in fp3(*run, "--set", "x=1").stderr
+    (tmp_path / "t.scene").write_text('config = "many_full"; engine = "isa";\ngroups = ( { program = "tiny.ode"; objects = 1; tolerance = 1e-4; until = 16.0; } );\n')
+    assert "tiny.ode: warning: no state starts above 1e-09" in fp3("run", "--scene", tmp_path / "t.scene").stderr
