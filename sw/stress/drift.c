@@ -45,6 +45,7 @@ typedef struct {
     /* Of the first object in double; pure: by coefficients that are not rounded. */
     double exact_energy[ALL], exact_momentum[ALL], exact_place[ALL];
     double pure_energy[ALL], pure_momentum[ALL];
+    fp3_arithmetic exact_of; /* whose coefficients they are by */
 } drift;
 
 /* Short enough that the method alone does not ruin the orbit in a million steps. */
@@ -361,8 +362,9 @@ static fp3_status run(drift *d, const fp3_lab_arithmetic *arithmetic, fp3_error 
     d->total = steps_of(d);
     plan(d);
     forget(d);
-    if (is_pair(d))
+    if (d->exact_of != arithmetic->update)
         forget_exact(d);
+    d->exact_of = arithmetic->update;
     fp3_status status =
         fp3_rig_open(d->trial, fp3_kepler_text, arithmetic, d->h, OBJECTS, &rig, error);
     if (fp3_trial_has_no_room(arithmetic, status)) {
@@ -373,7 +375,7 @@ static fp3_status run(drift *d, const fp3_lab_arithmetic *arithmetic, fp3_error 
         status = fp3_kepler_fill(rig.lab, OBJECTS, ECCENTRICITY, error);
     if (!status)
         status = measure(d, rig.lab, error);
-    if (!status && !d->exact_energy[0]) /* the same in every arithmetic */
+    if (!status && !d->exact_energy[0]) /* the same however the machine rounds */
         status = measure_exact(d, &rig, error);
     if (!status)
         status = judge(d, error);

@@ -105,9 +105,10 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, ro
                 .variables = start,
                 .next = calloc(b->variable_count + 1u, sizeof *r.next),
                 .values = calloc(most + 1u, sizeof *r.values)};
-    fp3_status status = r.known && r.next && r.values
-                            ? fp3_known_evaluate(&b->known, params, h, r.known, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        r.known && r.next && r.values
+            ? fp3_known_evaluate(&b->known, params, h, rounding == EXACT, r.known, error)
+            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     uint64_t made = 0;
     if (!status && rounding != ROUNDED)
         join_words(b, r.known, start);

@@ -46,7 +46,7 @@ static inline void evaluate_known(program *p, double n) {
     const fp3_step *step = &((const fp3_compilation *)p->compiled->self)->reference;
     fp3_error error;
     double *known = calloc(step->known.count + 1u, sizeof *known);
-    if (!known || fp3_known_evaluate(&step->known, &n, 1, known, &error))
+    if (!known || fp3_known_evaluate(&step->known, &n, 1, 0, known, &error))
         fail("known values", "not computed");
     for (uint32_t i = 0; i < p->g->count; i++)
         if (p->g->nodes[i].op == NODE_KNOWN)

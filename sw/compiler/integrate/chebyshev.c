@@ -4,11 +4,15 @@
  */
 #include "chebyshev.h"
 
+#include "weights.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct {
     fp3_advance *a;
+    fp3_recurrence table;
     term *slope, *sum, *change; /* of each live state: f at y, E and V of fp3_recurrence */
     term *stage;                /* y + at[j] E */
 } chebyshev;
@@ -19,7 +23,7 @@ static int is_moved(const chebyshev *r, uint32_t s) { return fp3_fit_is_moved(r-
 
 static term state_at(lowering *l, uint32_t state) {
     const chebyshev *r = l->user;
-    if (l->index == r->a->integrator->recurrence.stages) /* for the estimate of the error */
+    if (l->index == r->table.stages) /* for the estimate of the error */
         return r->a->now[state];
     return r->stage[state];
 }
@@ -45,13 +49,40 @@ static int is_steady(const chebyshev *r, uint32_t s) {
 
 /* at[j] E_j, which is the distance of stage j from y; of the last one to the new y. */
 static term increment(const chebyshev *r, unsigned j, uint32_t s) {
-    const fp3_integrator *table = r->a->integrator;
     if (is_steady(r, s))
         return fp3_term_mul(
             values(r),
-            fp3_advance_scaled_step(r->a, j < table->recurrence.stages ? table->c[j] : 1, 1),
+            fp3_advance_scaled_step(r->a, j < r->table.stages ? r->a->integrator->c[j] : 1, 1),
             r->slope[s]);
-    return fp3_term_mul(values(r), number(r, r->a->integrator->recurrence.at[j]), r->sum[s]);
+    return fp3_term_mul(values(r), number(r, r->table.at[j]), r->sum[s]);
+}
+
+/* E_stages, where V_j+1 is 1 and none before it is anything, and no slope adds to those after it. */
+static double effect_of(const fp3_recurrence *table, unsigned j) {
+    double change = 1, sum = 1;
+    while (++j < table->stages) {
+        change += (double)(float)table->bend * sum;
+        sum += change;
+    }
+    return sum;
+}
+
+/* Where f is the same in all stages, y moves by h f: see weights.h. Only how often f_0 counts is adjusted, which no condition of
+ * higher order reads. */
+static void fit(const fp3_advance *a, fp3_recurrence *table) {
+    double weights[FP3_STAGES_MAX], share[FP3_STAGES_MAX];
+    double sum = 1 / (double)(float)table->at[table->stages];
+    weights[0] = table->first;
+    share[0] = effect_of(table, 0);
+    for (unsigned j = 1; j < table->stages; j++) {
+        const double added = (double)(float)table->slope[j] * effect_of(table, j);
+        weights[j] = table->share[j];
+        share[j] = -added;
+        sum -= added;
+    }
+    fp3_weights(a, weights, share, table->stages, sum);
+    table->first = weights[0];
+    memcpy(table->share + 1, weights + 1, (table->stages - 1) * sizeof *weights);
 }
 
 static void begin(const chebyshev *r, uint32_t s) {
@@ -59,14 +90,13 @@ static void begin(const chebyshev *r, uint32_t s) {
     if (is_steady(r, s))
         return;
     note(r, "first change", s, 1);
-    r->sum[s] = r->change[s] = fp3_term_mul(
-        values(r), fp3_advance_scaled_step(r->a, r->a->integrator->recurrence.first, 1),
-        r->slope[s]);
+    r->sum[s] = r->change[s] =
+        fp3_term_mul(values(r), fp3_advance_scaled_step(r->a, r->table.first, 1), r->slope[s]);
 }
 
 /* V_j+1: f_j reads the stage, so E_j stays as it is until all states have theirs. */
 static void change(const chebyshev *r, unsigned j, uint32_t s) {
-    const fp3_recurrence *table = &r->a->integrator->recurrence;
+    const fp3_recurrence *table = &r->table;
     dag *g = values(r);
     const term f = slope_at(r, j, s);
     note(r, "change", s, j + 1);
@@ -101,7 +131,7 @@ static term finish(const chebyshev *r, uint32_t s) {
     fp3_advance *a = r->a;
     dag *g = values(r);
     g->note = fp3_note(&a->step->notes, "what is added to %s", fp3_advance_name(a, s));
-    const term d = increment(r, a->integrator->recurrence.stages, s);
+    const term d = increment(r, r->table.stages, s);
     g->note = fp3_note(&a->step->notes, "new %s", fp3_advance_name(a, s));
     a->now[s] = fp3_advance_update(a, s, fp3_advance_held(a, g, ROLE_STATE, s), d);
     return d;
@@ -111,7 +141,7 @@ static term finish(const chebyshev *r, uint32_t s) {
 static void estimate(const chebyshev *r, uint32_t s, term d) {
     fp3_advance *a = r->a;
     dag *g = values(r);
-    a->slope[s] = slope_at(r, a->integrator->recurrence.stages, s);
+    a->slope[s] = slope_at(r, r->table.stages, s);
     a->has_slope = 1;
     g->note = fp3_note(&a->step->notes, "error of %s", fp3_advance_name(a, s));
     const term way = fp3_term_mul(g, fp3_advance_scaled_step(a, FP3_CHEBYSHEV_WAY / 2, 1),
@@ -121,7 +151,7 @@ static void estimate(const chebyshev *r, uint32_t s, term d) {
 
 static void make_step(const chebyshev *r) {
     fp3_advance *a = r->a;
-    const unsigned stages = a->integrator->recurrence.stages;
+    const unsigned stages = r->table.stages;
     const uint32_t count = a->step->model->state_count;
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s))
@@ -143,6 +173,7 @@ fp3_status fp3_chebyshev(fp3_advance *a, fp3_error *error) {
     const unsigned places = a->integrator->recurrence.stages + (a->is_adaptive ? 1 : 0);
     const size_t count = a->step->model->state_count + 1u;
     chebyshev r = {.a = a,
+                   .table = a->integrator->recurrence,
                    .slope = calloc(count, sizeof *r.slope),
                    .sum = calloc(count, sizeof *r.sum),
                    .change = calloc(count, sizeof *r.change),
@@ -154,8 +185,10 @@ fp3_status fp3_chebyshev(fp3_advance *a, fp3_error *error) {
         status = fp3_advance_places(a, places, "k", state_at, &r, error);
     for (unsigned j = 0; !status && a->fit->has_time && j < places; j++)
         a->places[j].time = fp3_advance_time(a, values(&r), a->integrator->c[j]);
-    if (!status)
+    if (!status) {
+        fit(a, &r.table);
         make_step(&r);
+    }
     free(r.slope);
     free(r.sum);
     free(r.change);

@@ -11,6 +11,7 @@
 #include "compiler/functions/division.h"
 #include "compiler/value/ops.h"
 #include "lu.h"
+#include "weights.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -70,6 +71,19 @@ static void find_coefficients(rosenbrock *r) {
         r->m[i] = tidy(r->m[i]);
         r->estimate[i] = tidy(r->estimate[i]);
     }
+}
+
+/* Where f is the same everywhere, y moves by h f: see weights.h. u_i is share[i] h f then. */
+static void fit(rosenbrock *r) {
+    const fp3_integrator *t = r->a->integrator;
+    double share[FP3_STAGES_MAX];
+    for (unsigned i = 0; i < t->stages; i++) {
+        share[i] = 1;
+        for (unsigned j = 0; j < i; j++)
+            share[i] += (double)(float)r->c[i][j] * share[j];
+        share[i] /= (double)(float)(1 / t->gamma[0][0]);
+    }
+    fp3_weights(r->a, r->m, share, t->stages, 1);
 }
 
 /* ---- sums ---- */
@@ -241,6 +255,7 @@ fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *er
     if (status)
         return status;
     find_coefficients(&r);
+    fit(&r);
     if (a->is_adaptive)
         r.over_h = over_own_step(a);
     for (unsigned i = 0; a->fit->has_time && i < stages; i++)

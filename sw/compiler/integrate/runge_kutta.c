@@ -1,6 +1,8 @@
 /* runge_kutta.c - stages, and sums of slopes. */
 #include "runge_kutta.h"
 
+#include "weights.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -107,17 +109,21 @@ static double take_first(summand *list, unsigned count) {
     return c;
 }
 
+/* The factor that stands in front of a row's sum, taken out of its coefficients. 0: none does. */
+static double take_factor(const runge_kutta *r, summand *list, unsigned count) {
+    if (r->a->is_adaptive)
+        return take_first(list, count);
+    const double unit = common_factor(r, list, count);
+    for (unsigned i = 0; unit != 0 && i < count; i++)
+        list[i].c = round(list[i].c / unit);
+    return unit;
+}
+
 /* What a row of the table adds to the state. */
 static term increment(const runge_kutta *r, summand *list, unsigned count) {
-    if (r->a->is_adaptive) {
-        const term scale = fp3_advance_scaled_step(r->a, take_first(list, count), 1);
-        return fp3_term_mul(values(r), scale, sum_of(r, list, count, 1));
-    }
-    const double unit = common_factor(r, list, count);
+    const double unit = take_factor(r, list, count);
     if (unit == 0)
         return sum_of(r, list, count, 0);
-    for (unsigned i = 0; i < count; i++)
-        list[i].c = round(list[i].c / unit);
     return fp3_term_mul(values(r), coefficient(r, unit), sum_of(r, list, count, 1));
 }
 
@@ -215,6 +221,39 @@ static term slope_of(runge_kutta *r, uint32_t place, uint32_t state) {
 
 /* ---- the step ---- */
 
+static double sum_of_weights(const summand *list, unsigned count) {
+    double sum = 0;
+    for (unsigned i = 0; i < count; i++)
+        sum += list[i].c;
+    return sum;
+}
+
+/* Compensated, what is added to a state, with what was lost before: its weights are exact. A factor that is none in FP32 stays inside,
+ * because only weights that are no integers have room for its error: 2 - 2^-23 for 2 rounds most products to the same side. */
+static term increment_kept(const runge_kutta *r, uint32_t s, summand *list, unsigned count) {
+    dag *g = values(r);
+    summand taken[FP3_STAGES_MAX];
+    double weights[FP3_STAGES_MAX];
+    memcpy(taken, list, count * sizeof *list);
+    const double unit = take_factor(r, taken, count);
+    const int has_factor =
+        r->a->is_adaptive || (double)(float)unit * sum_of_weights(taken, count) == 1;
+    if (has_factor)
+        memcpy(list, taken, count * sizeof *list);
+    for (unsigned i = 0; i < count; i++)
+        weights[i] = list[i].c;
+    fp3_weights(r->a, weights, NULL, count, has_factor ? 1 / (double)(float)unit : 1);
+    for (unsigned i = 0; i < count; i++)
+        list[i].c = weights[i];
+    if (has_factor)
+        return fp3_advance_with_lost(
+            r->a, s, fp3_term_mul(g, coefficient(r, unit), sum_of(r, list, count, 1)));
+    term rest = r->a->lost[s];
+    for (unsigned i = 0; i < count; i++)
+        rest = fp3_term_sub(g, rest, fp3_term_mul(g, coefficient(r, list[i].c), list[i].slope));
+    return fp3_term_negated(rest);
+}
+
 static void advance_early(runge_kutta *r, uint32_t s) {
     const fp3_integrator *integrator = r->a->integrator;
     summand list[FP3_STAGES_MAX];
@@ -225,9 +264,11 @@ static void advance_early(runge_kutta *r, uint32_t s) {
         r->a->now[s] = added(r, s, list, n, new_state);
         return;
     }
-    const term d = increment(r, list, n);
+    const int is_compensated = r->a->options->arithmetic == FP3_COMPENSATED;
+    const term d = is_compensated ? increment_kept(r, s, list, n) : increment(r, list, n);
     values(r)->note = new_state;
-    r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
+    r->a->now[s] = is_compensated ? fp3_advance_keep(r->a, s, held(r, s), d)
+                                  : fp3_term_add(values(r), held(r, s), d);
 }
 
 /* A late position moves by the new velocity: s + h v1. */

@@ -90,18 +90,27 @@ term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned 
     return (term){fp3_dag_known(&a->step->values, made), coefficient < 0};
 }
 
+/* As -(lost - d), where d may be a product and go straight into the difference. */
+term fp3_advance_with_lost(const fp3_advance *a, uint32_t state, term d) {
+    return fp3_term_negated(fp3_term_sub(&a->step->values, a->lost[state], d));
+}
+
+term fp3_advance_keep(const fp3_advance *a, uint32_t state, term base, term y) {
+    dag *g = &a->step->values;
+    const term sum = fp3_term_add(g, base, y);
+    g->note = fp3_note(&a->step->notes, "what is lost of %s", fp3_advance_name(a, state));
+    a->lost[state] = fp3_term_sub(g, fp3_term_sub(g, sum, base), y);
+    return sum;
+}
+
 term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d) {
     dag *g = &a->step->values;
-    fp3_notes *notes = &a->step->notes;
     if (a->options->arithmetic != FP3_COMPENSATED)
         return fp3_term_add(g, base, d);
     const uint32_t new_state = g->note;
-    g->note = fp3_note(notes, "what is added to %s, with what was lost before",
+    g->note = fp3_note(&a->step->notes, "what is added to %s, with what was lost before",
                        fp3_advance_name(a, state));
-    const term y = fp3_term_sub(g, d, a->lost[state]);
+    const term y = fp3_advance_with_lost(a, state, d);
     g->note = new_state;
-    const term sum = fp3_term_add(g, base, y);
-    g->note = fp3_note(notes, "what is lost of %s", fp3_advance_name(a, state));
-    a->lost[state] = fp3_term_sub(g, fp3_term_sub(g, sum, base), y);
-    return sum;
+    return fp3_advance_keep(a, state, base, y);
 }

@@ -55,7 +55,11 @@ term fp3_advance_time(const fp3_advance *a, dag *g, double c);
 /* coefficient * h^n as a known value, its sign outside. */
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);
 
-/* base + d. Compensated: what is rounded away is kept, and taken off the next d (Kahan, 1965). */
+/* Compensated: d with what rounding took off before; and base + that, of which what is rounded away is kept (Kahan, 1965). */
+term fp3_advance_with_lost(const fp3_advance *a, uint32_t state, term d);
+term fp3_advance_keep(const fp3_advance *a, uint32_t state, term base, term y);
+
+/* base + d, compensated both of them. */
 term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d);
 
 #endif

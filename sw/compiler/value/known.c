@@ -100,7 +100,14 @@ void fp3_known_close(known_table *table) {
 }
 
 uint32_t fp3_known_number(known_table *table, double number) {
-    return add(table, (known){.op = KNOWN_NUMBER, .number = number, .is_shared = 1});
+    return add(table,
+               (known){.op = KNOWN_NUMBER, .number = number, .exact = number, .is_shared = 1});
+}
+
+void fp3_known_stands_for(known_table *table, double number, double exact) {
+    const uint32_t id = fp3_known_number(table, number);
+    if (!table->has_failed)
+        table->list[id].exact = exact;
 }
 
 uint32_t fp3_known_step(known_table *table) {
@@ -208,9 +215,12 @@ static int fold(known_op op, double a, double b, double *result) {
 
 uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b) {
     const known *x = &table->list[a], *y = &table->list[b];
-    double number;
-    if (x->op == KNOWN_NUMBER && y->op == KNOWN_NUMBER && fold(op, x->number, y->number, &number))
+    double number, exact;
+    if (x->op == KNOWN_NUMBER && y->op == KNOWN_NUMBER && fold(op, x->number, y->number, &number)) {
+        if (fold(op, x->exact, y->exact, &exact) && exact != number && !isnan(exact))
+            fp3_known_stands_for(table, number, exact);
         return fp3_known_number(table, number);
+    }
     if (op == KNOWN_NEGATE && x->op == KNOWN_NEGATE)
         return x->a;
     if (op == KNOWN_MUL && x->op == KNOWN_NUMBER && x->number == 1)
@@ -395,16 +405,31 @@ void fp3_known_values(const fp3_known_subset *s, const double *params, double h,
     }
 }
 
+/* A table whose numbers are exact, in `list`. 0: no memory. */
+static int make_exact(const known_table *table, known_table *exact) {
+    *exact = *table;
+    exact->list = malloc((table->count + 1u) * sizeof *exact->list);
+    for (uint32_t i = 0; exact->list && i < table->count; i++) {
+        exact->list[i] = table->list[i];
+        exact->list[i].number = table->list[i].exact;
+    }
+    return exact->list != NULL;
+}
+
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
-                              double *values, fp3_error *error) {
+                              int is_exact, double *values, fp3_error *error) {
+    known_table exact = {0};
     fp3_known_subset all;
     float single;
     const char *expected = fp3_number_step(h, &single);
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
-    const fp3_status status = fp3_known_choose(table, NULL, 1, &all, error);
+    if (is_exact && !make_exact(table, &exact))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status = fp3_known_choose(is_exact ? &exact : table, NULL, 1, &all, error);
     if (!status)
         fp3_known_values(&all, params, h, 1, values);
     fp3_known_release(&all);
+    free(exact.list);
     return status;
 }

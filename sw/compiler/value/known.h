@@ -27,6 +27,7 @@ typedef struct {
     known_op op;
     uint32_t a, b; /* operands; of KNOWN_MODEL a is the expression */
     double number;
+    double exact;  /* of a KNOWN_NUMBER: what it is where nothing is rounded */
     int is_shared; /* the same for all objects */
 } known;
 
@@ -47,6 +48,8 @@ void fp3_known_close(known_table *table);
 
 /* Each value once. */
 uint32_t fp3_known_number(known_table *table, double number);
+/* The number is what rounding made of `exact`: see fp3_known_evaluate. */
+void fp3_known_stands_for(known_table *table, double number, double exact);
 uint32_t fp3_known_step(known_table *table);
 uint32_t fp3_known_model(known_table *table, uint32_t expr);
 /* A param of the model that an expression reads. */
@@ -90,8 +93,8 @@ void fp3_known_release(fp3_known_subset *subset);
 void fp3_known_values(const fp3_known_subset *subset, const double *params, double h, size_t count,
                       double *values);
 
-/* All of them, once. FP3_E_ARGUMENT: h is no time step. */
+/* All of them, once; is_exact: of the numbers that others stand for. FP3_E_ARGUMENT: h is no time step. */
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
-                              double *values, fp3_error *error);
+                              int is_exact, double *values, fp3_error *error);
 
 #endif
