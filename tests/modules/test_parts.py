@@ -182,6 +182,8 @@ def test_a_part_keeps_its_promises(root, tmp_path, name):
 
 
 @pytest.mark.parametrize("name, bug", [pytest.param(name, bug, id=f"{name}: {bug.name}") for name in BUGS for bug in BUGS[name]])
-def test_a_broken_part_is_seen(root, tmp_path, name, bug):
+def test_a_broken_part_is_seen(root, tmp_path, long, name, bug):
+    if name.startswith("tile") and BUGS[name].index(bug) % 4 and not long:
+        pytest.skip("a bug of four of a tile; the others with --long")
     done = run(root, tmp_path, PARTS[name], tree(root, tmp_path, bug))
     assert done.failed and not done.passed, done.said
