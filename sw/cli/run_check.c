@@ -237,11 +237,24 @@ static void find_worst(fp3_run_check *c) {
         }
 }
 
+/* Before a long run that would be refused in the end. */
+static fp3_status check_count(const fp3_run_check *c, fp3_error *error) {
+    if (c->is_adaptive || fp3_image_steps(c->program.image) < 0 ||
+        c->run.steps <= FP3_STEPS_LIMIT / 2)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "--check: half the step takes %" PRIu64
+                    " steps, and a program with t counts %d at most",
+                    2 * c->run.steps, FP3_STEPS_LIMIT);
+}
+
 static fp3_status run_in(fp3_run_check *c, fp3_arithmetic arithmetic, double *first, int *is_lost,
                          fp3_error *error) {
     memset(c->size, 0, c->objects * c->states * sizeof *c->size);
     *is_lost = 0;
     fp3_status status = compile(c, arithmetic, error);
+    if (!status)
+        status = check_count(c, error);
     if (!status)
         status = open_engine(c, error);
     if (!status)

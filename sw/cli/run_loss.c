@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LOOKED                                                                                     \
-    1024 /* objects, the first of a part: a warning costs little, however many there are */
+/* Objects, the first of a part: a warning costs little, however many there are. */
+#define LOOKED 1024
 
 /* More than a normal number loses when FP32 rounds it. */
 #define ROUNDING 5.9604644775390625e-8
@@ -30,8 +30,8 @@ struct fp3_run_loss {
     char *is_read;   /* those that an instruction reads, if they are known before the run */
     double *columns; /* final states of the first `looked` objects */
     double *states, *moved, *lost;
-    double *exact,
-        *clipped; /* of each expression: in double, and without what FP32 has no room for */
+    /* Of each expression: in double, and without what FP32 has no room for. */
+    double *exact, *clipped;
     double t, span;
 };
 

@@ -121,6 +121,11 @@ def test_where_a_check_has_no_meaning(fp3, tmp_path, source, arguments, why):
 
 # ---- warnings ----
 
+def test_more_steps_than_t_can_count_are_refused_before_they_are_made(run):
+    text = "state x = 1\nx' = -x + sin(t)\nstep 0.0009765625\nspan 1\n"
+    assert "half the step takes 16777218 steps, and a program with t counts 16777216 at most" in run(text, "-n", "8388609", "--check", code=2).stderr
+
+
 @pytest.mark.parametrize("model, steps, text", [
     (GROW, 2**20, "object 0: x stands still: a step adds 3.9e-08, and FP32 rounds x = 1 by up to 6e-08; use --compensated or a longer step"),
     (COUNT, 2**16, "object 0: x stands still: a step adds 0.00098, and FP32 rounds x = 16384 by up to 0.00098; use --compensated or a longer step"),
