@@ -2,7 +2,6 @@
 #include "child.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -11,6 +10,7 @@
 
 #define GRACE_MS 1000 /* from SIGTERM, which lets a compiler remove its files, to SIGKILL */
 #define LOOK_MS 2
+#define WAIT_MS 100
 
 extern char **environ;
 
@@ -40,7 +40,7 @@ int fp3_child_start(char *const *arguments, int in, int out, int err, unsigned s
 
 int fp3_child_left(const fp3_child *child) {
     const int64_t left = child->end - now();
-    return left < 0 ? 0 : left < INT_MAX ? (int)left : INT_MAX;
+    return left < 0 ? 0 : left < WAIT_MS ? (int)left : WAIT_MS;
 }
 
 int fp3_child_wait(const fp3_child *child, int *how) {

@@ -20,7 +20,7 @@ typedef struct {
  * Returns an errno, or 0. */
 int fp3_child_start(char *const *arguments, int in, int out, int err, unsigned seconds,
                     fp3_child *child);
-/* How much of its time is left, in ms for poll; 0: none. */
+/* How long to poll for it, in ms: what is left of its time, a tenth of a second at most; 0: nothing is left. */
 int fp3_child_left(const fp3_child *child);
 /* Returns an errno, or 0 and, in *how, what waitpid says. ETIMEDOUT: it took too long, and was ended. */
 int fp3_child_wait(const fp3_child *child, int *how);

@@ -77,7 +77,7 @@ static void copy(int from, const fp3_child *child, FILE *to) {
         const ssize_t count = ready > 0 ? read(from, bytes, sizeof bytes) : 0;
         if (count > 0)
             fwrite(bytes, 1, (size_t)count, to);
-        else if ((ready >= 0 && count == 0) || errno != EINTR)
+        else if (ready == 0 ? !fp3_child_left(child) : (ready > 0 && count == 0) || errno != EINTR)
             return;
     }
 }
