@@ -27,7 +27,10 @@ def pair(value):
     return single(value) + single(value - single(value))
 
 
-WRITTEN = {"w": 5.1, "m": 0.7, "h": 0.01}
+WRITTEN = {"w": 2.1, "m": 0.85, "h": 0.01}
+# What programs make of them is another FP32 number if it is made of what is written.
+assert all(single(made(*WRITTEN.values())) != single(made(*map(single, WRITTEN.values())))
+           for made in (lambda w, m, h: 1/m, lambda w, m, h: w/m, lambda w, m, h: h*w, lambda w, m, h: h*w/m, lambda w, m, h: w*w/m))
 
 
 def states(fp3, folder, *arguments):
