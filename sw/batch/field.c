@@ -106,7 +106,7 @@ static void list_model(const fp3_compiled *c, double h, fp3_field_table *t) {
         q->place = count;
         q->is_pending = 1;
     }
-    if (!is_adapted) { /* else each object has its own steps */
+    if (!fp3_model_chooses_steps(model)) { /* else each object has its own steps */
         fp3_field *q = add(t, FP3_NAME_STEP, FP3_FIELD_STEP);
         q->is_shared = q->is_kept = 1;
         q->uniform = h;

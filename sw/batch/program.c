@@ -59,9 +59,10 @@ static fp3_status tell(const char *path, const char *text, size_t size, fp3_stat
 static fp3_status compile(const char *text, size_t size, const char *name,
                           const fp3_program_def *def, fp3_program *program, char **report,
                           fp3_error *error) {
-    const char *integrator = def->integrator    ? def->integrator
-                             : def->is_adaptive ? FP3_ADAPTIVE_INTEGRATOR
-                                                : FP3_FIXED_INTEGRATOR;
+    const char *integrator = def->integrator ? def->integrator
+                             : def->is_adaptive && def->adaptive.tolerance != 0
+                                 ? FP3_ADAPTIVE_INTEGRATOR
+                                 : FP3_FIXED_INTEGRATOR;
     fp3_error why;
     fp3_status status = fp3_model_read(text, size, name, &program->model, report, error);
     if (!status && def->is_adaptive) {

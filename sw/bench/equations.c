@@ -134,17 +134,33 @@ static void write_slopes(writer *w) {
     fputs(is_python(w) ? ")\n" : "}\n", w->to);
 }
 
+/* Whether the event may happen after what was before the step, in a block of its own. */
+static void write_armed(writer *w, const fp3_event *event) {
+    fputs("        int is_armed = 1;\n", w->to);
+    if (event->unless == FP3_NONE)
+        return;
+    want_nothing(w);
+    want(w, event->unless);
+    fputs("        {\n            const real *y = was;\n            const real t = began;\n        "
+          "    (void)t, (void)y;\n",
+          w->to);
+    write_wanted(w, "            ");
+    fprintf(w->to, "            is_armed = e%" PRIu32 " == 0;\n        }\n", event->unless);
+}
+
 static void write_event(writer *w, const fp3_event *event) {
     const fp3_assignment *to = &w->model->assignments[event->first];
+    fputs("    {\n", w->to);
+    write_armed(w, event);
     want_nothing(w);
     want(w, event->condition);
     for (uint32_t i = 0; i < event->count; i++)
         want(w, to[i].expr);
-    fputs("    {\n", w->to);
     write_wanted(w, "        ");
     for (uint32_t i = 0; i < event->count; i++)
         fprintf(w->to,
-                "        y[%" PRIu32 "] = e%" PRIu32 " != 0 ? e%" PRIu32 " : y[%" PRIu32 "];\n",
+                "        y[%" PRIu32 "] = is_armed && e%" PRIu32 " != 0 ? e%" PRIu32 " : y[%" PRIu32
+                "];\n",
                 to[i].state, event->condition, to[i].expr, to[i].state);
     fputs("    }\n", w->to);
 }
@@ -161,8 +177,9 @@ static void write_model(writer *w) {
             w->language == FP3_BENCH_FLOAT ? "float" : "double", m->state_count, m->param_count);
     fputs(powers, w->to);
     write_slopes(w);
-    fputs("static inline __attribute__((always_inline)) void events(real t, real *y, const real "
-          "*p) {\n    (void)t, (void)y, (void)p;\n",
+    fputs("static inline __attribute__((always_inline)) void events(real began, const real "
+          "*was, real t, real *y, const real *p) {\n    (void)began, (void)was, (void)t, (void)y, "
+          "(void)p;\n",
           w->to);
     for (uint32_t i = 0; i < m->event_count; i++)
         write_event(w, &m->events[i]);

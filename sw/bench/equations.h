@@ -2,7 +2,7 @@
  *
  * C, with `real` as the type of all numbers, and STATES and PARAMS as their counts:
  *     static inline void slopes(real t, const real *y, const real *p, real *d);
- *     static inline void events(real t, real *y, const real *p);
+ *     static inline void events(real began, const real *was, real t, real *y, const real *p);
  * Python:
  *     def slopes(t, y, p): ...    returns the derivatives as a tuple
  * Only what a derivative or an event needs is computed. In C whole powers up to

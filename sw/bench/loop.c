@@ -10,7 +10,8 @@
 static const char loops[] =
     "static inline __attribute__((always_inline)) void step(const real *p, real *y, real n, real "
     "h) {\n"
-    "    real k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES];\n"
+    "    real k1[STATES], k2[STATES], k3[STATES], k4[STATES], at[STATES], was[STATES];\n"
+    "    for (int i = 0; i < STATES; i++) was[i] = y[i];\n"
     "    slopes(n * h, y, p, k1);\n"
     "    for (int i = 0; i < STATES; i++) at[i] = y[i] + 0.5f * h * k1[i];\n"
     "    slopes((n + 0.5f) * h, at, p, k2);\n"
@@ -20,7 +21,7 @@ static const char loops[] =
     "    slopes((n + 1) * h, at, p, k4);\n"
     "    for (int i = 0; i < STATES; i++) y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + "
     "k4[i]);\n"
-    "    events((n + 1) * h, y, p);\n"
+    "    events(n * h, was, (n + 1) * h, y, p);\n"
     "}\n"
     "void one(const real *p, real *y, unsigned long first, unsigned long steps, real h) {\n"
     "    real at[STATES];\n"

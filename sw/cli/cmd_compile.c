@@ -47,7 +47,9 @@ static const struct argp_option table[] = {
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
      "Each object chooses its own steps, each with an error of about TOL", 0},
     {"until", KEY_UNTIL, "TIME", 0,
-     "With --tolerance: where objects end (default: the model's span)", 0},
+     "Where objects end (default: the model's span). Without --tolerance: fixed steps, cut at "
+     "events",
+     0},
     {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
     {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
     {"double-single", KEY_DOUBLE, NULL, 0,

@@ -28,11 +28,17 @@ fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *para
                : FP3_OK;
 }
 
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state) {
+void fp3_run_adaptive_check(fp3_program_def *def, int is_model, struct argp_state *state) {
     if (def->is_adaptive && !is_model)
         argp_error(state, "--tolerance: only a model (*.ode, or --model) is compiled");
-    if (def->adaptive.until != 0 && !def->is_adaptive)
-        argp_error(state, "--until: expected --tolerance, too; fixed steps are counted by --steps");
+    if (def->adaptive.until == 0 || def->is_adaptive)
+        return;
+    if (!is_model)
+        argp_error(state,
+                   "--until: only a model (*.ode, or --model) is compiled; the time at which "
+                   "the objects of a program end is its param, --set until=..");
+    def->is_adaptive = 1;
+    def->adaptive.tolerance = 0;
 }
 
 void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,
@@ -112,7 +118,7 @@ void fp3_run_adaptive_warning(const fp3_program *program, const fp3_params *para
                               char text[FP3_RUN_ADAPTIVE_TEXT_SIZE]) {
     const fp3_model *m = program->model;
     text[0] = '\0';
-    if (!m || fp3_model_adapted(m) == FP3_NONE || fp3_params_has(params, "absolute"))
+    if (!m || !fp3_model_chooses_steps(m) || fp3_params_has(params, "absolute"))
         return;
     const double absolute = m->params[fp3_model_param(m, "absolute")].value;
     const double tolerance = m->params[fp3_model_param(m, "tolerance")].value;

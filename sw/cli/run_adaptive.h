@@ -18,7 +18,7 @@ fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *para
 void fp3_run_adaptive_warning(const fp3_program *program, const fp3_params *params,
                               char text[FP3_RUN_ADAPTIVE_TEXT_SIZE]);
 /* After the last option. */
-void fp3_run_adaptive_check(const fp3_program_def *def, int is_model, struct argp_state *state);
+void fp3_run_adaptive_check(fp3_program_def *def, int is_model, struct argp_state *state);
 
 /* Of a run that is recorded: without --until the last time is where objects end. */
 void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *record,

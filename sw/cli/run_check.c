@@ -27,7 +27,7 @@ struct fp3_run_check {
     fp3_params *params;
     fp3_engine *engine;
     fp3_engine_def def;
-    int is_adaptive;
+    int is_adaptive, is_chosen;
     char how[400];
     size_t worst_object;
     uint32_t worst_state;
@@ -103,12 +103,15 @@ static fp3_status scale_all(fp3_run_check *c, fp3_error *error) {
     const fp3_model *m = c->model;
     double value = m->step;
     fp3_status status = fp3_params_copy(c->run.params, &c->params, error);
-    if (!status && !c->is_adaptive) {
+    if (!status && !c->is_chosen) {
         status = scale(c, FP3_NAME_STEP, 0.5, &value, error);
-        snprintf(c->how, sizeof c->how, "h = %.9g in %" PRIu64 " steps", value, 2 * c->run.steps);
+        snprintf(c->how, sizeof c->how, "h = %.9g", value);
+        if (!c->is_adaptive)
+            snprintf(c->how + strlen(c->how), sizeof c->how - strlen(c->how),
+                     " in %" PRIu64 " steps", 2 * c->run.steps);
     }
     static const char *const names[] = {"absolute", "tolerance"};
-    for (size_t i = 0; !status && c->is_adaptive && i < 2; i++) {
+    for (size_t i = 0; !status && c->is_chosen && i < 2; i++) {
         value = m->params[fp3_model_param(m, names[i])].value;
         status = scale(c, names[i], 0.1, &value, error);
         snprintf(c->how, sizeof c->how, "tolerance %.9g", value);
@@ -158,11 +161,11 @@ static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
 
 /* ---- estimates ---- */
 
-/* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the end of a step is of
+/* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the end of a step, and not located, is of
  * first order. */
 static double share_of(const fp3_run_check *c) {
-    const unsigned order = c->model->event_count ? 1 : c->compiled->order;
-    return c->is_adaptive || !order ? 1 : 1 / (1 - pow(0.5, order));
+    const unsigned order = c->model->event_count && !c->is_adaptive ? 1 : c->compiled->order;
+    return c->is_chosen || !order ? 1 : 1 / (1 - pow(0.5, order));
 }
 
 /* *is_lost: the second run has no number where the first has one. */
@@ -271,7 +274,7 @@ static fp3_status run_in_best(fp3_run_check *c, double *first, fp3_error *error)
     int is_lost = 0;
     for (size_t i = 0; (status == FP3_E_PROGRAM || is_lost) && i < sizeof tried / sizeof *tried;
          i++)
-        if (fp3_arithmetic_applies(tried[i], c->run.program->integrator, c->is_adaptive))
+        if (fp3_arithmetic_applies(tried[i], c->run.program->integrator, c->is_chosen))
             status = run_in(c, tried[i], first, &is_lost, error);
     return status;
 }
@@ -300,6 +303,7 @@ fp3_status fp3_run_check_make(const fp3_run_checked *run, fp3_run_check **check,
     c->run = *run;
     c->model = run->program->model;
     c->is_adaptive = fp3_adaptive_is(run->program->image);
+    c->is_chosen = fp3_model_chooses_steps(c->model);
     c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
     c->objects = fp3_engine_objects(run->engine);
     fp3_error why = {.text = ""};

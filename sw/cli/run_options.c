@@ -46,7 +46,9 @@ static const struct argp_option table[] = {
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
      "Of a model: each object chooses its own steps, each with an error of about TOL", 0},
     {"until", KEY_UNTIL, "TIME", 0,
-     "With --tolerance: where objects end (default: the model's span)", 0},
+     "Of a model: where objects end (default: its span). Without --tolerance: fixed steps, cut at "
+     "events",
+     0},
     {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
     {"double-single", KEY_DOUBLE, NULL, 0,
      "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
@@ -126,7 +128,7 @@ static const struct argp_option table[] = {
 };
 
 /* What belongs to an image, and what to a scene. */
-static void check(const fp3_run_options *o, struct argp_state *state) {
+static void check(fp3_run_options *o, struct argp_state *state) {
     if (!o->program && !o->scene)
         argp_error(state, "expected a program, or --scene FILE");
     if (o->program && o->scene)

@@ -121,13 +121,31 @@ void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *
 
 static int is_other(double a, double b) { return a != b && !(isnan(a) && isnan(b)); }
 
-int fp3_model_fire(const fp3_model *model, const double *params, double t, double *states,
-                   double *values) {
+/* The set of events that happen where their conditions are not 0. */
+static uint64_t find_armed(const fp3_model *model, const fp3_point *before, double *values) {
+    uint64_t armed = 0;
+    int is_evaluated = 0;
+    for (uint32_t i = 0; i < model->event_count; i++) {
+        const fp3_event *event = &model->events[i];
+        const int is_edge = event->unless != FP3_NONE;
+        if (is_edge && before && !is_evaluated) {
+            fp3_model_evaluate(model, before, values);
+            is_evaluated = 1;
+        }
+        if (!is_edge || (before && values[event->unless] == 0))
+            armed |= UINT64_C(1) << i;
+    }
+    return armed;
+}
+
+int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
+                   double *states, double *values) {
+    const uint64_t armed = find_armed(model, before, values);
     int has_changed = 0;
     for (uint32_t i = 0; i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
         fp3_model_evaluate(model, &(fp3_point){.states = states, .params = params, .t = t}, values);
-        if (values[event->condition] == 0)
+        if (values[event->condition] == 0 || !(armed >> i & 1))
             continue;
         for (uint32_t j = 0; j < event->count; j++) {
             const fp3_assignment *a = &model->assignments[event->first + j];

@@ -4,13 +4,22 @@
 #include "side.h"
 #include "vector.h"
 
-/* FP3_NONE after an error. */
-static uint32_t condition(ode_parser *p, fp3_token at) {
-    const ode_value value = fp3_ode_expression(p, ODE_IN_EQUATION);
-    if (value.size > 1)
-        fp3_ode_wrong(&p->in, at, "a number as the condition (this is %s)",
-                      fp3_ode_shape(value.size));
-    return value.size == 1 ? value.expr[0] : FP3_NONE;
+/* What is read is FP3_NONE after an error. */
+static ode_value number(ode_parser *p, ode_context context, const char *what) {
+    const fp3_token at = p->in.next;
+    const ode_value value = fp3_ode_expression(p, context);
+    if (value.size <= 1)
+        return value;
+    fp3_ode_wrong(&p->in, at, "a number as the %s (this is %s)", what, fp3_ode_shape(value.size));
+    return (ode_value){0};
+}
+
+static uint32_t taken(ode_value value) { return value.size == 1 ? value.expr[0] : FP3_NONE; }
+
+/* `root` and `at` are names as well: what follows tells. */
+static int is_followed_by(const ode_parser *p, const char *text) {
+    ode_lexer ahead = p->in.lexer;
+    return fp3_token_is(fp3_ode_next(&ahead), text);
 }
 
 /* 0 after an error. */
@@ -47,15 +56,92 @@ static void assignment(ode_parser *p, ode_event *event) {
             return;
 }
 
-void fp3_ode_event(ode_parser *p, fp3_token keyword) {
-    ode_event event = {.first = p->assignment_count, .at = keyword};
-    event.condition = condition(p, p->in.next);
+/* What follows the condition. */
+static void assignments(ode_parser *p, ode_event *event) {
     fp3_ode_expect(&p->in, ":", "an operator or ':', and then what happens, as in `x = 0`");
     do
-        assignment(p, &event);
+        assignment(p, event);
     while (fp3_ode_accept(&p->in, ","));
+}
+
+static void add_event(ode_parser *p, ode_event event) {
     if (p->event_count == ODE_EVENTS)
-        fp3_ode_over(&p->in, keyword, "at most %d events", ODE_EVENTS);
-    else
+        fp3_ode_over(&p->in, event.at, "at most %d events", ODE_EVENTS);
+    else if (!p->in.is_over)
         p->events[p->event_count++] = event;
+}
+
+/* Whether the event sets a state that the expression is made of. */
+static int is_set(const ode_parser *p, const ode_event *event, uint32_t expr) {
+    char is_part[ODE_EXPRS] = {0};
+    is_part[expr] = 1;
+    for (uint32_t i = expr + 1; i-- > 0;)
+        for (int k = 0; is_part[i] && k < 3; k++)
+            if (p->exprs[i].operand[k] != FP3_NONE)
+                is_part[p->exprs[i].operand[k]] = 1;
+    for (uint32_t i = 0; i <= expr; i++)
+        for (uint32_t k = 0; is_part[i] && p->exprs[i].op == FP3_EXPR_STATE && k < event->count;
+             k++)
+            if (p->assignments[event->first + k].state == p->exprs[i].index)
+                return 1;
+    return 0;
+}
+
+/* a <= b becomes true. What the event puts on the root itself, as a ball on the floor, has to leave it before the
+ * step ends, or the event happens again; what only passes the root is past it where a is b. */
+static void rise(ode_parser *p, fp3_token at, ode_value a, ode_value b, uint32_t g,
+                 ode_event event) {
+    event.condition = taken(fp3_ode_binary(p, at, FP3_EXPR_LESS_EQUAL, a, b));
+    event.unless = g != FP3_NONE && is_set(p, &event, g)
+                       ? taken(fp3_ode_binary(p, at, FP3_EXPR_LESS, a, b))
+                       : event.condition;
+    add_event(p, event);
+}
+
+/* `(g) rising`, and what happens. */
+static void root_event(ode_parser *p, ode_event event) {
+    const fp3_token at = p->in.next;
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, "(", "'('");
+    const ode_value g = number(p, ODE_IN_EQUATION, "root");
+    const ode_value zero = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, 0);
+    fp3_ode_expect(&p->in, ")", "an operator or ')'");
+    const int is_any = fp3_ode_accept(&p->in, "any");
+    const int is_rising = !is_any && fp3_ode_accept(&p->in, "rising");
+    if (!is_any && !is_rising && !fp3_ode_accept(&p->in, "falling"))
+        fp3_ode_lost(&p->in, "rising, falling or any");
+    assignments(p, &event);
+    if (g.size != 1 || zero.size != 1)
+        return;
+    if (is_any || is_rising)
+        rise(p, at, zero, g, g.expr[0], event);
+    if (!is_rising)
+        rise(p, at, g, zero, g.expr[0], event);
+}
+
+void fp3_ode_event(ode_parser *p, fp3_token keyword) {
+    ode_event event = {.first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
+    if (fp3_ode_at(&p->in, "root") && is_followed_by(p, "(")) {
+        root_event(p, event);
+        return;
+    }
+    event.condition = taken(number(p, ODE_IN_EQUATION, "condition"));
+    assignments(p, &event);
+    add_event(p, event);
+}
+
+int fp3_ode_is_timed(const ode_parser *p, fp3_token first) {
+    return fp3_token_is(first, "at") && fp3_ode_at(&p->in, "t") && is_followed_by(p, "=");
+}
+
+void fp3_ode_timed(ode_parser *p, fp3_token keyword) {
+    ode_event event = {.first = p->assignment_count, .at = keyword};
+    const fp3_token at = p->in.next;
+    const ode_value t = fp3_ode_leaf(p, at, FP3_EXPR_TIME, 0, 0);
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, "=", "'='");
+    const ode_value time = number(p, ODE_IN_START, "time");
+    p->context = ODE_IN_EQUATION;
+    assignments(p, &event);
+    rise(p, at, time, t, FP3_NONE, event);
 }

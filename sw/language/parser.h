@@ -76,7 +76,7 @@ typedef struct {
 } ode_time;
 
 typedef struct {
-    uint32_t condition, first, count; /* as of fp3_event */
+    uint32_t condition, first, count, unless; /* as of fp3_event */
     fp3_token at;
 } ode_event;
 

@@ -53,7 +53,7 @@ static fp3_event *take_events(const ode_parser *p) {
     fp3_event *made = calloc(p->event_count + 1u, sizeof *made);
     for (uint32_t i = 0; made && i < p->event_count; i++) {
         const ode_event *e = &p->events[i];
-        made[i] = (fp3_event){e->condition, e->first, e->count, e->at.location.line};
+        made[i] = (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->unless};
     }
     return made;
 }

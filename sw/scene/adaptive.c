@@ -30,22 +30,17 @@ fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t
     const config_setting_t *until = config_setting_get_member(from, "until");
     const config_setting_t *absolute = config_setting_get_member(from, "absolute");
     const config_setting_t *maxstep = config_setting_get_member(from, "maxstep");
-    if (!tolerance && (until || absolute || maxstep))
-        return fp3_setting_wrong(s,
-                                 until      ? until
-                                 : absolute ? absolute
-                                            : maxstep,
-                                 "%s: expected a tolerance, too: fixed steps are counted by "
-                                 "'steps' of the scene",
-                                 until      ? "until"
-                                 : absolute ? "absolute"
-                                            : "maxstep");
-    if (!tolerance)
+    if (!tolerance && (absolute || maxstep))
+        return fp3_setting_wrong(s, absolute ? absolute : maxstep,
+                                 "%s: expected a tolerance, too: without one all steps are h long",
+                                 absolute ? "absolute" : "maxstep");
+    if (!tolerance && !until)
         return FP3_OK;
     if (!until)
         return fp3_setting_wrong(s, tolerance,
                                  "tolerance: expected 'until', too, the time at which the objects "
                                  "of this group end");
+    def->adaptive.tolerance = 0;
     fp3_status status = read_above_zero(s, from, "tolerance", &def->adaptive.tolerance);
     if (!status)
         status = read_above_zero(s, from, "until", &def->adaptive.until);

@@ -113,8 +113,8 @@ static uint32_t steps_input(const fp3_compiled *c) {
 
 static int model_has(const void *of, const char *name) {
     const fp3_program *program = of;
-    const int is_adapted = fp3_model_adapted(program->model) != FP3_NONE; /* h_next is a state */
-    return (strcmp(name, FP3_NAME_STEP) == 0 && !is_adapted) ||
+    const int is_chosen = fp3_model_chooses_steps(program->model); /* h_next is a state */
+    return (strcmp(name, FP3_NAME_STEP) == 0 && !is_chosen) ||
            (strcmp(name, FP3_NAME_STEPS) == 0 && steps_input(program->compiled) != FP3_NONE) ||
            fp3_model_param(program->model, name) != FP3_NONE ||
            fp3_model_state(program->model, name) != FP3_NONE;

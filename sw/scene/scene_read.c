@@ -208,7 +208,7 @@ static fp3_status read_values(const reader *r, const config_setting_t *from, con
 
 static int has_h(const fp3_scene_group *group) {
     const fp3_model *model = group->program->model;
-    return (model && fp3_model_adapted(model) == FP3_NONE) || fp3_params_has(group->params, "h") ||
+    return (model && !fp3_model_chooses_steps(model)) || fp3_params_has(group->params, "h") ||
            fp3_image_find(group->program->image, "h", FP3_CLASSES_HOST);
 }
 

@@ -40,10 +40,11 @@ void fp3_crossing_close(fp3_crossing *c) {
 
 static size_t bytes(const fp3_crossing *c) { return c->model->state_count * sizeof(double); }
 
-/* Whether an event happens here; c->next are the states after it. */
-static int happens(const fp3_crossing *c, double t, const double *y) {
+/* Whether an event happens here, in a step that has begun at t0 with c->from, or in none (NAN); c->next are the states after it. */
+static int happens(const fp3_crossing *c, double t0, double t, const double *y) {
+    const fp3_point before = {.states = c->from, .params = c->params, .t = t0};
     memcpy(c->next, y, bytes(c));
-    return fp3_model_fire(c->model, c->params, t, c->next, c->values);
+    return fp3_model_fire(c->model, isnan(t0) ? NULL : &before, c->params, t, c->next, c->values);
 }
 
 const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, double t,
@@ -52,32 +53,35 @@ const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, d
     for (uint32_t i = 0; i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
         const fp3_assignment *set = &model->assignments[event->first];
-        for (uint32_t k = 0; values[event->condition] != 0 && k < event->count; k++)
+        for (uint32_t k = 0;
+             event->unless == FP3_NONE && values[event->condition] != 0 && k < event->count; k++)
             if (values[set[k].expr] != y[set[k].state])
                 return event;
     }
     return NULL;
 }
 
-static int is_over(const fp3_crossing *c, double t, const double *y) {
-    return fp3_switches_have_turned(c->switches, t, y) || happens(c, t, y);
+static int is_over(const fp3_crossing *c, double t0, double t, const double *y) {
+    return fp3_switches_have_turned(c->switches, t, y) || happens(c, t0, t, y);
 }
 
-static int fire(fp3_crossing *c, double t, double *y) {
-    c->is_event = happens(c, t, y);
+static int fire(fp3_crossing *c, double t0, double t, double *y) {
+    c->is_event = happens(c, t0, t, y);
     if (!c->is_event)
         return GSL_SUCCESS;
     memcpy(y, c->next, bytes(c));
-    if (happens(c, t, y))
+    if (happens(c, NAN, t, y))
         return FP3_CROSSING_STAYS;
     return ++c->happened > FP3_EVENTS_MOST ? FP3_CROSSING_MOST : GSL_SUCCESS;
 }
 
-int fp3_crossing_fire(fp3_crossing *c, double t, double *y) {
-    const int result = fire(c, t, y);
+static int fire_and_hold(fp3_crossing *c, double t0, double t, double *y) {
+    const int result = fire(c, t0, t, y);
     fp3_switches_hold(c->switches, t, y);
     return result;
 }
+
+int fp3_crossing_start(fp3_crossing *c, double *y) { return fire_and_hold(c, NAN, 0, y); }
 
 /* c->there: the states at t0 + h. */
 static int go(const fp3_crossing *c, double t0, double h) {
@@ -100,7 +104,7 @@ static int count_turn(fp3_crossing *c, double t0, double t, const double *y) {
 int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_found) {
     const double least = RESOLUTION * fabs(c->switches->end);
     double before = t0;
-    *is_found = is_over(c, *t, y);
+    *is_found = is_over(c, t0, *t, y);
     while (*is_found && fabs(*t - before) > least) {
         const double middle = before + (*t - before) / 2;
         if (middle == before || middle == *t)
@@ -108,7 +112,7 @@ int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_
         const int result = go(c, t0, middle - t0);
         if (result)
             return result;
-        if (!is_over(c, middle, c->there)) {
+        if (!is_over(c, t0, middle, c->there)) {
             before = middle;
             continue;
         }
@@ -120,5 +124,5 @@ int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_
     int result = count_turn(c, t0, *t, y);
     if (!result && c->path)
         result = fp3_path_stop(c->path, *t);
-    return result ? result : fp3_crossing_fire(c, *t, y);
+    return result ? result : fire_and_hold(c, t0, *t, y);
 }

@@ -36,8 +36,8 @@ int fp3_crossing_open(fp3_crossing *c, fp3_switches *switches, const gsl_odeiv2_
                       const gsl_odeiv2_step_type *how);
 void fp3_crossing_close(fp3_crossing *c);
 
-/* Events at this time, after which switches are held. GSL_SUCCESS, or one of those above. */
-int fp3_crossing_fire(fp3_crossing *c, double t, double *y);
+/* Events at time 0, after which switches are held. GSL_SUCCESS, or one of those above. */
+int fp3_crossing_start(fp3_crossing *c, double *y);
 /* The first event that changes y at this time; NULL: none. values: room for all expressions. */
 const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, double t,
                                  const double *y, double *values);

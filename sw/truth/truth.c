@@ -142,7 +142,7 @@ static int go(orbit *o, gsl_odeiv2_driver *driver, fp3_crossing *events, double 
     const uint32_t states = o->model->state_count;
     double h = end_of(o) * 1e-6, now = 0;
     unsigned steps = 0;
-    int result = events ? fp3_crossing_fire(events, 0, o->y) : GSL_SUCCESS;
+    int result = events ? fp3_crossing_start(events, o->y) : GSL_SUCCESS;
     if (!result && o->path)
         result = fp3_path_start(o->path, 0, o->y, 0);
     for (size_t i = o->path ? o->count - 1 : 0; !result && i < o->count; i++) {

@@ -149,8 +149,8 @@ static void evaluate(const fp3_model *m) {
         params[i] = m->params[i].value;
     double fired[64];
     memcpy(fired, start, sizeof start);
-    fp3_model_fire(m, params, m->step, fired, values);
     const fp3_point points[] = {{start, params, start, 0}, {start, params, NULL, m->step}};
+    fp3_model_fire(m, &points[0], params, m->step, fired, values);
     for (unsigned i = 0; i < 2; i++)
         fp3_model_evaluate(m, &points[i], values);
     free(values);

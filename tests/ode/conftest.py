@@ -20,6 +20,17 @@ def language(build, tmp_path):
 
 
 @pytest.fixture
+def written(tmp_path):
+    """Writes the text of a model to a file, for the command."""
+
+    def write(text, name="m.ode"):
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    return write
+
+
+@pytest.fixture
 def model(language):
     """The model that a text describes."""
 

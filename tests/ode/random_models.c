@@ -206,8 +206,8 @@ static int fire(const bench *b, double h, double *states, double *values) {
     if (!is_tame(m, values))
         return 0;
     for (int i = 0; i < 2; i++)
-        fp3_model_fire(m, b->params, h, other[i], values);
-    fp3_model_fire(m, b->params, h, states, values);
+        fp3_model_fire(m, NULL, b->params, h, other[i], values);
+    fp3_model_fire(m, NULL, b->params, h, states, values);
     for (uint32_t s = 0; s < m->state_count; s++)
         for (int i = 0; i < 2; i++)
             if (!(fabs(other[i][s] - states[s]) <= 1e-3 * (1 + fabs(states[s]))))

@@ -16,3 +16,10 @@ def fp3(*arguments, status=0):
 
 def number(bits):
     return struct.unpack("<f", struct.pack("<I", int(bits, 16)))[0]
+
+
+def truth(path, t, status=0):
+    """The states at time t by fp3_model_truth, or why there are none."""
+    done = subprocess.run([os.path.join(BUILD, "tests/models"), "truth", path, str(t)], capture_output=True, text=True)
+    assert (done.returncode != 0) == (status != 0), done.stdout + done.stderr
+    return done.stderr if status else {name: float(value) for name, value in map(str.split, done.stdout.splitlines())}

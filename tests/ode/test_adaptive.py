@@ -30,15 +30,6 @@ span 4
 """
 
 
-@pytest.fixture
-def model(tmp_path):
-    def write(text, name="m.ode"):
-        (tmp_path / name).write_text(text)
-        return tmp_path / name
-
-    return write
-
-
 def ends(out):
     """Numbers that a run ends with, by object and name."""
     found = {}
@@ -63,8 +54,8 @@ SPREAD = ["--tolerance", "1e-4", "--spread", "until=0:5", "-o", "7"]
 
 
 @pytest.mark.parametrize("arithmetic", [[], ["-k"]])
-def test_engines_and_machines_agree(model, arithmetic):
-    path = model(PLANET)
+def test_engines_and_machines_agree(written, arithmetic):
+    path = written(PLANET)
     seen = [run(path, *SPREAD, *arithmetic, config="many_full", engine=e)[0] for e in ("isa", "rtl", "fast")]
     assert seen[0] == seen[1] == seen[2] and len(seen[0]) == 7
     assert value(seen[0], "t", 0) == 0 and value(seen[0], "accepted", 0) == 0, "an end at the start"
@@ -76,23 +67,23 @@ def test_engines_and_machines_agree(model, arithmetic):
         assert alone[0] == alone[1] == alone[2] == of_many
 
 
-def test_visits_change_nothing(model):
-    path = model(PLANET)
+def test_visits_change_nothing(written):
+    path = written(PLANET)
     whole, short = (run(path, *SPREAD, *visit, config="many_full")[0] for visit in ([], ["--visit", "3"]))
     assert whole == short
 
 
-def test_sleepers_cost_nothing(model):
+def test_sleepers_cost_nothing(written):
     """A run ends when the last object does, and what it costs is what objects do until their ends."""
-    path = model(PLANET)
+    path = written(PLANET)
     of, done = run(path, *SPREAD, config="many_full")
     attempts = sum(value(of, "accepted", n) + value(of, "rejected", n) for n in range(1, 7)) + 1
     assert int(re.search(r"^object_steps +(\d+)", done.stdout, re.M)[1]) == attempts
 
 
 @pytest.mark.parametrize("name", PAIRS)
-def test_error_follows_tolerance(model, name):
-    path = model(PLANET)
+def test_error_follows_tolerance(written, name):
+    path = written(PLANET)
     errors = []
     for tolerance in (1e-3, 1e-4, 1e-5):
         of, _ = run(path, "-i", name, "--tolerance", tolerance)
@@ -110,9 +101,9 @@ LINEAR = {"decay": ("state x = 1\nx' = -x\nstep 1\n", math.exp(-4)), "swing": ("
 
 @pytest.mark.parametrize("name", ESTIMATED)
 @pytest.mark.parametrize("text, end", LINEAR.values(), ids=LINEAR)
-def test_linear_equations_end_within_a_small_multiple_of_the_tolerance(model, name, text, end):
+def test_linear_equations_end_within_a_small_multiple_of_the_tolerance(written, name, text, end):
     """An estimate that is 0 on them, whatever the step or at one step alone, would accept anything. h = 1, 1/4 and 8 are what people begin with."""
-    path = model(text)
+    path = written(text)
     for tolerance in (1e-2, 1e-4):
         for first in (0.01, 0.25, 1, 8):
             of, _ = run(path, "-i", name, "--tolerance", tolerance, "--until", 4, "--set", f"h_next={first}", "-o", 1, config="many_full")
@@ -120,9 +111,9 @@ def test_linear_equations_end_within_a_small_multiple_of_the_tolerance(model, na
             assert error < 16 * tolerance and error < tolerance * value(of, "accepted") / 2, (tolerance, first)
 
 
-def test_time_is_that_of_the_object(model):
+def test_time_is_that_of_the_object(written):
     """c' = cos(t) is right only if every stage of every attempt has its own t."""
-    of, _ = run(model(DECAY), "--tolerance", "1e-6", "--spread", "until=1:9", "-o", "5", config="many_full")
+    of, _ = run(written(DECAY), "--tolerance", "1e-6", "--spread", "until=1:9", "-o", "5", config="many_full")
     for n in range(5):
         t = value(of, "t", n)
         assert t == 1 + 2 * n
@@ -130,8 +121,8 @@ def test_time_is_that_of_the_object(model):
         assert value(of, "y", n) == pytest.approx((math.cos(t) + math.sin(t) + math.exp(-t)) / 2, abs=3e-6)
 
 
-def test_end_is_exact_and_steps_are_counted(model):
-    of, done = run(model(DECAY), "--tolerance", "1e-5", "--until", "3.3")
+def test_end_is_exact_and_steps_are_counted(written):
+    of, done = run(written(DECAY), "--tolerance", "1e-5", "--until", "3.3")
     assert of[0]["t"] == "0x40533333"
     accepted, rejected = value(of, "accepted"), value(of, "rejected")
     assert re.search(rf"^accepted +{accepted:.0f}$", done.stdout, re.M)
@@ -139,16 +130,16 @@ def test_end_is_exact_and_steps_are_counted(model):
     assert 0 < value(of, "smallest") <= value(of, "largest") < 3.3
 
 
-def test_a_first_step_that_is_no_good(model):
+def test_a_first_step_that_is_no_good(written):
     """Too long or too short: what the first step is does not matter but for the attempts that it takes."""
-    path = model(PLANET)
+    path = written(PLANET)
     for first in ("1e3", "1e-6", "3e38"):
         of, _ = run(path, "--tolerance", "1e-5", "--set", f"h_next={first}")
         assert math.dist([value(of, x) for x in ("r_x", "r_y")], (0.5, 0)) < 4e-3
 
 
-def test_overflow_in_a_stage_is_a_rejected_step(model):
-    path = model("state y = 1\ny' = -y*y*y*y*y*y*y*y*y\nstep 1e9\nspan 4")
+def test_overflow_in_a_stage_is_a_rejected_step(written):
+    path = written("state y = 1\ny' = -y*y*y*y*y*y*y*y*y\nstep 1e9\nspan 4")
     of, done = run(path, "--tolerance", "1e-4")
     assert "overflow" in done.stdout, "some stage is beyond FP32"
     assert value(of, "y") == pytest.approx((1 + 8 * 4) ** (-1 / 8), rel=1e-3)
@@ -166,9 +157,9 @@ def each_engine(path, *arguments, config="single_full", status=0):
     return seen[0]
 
 
-def test_time_holds_what_a_short_step_adds(model):
+def test_time_holds_what_a_short_step_adds(written):
     """Without an error each step is 5 times the one before. Of ten none but the last ones would change t = 1000 at all."""
-    path = model("state y = 1\ny' = 0*y\nstep 1\nspan 1\n")
+    path = written("state y = 1\ny' = 0*y\nstep 1\nspan 1\n")
     h = 2**-22 * 1.25
     of = each_engine(path, "--tolerance", "1e-5", "--set", "t=1000", "--set", f"h_next={h!r}", "--until", "3000", "--steps", "10",
                      "--allow-failures")
@@ -178,9 +169,9 @@ def test_time_holds_what_a_short_step_adds(model):
 
 
 @pytest.mark.parametrize("start, span", [(2**30, 256), (-2**24 - 2, 2), (0, 2**-110)])
-def test_steps_are_as_short_as_they_must_be_anywhere(model, start, span):
+def test_steps_are_as_short_as_they_must_be_anywhere(written, start, span):
     """y = 3 e^-((t - start) 8/span): all of that is next to one last place of t, or t is almost 0."""
-    path = model(f"param rate = {8 / span!r}\nstate y = 3\ny' = -rate*y\nstep {span / 64!r}\nspan 1\n")
+    path = written(f"param rate = {8 / span!r}\nstate y = 3\ny' = -rate*y\nstep {span / 64!r}\nspan 1\n")
     times = ["--set", f"t={start}", "--set", f"until={start + span}", "--tolerance", "1e-5"]
     alone = each_engine(path, *times)[0]
     many = each_engine(path, *times, "--spread", f"rate={8 / span!r}:{4 / span!r}", "-o", "2", config="many_full")
@@ -191,20 +182,20 @@ def test_steps_are_as_short_as_they_must_be_anywhere(model, start, span):
         assert value(many, "accepted", n) > 5
 
 
-def test_time_goes_through_zero(model):
-    of = each_engine(model(DECAY), "--tolerance", "1e-5", "--set", "t=-5", "--until", "3")
+def test_time_goes_through_zero(written):
+    of = each_engine(written(DECAY), "--tolerance", "1e-5", "--set", "t=-5", "--until", "3")
     assert (time_of(of), value(of, "c")) == (3, pytest.approx(math.sin(3) + math.sin(5), abs=2e-5))
 
 
-def test_the_start_has_two_words(model):
-    of = each_engine(model(DECAY), "--tolerance", "1e-5", "--set", "t=0.1", "--until", "3", "--steps", "1", "--allow-failures", "--set", "h_next=2^-40")
+def test_the_start_has_two_words(written):
+    of = each_engine(written(DECAY), "--tolerance", "1e-5", "--set", "t=0.1", "--until", "3", "--steps", "1", "--allow-failures", "--set", "h_next=2^-40")
     assert time_of(of) == pytest.approx(0.1 + 2**-40, abs=1e-16)
 
 
 @pytest.mark.parametrize("first, moves", [("2^-126", True), ("2^-130", False)])
-def test_the_shortest_step_is_normal(model, first, moves):
+def test_the_shortest_step_is_normal(written, first, moves):
     """A subnormal one counts as none: the object has failed where it is."""
-    path = model("state y = 1\ny' = -y\nstep 1\nspan 1\n")
+    path = written("state y = 1\ny' = -y\nstep 1\nspan 1\n")
     for config in ("single_full", "many_full"):
         of, _ = run(path, "--tolerance", "1e-4", "--set", f"h_next={first}", "-o", "1", config=config, status=0 if moves else 3)
         assert (value(of, "t"), value(of, "accepted") > 50) == ((1, True) if moves else (0, False))
@@ -219,9 +210,9 @@ def test_an_attempt_costs_little_more_than_a_fixed_step(integrator, most):
     assert count[0] < most * count[1]
 
 
-def test_blow_up_is_named(model):
+def test_blow_up_is_named(written):
     """y' = y^2 is infinite at t = 1: no step gets there."""
-    path = model("param k = 1\nstate y = 1\ny' = k*y*y\nstep 0.01\nspan 2")
+    path = written("param k = 1\nstate y = 1\ny' = k*y*y\nstep 0.01\nspan 2")
     for engine, config, spread in (("isa", "single_full", []), ("rtl", "many_full", ["--spread", "k=0:1", "-o", "3"]),
                                    ("fast", "many_full", ["--spread", "k=0:1", "-o", "3"])):
         _, done = run(path, "--tolerance", "1e-4", *spread, config=config, engine=engine, status=3)
@@ -240,21 +231,21 @@ def test_who_is_stuck_stays_stuck(options):
     assert seen[0] == seen[1] and number(seen[0]["accepted"]) > 50
 
 
-def test_no_attempt_left(model):
-    _, done = run(model(PLANET), "--tolerance", "1e-5", "--steps", "10", status=3)
+def test_no_attempt_left(written):
+    _, done = run(written(PLANET), "--tolerance", "1e-5", "--steps", "10", status=3)
     assert re.search(r"object 0 at t = [\d.]+ of 6.28\d+, after 10 steps and 0 rejected attempts: no attempt is left", done.stderr)
 
 
-def test_events_are_found_to_their_tolerance(model):
+def test_events_are_found_to_their_tolerance(written):
     """A ball that falls 1 m bounces at sqrt(2/g), up to `locate` late."""
-    path = model("state x = 1\nstate v = 0\nx' = v\nv' = -9.75\nwhen x < 0 and v < 0: x = -x, v = -v\nstep 0.01\nspan 1")
+    path = written("state x = 1\nstate v = 0\nx' = v\nv' = -9.75\nwhen x < 0 and v < 0: x = -x, v = -v\nstep 0.01\nspan 1")
     first = math.sqrt(2 / 9.75)
     for locate in (1e-3, 1e-5):
         of, _ = run(path, "--tolerance", "1e-6", "--set", f"locate={locate}", "--until", "0.6")
         speed = 9.75 * first
         after = 0.6 - first
         assert value(of, "x") == pytest.approx(speed * after - 9.75 / 2 * after * after, abs=2 * speed * locate + 1e-6)
-        assert value(of, "smallest") <= locate
+        assert value(of, "h_next") > 0.05  # an event says nothing about the steps after it
 
 
 SHOTS = ["--tolerance", "1e-5", "--times", "0,0.1,3.3,4", "--output", "-", "--observe", "t,y,c,late,accepted"]
@@ -265,9 +256,9 @@ def shots(path, config, engine, *options):
     return [row.split(",") for row in text.splitlines()[1:]]
 
 
-def test_snapshots_are_at_their_times(model):
+def test_snapshots_are_at_their_times(written):
     """Each object is at just this time, or at its own end; what the times cut off does not shorten later steps."""
-    path = model(DECAY + "invariant late = c - sin(t)\n")
+    path = written(DECAY + "invariant late = c - sin(t)\n")
     many = ["-o", "3", "--spread", "until=2:4"]
     rows = shots(path, "many_full", "isa", *many)
     assert rows == shots(path, "many_full", "rtl", *many) == shots(path, "many_full", "fast", *many)
@@ -283,9 +274,9 @@ def test_snapshots_are_at_their_times(model):
     assert float(alone[-1][-1]) <= value(whole, "accepted") + 4
 
 
-def test_compare_holds_every_word_against_the_equations(model, tmp_path):
+def test_compare_holds_every_word_against_the_equations(written, tmp_path):
     """Engines and equations, and the fixed steps that are as good: on this orbit they are many more."""
-    path = model(PLANET.replace("sqrt(3)", "sqrt(19)").replace("0.5", "0.1").replace("0.015625", "1e-3"))
+    path = written(PLANET.replace("sqrt(3)", "sqrt(19)").replace("0.5", "0.1").replace("0.015625", "1e-3"))
     out = tmp_path / "rows.json"
     fp3("compare", path, "--tolerance", "1e-5", "-i", "dopri5", "-i", "rk4", "--most-steps", "2048", "--json", out)
     rows = json.loads(out.read_text())["rows"]
@@ -315,16 +306,15 @@ def test_compare_holds_every_word_against_the_equations(model, tmp_path):
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "-1"], "time -1 is before the start of object 0, 0"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1e39"], "until is 1e+39: expected a number below 3.4028236e38"),
     (["--tolerance", "1e-5", "--cycle-limit", "99"], "--cycle-limit: a limit is of one run"),
-    (["--until", "3"], "--until: expected --tolerance, too"),
     (["--tolerance", "1e-5", "-c", "lanes"], "adaptive steps need `sleep`, which configuration 'lanes' does not have"),
 ])
-def test_refused(model, options, message):
-    done = fp3("run", model(PLANET), "-e", "isa", *options, status=2)
+def test_refused(written, options, message):
+    done = fp3("run", written(PLANET), "-e", "isa", *options, status=2)
     assert message in done.stderr
 
 
-def test_names_of_the_model(model):
-    path = model("param until = 3\nstate y = 1\ny' = -until*y\nstep 0.1\n")
+def test_names_of_the_model(written):
+    path = written("param until = 3\nstate y = 1\ny' = -until*y\nstep 0.1\n")
     done = fp3("run", path, "-e", "isa", "--tolerance", "1e-4", status=2)
     assert "adaptive steps add a 'until' of their own: found one in the model" in done.stderr
 
@@ -340,19 +330,19 @@ def test_names_of_the_model(model):
     ("embedded = (1, 0); embedded_order = 2;", "embedded_order 2 claimed: the weights have order 1"),
     ("embedded = (1, 0); embedded_order = 1; late_position = true;", "a late position has no error estimate"),
 ])
-def test_tables(model, tmp_path, row, message):
+def test_tables(written, tmp_path, row, message):
     table = tmp_path / "mine.cfg"
     table.write_text('name = "mine"; doc = "d"; source = "s"; kind = "runge-kutta"; order = 2;\n'
                      f'A = ((), (1)); b = ("1/2", "1/2");\n{row}\n')
-    done = fp3("run", model(PLANET), "-e", "isa", "--tolerance", "1e-4", "-i", table, status=2)
+    done = fp3("run", written(PLANET), "-e", "isa", "--tolerance", "1e-4", "-i", table, status=2)
     assert message in done.stderr
 
 
 @pytest.mark.parametrize("wall", [0.05, 0.3, 0.5, 0.9, 0.99])
 @pytest.mark.parametrize("integrator", ["cash_karp", "dopri5", "tsit5", "heun"])
-def test_no_step_passes_over_an_event_and_back(model, integrator, wall):
+def test_no_step_passes_over_an_event_and_back(written, integrator, wall):
     """Behind a wall for a part of a period, which a step may be longer than: what tells is that the speed has changed its sign."""
-    path = model("param wall = 0.5\nparam e = 0.9\nstate x = 0\nstate v = 1\nstate n = 0\nstep 0.01\nspan 20\nx' = v\nv' = -x\nn' = 0\n"
+    path = written("param wall = 0.5\nparam e = 0.9\nstate x = 0\nstate v = 1\nstate n = 0\nstep 0.01\nspan 20\nx' = v\nv' = -x\nn' = 0\n"
                  "when x > wall and v > 0: v = -e*v, n = n + 1\n")
     amplitude, bounces, t = 1.0, 0, math.asin(wall)
     while t < 20 and amplitude > wall:  # back at the wall after the time on its other side
@@ -365,10 +355,10 @@ def test_no_step_passes_over_an_event_and_back(model, integrator, wall):
         assert value(of, "n") == bounces, tolerance
 
 
-def test_a_derivative_that_is_no_number_is_told(model):
-    _, done = run(model("state x = 0\nstate y = 0\nstep 0.5\nspan 6\nx' = y/x\ny' = 0\n"), "--tolerance", "1e-4", status=3)
+def test_a_derivative_that_is_no_number_is_told(written):
+    _, done = run(written("state x = 0\nstate y = 0\nstep 0.5\nspan 6\nx' = y/x\ny' = 0\n"), "--tolerance", "1e-4", status=3)
     assert "or it has no derivative there: an operation gave no number (0/0, a root below 0)" in done.stderr
-    _, done = run(model("state y = 1\ny' = y*y\nstep 0.01\nspan 2"), "--tolerance", "1e-4", status=3)
+    _, done = run(written("state y = 1\ny' = y*y\nstep 0.01\nspan 2"), "--tolerance", "1e-4", status=3)
     assert "0/0" not in done.stderr
 
 

@@ -118,7 +118,6 @@ def test_what_is_refused(compiled, tmp_path):
     assert "the program has adaptive steps, expected fixed ones" in done.stderr
     never = tmp_path / "never.fp3"
     for options, message in ((["--tolerance", "0"], "--tolerance: found '0', expected a number above 0"),
-                             (["--until", "3"], "--until: expected --tolerance, too"),
                              (["--tolerance", "1e-4", "-i", "rk4"], "integrator 'rk4' has none"),
                              (["--tolerance", "1e-9", "--params", tmp_path / "never.cfg"], "'tolerance' is 1e-09: expected a number from 1.19e-07")):
         assert message in fp3("compile", model, *options, "--image", never, status=2).stderr

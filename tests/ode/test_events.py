@@ -3,10 +3,9 @@ import json
 import os
 import re
 import struct
-import subprocess
 
 import pytest
-from runs import BUILD, fp3, number
+from runs import fp3, number, truth
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 BALL = os.path.join(os.path.dirname(os.path.dirname(HERE)), "programs", "bouncing_ball.ode")
@@ -133,12 +132,6 @@ def test_positions_of_two_steps(model):
 
 
 # ---- the truth ----
-
-def truth(path, t, status=0):
-    done = subprocess.run([os.path.join(BUILD, "tests/models"), "truth", path, str(t)], capture_output=True, text=True)
-    assert (done.returncode != 0) == (status != 0), done.stdout + done.stderr
-    return done.stderr if status else {name: float(value) for name, value in map(str.split, done.stdout.splitlines())}
-
 
 def test_an_event_happens_where_its_condition_begins(model):
     path = model("state x = 0", "state n = 0", "x' = 1", "n' = 0", "when x > 0.3: x = 0, n = n + 1")

@@ -40,15 +40,6 @@ step 0.01
 """
 
 
-@pytest.fixture
-def model(tmp_path):
-    def write(text, name="m.ode"):
-        (tmp_path / name).write_text(text)
-        return tmp_path / name
-
-    return write
-
-
 def ends(*arguments):
     """The bits that a run ends with, by name and object."""
     out = fp3("run", *arguments).stdout
@@ -68,21 +59,21 @@ def rows(path, tmp_path, *arguments):
 # ---- every stage of every integrator ----
 
 @pytest.mark.parametrize("integrator", RUNGE_KUTTA + MOVERS)
-def test_the_order_holds_for_equations_with_t(model, tmp_path, integrator):
+def test_the_order_holds_for_equations_with_t(written, tmp_path, integrator):
     """Nodes off by a tenth of a step leave order 1."""
-    row = rows(model(WITCH), tmp_path, "--quick", "--most-steps", 1024, "-i", integrator)[integrator, "plain"]
+    row = rows(written(WITCH), tmp_path, "--quick", "--most-steps", 1024, "-i", integrator)[integrator, "plain"]
     assert row["order"] - 0.15 <= row["finest_order"] <= row["order"] + 0.9, row  # dopri5: 5.8, its last errors are small
 
 
 @pytest.mark.parametrize("integrator", ["rk4", "dopri5", "rk4_paper", "pefrl", "stoermer_verlet"])
-def test_every_engine_has_the_bits_of_the_equations(model, tmp_path, integrator):
+def test_every_engine_has_the_bits_of_the_equations(written, tmp_path, integrator):
     free = re.sub("exact.*\n", "", WITCH)  # objects start elsewhere, where its closed form does not hold
-    found = rows(model(free if integrator in MOVERS else DRIVEN), tmp_path, "--most-steps", 8, "-i", integrator)
+    found = rows(written(free if integrator in MOVERS else DRIVEN), tmp_path, "--most-steps", 8, "-i", integrator)
     assert found and all(row["mismatches"] == 0 < row["compared"] for row in found.values())
 
 
-def test_only_what_needs_it_counts(model):
-    path = model("state a = 1\nstate b = 1\na' = -a\nb' = t\nstep 1")
+def test_only_what_needs_it_counts(written):
+    path = written("state a = 1\nstate b = 1\na' = -a\nb' = t\nstep 1")
     assert "steps" in fp3("compile", path).stdout
     for_a = fp3("compile", path, "--observe", "a").stdout
     assert "steps" not in for_a.split("\n\n", 1)[1] and "time step" in for_a
@@ -93,31 +84,31 @@ def test_only_what_needs_it_counts(model):
 
 @pytest.mark.parametrize("engine", ["isa", "rtl"])
 @pytest.mark.parametrize("integrator", ["rk4", "verlet"])
-def test_visits_and_runs_change_no_bit(model, engine, integrator):
-    path = model(WITCH)
+def test_visits_and_runs_change_no_bit(written, engine, integrator):
+    path = written(WITCH)
     whole = ends(path, "-i", integrator, "-c", "many_full", "-o", 40, "--all", "-n", 12, "-e", "isa")
     assert {number(bits) for (name, _), bits in whole.items() if name == "steps"} == {12.0} and len(whole) == 3 * 40
     assert ends(path, "-i", integrator, "-c", "many_full", "-o", 40, "--all", "-n", 12, "-e", engine, "--visit", 5) == whole
 
 
-def test_a_million_steps(model):
+def test_a_million_steps(written):
     """A sum of a million steps of 0.01 in FP32 would be off by a percent."""
-    end = ends(model(SOLO), "-i", "euler", "-n", 10**6, "-e", "isa")
+    end = ends(written(SOLO), "-i", "euler", "-n", 10**6, "-e", "isa")
     assert number(end["steps", 0]) == 10**6
     t = 10**6 * f32(0.01)
     assert abs(number(end["y", 0]) - (t - f32(0.01))) <= 2 * 2**-24 * 2**14
 
 
 @pytest.mark.parametrize("n", [0, 1, 3, 999_999, 12_345_677, MOST - 1, -5, -MOST])
-def test_t_is_the_product_rounded_once(model, n):
-    path = model("state y = 0\ny' = t\nstep 0.01")
+def test_t_is_the_product_rounded_once(written, n):
+    path = written("state y = 0\ny' = t\nstep 0.01")
     end = ends(path, "-i", "euler", "-e", "isa", "-n", 1, "--set", f"steps={n}")
     assert number(end["steps", 0]) == n + 1
     assert number(end["y", 0]) == f32(f32(0.01) * f32(n * f32(0.01)))
 
 
-def test_a_run_may_begin_where_another_ended(model):
-    path = model(DRIVEN)
+def test_a_run_may_begin_where_another_ended(written):
+    path = written(DRIVEN)
     whole = ends(path, "-n", 30, "-e", "isa")
     half = ends(path, "-n", 13, "-e", "isa")
     values = [word for name in ("y", "z") for word in ("--set", f"{name}={number(half[name, 0]):.9g}")]
@@ -131,8 +122,8 @@ LIMIT = "the program counts its steps in FP32, which ends at 16777216"
 
 @pytest.mark.parametrize("engine", ["isa", "rtl"])
 @pytest.mark.parametrize("config", ["single_full", "many_full"])
-def test_more_steps_than_fp32_counts_are_refused(model, engine, config):
-    path, run = model(SOLO), ("run", "-e", engine, "-c", config)
+def test_more_steps_than_fp32_counts_are_refused(written, engine, config):
+    path, run = written(SOLO), ("run", "-e", engine, "-c", config)
     refused = fp3(*run, path, "-n", MOST + 1, status=2)
     assert LIMIT in refused.stderr and refused.stdout == ""
     assert LIMIT in fp3(*run, path, "-n", 8, "--set", f"steps={MOST - 7}", status=2).stderr
@@ -140,9 +131,9 @@ def test_more_steps_than_fp32_counts_are_refused(model, engine, config):
     assert number(end["steps", 0]) == MOST
 
 
-def test_an_image_knows_it_too(model, tmp_path):
+def test_an_image_knows_it_too(written, tmp_path):
     image, params = tmp_path / "m.fp3", tmp_path / "m.cfg"
-    fp3("compile", model(SOLO), "-c", "single_full", "--image", image, "--params", params)
+    fp3("compile", written(SOLO), "-c", "single_full", "--image", image, "--params", params)
     run = ("run", image, "-c", "single_full", "-e", "isa", "--params", params)
     assert LIMIT in fp3(*run, "-n", MOST + 1, status=2).stderr
     assert LIMIT in fp3(*run, "-n", 2, "--set", f"steps={MOST - 1}", status=2).stderr
@@ -151,8 +142,8 @@ def test_an_image_knows_it_too(model, tmp_path):
     assert number(ends(*run[1:], "-n", 3)["steps", 0]) == 3
 
 
-def test_groups_of_a_scene_count_for_themselves(model, tmp_path):
-    model(SOLO)
+def test_groups_of_a_scene_count_for_themselves(written, tmp_path):
+    written(SOLO)
     (tmp_path / "free.ode").write_text("state y = 1\ny' = -y\nstep 1")
     scene = tmp_path / "x.scene"
     text = """config = "array"; engine = "isa"; steps = %d;
@@ -167,26 +158,26 @@ def test_groups_of_a_scene_count_for_themselves(model, tmp_path):
 
 
 @pytest.mark.parametrize("steps", ["0.5", "16777217", "-16777217", "1e30"])
-def test_a_start_between_steps_is_refused(model, tmp_path, steps):
+def test_a_start_between_steps_is_refused(written, tmp_path, steps):
     text = "expected a whole number from -16777216 to 16777216"
-    assert text in fp3("run", model(SOLO), "--set", f"steps={steps}", "-e", "isa", status=2).stderr
-    model(".state steps\nstep: add steps, steps, 1.0", "m.s")
+    assert text in fp3("run", written(SOLO), "--set", f"steps={steps}", "-e", "isa", status=2).stderr
+    written(".state steps\nstep: add steps, steps, 1.0", "m.s")
     assert text in fp3("run", tmp_path / "m.s", "--set", f"steps={steps}", "-e", "isa", status=2).stderr
 
 
-def test_stoermer_begins_at_0(model):
-    refused = fp3("run", model(WITCH), "-i", "stoermer_verlet", "--set", "steps=5", "-e", "isa", status=2)
+def test_stoermer_begins_at_0(written):
+    refused = fp3("run", written(WITCH), "-i", "stoermer_verlet", "--set", "steps=5", "-e", "isa", status=2)
     assert "'steps' is 5: integrator 'stoermer_verlet' begins at 0" in refused.stderr
 
 
-def test_a_model_without_t_has_no_steps(model):
-    refused = fp3("run", model("state y = 1\ny' = -y\nstep 1"), "--set", "steps=5", "-e", "isa", status=2)
+def test_a_model_without_t_has_no_steps(written):
+    refused = fp3("run", written("state y = 1\ny' = -y\nstep 1"), "--set", "steps=5", "-e", "isa", status=2)
     assert "the program has no parameter 'steps'" in refused.stderr
 
 
-def test_the_reference_counts_no_further(model):
+def test_the_reference_counts_no_further(written):
     """It would take a minute to compute, and be wrong."""
-    job = f"{model(SOLO)} euler single_full 7f 0 {MOST + 1} 0 0 0 1 all\n"
+    job = f"{written(SOLO)} euler single_full 7f 0 {MOST + 1} 0 0 0 1 all\n"
     done = subprocess.run([os.path.join(BUILD, "tests/random_models")], input=job, capture_output=True, text=True)
     assert done.stdout == f"refused: {MOST + 1} steps of equations with t: FP32 counts to {MOST}\n"
 
@@ -199,12 +190,12 @@ def test_the_reference_counts_no_further(model):
     (".param steps", "1:8: error: found 'steps', expected another name ('steps' is how many steps"),
     (".shared steps", "1:9: error: found 'steps', expected another name ('steps' is how many steps"),
 ])
-def test_an_assembly_program_cannot_use_them_otherwise(model, tmp_path, line, expected):
-    path = model(f"{line}\n.state x\nstep: add x, x, 1.0", "m.s")
+def test_an_assembly_program_cannot_use_them_otherwise(written, tmp_path, line, expected):
+    path = written(f"{line}\n.state x\nstep: add x, x, 1.0", "m.s")
     assert expected in fp3("asm", path, "-o", tmp_path / "m.fp3", status=2).stderr
     assert not (tmp_path / "m.fp3").exists()
 
 
-def test_objects_do_not_sleep_in_steps(model, tmp_path):
-    path = model(".state steps\nstep: sleep steps, steps, 1.0", "m.s")
+def test_objects_do_not_sleep_in_steps(written, tmp_path):
+    path = written(".state steps\nstep: sleep steps, steps, 1.0", "m.s")
     assert "in which objects sleep, is 'steps'" in fp3("asm", path, "-o", tmp_path / "m.fp3", status=2).stderr

@@ -12,6 +12,7 @@
 #define TOLERANCE_LEAST 0x1p-23
 #define TOLERANCE_LEAST_COMPENSATED 0x1p-27
 #define TOLERANCE_LEAST_DOUBLE 0x1p-40 /* below that the estimate, in floats, is all rounding */
+#define LOCATE_LEAST 0x1p-45           /* of the end: t has 48 bits */
 #define ABSOLUTE_LEAST 0x1p-100 /* its reciprocal, squared with an error of its size, is in range */
 
 static fp3_status check_tolerance(double tolerance, const fp3_options *options, fp3_error *error) {
@@ -51,7 +52,15 @@ static fp3_status check_maxstep(const fp3_model *model, double maxstep, fp3_erro
         model->exprs[unknown].line);
 }
 
-static fp3_status check_object(double absolute, double until, double t, double h, double locate,
+static fp3_status check_locate(double locate, double until, fp3_error *error) {
+    if (locate > 0 && isfinite(locate) && locate >= LOCATE_LEAST * fabs(until))
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "'locate' is %.9g: expected a finite number above 0, at least 2^-45 of 'until'",
+                    locate);
+}
+
+static fp3_status check_object(double absolute, double until, double t, double h,
                                fp3_error *error) {
     if (!(absolute >= ABSOLUTE_LEAST && isfinite(absolute)))
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -64,9 +73,6 @@ static fp3_status check_object(double absolute, double until, double t, double h
     if (!(h > 0 && isfinite(h)))
         return fp3_fail(error, FP3_E_ARGUMENT, "'h_next' is %.9g: expected a finite number above 0",
                         h);
-    if (!(locate > 0 && isfinite(locate)))
-        return fp3_fail(error, FP3_E_ARGUMENT, "'locate' is %.9g: expected a finite number above 0",
-                        locate);
     return FP3_OK;
 }
 
@@ -78,16 +84,19 @@ fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
         return FP3_OK;
     const uint32_t locate = fp3_model_param(model, "locate");
     const uint32_t maxstep = fp3_model_param(model, "maxstep");
-    const double *tolerance = params + fp3_model_param(model, "tolerance") * count;
-    const double *absolute = params + fp3_model_param(model, "absolute") * count;
+    const int is_chosen = fp3_model_chooses_steps(model);
+    const double *tolerance =
+        params + (is_chosen ? fp3_model_param(model, "tolerance") * count : 0);
+    const double *absolute = params + (is_chosen ? fp3_model_param(model, "absolute") * count : 0);
     const double *until = params + fp3_model_param(model, "until") * count;
     const double *start = initial + t * count, *h = start + count;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < count; i++) {
-        status = check_tolerance(tolerance[i], options, error);
+        status = is_chosen ? check_tolerance(tolerance[i], options, error) : FP3_OK;
         if (!status)
-            status = check_object(absolute[i], until[i], start[i], h[i],
-                                  locate == FP3_NONE ? 1 : params[locate * count + i], error);
+            status = check_object(is_chosen ? absolute[i] : 1, until[i], start[i], h[i], error);
+        if (!status && locate != FP3_NONE)
+            status = check_locate(params[locate * count + i], until[i], error);
         if (!status && maxstep != FP3_NONE)
             status = check_maxstep(model, params[maxstep * count + i], error);
     }

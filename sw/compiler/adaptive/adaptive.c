@@ -9,11 +9,14 @@
 #include <math.h>
 #include <string.h>
 
-#define SAFETY 0.75 /* of the step that would have just the error that is allowed */
-#define SHRINK 0.2  /* the next step is this much shorter at most, */
-#define GROW 5.0    /* this much longer at most, */
-#define SHARE 0.25  /* and of what it may grow by it takes this share */
-#define HALVE 0.5   /* of a step within which an event happens */
+#define SAFETY 0.75          /* of the step that would have just the error that is allowed */
+#define SHRINK 0.2           /* the next step is this much shorter at most, */
+#define GROW 5.0             /* this much longer at most, */
+#define SHARE 0.25           /* and of what it may grow by it takes this share */
+#define CUT 0.0625           /* what is left of a step that has to end earlier, at least */
+#define NEARER (1 - 0x1p-20) /* to the beginning of the step */
+#define FARTHER 1.0078125    /* than an event is by an estimate that may be 0.25 % too small */
+#define NO_CUT 0x1p100
 
 /* Of a model's own states, by the order of fp3_model_adapt. */
 enum { T, H, ACCEPTED, REJECTED, SMALLEST, LARGEST };
@@ -109,21 +112,40 @@ static fp3_status open_inside(fp3_advance *a, fp3_error *error) {
 
 /* ---- the step ---- */
 
-/* As the last one has left it, or the longest that there may be. */
-static uint32_t tried(const fp3_advance *a) {
-    dag *g = &a->step->values;
-    if (fp3_model_param(a->step->model, "maxstep") == FP3_NONE)
-        return old(a, H);
-    const uint32_t most = fp3_dag_known(g, fp3_known_param(&a->step->known, "maxstep"));
-    const uint32_t h = old(a, H);
+static uint32_t shorter(dag *g, uint32_t h, uint32_t most) {
     return g->is_abstract ? sel(g, op2(g, FP3_OP_LT, h, most), h, most)
                           : op2(g, FP3_OP_MIN, most, h);
 }
 
-/* Until the limit, from the time t + low. */
-static uint32_t left_of(const fp3_advance *a, uint32_t t, uint32_t low) {
+/* As the last one has left it, or the longest that there may be. */
+static uint32_t meant(const fp3_advance *a) {
     dag *g = &a->step->values;
-    return sub(g, sub(g, a->limit, t), low);
+    known_table *known = &a->step->known;
+    const uint32_t h = old(a, H);
+    if (a->is_chosen && fp3_model_param(a->step->model, "maxstep") == FP3_NONE)
+        return h;
+    return shorter(
+        g, h,
+        fp3_dag_known(g, a->is_chosen ? fp3_known_param(known, "maxstep") : fp3_known_step(known)));
+}
+
+static uint32_t cut(const fp3_advance *a) {
+    const uint32_t state = fp3_model_state(a->step->model, "h_cut");
+    return state == FP3_NONE ? FP3_NONE
+                             : fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node;
+}
+
+/* Likewise, or up to an event. */
+static uint32_t tried(const fp3_advance *a) {
+    const uint32_t most = cut(a);
+    return most == FP3_NONE ? meant(a) : shorter(&a->step->values, meant(a), most);
+}
+
+/* Until a time, from t + low; of pairs its first word. */
+static uint32_t time_left(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t until) {
+    dag *g = &a->step->values;
+    const uint32_t left = sub(g, until, t);
+    return g->is_abstract ? fp3_dag_first(g, left) : sub(g, left, low);
 }
 
 /* What is added to t in place of low: h more, or what leads to the end itself. */
@@ -189,7 +211,7 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
     a->begin = fp3_term(t);
     a->begin_low = fp3_term(low);
     note(a, "the step that is tried");
-    a->h = fp3_term(op2(g, FP3_OP_MIN, left_of(a, t, low), h));
+    a->h = fp3_term(op2(g, FP3_OP_MIN, time_left(a, t, low, a->limit), h));
     note(a, "how t moves");
     const uint32_t by = moved_by(a, t, low, h, a->limit);
     find_end(a, by);
@@ -248,28 +270,37 @@ static uint32_t factor(const fp3_advance *a, uint32_t x) {
     return op2(g, FP3_OP_MIN, op2(g, FP3_OP_MAX, x, num(g, SHRINK)), most);
 }
 
+static uint32_t is_small_enough(fp3_advance *a) {
+    dag *g = &a->step->values;
+    const uint32_t x = squares(a);
+    a->by = factor(a, x);
+    note(a, "is the error small enough");
+    return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
+}
+
+/* A step that is not chosen is never too short, and after the end the object sleeps. */
+static int is_always_attempt(const fp3_advance *a) {
+    return !a->is_chosen && a->options->config->sleep;
+}
+
 fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
-    uint32_t is_late = FP3_NONE;
     if (!a->is_adaptive)
         return FP3_OK;
     if (!count_moved(a))
         return fp3_fail(error, FP3_E_PROGRAM, "adaptive steps need a state that is observed");
-    const uint32_t x = squares(a);
-    note(a, "is the error small enough");
-    uint32_t is_good = op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
-    const fp3_status status = fp3_locate(a, &is_late, error);
+    uint32_t is_good = a->is_chosen ? is_small_enough(a) : num(g, 1);
+    const fp3_status status = fp3_locate(a, error);
     if (status)
         return status;
-    if (is_late != FP3_NONE) {
-        note(a, "an event happens too early in the step");
-        is_good = sel(g, is_late, num(g, 0), is_good);
+    if (a->is_late != FP3_NONE) {
+        note(a, "is there an event too early in a step that would be accepted");
+        a->is_late = mul(g, a->is_late, is_good);
+        is_good = sub(g, is_good, a->is_late);
     }
-    a->by = factor(a, x);
-    if (is_late != FP3_NONE)
-        a->by = sel(g, is_late, op2(g, FP3_OP_MIN, a->by, num(g, HALVE)), a->by);
     note(a, "is there a step at all");
-    a->is_attempt = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
+    a->is_attempt =
+        is_always_attempt(a) ? num(g, 1) : op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
     note(a, "is the step accepted");
     a->is_good = mul(g, is_good, a->is_attempt);
     return FP3_OK;
@@ -337,14 +368,78 @@ static void count(const fp3_advance *a) {
         put(a, ACCEPTED, add(g, old(a, ACCEPTED), a->is_good));
     if (is_live(a, REJECTED))
         put(a, REJECTED, add(g, old(a, REJECTED), sub(g, a->is_attempt, a->is_good)));
-    if (is_live(a, SMALLEST)) {
+    if (a->is_chosen && is_live(a, SMALLEST)) {
         const uint32_t so_far = old(a, SMALLEST);
-        const uint32_t meant = sel(g, a->is_good, tried(a), so_far);
-        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, meant));
+        put(a, SMALLEST, op2(g, FP3_OP_MIN, so_far, sel(g, a->is_good, meant(a), so_far)));
     }
-    if (is_live(a, LARGEST))
+    if (a->is_chosen && is_live(a, LARGEST))
         put(a, LARGEST,
             op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, fp3_dag_first(g, a->h.node))));
+}
+
+/* Whether an event has cut the step off, which then says as little about the next one as the end does. */
+static uint32_t is_cut(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    note(a, "has an event cut the step off");
+    return mul(g, op2(g, FP3_OP_LT, cut(a), meant(a)), a->is_good);
+}
+
+/* What is made again ends where the event is likely to be, and a little earlier, or h less a short time might be h. If it was not there
+ * yet, what follows goes where it is likely now, and a little farther. */
+static uint32_t next_cut(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    known_table *known = &a->step->known;
+    const uint32_t h = fp3_dag_first(g, a->h.node);
+    const uint32_t locate = fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(known, "locate")));
+    note(a, "the longest step up to an event");
+    uint32_t after = num(g, NO_CUT);
+    if (a->is_chosen && a->since != FP3_NONE)
+        after = sel(g, is_cut(a), op2(g, FP3_OP_MAX, mul(g, num(g, -FARTHER), a->since), locate),
+                    after);
+    const uint32_t least = mul(g, num(g, CUT), h);
+    const uint32_t most = sub(g, mul(g, num(g, NEARER), h), a->back);
+    return sel(g, a->is_late, op2(g, FP3_OP_MAX, most, least), after);
+}
+
+/* left: of the time until the limit. */
+static uint32_t next_chosen(const fp3_advance *a, uint32_t left) {
+    dag *g = &a->step->values;
+    note(a, "the next step; one that the end or an event cut off says nothing about it");
+    const uint32_t grown = mul(g, fp3_dag_first(g, a->h.node), a->by);
+    const uint32_t h = sel(g, left, grown, old(a, H));
+    if (a->is_late == FP3_NONE)
+        return h;
+    return sel(g, add(g, a->is_late, is_cut(a)), old(a, H), h);
+}
+
+/* What is left of a whole step, or another whole one. */
+static uint32_t next_of_grid(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    note(a, "what is left of a whole step");
+    const uint32_t left = fp3_dag_first(g, sub(g, meant(a), a->h.node));
+    const uint32_t is_any = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), left);
+    note(a, "the next step");
+    const uint32_t next = sel(g, is_any, left, num(g, NO_CUT));
+    return sel(g, a->is_good, next, old(a, H));
+}
+
+/* What tells whether another step follows: what t gains by it, or whether there is time left. */
+static fp3_status keep_tested(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h,
+                              fp3_error *error) {
+    dag *g = &a->step->values;
+    uint32_t first = a->gain, next;
+    a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
+    a->step->tested = a->step->variable_count;
+    if (is_always_attempt(a)) {
+        note(a, "the time until the end");
+        first = time_left(a, old(a, T), g->is_abstract ? FP3_NONE : low_of_time(a), until(a));
+        next = time_left(a, t, low, until(a));
+    } else {
+        note(a, "what t gains by the step that is tried next");
+        next = g->is_abstract ? move_in_pairs(a, t, h, until(a)).gain
+                              : sub(g, moved_by(a, t, low, h, until(a)), low);
+    }
+    return keep(a->step, first, next, error);
 }
 
 fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
@@ -358,20 +453,17 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     note(a, "the second word of the new t");
     const uint32_t low =
         g->is_abstract ? num(g, 0) : sel(g, a->is_good, a->end_low, a->begin_low.node);
-    note(a, "the next step; one that the end cut off says nothing about it");
-    uint32_t left = g->is_abstract ? fp3_dag_first(g, sub(g, a->limit, t)) : left_of(a, t, low);
+    note(a, "the time until the limit");
+    uint32_t left = time_left(a, t, low, a->limit);
     if (!a->options->config->sleep) /* who is stuck makes attempts that must change nothing */
         left = mul(g, a->is_attempt, left);
-    const uint32_t h = sel(g, left, mul(g, fp3_dag_first(g, a->h.node), a->by), old(a, H));
+    const uint32_t h = a->is_chosen ? next_chosen(a, left) : next_of_grid(a);
     put(a, H, h);
+    if (a->is_late != FP3_NONE)
+        a->now[fp3_model_state(a->step->model, "h_cut")] = fp3_term(next_cut(a));
     if (!g->is_abstract)
         a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);
-    note(a, "what t gains by the step that is tried next");
-    const uint32_t next = g->is_abstract ? move_in_pairs(a, t, h, until(a)).gain
-                                         : sub(g, moved_by(a, t, low, h, until(a)), low);
-    a->step->tested = a->step->variable_count;
-    a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
-    fp3_status status = keep(a->step, a->gain, next, error);
+    const fp3_status status = keep_tested(a, t, low, h, error);
     return status ? status : keep_slopes(a, error);
 }

@@ -4,8 +4,8 @@
 
 #include "compiler/step/advance.h"
 
-/* *is_late: node that is not 0 where a condition is false before the step and true after it, and the step
- * is longer than `locate`; FP3_NONE: there are no events. */
-fp3_status fp3_locate(const fp3_advance *a, uint32_t *is_late, fp3_error *error);
+/* a->is_late: node that is not 0 where a condition is false before the step and true after it, more than `locate` before
+ * its end; a->back: node, how much earlier the step is to end. Both stay FP3_NONE if there are no events. */
+fp3_status fp3_locate(fp3_advance *a, fp3_error *error);
 
 #endif

@@ -164,13 +164,13 @@ static void make_step(const chebyshev *r) {
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s))
             r->sum[s] = finish(r, s);
-    for (uint32_t s = 0; a->is_adaptive && s < count; s++)
+    for (uint32_t s = 0; a->is_chosen && s < count; s++)
         if (is_moved(r, s))
             estimate(r, s, r->sum[s]);
 }
 
 fp3_status fp3_chebyshev(fp3_advance *a, fp3_error *error) {
-    const unsigned places = a->integrator->recurrence.stages + (a->is_adaptive ? 1 : 0);
+    const unsigned places = a->integrator->recurrence.stages + (a->is_chosen ? 1 : 0);
     const size_t count = a->step->model->state_count + 1u;
     chebyshev r = {.a = a,
                    .table = a->integrator->recurrence,

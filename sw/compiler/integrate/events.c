@@ -5,12 +5,6 @@
 
 #include <fp3/isa.h>
 #include <inttypes.h>
-#include <stdio.h>
-
-static term state_now(lowering *l, uint32_t state) {
-    const fp3_advance *a = l->user;
-    return a->now[state];
-}
 
 static uint32_t chosen(dag *g, uint32_t condition, term then, term otherwise) {
     return fp3_fold(g, FP3_OP_SEL, fp3_term_value(g, then), fp3_term_value(g, otherwise),
@@ -31,12 +25,29 @@ static void set(const fp3_advance *a, const fp3_event *event, uint32_t state, ui
     a->lost[state] = fp3_term(chosen(g, condition, none, a->lost[state]));
 }
 
+/* Whether it happens. -x is 0 where x is. */
+static fp3_status happens(const fp3_advance *a, const fp3_event *event, lowering *l,
+                          uint32_t *condition, fp3_error *error) {
+    dag *g = &a->step->values;
+    lowering before = {0};
+    *condition = fp3_lower(l, event->condition).node;
+    if (event->unless == FP3_NONE)
+        return FP3_OK;
+    const fp3_status status = fp3_advance_event(a, event, 0, &before, error);
+    if (!status) {
+        const uint32_t was = fp3_lower(&before, event->unless).node;
+        g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": becomes true", event->line);
+        *condition = fp3_fold(g, FP3_OP_SEL, fp3_dag_number(g, 0), *condition, was);
+    }
+    fp3_lower_close(&before);
+    return status;
+}
+
 /* All values come from the states before any of them changes. */
-static void fire(const fp3_advance *a, const fp3_event *event, lowering *l) {
+static void fire(const fp3_advance *a, const fp3_event *event, lowering *l, uint32_t condition) {
     const fp3_model *model = a->step->model;
     const fp3_assignment *list = &model->assignments[event->first];
     term value[FP3_STATES_MAX];
-    const uint32_t condition = fp3_lower(l, event->condition).node; /* -x is 0 where x is */
     for (uint32_t i = 0; i < event->count; i++)
         if (fp3_fit_is_live(a->fit, list[i].state))
             value[i] = fp3_lower(l, list[i].expr);
@@ -50,18 +61,15 @@ fp3_status fp3_events(fp3_advance *a, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
+        uint32_t condition = FP3_NONE;
         lowering l;
         if (!fp3_fit_has_event(a->fit, model, event))
             continue;
-        status = fp3_lower_open(&l, model, &a->step->values, error);
-        l.state = state_now;
-        l.user = a;
-        l.notes = &a->step->notes;
-        snprintf(l.place, sizeof l.place, "line %" PRIu32, event->line);
-        if (!status && a->fit->has_time)
-            l.time = fp3_advance_time(a, l.g, 1);
+        status = fp3_advance_event(a, event, 1, &l, error);
         if (!status)
-            fire(a, event, &l);
+            status = happens(a, event, &l, &condition, error);
+        if (!status)
+            fire(a, event, &l, condition);
         fp3_lower_close(&l);
     }
     return status;

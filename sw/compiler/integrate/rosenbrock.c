@@ -216,7 +216,7 @@ static void advance_state(const rosenbrock *r, uint32_t s) {
     const uint32_t state = r->states[s];
     g->note = fp3_note(&a->step->notes, "what is added to %s", fp3_advance_name(a, state));
     const term d = weighted(r, r->m, s);
-    if (a->is_adaptive) {
+    if (a->is_chosen) {
         g->note = fp3_note(&a->step->notes, "error of %s", fp3_advance_name(a, state));
         a->error[state] = weighted(r, r->estimate, s);
     }

@@ -181,8 +181,7 @@ static int is_late(const runge_kutta *r, uint32_t state) {
 /* The last stage of a pair is at the new state itself: only then do its slopes serve the next step. */
 static int is_at_new(const runge_kutta *r, uint32_t place) {
     const fp3_integrator *integrator = r->a->integrator;
-    return r->a->is_adaptive && integrator->is_first_same_as_last &&
-           place + 1 == integrator->stages;
+    return r->a->is_chosen && integrator->is_first_same_as_last && place + 1 == integrator->stages;
 }
 
 static term state_at(lowering *l, uint32_t state) {
@@ -331,7 +330,7 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
         for (uint32_t s = 0; s < states; s++)
             if (fp3_fit_is_moved(a->fit, s) && is_late(&r, s) == late)
                 (late ? advance_late : advance_early)(&r, s);
-    for (uint32_t s = 0; !status && a->is_adaptive && s < states; s++)
+    for (uint32_t s = 0; !status && a->is_chosen && s < states; s++)
         if (fp3_fit_is_moved(a->fit, s))
             estimate(&r, s);
     free(r.stage);

@@ -10,12 +10,17 @@
 
 #define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
+#define FINE 0x1p-24        /* of the time, which an event at a root is late by as a rule */
 
 typedef struct {
     const char *name, *doc;
     double value;
     int is_shared;
 } addition;
+
+int fp3_model_chooses_steps(const fp3_model *model) {
+    return fp3_model_adapted(model) != FP3_NONE && fp3_model_param(model, "tolerance") != FP3_NONE;
+}
 
 fp3_adaptive_def fp3_adaptive_default(void) { return (fp3_adaptive_def){.tolerance = 1e-5}; }
 
@@ -91,30 +96,43 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
     return status;
 }
 
+/* A condition is found by halves, a root by where it is likely. */
+static double default_locate(const fp3_model *model, double tolerance, double until) {
+    int has_conditions = 0;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        has_conditions |= model->events[i].unless == FP3_NONE;
+    return (has_conditions && tolerance > FINE ? tolerance : FINE) * until;
+}
+
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {
     FP3_HOST;
     const double until = def->until != 0 ? def->until : model->span;
-    const addition states[] = {
-        {"t", "time", 0, 0},
-        {"h_next", "the step that is tried next", model->step, 0},
-        {"accepted", "steps", 0, 0},
-        {"rejected", "attempts", 0, 0},
-        {"smallest", "accepted step, as it was meant", NO_STEP_YET, 0},
-        {"largest", "accepted step", 0, 0},
+    const int is_chosen = def->tolerance != 0, has_events = model->event_count > 0;
+    const struct {
+        addition what;
+        int is_wanted, is_time;
+    } states[] = {
+        {{"t", "time", 0, 0}, 1, 1},
+        {{"h_next", "the step that is tried next", is_chosen ? model->step : NO_STEP_YET, 0}, 1, 1},
+        {{"accepted", "steps", 0, 0}, 1, 0},
+        {{"rejected", "attempts", 0, 0}, 1, 0},
+        {{"smallest", "accepted step, as it was meant", NO_STEP_YET, 0}, is_chosen, 1},
+        {{"largest", "accepted step", 0, 0}, is_chosen, 1},
+        {{"h_cut", "the longest step up to an event", NO_STEP_YET, 0}, has_events, 1},
     };
     const addition params[] = {
         {"until", "where the object ends", until, 0},
         {"tolerance", "of a step's error, relative", def->tolerance, 1},
         {"absolute", "of a step's error", def->absolute != 0 ? def->absolute : def->tolerance, 1},
         {"locate", "how late an event may be",
-         def->locate != 0 ? def->locate : def->tolerance * until, 1},
+         def->locate != 0 ? def->locate : default_locate(model, def->tolerance, until), 1},
         {"maxstep", "the longest step", def->maxstep, 1},
     };
     const char *unit = model->time_unit;
     fp3_switchings switchings;
     fp3_status status = fp3_switchings_find(model, &switchings, error);
-    const int is_wanted[] = {1, 1, 1, model->event_count > 0,
-                             def->maxstep != 0 || switchings.unknown != FP3_NONE};
+    const int is_wanted[] = {1, is_chosen, is_chosen, has_events,
+                             is_chosen && (def->maxstep != 0 || switchings.unknown != FP3_NONE)};
     fp3_switchings_close(&switchings);
     if (!status && is_taken(model, "t_low"))
         status = fp3_fail(error, FP3_E_PROGRAM, TAKEN, "t_low");
@@ -124,6 +142,8 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         if (is_wanted[i])
             status = add_param(model, &params[i], i == 1 || i == 2 ? "" : unit, error);
     for (size_t i = 0; !status && i < sizeof states / sizeof *states; i++)
-        status = add_state(model, &states[i], i == 2 || i == 3 ? "" : unit, i == 0, error);
+        if (states[i].is_wanted)
+            status =
+                add_state(model, &states[i].what, states[i].is_time ? unit : "", i == 0, error);
     return status;
 }

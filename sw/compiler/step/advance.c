@@ -114,3 +114,25 @@ term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d)
     g->note = new_state;
     return fp3_advance_keep(a, state, base, y);
 }
+
+static term state_after(lowering *l, uint32_t state) {
+    const fp3_advance *a = l->user;
+    return a->now[state];
+}
+
+static term state_before(lowering *l, uint32_t state) {
+    const fp3_advance *a = l->user;
+    return fp3_advance_held(a, l->g, ROLE_STATE, state);
+}
+
+fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
+                             lowering *l, fp3_error *error) {
+    const fp3_status status = fp3_lower_open(l, a->step->model, &a->step->values, error);
+    l->state = is_after ? state_after : state_before;
+    l->user = (void *)a;
+    l->notes = &a->step->notes;
+    snprintf(l->place, sizeof l->place, "line %" PRIu32, event->line);
+    if (!status && a->fit->has_time)
+        l->time = fp3_advance_time(a, l->g, is_after);
+    return status;
+}

@@ -19,6 +19,7 @@ typedef struct {
     term *now, *lost; /* of each live state; they become those after the step */
     /* Adaptive steps (adaptive.h): the step is a value of the object. */
     int is_adaptive;
+    int is_chosen;         /* by an estimate of its error */
     term begin, begin_low; /* t is the sum of two words */
     term h, end;           /* the step that is made, the first word of t + h */
     uint32_t end_low;      /* node: the second */
@@ -33,6 +34,9 @@ typedef struct {
     int has_slope;
     uint32_t is_attempt, is_good,
         by; /* nodes: there is a step; it is accepted; the next is longer by */
+    /* Nodes, FP3_NONE if there are no events: one is too early in the step, which has to end this much earlier; how long before
+     * its end the first root is (FP3_NONE: no roots). */
+    uint32_t is_late, back, since;
 } fp3_advance;
 
 /* Opens a step's places: `state` gives the value of a state at one of them, and gets `user`; their
@@ -61,5 +65,10 @@ term fp3_advance_keep(const fp3_advance *a, uint32_t state, term base, term y);
 
 /* base + d, compensated both of them. */
 term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d);
+
+/* Opens l for the expressions of an event: with the states and the time before the step, or with a->now and the time after
+ * it. The caller closes, after a failure too. */
+fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
+                             lowering *l, fp3_error *error);
 
 #endif

@@ -82,7 +82,9 @@ static uint64_t found_by(const fitting *f, uint32_t state) {
 /* Those behind state t. */
 static uint64_t find_control(const fp3_model *model) {
     const uint32_t first = fp3_model_adapted(model);
-    return first == FP3_NONE ? 0 : ((UINT64_C(1) << 6) - 1) << first;
+    return first == FP3_NONE
+               ? 0
+               : (UINT64_MAX >> (FP3_STATES_MAX - (model->state_count - first))) << first;
 }
 
 /* What is needed to change the states of this set, if events do. */
@@ -104,8 +106,11 @@ static void find_live(const fitting *f, const fp3_options *options) {
     const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
     uint64_t *live = &f->fit->live;
     *live = fp3_has_pass(options, FP3_PASS_DEAD) ? options->observed : all;
+    const uint32_t cut = fp3_model_state(f->model, "h_cut");
     if (f->fit->control) /* an object needs t and h, whoever looks */
         *live |= UINT64_C(3) << fp3_model_adapted(f->model);
+    if (f->fit->control && cut != FP3_NONE)
+        *live |= BIT(cut);
     for (uint64_t before = ~*live; before != *live;) {
         before = *live;
         for (uint32_t s = 0; s < count; s++)
@@ -174,7 +179,12 @@ static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
 }
 
 static fp3_status check_adaptive(const fitting *f, fp3_error *error) {
-    if (!f->fit->control || f->integrator->embedded_order)
+    if (f->fit->control && f->integrator->kind == FP3_STOERMER)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "integrator '%s' works from the positions of two steps of the same length: "
+                        "steps that end at events or at a time are not",
+                        f->integrator->name);
+    if (!fp3_model_chooses_steps(f->model) || f->integrator->embedded_order)
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,
                     "adaptive steps need an estimate of the error: integrator '%s' has none "
@@ -201,7 +211,7 @@ static uint32_t first_of(uint64_t states) {
 
 static unsigned order_of(const fitting *f) {
     const fp3_integrator *integrator = f->integrator;
-    if (fp3_fit_has_events(f->fit, f->model)) /* each happens up to a step late */
+    if (!f->fit->control && fp3_fit_has_events(f->fit, f->model)) /* each up to a step late */
         return 1;
     if (has_stages(integrator))
         return integrator->is_position_late && f->fit->live & f->fit->positions

@@ -181,11 +181,14 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
 
 /* Defaults of the params that adaptive steps add to a model, in the model's own units. */
 typedef struct {
-    /* A step of a state y may be wrong by absolute + tolerance |y|. */
+    /* A step of a state y may be wrong by absolute + tolerance |y|. 0: steps are not chosen. Each is h
+     * long, by any integrator with steps of its own, and ends earlier at `until`, where a condition in
+     * t changes, and at events; the next one ends where the whole step would have. */
     double tolerance; /* default 1e-5 */
     double absolute;  /* 0: the same number as tolerance */
     double until;     /* the time at which objects end; 0: the model's span */
-    double locate;    /* an event is found at most this late; 0: tolerance * until */
+    double locate;    /* an event is found at most this late; 0: 2^-24 until, or tolerance * until
+                      if that is more and a condition is no root */
     /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
      * one (docs/adaptive.md). */
     double maxstep;
@@ -198,14 +201,18 @@ fp3_adaptive_def fp3_adaptive_default(void);
 #define FP3_ADAPTIVE_INTEGRATOR "cash_karp"
 
 /* Adds to the model what adaptive steps need: after its own states, in this order, t, h_next (the
- * next step to try, at first the model's step), accepted, rejected, smallest and largest; the param
- * until of each object; and the shared params tolerance, absolute, locate if there are events, and
- * maxstep if one is given or needed. fp3_compile then makes a program with adaptive steps.
+ * next step to try, at first the model's step), accepted, rejected, smallest and largest, and h_cut
+ * if there are events; the param until of each object; and the shared params tolerance, absolute,
+ * locate if there are events, and maxstep if one is given or needed. Without a tolerance smallest,
+ * largest, absolute and maxstep are left out, and h_next is what is left of a step that has ended
+ * early. fp3_compile then makes a program with adaptive steps.
  * FP3_E_PROGRAM: the model already has one of these names, or is too large. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
 /* The index of state t, which the others follow, or FP3_NONE if the model is not adapted. */
 uint32_t fp3_model_adapted(const fp3_model *model);
+/* Whether it is adapted with a tolerance. */
+int fp3_model_chooses_steps(const fp3_model *model);
 
 FP3_API_END
 

@@ -120,6 +120,10 @@ typedef struct {
     uint32_t condition;    /* expression */
     uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
+    /* Expression, and the event happens only if it was 0 at the beginning of the step; FP3_NONE: it
+     * happens whenever its condition is not 0. Of a root or a time both are comparisons of the same
+     * two numbers. */
+    uint32_t unless;
 } fp3_event;
 
 typedef struct {
@@ -160,11 +164,12 @@ typedef struct {
  * expressions that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
-/* Applies the events of the model, in order, to these states at time t. values has room for
- * expr_count numbers. Returns whether a state has changed; a change from 0 to -0 or from NaN to NaN
- * does not count. */
-int fp3_model_fire(const fp3_model *model, const double *params, double t, double *states,
-                   double *values);
+/* Applies the events of the model, in order, to these states at time t. `before` is the
+ * beginning of the step; NULL: there was no step, and events with `unless` do not happen. values has
+ * room for expr_count numbers. Returns whether a state has changed; a change from 0 to -0 or from
+ * NaN to NaN does not count. */
+int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
+                   double *states, double *values);
 
 /* The index of the state or param of this name, or FP3_NONE. */
 uint32_t fp3_model_state(const fp3_model *model, const char *name);
