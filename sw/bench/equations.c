@@ -153,15 +153,18 @@ static void write_event(writer *w, const fp3_event *event) {
     fputs("    {\n", w->to);
     write_armed(w, event);
     want_nothing(w);
-    want(w, event->condition);
+    if (event->condition != FP3_NONE)
+        want(w, event->condition);
     for (uint32_t i = 0; i < event->count; i++)
         want(w, to[i].expr);
     write_wanted(w, "        ");
+    fputs("        const int happens = is_armed", w->to);
+    if (event->condition != FP3_NONE)
+        fprintf(w->to, " && e%" PRIu32 " != 0", event->condition);
+    fputs(";\n", w->to);
     for (uint32_t i = 0; i < event->count; i++)
-        fprintf(w->to,
-                "        y[%" PRIu32 "] = is_armed && e%" PRIu32 " != 0 ? e%" PRIu32 " : y[%" PRIu32
-                "];\n",
-                to[i].state, event->condition, to[i].expr, to[i].state);
+        fprintf(w->to, "        y[%" PRIu32 "] = happens ? e%" PRIu32 " : y[%" PRIu32 "];\n",
+                to[i].state, to[i].expr, to[i].state);
     fputs("    }\n", w->to);
 }
 
@@ -181,6 +184,8 @@ static void write_model(writer *w) {
           "*was, real t, real *y, const real *p) {\n    (void)began, (void)was, (void)t, (void)y, "
           "(void)p;\n",
           w->to);
+    for (uint32_t i = 0; i < m->projection_count; i++)
+        write_event(w, &m->projections[i]);
     for (uint32_t i = 0; i < m->event_count; i++)
         write_event(w, &m->events[i]);
     fputs("}\n", w->to);
@@ -190,8 +195,8 @@ fp3_status fp3_bench_equations(const fp3_model *model, fp3_bench_language langua
                                fp3_error *error) {
     size_t size = 0;
     *text = NULL;
-    if (language == FP3_BENCH_PYTHON && model->event_count)
-        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' has events", model->name);
+    if (language == FP3_BENCH_PYTHON && (model->event_count || model->projection_count))
+        return fp3_fail(error, FP3_E_ARGUMENT, "'%s' has events or projections", model->name);
     writer w = {.to = open_memstream(text, &size),
                 .model = model,
                 .language = language,

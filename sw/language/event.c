@@ -56,19 +56,23 @@ static void assignment(ode_parser *p, ode_event *event) {
             return;
 }
 
-/* What follows the condition. */
 static void assignments(ode_parser *p, ode_event *event) {
-    fp3_ode_expect(&p->in, ":", "an operator or ':', and then what happens, as in `x = 0`");
     do
         assignment(p, event);
     while (fp3_ode_accept(&p->in, ","));
 }
 
-static void add_event(ode_parser *p, ode_event event) {
-    if (p->event_count == ODE_EVENTS)
-        fp3_ode_over(&p->in, event.at, "at most %d events", ODE_EVENTS);
+/* What follows the condition. */
+static void consequence(ode_parser *p, ode_event *event) {
+    fp3_ode_expect(&p->in, ":", "an operator or ':', and then what happens, as in `x = 0`");
+    assignments(p, event);
+}
+
+static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t *count) {
+    if (*count == ODE_EVENTS)
+        fp3_ode_over(&p->in, event.at, "at most %d events, and as many projections", ODE_EVENTS);
     else if (!p->in.is_over)
-        p->events[p->event_count++] = event;
+        list[(*count)++] = event;
 }
 
 /* Whether the event sets a state that the expression is made of. */
@@ -95,7 +99,7 @@ static void rise(ode_parser *p, fp3_token at, ode_value a, ode_value b, uint32_t
     event.unless = g != FP3_NONE && is_set(p, &event, g)
                        ? taken(fp3_ode_binary(p, at, FP3_EXPR_LESS, a, b))
                        : event.condition;
-    add_event(p, event);
+    add_event(p, event, p->events, &p->event_count);
 }
 
 /* `(g) rising`, and what happens. */
@@ -110,7 +114,7 @@ static void root_event(ode_parser *p, ode_event event) {
     const int is_rising = !is_any && fp3_ode_accept(&p->in, "rising");
     if (!is_any && !is_rising && !fp3_ode_accept(&p->in, "falling"))
         fp3_ode_lost(&p->in, "rising, falling or any");
-    assignments(p, &event);
+    consequence(p, &event);
     if (g.size != 1 || zero.size != 1)
         return;
     if (is_any || is_rising)
@@ -126,8 +130,8 @@ void fp3_ode_event(ode_parser *p, fp3_token keyword) {
         return;
     }
     event.condition = taken(number(p, ODE_IN_EQUATION, "condition"));
-    assignments(p, &event);
-    add_event(p, event);
+    consequence(p, &event);
+    add_event(p, event, p->events, &p->event_count);
 }
 
 int fp3_ode_is_timed(const ode_parser *p, fp3_token first) {
@@ -142,6 +146,18 @@ void fp3_ode_timed(ode_parser *p, fp3_token keyword) {
     fp3_ode_expect(&p->in, "=", "'='");
     const ode_value time = number(p, ODE_IN_START, "time");
     p->context = ODE_IN_EQUATION;
-    assignments(p, &event);
+    consequence(p, &event);
     rise(p, at, time, t, FP3_NONE, event);
+}
+
+int fp3_ode_is_projection(const ode_parser *p, fp3_token first) {
+    return fp3_token_is(first, "project") && p->in.next.kind == FP3_TOKEN_NAME;
+}
+
+void fp3_ode_projection(ode_parser *p, fp3_token keyword) {
+    ode_event event = {
+        .condition = FP3_NONE, .first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
+    p->context = ODE_IN_EQUATION;
+    assignments(p, &event);
+    add_event(p, event, p->projections, &p->projection_count);
 }

@@ -11,4 +11,8 @@ void fp3_ode_event(ode_parser *p, fp3_token keyword);
 int fp3_ode_is_timed(const ode_parser *p, fp3_token first);
 void fp3_ode_timed(ode_parser *p, fp3_token keyword);
 
+/* Likewise of `project x = .., v = ..` */
+int fp3_ode_is_projection(const ode_parser *p, fp3_token first);
+void fp3_ode_projection(ode_parser *p, fp3_token keyword);
+
 #endif

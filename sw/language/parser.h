@@ -101,9 +101,9 @@ typedef struct {
     fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
     uint32_t state_count, param_count, definition_count, invariant_count;
 
-    ode_event events[ODE_EVENTS];
+    ode_event events[ODE_EVENTS], projections[ODE_EVENTS];
     ode_assignment assignments[ODE_ASSIGNMENTS];
-    uint32_t event_count, assignment_count;
+    uint32_t event_count, projection_count, assignment_count;
 
     ode_symbol symbols[ODE_SYMBOLS];
     uint32_t symbol_count;

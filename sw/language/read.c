@@ -49,10 +49,10 @@ static fp3_quantity *take_quantities(ode_quantity *from, uint32_t count) {
     return made;
 }
 
-static fp3_event *take_events(const ode_parser *p) {
-    fp3_event *made = calloc(p->event_count + 1u, sizeof *made);
-    for (uint32_t i = 0; made && i < p->event_count; i++) {
-        const ode_event *e = &p->events[i];
+static fp3_event *take_events(const ode_event *events, uint32_t count) {
+    fp3_event *made = calloc(count + 1u, sizeof *made);
+    for (uint32_t i = 0; made && i < count; i++) {
+        const ode_event *e = &events[i];
         made[i] = (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->unless};
     }
     return made;
@@ -86,13 +86,15 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->params = take_quantities(p->params, p->param_count);
     m->definitions = copy(p->definitions, p->definition_count, sizeof *p->definitions);
     m->invariants = copy(p->invariants, p->invariant_count, sizeof *p->invariants);
-    m->events = take_events(p);
+    m->events = take_events(p->events, p->event_count);
+    m->projections = take_events(p->projections, p->projection_count);
+    m->projection_count = p->projection_count;
     m->assignments = take_assignments(p);
     m->event_count = p->event_count;
     m->assignment_count = p->assignment_count;
     m->exprs = copy(p->exprs, p->expr_count, sizeof *p->exprs);
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
-        !m->assignments || !m->exprs)
+        !m->projections || !m->assignments || !m->exprs)
         fp3_model_free(&m);
     return m;
 }

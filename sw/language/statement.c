@@ -253,6 +253,8 @@ void fp3_ode_statement(ode_parser *p) {
         fp3_ode_event(p, first);
     else if (fp3_ode_is_timed(p, first))
         fp3_ode_timed(p, first);
+    else if (fp3_ode_is_projection(p, first))
+        fp3_ode_projection(p, first);
     else
         named_statement(p, first);
     if (!fp3_ode_at_end(&p->in))

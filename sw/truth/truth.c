@@ -191,8 +191,8 @@ static fp3_status stays(const orbit *o, fp3_error *error) {
     return fp3_fail(
         error, FP3_E_ARGUMENT,
         "no truth from time %.9g on: the event of line %u happens again and again, as its "
-        "condition is still true after it and it changes the states each time (so does a "
-        "projection, as `when 1: q = q/norm(q)`, which is for steps alone)",
+        "condition is still true after it and it changes the states each time (a "
+        "projection is written `project q = q/norm(q)`)",
         o->reached, event ? event->line : o->model->events[0].line);
 }
 

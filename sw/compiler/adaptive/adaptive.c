@@ -345,7 +345,8 @@ static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
     if (!a->has_slope || g->is_abstract || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
-        a->switchings.count || fp3_fit_has_events(a->fit, a->step->model))
+        a->switchings.count || fp3_fit_has_events(a->fit, a->step->model) ||
+        fp3_fit_has_projections(a->fit, a->step->model))
         return FP3_OK;
     for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
         if (!fp3_fit_is_moved(a->fit, s))

@@ -6,6 +6,7 @@
 #include "compiler/pairs/double_step.h"
 #include "compiler/step/advance.h"
 #include "events.h"
+#include "project.h"
 #include "rosenbrock.h"
 #include "runge_kutta.h"
 #include "splitting.h"
@@ -103,6 +104,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
         status = fp3_adaptive_begin(&a, error);
     if (!status)
         status = advance(&a, error);
+    if (!status)
+        status = fp3_project(&a, error);
     if (!status)
         status = fp3_adaptive_judge(&a, error);
     if (!status)

@@ -49,11 +49,20 @@ int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_even
     return 0;
 }
 
-int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model) {
-    for (uint32_t i = 0; i < model->event_count; i++)
-        if (fp3_fit_has_event(fit, model, &model->events[i]))
+static int has_any(const fp3_fit *fit, const fp3_model *model, const fp3_event *list,
+                   uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (fp3_fit_has_event(fit, model, &list[i]))
             return 1;
     return 0;
+}
+
+int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model) {
+    return has_any(fit, model, model->events, model->event_count);
+}
+
+int fp3_fit_has_projections(const fp3_fit *fit, const fp3_model *model) {
+    return has_any(fit, model, model->projections, model->projection_count);
 }
 
 static void find_needs(const fitting *f) {
@@ -87,16 +96,26 @@ static uint64_t find_control(const fp3_model *model) {
                : (UINT64_MAX >> (FP3_STATES_MAX - (model->state_count - first))) << first;
 }
 
-/* What is needed to change the states of this set, if events do. */
+/* What an event reads to set this state; nothing if it does not. */
+static uint64_t needs_of_event(const fitting *f, const fp3_event *event, uint32_t state) {
+    uint64_t needs = 0;
+    for (uint32_t j = 0; j < event->count; j++) {
+        const fp3_assignment *a = &f->model->assignments[event->first + j];
+        if (a->state == state)
+            needs |=
+                f->needs[a->expr] | (event->condition == FP3_NONE ? 0 : f->needs[event->condition]);
+    }
+    return needs;
+}
+
+/* What is needed to change the states of this set, if events or projections do. */
 static uint64_t needs_of_events(const fitting *f, uint64_t states) {
     uint64_t needs = 0;
-    for (uint32_t i = 0; i < f->model->event_count; i++) {
-        const fp3_event *event = &f->model->events[i];
-        for (uint32_t j = 0; j < event->count; j++) {
-            const fp3_assignment *a = &f->model->assignments[event->first + j];
-            if (states & BIT(a->state))
-                needs |= f->needs[event->condition] | f->needs[a->expr];
-        }
+    for (uint32_t s = 0; s < f->model->state_count; s++) {
+        for (uint32_t i = 0; states & BIT(s) && i < f->model->event_count; i++)
+            needs |= needs_of_event(f, &f->model->events[i], s);
+        for (uint32_t i = 0; states & BIT(s) && i < f->model->projection_count; i++)
+            needs |= needs_of_event(f, &f->model->projections[i], s);
     }
     return needs;
 }
@@ -120,19 +139,27 @@ static void find_live(const fitting *f, const fp3_options *options) {
     }
 }
 
+static int event_has_time(const fitting *f, const fp3_event *event) {
+    for (uint32_t j = 0; j < event->count; j++) {
+        const fp3_assignment *a = &f->model->assignments[event->first + j];
+        if (fp3_fit_is_live(f->fit, a->state) &&
+            (f->needs_time[a->expr] ||
+             (event->condition != FP3_NONE && f->needs_time[event->condition])))
+            return 1;
+    }
+    return 0;
+}
+
 static int has_time(const fitting *f) {
     for (uint32_t s = 0; s < f->model->state_count; s++)
         if (fp3_fit_is_live(f->fit, s) && f->needs_time[f->model->states[s].derivative])
             return 1;
-    for (uint32_t i = 0; i < f->model->event_count; i++) {
-        const fp3_event *event = &f->model->events[i];
-        for (uint32_t j = 0; j < event->count; j++) {
-            const fp3_assignment *a = &f->model->assignments[event->first + j];
-            if (fp3_fit_is_live(f->fit, a->state) &&
-                (f->needs_time[event->condition] || f->needs_time[a->expr]))
-                return 1;
-        }
-    }
+    for (uint32_t i = 0; i < f->model->event_count; i++)
+        if (event_has_time(f, &f->model->events[i]))
+            return 1;
+    for (uint32_t i = 0; i < f->model->projection_count; i++)
+        if (event_has_time(f, &f->model->projections[i]))
+            return 1;
     return 0;
 }
 
@@ -145,19 +172,18 @@ static fp3_status check_splitting(const fitting *f, fp3_error *error) {
                     f->integrator->name);
 }
 
-/* Every live state is a position, or a velocity that is found from two of them. */
-static fp3_status check_stoermer_events(const fitting *f, fp3_error *error) {
-    for (uint32_t i = 0; i < f->model->event_count; i++) {
-        const fp3_event *event = &f->model->events[i];
-        if (fp3_fit_has_event(f->fit, f->model, event))
+static fp3_status check_stoermer_events(const fitting *f, const fp3_event *list, uint32_t count,
+                                        const char *what, fp3_error *error) {
+    for (uint32_t i = 0; i < count; i++)
+        if (fp3_fit_has_event(f->fit, f->model, &list[i]))
             return fp3_fail(error, FP3_E_PROGRAM,
                             "line %" PRIu32 ": integrator '%s' works from the positions of two "
-                            "steps: found an event, which would change only one of them",
-                            event->line, f->integrator->name);
-    }
+                            "steps: found %s, which would change only one of them",
+                            list[i].line, f->integrator->name, what);
     return FP3_OK;
 }
 
+/* Every live state is a position, or a velocity that is found from two of them. */
 static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
     for (uint32_t s = 0; s < f->model->state_count; s++) {
         const fp3_quantity *q = &f->model->states[s];
@@ -175,7 +201,11 @@ static fp3_status check_stoermer(const fitting *f, fp3_error *error) {
                                "'%s', whose derivative depends on more than positions",
                                f->integrator->name, q->name);
     }
-    return check_stoermer_events(f, error);
+    const fp3_status status =
+        check_stoermer_events(f, f->model->events, f->model->event_count, "an event", error);
+    return status ? status
+                  : check_stoermer_events(f, f->model->projections, f->model->projection_count,
+                                          "a projection", error);
 }
 
 static fp3_status check_adaptive(const fitting *f, fp3_error *error) {

@@ -25,8 +25,9 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
 /* Whether the event changes a live state. */
 int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event);
 
-/* Whether any does. */
+/* Whether any does, and any projection. */
 int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model);
+int fp3_fit_has_projections(const fp3_fit *fit, const fp3_model *model);
 
 /* Says so: *warning is NULL where no state is fallen; else the caller frees it. */
 fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,

@@ -117,7 +117,7 @@ typedef struct {
  * expression had before any of them changed. Events are handled in the order of the text, and each
  * sees the results of those before it. An event assigns no state twice. */
 typedef struct {
-    uint32_t condition;    /* expression */
+    uint32_t condition;    /* expression; of a projection FP3_NONE */
     uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
     /* Expression, and the event happens only if it was 0 at the beginning of the step; FP3_NONE: it
@@ -134,10 +134,13 @@ typedef struct {
      * say). */
     double step, span;
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;
-    uint32_t event_count, assignment_count;
+    uint32_t event_count, projection_count, assignment_count;
     fp3_quantity *states, *params;
     fp3_definition *definitions, *invariants;
     fp3_event *events;
+    /* Without a condition: after every step, before events, for steps alone. What solves the equations
+     * stays where it is put. */
+    fp3_event *projections;
     fp3_assignment *assignments;
     fp3_expr *exprs;
 } fp3_model;
