@@ -1,6 +1,7 @@
 /* adapt.c - the states and params that adaptive steps add to a model. */
 #include <fp3/compile.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,8 @@
 
 #define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
-#define FINE 0x1p-24        /* of the time, which an event at a root is late by as a rule */
+#define FINE 0x1p-24        /* of the time, which an event at a root is late by as a rule; */
+#define COARSE 0x1p-6       /* of a step that is not chosen, which one at a condition is */
 
 typedef struct {
     const char *name, *doc;
@@ -96,12 +98,13 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
     return status;
 }
 
-/* A condition is found by halves, a root by where it is likely. */
+/* A root is found by where it is likely; a condition by halves, until a step may be so short that FP32 rounds off all that it adds. */
 static double default_locate(const fp3_model *model, double tolerance, double until) {
-    int has_conditions = 0;
+    double locate = FINE * until;
     for (uint32_t i = 0; i < model->event_count; i++)
-        has_conditions |= model->events[i].unless == FP3_NONE;
-    return (has_conditions && tolerance > FINE ? tolerance : FINE) * until;
+        if (model->events[i].unless == FP3_NONE)
+            locate = fmax(locate, tolerance != 0 ? tolerance * until : COARSE * model->step);
+    return locate;
 }
 
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {

@@ -187,8 +187,8 @@ typedef struct {
     double tolerance; /* default 1e-5 */
     double absolute;  /* 0: the same number as tolerance */
     double until;     /* the time at which objects end; 0: the model's span */
-    double locate;    /* an event is found at most this late; 0: 2^-24 until, or tolerance * until
-                      if that is more and a condition is no root */
+    double locate;    /* an event is found at most this late; 0: 2^-24 until; if a condition is no
+                      root at least tolerance * until, or step / 64 without a tolerance */
     /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
      * one (docs/adaptive.md). */
     double maxstep;
