@@ -187,9 +187,17 @@ void fp3_drive_know(const fp3_fast_run *run, fp3_fast_lanes *l) {
     l->common = common & ~FP3_FLAGS_GRAVE;
 }
 
+/* Whoever is awake after a stretch has been awake in all of it. */
+static int are_all_awake(const fp3_fast_lanes *l) {
+    int is_any_asleep = 0;
+    for (uint32_t i = 0; i < l->count; i++)
+        is_any_asleep |= !l->awake[i];
+    return !is_any_asleep;
+}
+
 static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
     uint32_t which[FP3_BLOCK], count = 0;
-    if (!d->fast->plan.sleeps)
+    if (!d->fast->plan.sleeps || (flags & ~d->worker->confirmed && are_all_awake(d->lanes)))
         d->worker->confirmed |= flags;
     if (!(flags & ~(d->lanes->common & d->worker->confirmed)))
         return;
