@@ -235,6 +235,23 @@ def test_adaptive_steps(root, script, ran):
     assert lines[:2] == ["1.5", "3"] and "'tolerance' is 0" in lines[2]
 
 
+def test_fixed_steps_that_are_cut_at_events(script):
+    """Frames of a game: each object bounces where it meets the floor. h may be changed between frames."""
+    ball = "param e = 0.8\nstate v = 0\nstate x = 1\nx' = v\nv' = -9.81\nwhen root(x) falling: x = 0, v = -e*v\nstep 0.0078125\n"
+    frames = [line for i in range(1, 61) for line in (f"set until {i / 60}", "step 1000")]
+    lines = ["spread x 0.5 1.5", *frames, "read x", "set h 0.03125", "set until 1.5", "step 1000", "read x"]
+    told = numbers(script(ball, lines, "-n", 3, "-t", 0, "-x"))
+
+    def flight(x, until, e=0.8, g=9.81):
+        t, v = (2*x/g)**0.5, (2*x*g)**0.5*e
+        while t + 2*v/g < until:
+            t, v = t + 2*v/g, v*e
+        return (until - t)*v - g/2*(until - t)**2
+    for objects, until in ((told[:3], 1), (told[3:], 1.5)):
+        assert [row[0] for row in objects] == pytest.approx([flight(x, until) for x in (0.5, 1, 1.5)], abs=2e-6)
+    assert told == numbers(script(ball, lines, "-n", 3, "-t", 0, "-x", "-e", "isa"))
+
+
 @pytest.mark.parametrize("line, message", [
     ("set mass 1", "the model has no 'mass'"),
     ("set omga 1", "the model has no 'omga'; did you mean 'omega'?"),
