@@ -10,6 +10,7 @@
 #include "cells.h"
 #include "checks.h"
 
+#define WHOLE 0x1p100f     /* of steps that are not chosen: the next one is as long as all */
 #define COUNT_MOST 0x1p32f /* what the host gives as a start may be anything */
 #define RUN_LEAST 4 /* attempts that one object makes before the host looks again: at least, */
 #define RUN_FIRST 8 /* and at most at first; one more for each RUN_GROWTH that it has made */
@@ -136,8 +137,10 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
     char why[FP3_NAME_SIZE + 48] = "it has ended", counts[64] = "";
     if (found->end == FP3_ADAPTIVE_STUCK)
         strcpy(why, "the step that the tolerance allows is too short to change t");
-    if (found->end == FP3_ADAPTIVE_LIMITED)
+    if (found->end == FP3_ADAPTIVE_LIMITED && found->step < WHOLE)
         snprintf(why, sizeof why, "no attempt is left, the next step is %.6g", (double)found->step);
+    else if (found->end == FP3_ADAPTIVE_LIMITED)
+        strcpy(why, "no attempt is left");
     if (found->end == FP3_ADAPTIVE_LOST)
         snprintf(why, sizeof why, "state %s is not finite", found->state);
     if (found->accepted || found->rejected) /* else it made none, or the program does not count */

@@ -46,17 +46,18 @@ static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) 
 /* The largest magnitude of each state along the truth. */
 static fp3_status find_scale(fp3_ladder *l, double span, fp3_error *error) {
     const uint32_t states = l->model->state_count;
-    double *at = calloc(states + 1u, sizeof *at);
-    fp3_status status = at ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (uint32_t s = 0; !status && s < states; s++)
+    double *rows = calloc(SAMPLES * states + 1u, sizeof *rows), times[SAMPLES];
+    for (int i = 0; i < SAMPLES; i++)
+        times[i] = span * (i + 1) / SAMPLES;
+    fp3_status status =
+        rows ? fp3_model_truths(l->model, l->params, l->initial, times, SAMPLES, rows, NULL, error)
+             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t s = 0; !status && s < states; s++) {
         l->scale[s] = fabs(l->initial[s]);
-    for (int i = 1; !status && i <= SAMPLES; i++) {
-        status = fp3_model_truth(l->model, l->params, l->initial, span * i / SAMPLES, at, error);
-        for (uint32_t s = 0; !status && s < states; s++)
-            if (fabs(at[s]) > l->scale[s])
-                l->scale[s] = fabs(at[s]);
+        for (int i = 0; i < SAMPLES; i++)
+            l->scale[s] = fmax(l->scale[s], fabs(rows[(uint32_t)i * states + s]));
     }
-    free(at);
+    free(rows);
     return status ? status : find_short_ones(l, span, error);
 }
 
@@ -65,16 +66,14 @@ static uint64_t steps_at(const fp3_ladder *l, unsigned rung, unsigned look) {
 }
 
 static fp3_status find_truth(fp3_ladder *l, unsigned rung, fp3_error *error) {
-    const uint32_t states = l->model->state_count;
-    fp3_status status = FP3_OK;
-    l->truth[rung] = calloc((size_t)FP3_LOOKS * states + 1u, sizeof(double));
+    double times[FP3_LOOKS];
+    l->truth[rung] = calloc((size_t)FP3_LOOKS * l->model->state_count + 1u, sizeof(double));
     if (!l->truth[rung])
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (unsigned i = 0; !status && i < FP3_LOOKS; i++)
-        status = fp3_model_truth(l->model, l->params, l->initial,
-                                 (double)l->h[rung] * (double)steps_at(l, rung, i),
-                                 l->truth[rung] + (size_t)i * states, error);
-    return status;
+    for (unsigned i = 0; i < FP3_LOOKS; i++)
+        times[i] = (double)l->h[rung] * (double)steps_at(l, rung, i);
+    return fp3_model_truths(l->model, l->params, l->initial, times, FP3_LOOKS, l->truth[rung], NULL,
+                            error);
 }
 
 /* Each rung has about 1.4 times the steps of the one before. */
