@@ -193,10 +193,13 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
     return status;
 }
 
-/* Steps over the span, and the error of each, up to where only noise is left. */
+/* Steps over the span, and the error of each, up to where only noise is left. Of a run that fails the error is null. */
 static json_t *errors_of(const comparison *k, const row *r) {
     json_t *steps = json_array(), *errors = json_array();
-    for (unsigned i = 0; k->ladder && i < k->ladder->count && !isnan(r->c.noise[i]); i++) {
+    unsigned count = k->ladder ? k->ladder->count : 0;
+    while (count && isnan(r->c.noise[count - 1]))
+        count--;
+    for (unsigned i = 0; i < count; i++) {
         json_array_append_new(steps, json_integer((json_int_t)k->ladder->steps[i]));
         json_array_append_new(errors, fp3_json_number(r->c.error[i]));
     }

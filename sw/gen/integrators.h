@@ -4,320 +4,372 @@
 /* clang-format off */
 
 /* X(name, text of the table) */
-#define FP3_INTEGRATORS(X)                                                                                                                        \
-    X(cash_karp,                                                                                                                                  \
-      "# The pair 5(4) of Cash and Karp's method of variable order. The error estimate needs no stage at the new state: with\n"                   \
-      "# adaptive steps the first stage of the next one is made while the controller works.\n"                                                    \
-      "name   = \"cash_karp\";\n"                                                                                                                 \
-      "doc    = \"fifth order in six stages, its error estimate early\";\n"                                                                       \
-      "source = \"Cash and Karp 1990\";\n"                                                                                                        \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 5;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/5\"),\n"                                                                                                                         \
-      "     (\"3/40\", \"9/40\"),\n"                                                                                                              \
-      "     (\"3/10\", \"-9/10\", \"6/5\"),\n"                                                                                                    \
-      "     (\"-11/54\", \"5/2\", \"-70/27\", \"35/27\"),\n"                                                                                      \
-      "     (\"1631/55296\", \"175/512\", \"575/13824\", \"44275/110592\", \"253/4096\"));\n"                                                     \
-      "b = (\"37/378\", 0, \"250/621\", \"125/594\", 0, \"512/1771\");\n"                                                                         \
-      "embedded = (\"2825/27648\", 0, \"18575/48384\", \"13525/55296\", \"277/14336\", \"1/4\");\n"                                               \
-      "embedded_order = 4;\n")                                                                                                                    \
-    X(dopri5,                                                                                                                                     \
-      "# The Dormand-Prince pair 5(4). The seventh stage serves the error estimate of adaptive steps alone, and is the\n"                         \
-      "# first one of the next step.\n"                                                                                                           \
-      "name   = \"dopri5\";\n"                                                                                                                    \
-      "doc    = \"fifth order in six stages\";\n"                                                                                                 \
-      "source = \"Dormand and Prince 1980\";\n"                                                                                                   \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 5;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/5\"),\n"                                                                                                                         \
-      "     (\"3/40\", \"9/40\"),\n"                                                                                                              \
-      "     (\"44/45\", \"-56/15\", \"32/9\"),\n"                                                                                                 \
-      "     (\"19372/6561\", \"-25360/2187\", \"64448/6561\", \"-212/729\"),\n"                                                                   \
-      "     (\"9017/3168\", \"-355/33\", \"46732/5247\", \"49/176\", \"-5103/18656\"),\n"                                                         \
-      "     (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\"));\n"                                                            \
-      "b = (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\", 0);\n"                                                           \
-      "embedded = (\"5179/57600\", 0, \"7571/16695\", \"393/640\", \"-92097/339200\", \"187/2100\", \"1/40\");\n"                                 \
-      "embedded_order = 4;\n")                                                                                                                    \
-    X(euler,                                                                                                                                      \
-      "# Euler's method.\n"                                                                                                                       \
-      "name   = \"euler\";\n"                                                                                                                     \
-      "doc    = \"forward Euler: the cheapest step there is\";\n"                                                                                 \
-      "source = \"Euler 1768\";\n"                                                                                                                \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 1;\n"                                                                                                                             \
-      "A = (());\n"                                                                                                                               \
-      "b = (1);\n")                                                                                                                               \
-    X(forest_ruth,                                                                                                                                \
-      "# Three leapfrog steps of theta, 1 - 2 theta and theta, where theta = 1/(2 - 2^(1/3)).\n"                                                  \
-      "name   = \"forest_ruth\";\n"                                                                                                               \
-      "doc    = \"fourth order in three accelerations\";\n"                                                                                       \
-      "source = \"Forest and Ruth 1990\";\n"                                                                                                      \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 4;\n"                                                                                                                             \
-      "substeps = ({ drift = \"0.5/(2 - 2^(1/3))\"; },\n"                                                                                         \
-      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                            \
-      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                   \
-      "            { kick = \"1 - 2/(2 - 2^(1/3))\"; },\n"                                                                                        \
-      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                   \
-      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                            \
-      "            { drift = \"0.5/(2 - 2^(1/3))\"; });\n")                                                                                       \
-    X(heun,                                                                                                                                       \
-      "# The explicit trapezoidal rule.\n"                                                                                                        \
-      "name   = \"heun\";\n"                                                                                                                      \
-      "doc    = \"explicit trapezoidal rule\";\n"                                                                                                 \
-      "source = \"Heun 1900\";\n"                                                                                                                 \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 2;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (1));\n"                                                                                                                              \
-      "b = (\"1/2\", \"1/2\");\n"                                                                                                                 \
-      "embedded = (1, 0); # Euler\n"                                                                                                              \
-      "embedded_order = 1;\n")                                                                                                                    \
-    X(leapfrog,                                                                                                                                   \
-      "# Position Verlet: half a drift, a kick, half a drift.\n"                                                                                  \
-      "name   = \"leapfrog\";\n"                                                                                                                  \
-      "doc    = \"position Verlet, drift-kick-drift\";\n"                                                                                         \
-      "source = \"Tuckerman, Berne and Martyna 1992\";\n"                                                                                         \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 2;\n"                                                                                                                             \
-      "substeps = ({ drift = \"1/2\"; },\n"                                                                                                       \
-      "            { kick = 1; },\n"                                                                                                              \
-      "            { drift = \"1/2\"; });\n")                                                                                                     \
-    X(midpoint,                                                                                                                                   \
-      "# The explicit midpoint rule.\n"                                                                                                           \
-      "name   = \"midpoint\";\n"                                                                                                                  \
-      "doc    = \"explicit midpoint rule\";\n"                                                                                                    \
-      "source = \"Runge 1895\";\n"                                                                                                                \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 2;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/2\"));\n"                                                                                                                        \
-      "b = (0, 1);\n")                                                                                                                            \
-    X(pefrl,                                                                                                                                      \
-      "# Forest-Ruth with one acceleration more, chosen for a small error; 16 digits as published.\n"                                             \
-      "name   = \"pefrl\";\n"                                                                                                                     \
-      "doc    = \"fourth order in four accelerations, small error\";\n"                                                                           \
-      "source = \"Omelyan, Mryglod and Folk 2002\";\n"                                                                                            \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 4;\n"                                                                                                                             \
-      "substeps = ({ drift = \"0.1786178958448091\"; },\n"                                                                                        \
-      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                            \
-      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                      \
-      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                        \
-      "            { drift = \"1 - 2*(-0.06626458266981849 + 0.1786178958448091)\"; },\n"                                                         \
-      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                        \
-      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                      \
-      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                            \
-      "            { drift = \"0.1786178958448091\"; });\n")                                                                                      \
-    X(ralston3,                                                                                                                                   \
-      "# Third order with the smallest bound on the local error. `embedded` is ours, for adaptive steps: of the weights of second order those\n"  \
-      "# whose estimate of the error of y' = a y is (h a)^3/24, which is 0 at no step. (That of Bogacki and Shampine's pair is 0 at h a = -1.)\n" \
-      "name   = \"ralston3\";\n"                                                                                                                  \
-      "doc    = \"third order in three stages\";\n"                                                                                               \
-      "source = \"Ralston 1962\";\n"                                                                                                              \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 3;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/2\"),\n"                                                                                                                         \
-      "     (0, \"3/4\"));\n"                                                                                                                     \
-      "b = (\"2/9\", \"1/3\", \"4/9\");\n"                                                                                                        \
-      "embedded = (\"1/6\", \"1/2\", \"1/3\");\n"                                                                                                 \
-      "embedded_order = 2;\n")                                                                                                                    \
-    X(rk38,                                                                                                                                       \
-      "# The 3/8 rule: smaller error coefficients than rk4, fewer zeros.\n"                                                                       \
-      "name   = \"rk38\";\n"                                                                                                                      \
-      "doc    = \"fourth order, the 3/8 rule\";\n"                                                                                                \
-      "source = \"Kutta 1901\";\n"                                                                                                                \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 4;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/3\"),\n"                                                                                                                         \
-      "     (\"-1/3\", 1),\n"                                                                                                                     \
-      "     (1, -1, 1));\n"                                                                                                                       \
-      "b = (\"1/8\", \"3/8\", \"3/8\", \"1/8\");\n")                                                                                              \
-    X(rk4,                                                                                                                                        \
-      "# The classic fourth-order method.\n"                                                                                                      \
-      "name   = \"rk4\";\n"                                                                                                                       \
-      "doc    = \"the classic fourth-order method\";\n"                                                                                           \
-      "source = \"Kutta 1901\";\n"                                                                                                                \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 4;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/2\"),\n"                                                                                                                         \
-      "     (0, \"1/2\"),\n"                                                                                                                      \
-      "     (0, 0, 1));\n"                                                                                                                        \
-      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                              \
-    X(rk4_paper,                                                                                                                                  \
-      "# Equations (1) of the paper: speed by rk4, then position by the new speed, s = s + h*v1.\n"                                               \
-      "name   = \"rk4_paper\";\n"                                                                                                                 \
-      "doc    = \"rk4 with the paper's position rule, which is first order\";\n"                                                                  \
-      "source = \"Woulfe, Dingliana and Manzke, Equations (1)\";\n"                                                                               \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 4;\n"                                                                                                                             \
-      "late_position = true;\n"                                                                                                                   \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/2\"),\n"                                                                                                                         \
-      "     (0, \"1/2\"),\n"                                                                                                                      \
-      "     (0, 0, 1));\n"                                                                                                                        \
-      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                              \
-    X(rk6,                                                                                                                                        \
-      "# Sixth order in seven stages, which is as few as there can be.\n"                                                                         \
-      "name   = \"rk6\";\n"                                                                                                                       \
-      "doc    = \"sixth order in seven stages\";\n"                                                                                               \
-      "source = \"Butcher 1964\";\n"                                                                                                              \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 6;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"1/3\"),\n"                                                                                                                         \
-      "     (0, \"2/3\"),\n"                                                                                                                      \
-      "     (\"1/12\", \"1/3\", \"-1/12\"),\n"                                                                                                    \
-      "     (\"-1/16\", \"9/8\", \"-3/16\", \"-3/8\"),\n"                                                                                         \
-      "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                                         \
-      "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                                                       \
-      "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                                           \
-    X(rkc12,                                                                                                                                      \
-      "# Stabilised explicit (Runge, Kutta, Chebyshev), twelve stages.\n"                                                                         \
-      "name    = \"rkc12\";\n"                                                                                                                    \
-      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                             \
-      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                      \
-      "kind    = \"chebyshev\";\n"                                                                                                                \
-      "order   = 2;\n"                                                                                                                            \
-      "stages  = 12;\n"                                                                                                                           \
-      "damping = \"2/13\";\n")                                                                                                                    \
-    X(rkc6_damped,                                                                                                                                \
-      "# Stabilised explicit (Runge, Kutta, Chebyshev), six stages. What decays fast loses a quarter or more in each step of any\n"               \
-      "# length up to the limit, so jumps at the start do not last: 8 % of the limit is the price.\n"                                             \
-      "name    = \"rkc6_damped\";\n"                                                                                                              \
-      "doc     = \"stabilised explicit, for mildly stiff models that begin with a jump\";\n"                                                      \
-      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                      \
-      "kind    = \"chebyshev\";\n"                                                                                                                \
-      "order   = 2;\n"                                                                                                                            \
-      "stages  = 6;\n"                                                                                                                            \
-      "damping = 1;\n")                                                                                                                           \
-    X(rkc8,                                                                                                                                       \
-      "# Stabilised explicit (Runge, Kutta, Chebyshev), eight stages.\n"                                                                          \
-      "name    = \"rkc8\";\n"                                                                                                                     \
-      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                             \
-      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                      \
-      "kind    = \"chebyshev\";\n"                                                                                                                \
-      "order   = 2;\n"                                                                                                                            \
-      "stages  = 8;\n"                                                                                                                            \
-      "damping = \"2/13\";\n")                                                                                                                    \
-    X(rodas3,                                                                                                                                     \
-      "# Linearly implicit, four stages, L-stable and stiffly accurate.\n"                                                                        \
-      "name   = \"rodas3\";\n"                                                                                                                    \
-      "doc    = \"linearly implicit, L-stable, stiffly accurate\";\n"                                                                             \
-      "source = \"Sandu, Verwer, Blom, Spee, Carmichael and Potra 1997\";\n"                                                                      \
-      "kind   = \"rosenbrock\";\n"                                                                                                                \
-      "order  = 3;\n"                                                                                                                             \
-      "gamma  = \"1/2\";\n"                                                                                                                       \
-      "A = ((),\n"                                                                                                                                \
-      "     (0),\n"                                                                                                                               \
-      "     (1, 0),\n"                                                                                                                            \
-      "     (\"3/4\", \"-1/4\", \"1/2\"));\n"                                                                                                     \
-      "G = ((),\n"                                                                                                                                \
-      "     (1),\n"                                                                                                                               \
-      "     (\"-1/4\", \"-1/4\"),\n"                                                                                                              \
-      "     (\"1/12\", \"1/12\", \"-2/3\"));\n"                                                                                                   \
-      "b = (\"5/6\", \"-1/6\", \"-1/6\", \"1/2\");\n"                                                                                             \
-      "embedded = (\"3/4\", \"-1/4\", \"1/2\", 0);\n"                                                                                             \
-      "embedded_order = 2;\n")                                                                                                                    \
-    X(ros2,                                                                                                                                       \
-      "# Linearly implicit, two stages, L-stable: what decays fast is gone after a step, however long.\n"                                         \
-      "name   = \"ros2\";\n"                                                                                                                      \
-      "doc    = \"linearly implicit, L-stable, second order with any Jacobian\";\n"                                                               \
-      "source = \"Verwer, Spee, Blom and Hundsdorfer 1999\";\n"                                                                                   \
-      "kind   = \"rosenbrock\";\n"                                                                                                                \
-      "order  = 2;\n"                                                                                                                             \
-      "gamma  = \"1 + 1/sqrt(2)\";\n"                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (1));\n"                                                                                                                              \
-      "G = ((),\n"                                                                                                                                \
-      "     (\"-2 - sqrt(2)\"));\n"                                                                                                               \
-      "b = (\"1/2\", \"1/2\");\n")                                                                                                                \
-    X(ros3p,                                                                                                                                      \
-      "# Linearly implicit, three stages of which two share their right-hand side, A-stable.\n"                                                   \
-      "name   = \"ros3p\";\n"                                                                                                                     \
-      "doc    = \"linearly implicit, A-stable, third order also on parabolic problems\";\n"                                                       \
-      "source = \"Lang and Verwer 2001\";\n"                                                                                                      \
-      "kind   = \"rosenbrock\";\n"                                                                                                                \
-      "order  = 3;\n"                                                                                                                             \
-      "gamma  = \"1/2 + sqrt(3)/6\";\n"                                                                                                           \
-      "A = ((),\n"                                                                                                                                \
-      "     (1),\n"                                                                                                                               \
-      "     (1, 0));\n"                                                                                                                           \
-      "G = ((),\n"                                                                                                                                \
-      "     (-1),\n"                                                                                                                              \
-      "     (\"-(1/2 + sqrt(3)/6)\", \"1/2 - 2*(1/2 + sqrt(3)/6)\"));\n"                                                                          \
-      "b = (\"2/3\", 0, \"1/3\");\n")                                                                                                             \
-    X(semi_implicit_euler,                                                                                                                        \
-      "# A kick, then a drift with the new velocity: v += h*a(x); x += h*v.\n"                                                                    \
-      "name   = \"semi_implicit_euler\";\n"                                                                                                       \
-      "doc    = \"symplectic Euler\";\n"                                                                                                          \
-      "source = \"de Vogelaere 1956\";\n"                                                                                                         \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 1;\n"                                                                                                                             \
-      "substeps = ({ kick = 1; },\n"                                                                                                              \
-      "            { drift = 1; });\n")                                                                                                           \
-    X(stoermer_verlet,                                                                                                                            \
-      "# x_n+1 = 2 x_n - x_n-1 + h^2 a(x_n): no velocity, one acceleration, nothing to choose.\n"                                                 \
-      "name   = \"stoermer_verlet\";\n"                                                                                                           \
-      "doc    = \"position form of Verlet's method\";\n"                                                                                          \
-      "source = \"Stoermer 1907, Verlet 1967\";\n"                                                                                                \
-      "kind   = \"stoermer\";\n"                                                                                                                  \
-      "order  = 2;\n")                                                                                                                            \
-    X(tsit5,                                                                                                                                      \
-      "# The pair 5(4) of Tsitouras, with the digits that double holds. The seventh stage serves the error estimate of\n"                         \
-      "# adaptive steps alone, and is the first one of the next step.\n"                                                                          \
-      "name   = \"tsit5\";\n"                                                                                                                     \
-      "doc    = \"fifth order in six stages, with small errors\";\n"                                                                              \
-      "source = \"Tsitouras 2011\";\n"                                                                                                            \
-      "kind   = \"runge-kutta\";\n"                                                                                                               \
-      "order  = 5;\n"                                                                                                                             \
-      "A = ((),\n"                                                                                                                                \
-      "     (\"161/1000\"),\n"                                                                                                                    \
-      "     (-0.00848065549235698854, 0.335480655492356989),\n"                                                                                   \
-      "     (2.89715305710549343, -6.35944848997507484, 4.36229543286958141),\n"                                                                  \
-      "     (5.32586482843925661, -11.7488835640628279, 7.49553934288983621, -0.0924950663617552493),\n"                                          \
-      "     (5.86145544294642003, -12.9209693178471093, 8.15936789857615864, -0.0715849732814009972, -0.0282690503940683829),\n"                  \
-      "     (0.0964607668180652295, \"1/100\", 0.479889650414499575, 1.37900857410374189, -3.29006951543608068, 2.32471052409977398));\n"         \
-      "b = (0.0964607668180652295, \"1/100\", 0.479889650414499575, 1.37900857410374189, -3.29006951543608068, 2.32471052409977398, 0);\n"        \
-      "embedded = (0.0946807557658394581, 0.00918356554032543010, 0.487770528424761571, 1.23429756693047899, -2.70771234998352545,\n"             \
-      "            1.86662841817058704, \"1/66\");\n"                                                                                             \
-      "embedded_order = 4;\n")                                                                                                                    \
-    X(verlet,                                                                                                                                     \
-      "# Velocity Verlet. The last kick is the next step's first: one acceleration per step.\n"                                                   \
-      "name   = \"verlet\";\n"                                                                                                                    \
-      "doc    = \"velocity Verlet, kick-drift-kick\";\n"                                                                                          \
-      "source = \"Swope, Andersen, Berens and Wilson 1982\";\n"                                                                                   \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 2;\n"                                                                                                                             \
-      "substeps = ({ kick = \"1/2\"; },\n"                                                                                                        \
-      "            { drift = 1; },\n"                                                                                                             \
-      "            { kick = \"1/2\"; });\n")                                                                                                      \
-    X(yoshida6,                                                                                                                                   \
-      "# Seven leapfrog steps; the weights are Yoshida's solution A, 15 digits as published.\n"                                                   \
-      "name   = \"yoshida6\";\n"                                                                                                                  \
-      "doc    = \"sixth order in seven accelerations\";\n"                                                                                        \
-      "source = \"Yoshida 1990\";\n"                                                                                                              \
-      "kind   = \"splitting\";\n"                                                                                                                 \
-      "order  = 6;\n"                                                                                                                             \
-      "substeps = ({ drift = \"0.784513610477560/2\"; },\n"                                                                                       \
-      "            { kick = \"0.784513610477560\"; },\n"                                                                                          \
-      "            { drift = \"(0.784513610477560 + 0.235573213359357)/2\"; },\n"                                                                 \
-      "            { kick = \"0.235573213359357\"; },\n"                                                                                          \
-      "            { drift = \"(0.235573213359357 - 1.17767998417887)/2\"; },\n"                                                                  \
-      "            { kick = \"-1.17767998417887\"; },\n"                                                                                          \
-      "            { drift = \"(-1.17767998417887 + 1.31518632068391)/2\"; },\n"                                                                  \
-      "            { kick = \"1.31518632068391\"; },\n"                                                                                           \
-      "            { drift = \"(1.31518632068391 - 1.17767998417887)/2\"; },\n"                                                                   \
-      "            { kick = \"-1.17767998417887\"; },\n"                                                                                          \
-      "            { drift = \"(-1.17767998417887 + 0.235573213359357)/2\"; },\n"                                                                 \
-      "            { kick = \"0.235573213359357\"; },\n"                                                                                          \
-      "            { drift = \"(0.235573213359357 + 0.784513610477560)/2\"; },\n"                                                                 \
-      "            { kick = \"0.784513610477560\"; },\n"                                                                                          \
+#define FP3_INTEGRATORS(X)                                                                                                                                                                         \
+    X(blanes_moan6,                                                                                                                                                                                \
+      "# Their method SRKN b 11. It is symmetric; the numbers in the middle are what the sums of 1 leave. 15 digits as published.\n"                                                               \
+      "name   = \"blanes_moan6\";\n"                                                                                                                                                               \
+      "doc    = \"sixth order in eleven accelerations, with a small error\";\n"                                                                                                                    \
+      "source = \"Blanes and Moan 2002\";\n"                                                                                                                                                       \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 6;\n"                                                                                                                                                                              \
+      "substeps = ({ kick = \"0.0414649985182624\"; },\n"                                                                                                                                          \
+      "            { drift = \"0.123229775946271\"; },\n"                                                                                                                                          \
+      "            { kick = \"0.198128671918067\"; },\n"                                                                                                                                           \
+      "            { drift = \"0.290553797799558\"; },\n"                                                                                                                                          \
+      "            { kick = \"-0.0400061921041533\"; },\n"                                                                                                                                         \
+      "            { drift = \"-0.127049212625417\"; },\n"                                                                                                                                         \
+      "            { kick = \"0.0752539843015807\"; },\n"                                                                                                                                          \
+      "            { drift = \"-0.246331761062075\"; },\n"                                                                                                                                         \
+      "            { kick = \"-0.0115113874206879\"; },\n"                                                                                                                                         \
+      "            { drift = \"0.357208872795928\"; },\n"                                                                                                                                          \
+      "            { kick = \"1/2 - 0.0414649985182624 - 0.198128671918067 + 0.0400061921041533 - 0.0752539843015807 + 0.0115113874206879\"; },\n"                                                 \
+      "            { drift = \"1 - 2*(0.123229775946271 + 0.290553797799558 - 0.127049212625417 - 0.246331761062075 + 0.357208872795928)\"; },\n"                                                  \
+      "            { kick = \"1/2 - 0.0414649985182624 - 0.198128671918067 + 0.0400061921041533 - 0.0752539843015807 + 0.0115113874206879\"; },\n"                                                 \
+      "            { drift = \"0.357208872795928\"; },\n"                                                                                                                                          \
+      "            { kick = \"-0.0115113874206879\"; },\n"                                                                                                                                         \
+      "            { drift = \"-0.246331761062075\"; },\n"                                                                                                                                         \
+      "            { kick = \"0.0752539843015807\"; },\n"                                                                                                                                          \
+      "            { drift = \"-0.127049212625417\"; },\n"                                                                                                                                         \
+      "            { kick = \"-0.0400061921041533\"; },\n"                                                                                                                                         \
+      "            { drift = \"0.290553797799558\"; },\n"                                                                                                                                          \
+      "            { kick = \"0.198128671918067\"; },\n"                                                                                                                                           \
+      "            { drift = \"0.123229775946271\"; },\n"                                                                                                                                          \
+      "            { kick = \"0.0414649985182624\"; });\n")                                                                                                                                        \
+    X(cash_karp,                                                                                                                                                                                   \
+      "# The pair 5(4) of Cash and Karp's method of variable order. The error estimate needs no stage at the new state: with\n"                                                                    \
+      "# adaptive steps the first stage of the next one is made while the controller works.\n"                                                                                                     \
+      "name   = \"cash_karp\";\n"                                                                                                                                                                  \
+      "doc    = \"fifth order in six stages, its error estimate early\";\n"                                                                                                                        \
+      "source = \"Cash and Karp 1990\";\n"                                                                                                                                                         \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 5;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/5\"),\n"                                                                                                                                                                          \
+      "     (\"3/40\", \"9/40\"),\n"                                                                                                                                                               \
+      "     (\"3/10\", \"-9/10\", \"6/5\"),\n"                                                                                                                                                     \
+      "     (\"-11/54\", \"5/2\", \"-70/27\", \"35/27\"),\n"                                                                                                                                       \
+      "     (\"1631/55296\", \"175/512\", \"575/13824\", \"44275/110592\", \"253/4096\"));\n"                                                                                                      \
+      "b = (\"37/378\", 0, \"250/621\", \"125/594\", 0, \"512/1771\");\n"                                                                                                                          \
+      "embedded = (\"2825/27648\", 0, \"18575/48384\", \"13525/55296\", \"277/14336\", \"1/4\");\n"                                                                                                \
+      "embedded_order = 4;\n")                                                                                                                                                                     \
+    X(dopri5,                                                                                                                                                                                      \
+      "# The Dormand-Prince pair 5(4). The seventh stage serves the error estimate of adaptive steps alone, and is the\n"                                                                          \
+      "# first one of the next step.\n"                                                                                                                                                            \
+      "name   = \"dopri5\";\n"                                                                                                                                                                     \
+      "doc    = \"fifth order in six stages\";\n"                                                                                                                                                  \
+      "source = \"Dormand and Prince 1980\";\n"                                                                                                                                                    \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 5;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/5\"),\n"                                                                                                                                                                          \
+      "     (\"3/40\", \"9/40\"),\n"                                                                                                                                                               \
+      "     (\"44/45\", \"-56/15\", \"32/9\"),\n"                                                                                                                                                  \
+      "     (\"19372/6561\", \"-25360/2187\", \"64448/6561\", \"-212/729\"),\n"                                                                                                                    \
+      "     (\"9017/3168\", \"-355/33\", \"46732/5247\", \"49/176\", \"-5103/18656\"),\n"                                                                                                          \
+      "     (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\"));\n"                                                                                                             \
+      "b = (\"35/384\", 0, \"500/1113\", \"125/192\", \"-2187/6784\", \"11/84\", 0);\n"                                                                                                            \
+      "embedded = (\"5179/57600\", 0, \"7571/16695\", \"393/640\", \"-92097/339200\", \"187/2100\", \"1/40\");\n"                                                                                  \
+      "embedded_order = 4;\n")                                                                                                                                                                     \
+    X(euler,                                                                                                                                                                                       \
+      "# Euler's method.\n"                                                                                                                                                                        \
+      "name   = \"euler\";\n"                                                                                                                                                                      \
+      "doc    = \"forward Euler: the cheapest step there is\";\n"                                                                                                                                  \
+      "source = \"Euler 1768\";\n"                                                                                                                                                                 \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 1;\n"                                                                                                                                                                              \
+      "A = (());\n"                                                                                                                                                                                \
+      "b = (1);\n")                                                                                                                                                                                \
+    X(forest_ruth,                                                                                                                                                                                 \
+      "# Three leapfrog steps of theta, 1 - 2 theta and theta, where theta = 1/(2 - 2^(1/3)).\n"                                                                                                   \
+      "name   = \"forest_ruth\";\n"                                                                                                                                                                \
+      "doc    = \"fourth order in three accelerations\";\n"                                                                                                                                        \
+      "source = \"Forest and Ruth 1990\";\n"                                                                                                                                                       \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 4;\n"                                                                                                                                                                              \
+      "substeps = ({ drift = \"0.5/(2 - 2^(1/3))\"; },\n"                                                                                                                                          \
+      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                                                                             \
+      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                                                                    \
+      "            { kick = \"1 - 2/(2 - 2^(1/3))\"; },\n"                                                                                                                                         \
+      "            { drift = \"(1 - 1/(2 - 2^(1/3)))/2\"; },\n"                                                                                                                                    \
+      "            { kick = \"1/(2 - 2^(1/3))\"; },\n"                                                                                                                                             \
+      "            { drift = \"0.5/(2 - 2^(1/3))\"; });\n")                                                                                                                                        \
+    X(heun,                                                                                                                                                                                        \
+      "# The explicit trapezoidal rule.\n"                                                                                                                                                         \
+      "name   = \"heun\";\n"                                                                                                                                                                       \
+      "doc    = \"explicit trapezoidal rule\";\n"                                                                                                                                                  \
+      "source = \"Heun 1900\";\n"                                                                                                                                                                  \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 2;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (1));\n"                                                                                                                                                                               \
+      "b = (\"1/2\", \"1/2\");\n"                                                                                                                                                                  \
+      "embedded = (1, 0); # Euler\n"                                                                                                                                                               \
+      "embedded_order = 1;\n")                                                                                                                                                                     \
+    X(leapfrog,                                                                                                                                                                                    \
+      "# Position Verlet: half a drift, a kick, half a drift.\n"                                                                                                                                   \
+      "name   = \"leapfrog\";\n"                                                                                                                                                                   \
+      "doc    = \"position Verlet, drift-kick-drift\";\n"                                                                                                                                          \
+      "source = \"Tuckerman, Berne and Martyna 1992\";\n"                                                                                                                                          \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 2;\n"                                                                                                                                                                              \
+      "substeps = ({ drift = \"1/2\"; },\n"                                                                                                                                                        \
+      "            { kick = 1; },\n"                                                                                                                                                               \
+      "            { drift = \"1/2\"; });\n")                                                                                                                                                      \
+    X(midpoint,                                                                                                                                                                                    \
+      "# The explicit midpoint rule.\n"                                                                                                                                                            \
+      "name   = \"midpoint\";\n"                                                                                                                                                                   \
+      "doc    = \"explicit midpoint rule\";\n"                                                                                                                                                     \
+      "source = \"Runge 1895\";\n"                                                                                                                                                                 \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 2;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/2\"));\n"                                                                                                                                                                         \
+      "b = (0, 1);\n")                                                                                                                                                                             \
+    X(pefrl,                                                                                                                                                                                       \
+      "# Forest-Ruth with one acceleration more, chosen for a small error; 16 digits as published.\n"                                                                                              \
+      "name   = \"pefrl\";\n"                                                                                                                                                                      \
+      "doc    = \"fourth order in four accelerations, small error\";\n"                                                                                                                            \
+      "source = \"Omelyan, Mryglod and Folk 2002\";\n"                                                                                                                                             \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 4;\n"                                                                                                                                                                              \
+      "substeps = ({ drift = \"0.1786178958448091\"; },\n"                                                                                                                                         \
+      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                                                                             \
+      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                                                                       \
+      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                                                                         \
+      "            { drift = \"1 - 2*(-0.06626458266981849 + 0.1786178958448091)\"; },\n"                                                                                                          \
+      "            { kick = \"-0.2123418310626054\"; },\n"                                                                                                                                         \
+      "            { drift = \"-0.06626458266981849\"; },\n"                                                                                                                                       \
+      "            { kick = \"(1 - 2*(-0.2123418310626054))/2\"; },\n"                                                                                                                             \
+      "            { drift = \"0.1786178958448091\"; });\n")                                                                                                                                       \
+    X(ralston3,                                                                                                                                                                                    \
+      "# Third order with the smallest bound on the local error. `embedded` is ours, for adaptive steps: of the weights of second order those\n"                                                   \
+      "# whose estimate of the error of y' = a y is (h a)^3/24, which is 0 at no step. (That of Bogacki and Shampine's pair is 0 at h a = -1.)\n"                                                  \
+      "name   = \"ralston3\";\n"                                                                                                                                                                   \
+      "doc    = \"third order in three stages\";\n"                                                                                                                                                \
+      "source = \"Ralston 1962\";\n"                                                                                                                                                               \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 3;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/2\"),\n"                                                                                                                                                                          \
+      "     (0, \"3/4\"));\n"                                                                                                                                                                      \
+      "b = (\"2/9\", \"1/3\", \"4/9\");\n"                                                                                                                                                         \
+      "embedded = (\"1/6\", \"1/2\", \"1/3\");\n"                                                                                                                                                  \
+      "embedded_order = 2;\n")                                                                                                                                                                     \
+    X(rk38,                                                                                                                                                                                        \
+      "# The 3/8 rule: smaller error coefficients than rk4, fewer zeros.\n"                                                                                                                        \
+      "name   = \"rk38\";\n"                                                                                                                                                                       \
+      "doc    = \"fourth order, the 3/8 rule\";\n"                                                                                                                                                 \
+      "source = \"Kutta 1901\";\n"                                                                                                                                                                 \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 4;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/3\"),\n"                                                                                                                                                                          \
+      "     (\"-1/3\", 1),\n"                                                                                                                                                                      \
+      "     (1, -1, 1));\n"                                                                                                                                                                        \
+      "b = (\"1/8\", \"3/8\", \"3/8\", \"1/8\");\n")                                                                                                                                               \
+    X(rk4,                                                                                                                                                                                         \
+      "# The classic fourth-order method.\n"                                                                                                                                                       \
+      "name   = \"rk4\";\n"                                                                                                                                                                        \
+      "doc    = \"the classic fourth-order method\";\n"                                                                                                                                            \
+      "source = \"Kutta 1901\";\n"                                                                                                                                                                 \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 4;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/2\"),\n"                                                                                                                                                                          \
+      "     (0, \"1/2\"),\n"                                                                                                                                                                       \
+      "     (0, 0, 1));\n"                                                                                                                                                                         \
+      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                                                                               \
+    X(rk4_paper,                                                                                                                                                                                   \
+      "# Equations (1) of the paper: speed by rk4, then position by the new speed, s = s + h*v1.\n"                                                                                                \
+      "name   = \"rk4_paper\";\n"                                                                                                                                                                  \
+      "doc    = \"rk4 with the paper's position rule, which is first order\";\n"                                                                                                                   \
+      "source = \"Woulfe, Dingliana and Manzke, Equations (1)\";\n"                                                                                                                                \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 4;\n"                                                                                                                                                                              \
+      "late_position = true;\n"                                                                                                                                                                    \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/2\"),\n"                                                                                                                                                                          \
+      "     (0, \"1/2\"),\n"                                                                                                                                                                       \
+      "     (0, 0, 1));\n"                                                                                                                                                                         \
+      "b = (\"1/6\", \"1/3\", \"1/3\", \"1/6\");\n")                                                                                                                                               \
+    X(rk6,                                                                                                                                                                                         \
+      "# Sixth order in seven stages, which is as few as there can be.\n"                                                                                                                          \
+      "name   = \"rk6\";\n"                                                                                                                                                                        \
+      "doc    = \"sixth order in seven stages\";\n"                                                                                                                                                \
+      "source = \"Butcher 1964\";\n"                                                                                                                                                               \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 6;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/3\"),\n"                                                                                                                                                                          \
+      "     (0, \"2/3\"),\n"                                                                                                                                                                       \
+      "     (\"1/12\", \"1/3\", \"-1/12\"),\n"                                                                                                                                                     \
+      "     (\"-1/16\", \"9/8\", \"-3/16\", \"-3/8\"),\n"                                                                                                                                          \
+      "     (0, \"9/8\", \"-3/8\", \"-3/4\", \"1/2\"),\n"                                                                                                                                          \
+      "     (\"9/44\", \"-9/11\", \"63/44\", \"18/11\", 0, \"-16/11\"));\n"                                                                                                                        \
+      "b = (\"11/120\", 0, \"27/40\", \"27/40\", \"-4/15\", \"-4/15\", \"11/120\");\n")                                                                                                            \
+    X(rk8,                                                                                                                                                                                         \
+      "# Eighth order in eleven stages. No stage has more than six slopes, and those of stages 2 to 4 end early.\n"                                                                                \
+      "# The second weights are ours: b less a 120th of (3, -7, 8, -7, 3), which is a fourth difference over the five nodes.\n"                                                                    \
+      "name   = \"rk8\";\n"                                                                                                                                                                        \
+      "doc    = \"eighth order in eleven stages, with an estimate of order 4\";\n"                                                                                                                 \
+      "source = \"Cooper and Verner 1972\";\n"                                                                                                                                                     \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 8;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"1/2\"),\n"                                                                                                                                                                          \
+      "     (\"1/4\", \"1/4\"),\n"                                                                                                                                                                 \
+      "     (\"1/7\", \"(-7 - 3*sqrt(21))/98\", \"(21 + 5*sqrt(21))/49\"),\n"                                                                                                                      \
+      "     (\"(11 + sqrt(21))/84\", 0, \"(18 + 4*sqrt(21))/63\", \"(21 - sqrt(21))/252\"),\n"                                                                                                     \
+      "     (\"(5 + sqrt(21))/48\", 0, \"(9 + sqrt(21))/36\", \"(-231 + 14*sqrt(21))/360\", \"(63 - 7*sqrt(21))/80\"),\n"                                                                          \
+      "     (\"(10 - sqrt(21))/42\", 0, \"(-432 + 92*sqrt(21))/315\", \"(633 - 145*sqrt(21))/90\", \"(-504 + 115*sqrt(21))/70\", \"(63 - 13*sqrt(21))/35\"),\n"                                    \
+      "     (\"1/14\", 0, 0, 0, \"(14 - 3*sqrt(21))/126\", \"(13 - 3*sqrt(21))/63\", \"1/9\"),\n"                                                                                                  \
+      "     (\"1/32\", 0, 0, 0, \"(91 - 21*sqrt(21))/576\", \"11/72\", \"(-385 - 75*sqrt(21))/1152\", \"(63 + 13*sqrt(21))/128\"),\n"                                                              \
+      "     (\"1/14\", 0, 0, 0, \"1/9\", \"(-733 - 147*sqrt(21))/2205\", \"(515 + 111*sqrt(21))/504\", \"(-51 - 11*sqrt(21))/56\", \"(132 + 28*sqrt(21))/245\"),\n"                                \
+      "     (0, 0, 0, 0, \"(-42 + 7*sqrt(21))/18\", \"(-18 + 28*sqrt(21))/45\", \"(-273 - 53*sqrt(21))/72\", \"(301 + 53*sqrt(21))/72\", \"(28 - 28*sqrt(21))/45\", \"(49 - 7*sqrt(21))/18\"));\n" \
+      "b = (\"1/20\", 0, 0, 0, 0, 0, 0, \"49/180\", \"16/45\", \"49/180\", \"1/20\");\n"                                                                                                           \
+      "embedded = (\"1/40\", 0, 0, 0, 0, 0, 0, \"119/360\", \"13/45\", \"119/360\", \"1/40\");\n"                                                                                                  \
+      "embedded_order = 4;\n")                                                                                                                                                                     \
+    X(rkc12,                                                                                                                                                                                       \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), twelve stages.\n"                                                                                                                          \
+      "name    = \"rkc12\";\n"                                                                                                                                                                     \
+      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                                                                              \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                                                                       \
+      "kind    = \"chebyshev\";\n"                                                                                                                                                                 \
+      "order   = 2;\n"                                                                                                                                                                             \
+      "stages  = 12;\n"                                                                                                                                                                            \
+      "damping = \"2/13\";\n")                                                                                                                                                                     \
+    X(rkc6_damped,                                                                                                                                                                                 \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), six stages. What decays fast loses a quarter or more in each step of any\n"                                                                \
+      "# length up to the limit, so jumps at the start do not last: 8 % of the limit is the price.\n"                                                                                              \
+      "name    = \"rkc6_damped\";\n"                                                                                                                                                               \
+      "doc     = \"stabilised explicit, for mildly stiff models that begin with a jump\";\n"                                                                                                       \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                                                                       \
+      "kind    = \"chebyshev\";\n"                                                                                                                                                                 \
+      "order   = 2;\n"                                                                                                                                                                             \
+      "stages  = 6;\n"                                                                                                                                                                             \
+      "damping = 1;\n")                                                                                                                                                                            \
+    X(rkc8,                                                                                                                                                                                        \
+      "# Stabilised explicit (Runge, Kutta, Chebyshev), eight stages.\n"                                                                                                                           \
+      "name    = \"rkc8\";\n"                                                                                                                                                                      \
+      "doc     = \"stabilised explicit, for mildly stiff models\";\n"                                                                                                                              \
+      "source  = \"Sommeijer, Shampine and Verwer 1997\";\n"                                                                                                                                       \
+      "kind    = \"chebyshev\";\n"                                                                                                                                                                 \
+      "order   = 2;\n"                                                                                                                                                                             \
+      "stages  = 8;\n"                                                                                                                                                                             \
+      "damping = \"2/13\";\n")                                                                                                                                                                     \
+    X(rodas3,                                                                                                                                                                                      \
+      "# Linearly implicit, four stages, L-stable and stiffly accurate.\n"                                                                                                                         \
+      "name   = \"rodas3\";\n"                                                                                                                                                                     \
+      "doc    = \"linearly implicit, L-stable, stiffly accurate\";\n"                                                                                                                              \
+      "source = \"Sandu, Verwer, Blom, Spee, Carmichael and Potra 1997\";\n"                                                                                                                       \
+      "kind   = \"rosenbrock\";\n"                                                                                                                                                                 \
+      "order  = 3;\n"                                                                                                                                                                              \
+      "gamma  = \"1/2\";\n"                                                                                                                                                                        \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (0),\n"                                                                                                                                                                                \
+      "     (1, 0),\n"                                                                                                                                                                             \
+      "     (\"3/4\", \"-1/4\", \"1/2\"));\n"                                                                                                                                                      \
+      "G = ((),\n"                                                                                                                                                                                 \
+      "     (1),\n"                                                                                                                                                                                \
+      "     (\"-1/4\", \"-1/4\"),\n"                                                                                                                                                               \
+      "     (\"1/12\", \"1/12\", \"-2/3\"));\n"                                                                                                                                                    \
+      "b = (\"5/6\", \"-1/6\", \"-1/6\", \"1/2\");\n"                                                                                                                                              \
+      "embedded = (\"3/4\", \"-1/4\", \"1/2\", 0);\n"                                                                                                                                              \
+      "embedded_order = 2;\n")                                                                                                                                                                     \
+    X(ros2,                                                                                                                                                                                        \
+      "# Linearly implicit, two stages, L-stable: what decays fast is gone after a step, however long.\n"                                                                                          \
+      "name   = \"ros2\";\n"                                                                                                                                                                       \
+      "doc    = \"linearly implicit, L-stable, second order with any Jacobian\";\n"                                                                                                                \
+      "source = \"Verwer, Spee, Blom and Hundsdorfer 1999\";\n"                                                                                                                                    \
+      "kind   = \"rosenbrock\";\n"                                                                                                                                                                 \
+      "order  = 2;\n"                                                                                                                                                                              \
+      "gamma  = \"1 + 1/sqrt(2)\";\n"                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (1));\n"                                                                                                                                                                               \
+      "G = ((),\n"                                                                                                                                                                                 \
+      "     (\"-2 - sqrt(2)\"));\n"                                                                                                                                                                \
+      "b = (\"1/2\", \"1/2\");\n")                                                                                                                                                                 \
+    X(ros3p,                                                                                                                                                                                       \
+      "# Linearly implicit, three stages of which two share their right-hand side, A-stable.\n"                                                                                                    \
+      "name   = \"ros3p\";\n"                                                                                                                                                                      \
+      "doc    = \"linearly implicit, A-stable, third order also on parabolic problems\";\n"                                                                                                        \
+      "source = \"Lang and Verwer 2001\";\n"                                                                                                                                                       \
+      "kind   = \"rosenbrock\";\n"                                                                                                                                                                 \
+      "order  = 3;\n"                                                                                                                                                                              \
+      "gamma  = \"1/2 + sqrt(3)/6\";\n"                                                                                                                                                            \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (1),\n"                                                                                                                                                                                \
+      "     (1, 0));\n"                                                                                                                                                                            \
+      "G = ((),\n"                                                                                                                                                                                 \
+      "     (-1),\n"                                                                                                                                                                               \
+      "     (\"-(1/2 + sqrt(3)/6)\", \"1/2 - 2*(1/2 + sqrt(3)/6)\"));\n"                                                                                                                           \
+      "b = (\"2/3\", 0, \"1/3\");\n")                                                                                                                                                              \
+    X(semi_implicit_euler,                                                                                                                                                                         \
+      "# A kick, then a drift with the new velocity: v += h*a(x); x += h*v.\n"                                                                                                                     \
+      "name   = \"semi_implicit_euler\";\n"                                                                                                                                                        \
+      "doc    = \"symplectic Euler\";\n"                                                                                                                                                           \
+      "source = \"de Vogelaere 1956\";\n"                                                                                                                                                          \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 1;\n"                                                                                                                                                                              \
+      "substeps = ({ kick = 1; },\n"                                                                                                                                                               \
+      "            { drift = 1; });\n")                                                                                                                                                            \
+    X(stoermer_verlet,                                                                                                                                                                             \
+      "# x_n+1 = 2 x_n - x_n-1 + h^2 a(x_n): no velocity, one acceleration, nothing to choose.\n"                                                                                                  \
+      "name   = \"stoermer_verlet\";\n"                                                                                                                                                            \
+      "doc    = \"position form of Verlet's method\";\n"                                                                                                                                           \
+      "source = \"Stoermer 1907, Verlet 1967\";\n"                                                                                                                                                 \
+      "kind   = \"stoermer\";\n"                                                                                                                                                                   \
+      "order  = 2;\n")                                                                                                                                                                             \
+    X(tsit5,                                                                                                                                                                                       \
+      "# The pair 5(4) of Tsitouras, with the digits that double holds. The seventh stage serves the error estimate of\n"                                                                          \
+      "# adaptive steps alone, and is the first one of the next step.\n"                                                                                                                           \
+      "name   = \"tsit5\";\n"                                                                                                                                                                      \
+      "doc    = \"fifth order in six stages, with small errors\";\n"                                                                                                                               \
+      "source = \"Tsitouras 2011\";\n"                                                                                                                                                             \
+      "kind   = \"runge-kutta\";\n"                                                                                                                                                                \
+      "order  = 5;\n"                                                                                                                                                                              \
+      "A = ((),\n"                                                                                                                                                                                 \
+      "     (\"161/1000\"),\n"                                                                                                                                                                     \
+      "     (-0.00848065549235698854, 0.335480655492356989),\n"                                                                                                                                    \
+      "     (2.89715305710549343, -6.35944848997507484, 4.36229543286958141),\n"                                                                                                                   \
+      "     (5.32586482843925661, -11.7488835640628279, 7.49553934288983621, -0.0924950663617552493),\n"                                                                                           \
+      "     (5.86145544294642003, -12.9209693178471093, 8.15936789857615864, -0.0715849732814009972, -0.0282690503940683829),\n"                                                                   \
+      "     (0.0964607668180652295, \"1/100\", 0.479889650414499575, 1.37900857410374189, -3.29006951543608068, 2.32471052409977398));\n"                                                          \
+      "b = (0.0964607668180652295, \"1/100\", 0.479889650414499575, 1.37900857410374189, -3.29006951543608068, 2.32471052409977398, 0);\n"                                                         \
+      "embedded = (0.0946807557658394581, 0.00918356554032543010, 0.487770528424761571, 1.23429756693047899, -2.70771234998352545,\n"                                                              \
+      "            1.86662841817058704, \"1/66\");\n"                                                                                                                                              \
+      "embedded_order = 4;\n")                                                                                                                                                                     \
+    X(verlet,                                                                                                                                                                                      \
+      "# Velocity Verlet. The last kick is the next step's first: one acceleration per step.\n"                                                                                                    \
+      "name   = \"verlet\";\n"                                                                                                                                                                     \
+      "doc    = \"velocity Verlet, kick-drift-kick\";\n"                                                                                                                                           \
+      "source = \"Swope, Andersen, Berens and Wilson 1982\";\n"                                                                                                                                    \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 2;\n"                                                                                                                                                                              \
+      "substeps = ({ kick = \"1/2\"; },\n"                                                                                                                                                         \
+      "            { drift = 1; },\n"                                                                                                                                                              \
+      "            { kick = \"1/2\"; });\n")                                                                                                                                                       \
+    X(yoshida6,                                                                                                                                                                                    \
+      "# Seven leapfrog steps; the weights are Yoshida's solution A, 15 digits as published.\n"                                                                                                    \
+      "name   = \"yoshida6\";\n"                                                                                                                                                                   \
+      "doc    = \"sixth order in seven accelerations\";\n"                                                                                                                                         \
+      "source = \"Yoshida 1990\";\n"                                                                                                                                                               \
+      "kind   = \"splitting\";\n"                                                                                                                                                                  \
+      "order  = 6;\n"                                                                                                                                                                              \
+      "substeps = ({ drift = \"0.784513610477560/2\"; },\n"                                                                                                                                        \
+      "            { kick = \"0.784513610477560\"; },\n"                                                                                                                                           \
+      "            { drift = \"(0.784513610477560 + 0.235573213359357)/2\"; },\n"                                                                                                                  \
+      "            { kick = \"0.235573213359357\"; },\n"                                                                                                                                           \
+      "            { drift = \"(0.235573213359357 - 1.17767998417887)/2\"; },\n"                                                                                                                   \
+      "            { kick = \"-1.17767998417887\"; },\n"                                                                                                                                           \
+      "            { drift = \"(-1.17767998417887 + 1.31518632068391)/2\"; },\n"                                                                                                                   \
+      "            { kick = \"1.31518632068391\"; },\n"                                                                                                                                            \
+      "            { drift = \"(1.31518632068391 - 1.17767998417887)/2\"; },\n"                                                                                                                    \
+      "            { kick = \"-1.17767998417887\"; },\n"                                                                                                                                           \
+      "            { drift = \"(-1.17767998417887 + 0.235573213359357)/2\"; },\n"                                                                                                                  \
+      "            { kick = \"0.235573213359357\"; },\n"                                                                                                                                           \
+      "            { drift = \"(0.235573213359357 + 0.784513610477560)/2\"; },\n"                                                                                                                  \
+      "            { kick = \"0.784513610477560\"; },\n"                                                                                                                                           \
       "            { drift = \"0.784513610477560/2\"; });\n")
 
 /* clang-format on */

@@ -19,7 +19,7 @@ step 0.015625
 span 6.283185307179586
 """
 ROBERTSON = pathlib.Path(__file__).parents[2] / "programs/robertson.ode"
-PAIRS = {"cash_karp": 6e-3, "dopri5": 6e-3, "tsit5": 6e-3, "ralston3": 2e-2, "heun": 4e-2}
+PAIRS = {"cash_karp": 6e-3, "dopri5": 6e-3, "tsit5": 6e-3, "rk8": 6e-3, "ralston3": 2e-2, "heun": 4e-2}
 DECAY = """param rate = 1
 state y = 1
 state c = 0

@@ -99,7 +99,7 @@ def run(tmp_path):
 
 
 @pytest.mark.parametrize("condition", ["t > 5 and t < 5.0625", "t >= 5 and t <= 5.0625", "2*t - 3 >= 7 and 1 - t/2 > -1.53125", "t > from and from + 0.0625 - t > 0"])
-@pytest.mark.parametrize("integrator", ["heun", "ralston3", "cash_karp", "dopri5", "tsit5", "rodas3", "rkc8"])
+@pytest.mark.parametrize("integrator", ["heun", "ralston3", "cash_karp", "dopri5", "tsit5", "rk8", "rodas3", "rkc8"])
 def test_adaptive_steps_end_where_a_condition_in_t_changes(condition, integrator, run):
     got, _ = run("param from = 5\n" + PULSE.replace("t > 5 and t < 5.0625", condition), "-i", integrator, "--tolerance", "1e-5")
     assert got["x"] == pytest.approx(SHORT, rel=1e-4)
