@@ -20,9 +20,9 @@ METHODS = looks({
 INTEGRATORS = looks({
     "#e69f00": ["euler", "midpoint", "heun", "ralston3"],
     "#d55e00": ["rk4", "rk38", "rk4_paper"],
-    "#aa3377": ["rk6", "dopri5", "tsit5", "cash_karp"],
+    "#aa3377": ["rk6", "rk8", "dopri5", "tsit5", "cash_karp"],
     "#0072b2": ["verlet", "leapfrog", "stoermer_verlet", "semi_implicit_euler"],
-    "#009e73": ["yoshida6", "forest_ruth", "pefrl"],
+    "#009e73": ["yoshida6", "blanes_moan6", "forest_ruth", "pefrl"],
     "#000000": ["ros2", "ros3p", "rodas3"],
     "#56b4e9": ["rkc6_damped", "rkc8", "rkc12"],
 })

@@ -474,17 +474,18 @@ int fp3_cmd_bench(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "[MODEL...]",
-        .doc = "With MODEL (the name of a file in programs/, or a path), measures error against "
-               "run time: for each integrator, arithmetic and time step (or tolerance), the "
-               "nanoseconds of engine fast with one thread and with all threads, and the cycles of "
-               "the hardware. A plain C loop and the solvers of GSL run beside it. The printed "
-               "table has the best points; --json and --csv have all. It takes about a minute for "
-               "each model, needs a C compiler, and wants an idle machine.\v"
-               "Without MODEL, runs the ship (or --program) on the hardware under Verilator, "
-               "counts its cycles, compares every write of a state bit for bit with the golden "
-               "model or the isa engine, and measures the error against the truth. The exit code "
-               "is 1 if any bits differ, and 3 if objects failed or there is no truth; the figures "
-               "are printed in each case."};
+        .doc =
+            "With MODEL (the name of a file in programs/, or a path), measures error against "
+            "run time: for each integrator, arithmetic and time step (or tolerance), the "
+            "nanoseconds of engine fast with one thread and with all threads, and the cycles of "
+            "the hardware. A plain C loop and the solvers of GSL run beside it. The printed "
+            "table has the best points; --json and --csv have all. It takes one or two minutes for "
+            "each model, needs a C compiler, and wants an idle machine.\v"
+            "Without MODEL, runs the ship (or --program) on the hardware under Verilator, "
+            "counts its cycles, compares every write of a state bit for bit with the golden "
+            "model or the isa engine, and measures the error against the truth. The exit code "
+            "is 1 if any bits differ, and 3 if objects failed or there is no truth; the figures "
+            "are printed in each case."};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error = {.text = ""};
     char *report = NULL;

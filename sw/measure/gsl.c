@@ -154,8 +154,8 @@ fp3_status fp3_measure_add_gsl(fp3_measure_points *points, const fp3_measure_pro
             status = add(points, point, m, slopes_of, error);
         }
         for (unsigned k = 0; !status && methods[m].is_fixed && k < options->most_rungs; k++) {
-            point.steps = 1ull << k;
-            point.h = ldexp(problem->end, -(int)k);
+            point.steps = fp3_measure_steps(k);
+            point.h = problem->end / (double)point.steps;
             status = add(points, point, m, slopes_of, error);
         }
     }

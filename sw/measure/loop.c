@@ -108,8 +108,8 @@ static fp3_status add_form(fp3_measure_points *points, const fp3_measure_problem
                                    .threads = 1,
                                    .objects = is_vector ? 16 * (uint64_t)problem->variants
                                                         : problem->variants,
-                                   .steps = 1ull << k,
-                                   .h = ldexp(problem->end, -(int)k),
+                                   .steps = fp3_measure_steps(k),
+                                   .h = problem->end / (double)fp3_measure_steps(k),
                                    .run = run,
                                    .close = close_self,
                                    .problem = problem};

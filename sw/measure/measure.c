@@ -24,7 +24,7 @@ fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
                              .engine = engine,
                              .objects = 16384,
                              .object_steps = 1 << 20,
-                             .most_rungs = 18,
+                             .most_rungs = 35,
                              .fewest_digits = 2,
                              .most_digits = 10,
                              .digits_apart = 1,
@@ -34,8 +34,8 @@ fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
         o.patience = 0.2;
         o.objects = 1024;
         o.object_steps = 1 << 20;
-        o.most_rungs = 10;
-        o.digits_apart = 4;
+        o.most_rungs = 19;
+        o.digits_apart = 2;
     }
     if (!strcmp(engine, "isa")) {
         o.objects = o.variants;

@@ -22,7 +22,7 @@ struct fp3_measure_options {
     const char *const *integrators; /* ended by NULL; NULL: all that are built in */
     uint64_t objects;               /* of a timed run */
     uint64_t object_steps;          /* at most so many in a timed run: then of fewer objects */
-    unsigned most_rungs;            /* time steps span/1, span/2, ... */
+    unsigned most_rungs;            /* of fp3_measure_steps */
     unsigned fewest_digits, most_digits, digits_apart; /* tolerances 10^-fewest ... 10^-most */
     int has_threads;                                   /* also with a thread for each processor */
     int is_flipped; /* turns a bit of what the engine gives, to see that it is noticed */

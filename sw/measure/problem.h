@@ -3,6 +3,7 @@
 #define FP3_MEASURE_PROBLEM_H
 
 #include <fp3/model.h>
+#include <stdint.h>
 
 typedef struct {
     const fp3_model *model;
@@ -23,6 +24,10 @@ void fp3_measure_problem_close(fp3_measure_problem *problem);
  * states; its median and its largest over the variants. Infinite where a state is not finite. */
 void fp3_measure_problem_errors(const fp3_measure_problem *problem, const double *ends,
                                 double *median, double *worst);
+
+/* Fixed steps that are tried: 1, 2, 3, 4, 6, 8, 12, 16, ... over the span, so that their cost grows no faster than
+ * that of the tolerances of others. */
+uint64_t fp3_measure_steps(unsigned rung);
 
 double fp3_measure_median(const double *values, unsigned count);
 

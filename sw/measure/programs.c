@@ -1,7 +1,7 @@
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
- * Fixed time steps are span/1, span/2, span/4, ...: all end at the same time, exactly. Adaptive ones have
- * tolerances 10^-2, 10^-3, ... A short run of the variants alone says which of them are worth a point.
+ * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once as the arithmetic has them: what that moves
+ * the end is part of the error. Adaptive ones have tolerances 10^-2, 10^-3, ... A short run of the variants alone says which of them are worth a point.
  */
 #include "programs.h"
 
@@ -17,13 +17,13 @@
 
 #define CONFIG "many_full" /* whose program the engines in software run */
 #define CHECKED_STEPS 8    /* of fixed ones, of the runs in which engines are compared */
-#define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
-#define RUNGS_AFTER 10 /* beyond the first time step that solves it: 1,024 times as many steps */
+#define RUNGS_WORSE 4      /* after so many without a smaller error nothing is left but rounding */
+#define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
 #define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
 #define HARDWARE_MOST 3e5  /* instructions of an adaptive run under Verilator */
-#define PACES_MOST 32
+#define PACES_MOST 48
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
 static const char *const hardware[] = {"many_full", "single_full", "many", "single",
@@ -237,9 +237,10 @@ static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
     if (f->adapted)
         *pace = (fp3_measure_pace){.h = f->problem->model->step,
                                    .tolerance = pow(10, -(double)digits),
-                                   .count = 1ull << o->most_rungs};
+                                   .count = fp3_measure_steps(o->most_rungs)};
     else
-        *pace = (fp3_measure_pace){.h = ldexp(f->problem->end, -(int)k), .count = 1ull << k};
+        *pace = (fp3_measure_pace){.h = f->problem->end / (double)fp3_measure_steps(k),
+                                   .count = fp3_measure_steps(k)};
     return f->adapted ? digits <= o->most_digits : k < o->most_rungs;
 }
 
