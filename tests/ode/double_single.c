@@ -4,12 +4,13 @@
  *
  * Sums, differences and products of two floats against what they are exactly, over the whole range, with
  * ties, cancellation, subnormal numbers and both ends; operations on pairs against __float128, with 113
- * bits. Prints, for each, how many were checked, how many nodes it has, and its largest relative error in
+ * bits, relative to the result; loose ones relative to the size of the result (loose.h). Prints, for each, how many were checked, how many nodes it has, and its largest relative error in
  * units of u^2 = 2^-48.
  */
 #include "executed_pairs.h"
 
 #include <compiler/pairs/double_step.h>
+#include <compiler/pairs/loose.h>
 
 /* Any finite number; half of the time one that is near another, of few bits, or at an end. */
 static float any(float near) {
@@ -145,6 +146,88 @@ static int check_pairs(const char *name, binary *two, unary *one, error_fn *erro
     return end(&o);
 }
 
+/* ---- loose pairs ---- */
+
+typedef fp3_loose loose_binary(dag *g, fp3_loose x, fp3_loose y);
+
+/* A value of this size, of which anything up to all may have cancelled: its words and its spread of `spread` u. */
+static void any_loose(float *words, double size, unsigned spread) {
+    const int gone = chance() % 3 ? 0 : (int)(chance() % 60);
+    words[0] = (float)ldexp(size * (chance() & 1 ? -1 : 1), -gone);
+    const double most = size * spread * 0x1p-24;
+    words[1] = (float)(most * ((double)(chance() % 0x2000001) * 0x1p-24 - 1) * (1 - 0x1p-23));
+}
+
+static void check_loose_once(operation *o, char kind, const unsigned spread[2],
+                             const int is_less[2], double bound) {
+    float words[4], r[2];
+    double size[2];
+    for (int k = 0; k < 2; k++) {
+        size[k] = fabs((double)between(-20, 20));
+        any_loose(words + 2 * k, size[k], spread[k]);
+    }
+    if (chance() % 4 == 0) { /* they cancel */
+        any_loose(words + 2, size[1] = size[0], spread[1]);
+        words[2] = words[0] * (1 + (float)(chance() % 5) * FLT_EPSILON) * (chance() & 1 ? 1 : -1);
+    }
+    const quad x = (quad)words[0] + (is_less[0] ? -1 : 1) * (quad)words[1];
+    const quad y = (quad)words[2] + (is_less[1] ? -1 : 1) * (quad)words[3];
+    const quad exact = kind == '*' ? x * y : kind == '+' ? x + y : x - y;
+    const double all = kind == '*' ? size[0] * size[1] : size[0] + size[1];
+    execute(o, words, r, NULL);
+    o->checked++;
+    const double found = fabs((double)((sum_of(r) - exact) / all)) / U2;
+    if (!(found <= bound) || (float)sum_of(r) != r[0])
+        tell(o, words, 4, r);
+    o->worst = fmax(o->worst, found);
+}
+
+/* Of operands with these spreads, whose second words are added or subtracted; the result is renormalised, without an error. */
+static int check_loose(const char *name, loose_binary *op, char kind, unsigned k, unsigned l,
+                       uint64_t count) {
+    const double product = k + l == 2 ? 8 : 3 + 4 * k + 3 * l + k * l;
+    const double bound = kind == '*' ? product : k + l == 2 ? 4 : 3 + 3 * (k > l ? k : l);
+    int is_bad = 0;
+    for (unsigned signs = 0; signs < 4; signs++) {
+        operation o;
+        const unsigned spread[] = {k, l};
+        const int is_less[] = {(int)(signs & 1), (int)(signs >> 1)};
+        fp3_loose x[2];
+        open_operation(&o, name);
+        for (uint32_t i = 0; i < 2; i++)
+            x[i] = (fp3_loose){{fp3_dag_variable(&o.g, 2 * i), fp3_dag_variable(&o.g, 2 * i + 1)},
+                               is_less[i],
+                               1,
+                               spread[i]};
+        const fp3_loose made = op(&o.g, x[0], x[1]);
+        unsigned nodes = 0;
+        for (uint32_t i = 0; i < o.g.count; i++)
+            nodes += !fp3_dag_is_leaf(&o.g, i);
+        o.made = fp3_loose_pair(&o.g, made);
+        is_bad |= made.spread > FP3_SPREAD_MOST;
+        for (uint64_t i = 0; i < count / 4; i++)
+            check_loose_once(&o, kind, spread, is_less, bound);
+        o.spent = nodes;
+        is_bad |= end(&o);
+    }
+    return is_bad;
+}
+
+static int check_all_loose(uint64_t count) {
+    int is_bad = 0;
+    for (unsigned k = 1; k <= FP3_SPREAD_MOST; k += FP3_SPREAD_MOST - 1)
+        for (unsigned l = 1; l <= FP3_SPREAD_MOST; l += FP3_SPREAD_MOST - 1) {
+            char name[3][32];
+            for (int i = 0; i < 3; i++)
+                snprintf(name[i], sizeof name[i], k + l == 2 ? "%s" : "%s %u %u",
+                         (const char *[]){"loose_add", "loose_sub", "loose_mul"}[i], k, l);
+            is_bad |= check_loose(name[0], fp3_loose_add, '+', k, l, count);
+            is_bad |= check_loose(name[1], fp3_loose_sub, '-', k, l, count);
+            is_bad |= check_loose(name[2], fp3_loose_mul, '*', k, l, count);
+        }
+    return is_bad;
+}
+
 static int check_order(uint64_t count) {
     operation less, at_most;
     open_operation(&less, "less");
@@ -213,6 +296,7 @@ int main(int argc, char **argv) {
     is_bad |= check_pairs("root", NULL, fp3_pair_root, of_root, 16, 60, count);
     is_bad |=
         check_pairs("inverse_root", NULL, fp3_pair_inverse_root, of_inverse_root, 16, 30, count);
+    is_bad |= check_all_loose(count);
     is_bad |= check_refused(1, -0x1p-100f, 0, 1, "double-single needs rounding to nearest");
     is_bad |= check_refused(0x1.8p-126f, -0x1p-126f, 1, 0, "double-single needs subnormal numbers");
     return is_bad | check_order(count / 4);

@@ -29,6 +29,7 @@ typedef struct {
     fp3_config config;
     uint64_t checked, wrong;
     double worst;
+    uint32_t spent;   /* nodes to print; 0: all that there are */
     const char *unit; /* of the worst */
 } operation;
 
@@ -53,6 +54,8 @@ static inline int end(operation *o) {
     uint32_t nodes = 0;
     for (uint32_t i = 0; i < o->g.count; i++)
         nodes += !fp3_dag_is_leaf(&o->g, i);
+    if (o->spent)
+        nodes = o->spent;
     printf("%s: %llu checked, %llu wrong, %u nodes, %.3g %s at most\n", o->name,
            (unsigned long long)o->checked, (unsigned long long)o->wrong, nodes, o->worst, o->unit);
     const int is_bad = o->wrong != 0;

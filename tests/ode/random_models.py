@@ -5,8 +5,8 @@ from pathlib import Path
 
 CHANGES_BITS = re.findall(r'^    X\(\w+, "[a-z-]+", ([01]),', (Path(__file__).parents[2] / "sw/include/fp3/compile.h").read_text(encoding="utf-8"), re.M)
 PASSES, KEEPING = len(CHANGES_BITS), CHANGES_BITS.index("1")  # those that keep the bits come first
-INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6", "rk8", "rk4_paper", "semi_implicit_euler",
-               "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "blanes_moan6", "stoermer_verlet"]
+INTEGRATORS = ["euler", "midpoint", "heun", "ralston3", "rk4", "rk38", "dopri5", "rk6", "rk4_paper", "semi_implicit_euler",
+               "verlet", "leapfrog", "forest_ruth", "pefrl", "yoshida6", "stoermer_verlet"]
 CONFIGS = ["single_full", "many_full", "sixteen"]
 PLAIN = ["single", "many", "uncut", "paper", "shared"]  # without comparison, selection, estimates
 NAMES = ["h_", "steps_", "t0", "t1", "over_m", "c1", "kept2", "step_", "r0", "k0", "add", "x_lost", "x", "v", "m", "p1",

@@ -66,10 +66,12 @@ def measured():
 def test_sums_and_products_are_exact_and_pairs_within_their_bounds(measured, root):
     """The table of docs/compiler.md: nodes as they are, errors as they are found or somewhat smaller."""
     assert measured.count("refused, not exact") == 2  # truncated, or flushed
-    rows = dict(re.findall(r"^(\w+): \d+ checked, 0 wrong, (.*) at most$", measured, re.M))
+    rows = {}
+    for name, row in re.findall(r"^(\w+): \d+ checked, 0 wrong, (.*) at most$", measured, re.M):
+        rows[name] = max(rows.get(name, row), row, key=lambda text: float(text.split()[2]))  # loose ones in four ways, by signs
     section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("### Double-single")[1].split("\n### ")[0]
     stated = re.findall(r"^\| `(\w+)` \| .* \| (\d+) \| (\S+) \| \S+ \|$", section, re.M)
-    assert {name for name, *_ in stated} == {"add", "sub", "mul", "quotient", "root", "inverse_root"}
+    assert {name for name, *_ in stated} == {"loose_add", "loose_sub", "loose_mul", "add", "sub", "mul", "quotient", "root", "inverse_root"}
     for name, nodes, most in stated:
         found = re.match(r"(\d+) nodes, (\S+) u\^2", rows[name])
         assert found[1] == nodes and float(most)/2.5 < float(found[2]) <= float(most), (name, rows[name])

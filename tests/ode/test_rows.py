@@ -55,6 +55,8 @@ def check(row):
     # In double, where steps can be as fine as an order asks for; in FP32 as in double, where it can be seen. The
     # pendulum's sine is a polynomial, so that its truth cannot be followed as far.
     least = row["order"] - (0.8 if row["model"] == "pendulum" else 0.5 if row["model"] in UNEVEN else 0.3)
+    if row["order"] == 8:                                # between steps that are too long and what double rounds there is little
+        least = 4.5 if row["model"] == "pendulum" else 7.4
     if row["model"] in STIFF and row["integrator"] in LINEARLY_IMPLICIT:
         least = 1.7  # where a step is long against the fastest decay, the order falls to 2 (Prothero and Robinson, 1974)
     assert row["finest_order"] is None or row["finest_order"] > least, row

@@ -1,4 +1,4 @@
-/* choose.c - each addition may take in one product that nothing else reads. */
+/* choose.c - each addition may take in one product that nothing else reads, or that only additions read which all take it in. */
 #include "choose.h"
 
 #include "machine/cycles.h"
@@ -13,6 +13,7 @@ typedef struct {
     uint32_t *ready;   /* cycles from the beginning, as if there were nothing else to do */
     uint32_t *due;     /* the latest that it may be ready without making its users late */
     char *is_absorbed; /* a product that an addition takes in */
+    char *is_free;     /* a product that nothing but additions reads which can all take it in */
 } chooser;
 
 static uint32_t latency(const chooser *c, uint32_t op) {
@@ -63,8 +64,33 @@ static void find_due(const chooser *c) {
 
 /* ---- half, twice, chains ---- */
 
-static int is_free_product(const chooser *c, uint32_t node) {
-    return !c->p->is_leaf[node] && c->g->nodes[node].op == FP3_OP_MUL && c->p->uses[node] == 1;
+static int is_product(const chooser *c, uint32_t node) {
+    return !c->p->is_leaf[node] && c->g->nodes[node].op == FP3_OP_MUL;
+}
+
+static int is_free_product(const chooser *c, uint32_t node) { return c->is_free[node]; }
+
+/* Whether node i takes in operand j whatever it is: an addition whose other operand is no product. */
+static int takes(const chooser *c, uint32_t i, int j) {
+    const dag_node *n = &c->g->nodes[i];
+    if (n->op == FP3_OP_ADD)
+        return !is_product(c, j ? n->a : n->b);
+    return n->op == FP3_OP_SUB && j == 1 && !is_product(c, n->a);
+}
+
+/* A product that is read twice and taken in twice costs one instruction less. With one object its operands would have to be there
+ * as long, and it would be late: that is left as it is. */
+static void find_free(const chooser *c, uint32_t *taken) {
+    for (uint32_t i = 0; i < c->g->count; i++)
+        for (int j = 0; is_executed(c, i) && j < 2; j++) {
+            const uint32_t at = fp3_dag_operand(c->g, i, j);
+            if (at != FP3_NONE && is_product(c, at))
+                taken[at] += takes(c, i, j);
+        }
+    for (uint32_t i = 0; i < c->g->count; i++)
+        c->is_free[i] =
+            is_product(c, i) && (c->p->uses[i] == 1 ||
+                                 (c->p->options->config->interleave && taken[i] == c->p->uses[i]));
 }
 
 /* The scaled form of op whose second operand is this product, or 0. */
@@ -98,12 +124,12 @@ static int is_chained(const chooser *c, uint32_t product, uint32_t base) {
 static int absorb(const chooser *c, uint32_t i, uint32_t x, uint32_t y, fp3_choice_of_node *made) {
     const dag_node *n = &c->g->nodes[i], *product = &c->g->nodes[y];
     uint32_t other = 0;
-    const uint32_t scale = scaled(c, n->op, y, &other);
+    const uint32_t scale = scaled(c, n->op, y, &other), own = c->is_absorbed[y] ? 1 : 2;
     if (scale)
-        *made = (fp3_choice_of_node){scale, {x, other, FP3_NONE}, 2};
+        *made = (fp3_choice_of_node){scale, {x, other, FP3_NONE}, own};
     else if (is_chained(c, y, x))
         *made = (fp3_choice_of_node){
-            n->op == FP3_OP_ADD ? FP3_OP_MADD : FP3_OP_MSUB, {product->a, product->b, x}, 2};
+            n->op == FP3_OP_ADD ? FP3_OP_MADD : FP3_OP_MSUB, {product->a, product->b, x}, own};
     else
         return 0;
     c->is_absorbed[y] = 1;
@@ -159,10 +185,13 @@ fp3_status fp3_choose(const fp3_part *part, fp3_choice_of_node *choices, fp3_err
                        .g = part->g,
                        .ready = calloc(count, sizeof *c.ready),
                        .due = calloc(count, sizeof *c.due),
-                       .is_absorbed = calloc(count, 1)};
-    const int is_open = c.ready && c.due && c.is_absorbed;
+                       .is_absorbed = calloc(count, 1),
+                       .is_free = calloc(count, 1)};
+    uint32_t *taken = calloc(count, sizeof *taken);
+    const int is_open = c.ready && c.due && c.is_absorbed && c.is_free && taken;
     if (is_open) {
         count_uses(&c);
+        find_free(&c, taken);
         find_ready(&c);
         find_due(&c);
         choose_all(&c, choices);
@@ -170,5 +199,7 @@ fp3_status fp3_choose(const fp3_part *part, fp3_choice_of_node *choices, fp3_err
     free(c.ready);
     free(c.due);
     free(c.is_absorbed);
+    free(c.is_free);
+    free(taken);
     return is_open ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }

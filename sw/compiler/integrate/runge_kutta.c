@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FOLDED_MOST 5        /* different numbers, of a table for pairs */
 #define ESTIMATE_LEAST 1e-12 /* what is left of equal weights that were written as fractions */
 
 /* A row of the table, without its zeros as a rule. */
@@ -37,9 +38,28 @@ static term held(const runge_kutta *r, uint32_t state) {
     return fp3_advance_held(r->a, values(r), ROLE_STATE, state);
 }
 
-/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps). */
+/* Numbers of the table that are no 0, whatever their sign. */
+static unsigned different(const fp3_integrator *table) {
+    double seen[FP3_STAGES_MAX * (FP3_STAGES_MAX + 1)];
+    unsigned count = 0;
+    for (unsigned i = 0; i <= table->stages; i++)
+        for (unsigned j = 0; j < table->stages; j++) {
+            const double c = fabs(i < table->stages ? table->a[i][j] : table->b[j]);
+            unsigned k = 0;
+            while (k < count && seen[k] != c)
+                k++;
+            if (c != 0 && k == count)
+                seen[count++] = c;
+        }
+    return count;
+}
+
+/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps). Of pairs a product is dear, but
+ * each number of a table with h takes four constants. */
 static int is_folded(const runge_kutta *r) {
-    return r->a->is_adaptive || fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP);
+    return r->a->is_adaptive || fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP) ||
+           (r->a->options->arithmetic == FP3_DOUBLE_SINGLE &&
+            different(r->a->integrator) <= FOLDED_MOST);
 }
 
 /* A number of the table; where h is folded in, times h. */

@@ -67,12 +67,12 @@ static fp3_pair split(dag *g, uint32_t a) {
     if (known != FP3_NONE)
         return (fp3_pair){fp3_dag_known(g, fp3_known_make(g->known, KNOWN_HEAD, known, 0)),
                           fp3_dag_known(g, fp3_known_make(g->known, KNOWN_TAIL, known, 0))};
-    const uint32_t c = mul(g, fp3_dag_number(g, SPLITTER), a), head = sub(g, c, sub(g, c, a));
+    const uint32_t c = mul(g, fp3_dag_number(g, SPLITTER), a), head = add(g, sub(g, a, c), c);
     return (fp3_pair){head, sub(g, a, head)};
 }
 
-/* The product rounded, and what its halves leave of it before the last one, tail by tail: the error of
- * the rounding is tails - rest (Dekker, 1971). */
+/* What the halves leave of the product before the last one, tail by tail: the error of the rounding is
+ * tails - rest (Dekker, 1971). */
 typedef struct {
     uint32_t product, rest, tails;
 } halved;
@@ -91,8 +91,7 @@ fp3_pair fp3_two_product(dag *g, uint32_t a, uint32_t b) {
     return (fp3_pair){h.product, sub(g, h.tails, h.rest)};
 }
 
-/* The product, and its error with the other sign, which chains. */
-static fp3_pair two_product_less(dag *g, uint32_t a, uint32_t b) {
+fp3_pair fp3_two_product_less(dag *g, uint32_t a, uint32_t b) {
     const halved h = product_of(g, a, b);
     return (fp3_pair){h.product, sub(g, h.rest, h.tails)};
 }
@@ -134,14 +133,14 @@ fp3_pair fp3_pair_sub(dag *g, fp3_pair x, fp3_pair y) {
 
 /* ---- products ---- */
 
-static int is_power_of_two(const dag *g, fp3_pair x) {
+int fp3_pair_is_power_of_two(const dag *g, fp3_pair x) {
     const uint32_t known = fp3_dag_is_known(g, x.high);
     int exponent;
     return is_single(x) && known != FP3_NONE && g->known->list[known].op == KNOWN_NUMBER &&
            fabs(frexp(g->known->list[known].number, &exponent)) == 0.5;
 }
 
-static fp3_pair scaled(dag *g, fp3_pair x, uint32_t power) {
+fp3_pair fp3_pair_scaled(dag *g, fp3_pair x, uint32_t power) {
     if (fp3_dag_is_number(g, power, 1))
         return x;
     return (fp3_pair){mul(g, x.high, power), is_single(x) ? FP3_NONE : mul(g, x.low, power)};
@@ -151,19 +150,19 @@ static fp3_pair scaled(dag *g, fp3_pair x, uint32_t power) {
 static fp3_pair times_single(dag *g, fp3_pair x, uint32_t y) {
     if (is_single(x))
         return fp3_two_product(g, x.high, y);
-    const fp3_pair p = two_product_less(g, x.high, y);
+    const fp3_pair p = fp3_two_product_less(g, x.high, y);
     return fp3_fast_two_sum(g, p.high, sub(g, mul(g, x.low, y), p.low));
 }
 
 /* Algorithm 10. */
 fp3_pair fp3_pair_mul(dag *g, fp3_pair x, fp3_pair y) {
-    if (is_power_of_two(g, x))
-        return scaled(g, y, x.high);
-    if (is_power_of_two(g, y))
-        return scaled(g, x, y.high);
+    if (fp3_pair_is_power_of_two(g, x))
+        return fp3_pair_scaled(g, y, x.high);
+    if (fp3_pair_is_power_of_two(g, y))
+        return fp3_pair_scaled(g, x, y.high);
     if (is_single(x) || is_single(y))
         return is_single(y) ? times_single(g, x, y.high) : times_single(g, y, x.high);
-    const fp3_pair p = two_product_less(g, x.high, y.high);
+    const fp3_pair p = fp3_two_product_less(g, x.high, y.high);
     const uint32_t crossed = add(g, mul(g, x.high, y.low), mul(g, x.low, y.high));
     return fp3_fast_two_sum(g, p.high, sub(g, crossed, p.low));
 }
@@ -178,7 +177,7 @@ fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y) {
 
 /* The product stays as rounded and left: the sum makes a pair of it. */
 fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p) {
-    const fp3_pair most = two_product_less(g, z.high, p.high);
+    const fp3_pair most = fp3_two_product_less(g, z.high, p.high);
     uint32_t left = FP3_NONE;
     if (!is_single(p))
         left = mul(g, z.high, p.low);
@@ -244,7 +243,7 @@ fp3_pair fp3_pair_root(dag *g, fp3_pair x) {
     const fp3_series s = fp3_finite_inverse_root(g, x.high);
     const uint32_t q = fp3_corrected(g, fp3_term(x.high), s).node;
     const uint32_t half = mul(g, fp3_dag_number(g, 0.5), one_over(g, s));
-    const fp3_pair p = two_product_less(g, q, q);
+    const fp3_pair p = fp3_two_product_less(g, q, q);
     uint32_t left = add(g, sub(g, x.high, p.high), p.low);
     if (!is_single(x))
         left = add(g, left, x.low);

@@ -32,8 +32,14 @@ fp3_pair fp3_pair_known(dag *g, uint32_t known);
 fp3_pair fp3_two_sum(dag *g, uint32_t a, uint32_t b);
 fp3_pair fp3_two_difference(dag *g, uint32_t a, uint32_t b);
 fp3_pair fp3_two_product(dag *g, uint32_t a, uint32_t b);
+/* The error with the other sign, which chains. */
+fp3_pair fp3_two_product_less(dag *g, uint32_t a, uint32_t b);
 /* The first where the exponent of a is not below that of b, or a is 0. */
 fp3_pair fp3_fast_two_sum(dag *g, uint32_t a, uint32_t b);
+
+/* A number 2^n, or -2^n, that is known; and x times one. */
+int fp3_pair_is_power_of_two(const dag *g, fp3_pair x);
+fp3_pair fp3_pair_scaled(dag *g, fp3_pair x, uint32_t power);
 
 fp3_pair fp3_pair_negated(dag *g, fp3_pair x);
 fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y); /* 3 u^2 */

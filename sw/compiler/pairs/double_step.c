@@ -1,8 +1,8 @@
 /* double_step.c - nodes to pairs, from the first to the last. */
 #include "double_step.h"
 
-#include "double_single.h"
 #include "language/function_rows.h"
+#include "loose.h"
 #include "pair_functions.h"
 
 #include <assert.h>
@@ -29,7 +29,7 @@ fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
 /* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. What
  * controls adaptive steps is floats: a second word is neither there nor made. */
 typedef struct {
-    fp3_pair pair;
+    fp3_loose value;
     int is_whole, is_truth, is_float, is_known;
 } made;
 
@@ -42,12 +42,25 @@ typedef struct {
     char *is_reached;
 } doubling;
 
+static uint32_t high_of(const doubling *d, uint32_t node) { return d->made[node].value.words.high; }
+
+/* Renormalised once for all that read it so. */
+static fp3_pair pair_of(const doubling *d, uint32_t node) {
+    fp3_loose *value = &d->made[node].value;
+    *value = fp3_loose_of(fp3_loose_pair(d->to, *value));
+    return value->words;
+}
+
+static fp3_loose single(uint32_t node) { return fp3_loose_of((fp3_pair){node, FP3_NONE}); }
+
 static made of_known(const doubling *d, uint32_t known) {
     const fp3_pair pair = fp3_pair_known(d->to, known);
     const int is_zero = fp3_known_is(d->to->known, known, 0);
     const int is_one = fp3_known_is(d->to->known, known, 1);
-    return (made){
-        .pair = pair, .is_whole = is_zero || is_one, .is_truth = is_zero || is_one, .is_known = 1};
+    return (made){.value = fp3_loose_of(pair),
+                  .is_whole = is_zero || is_one,
+                  .is_truth = is_zero || is_one,
+                  .is_known = 1};
 }
 
 /* Behind t, which is a pair: a model's own states come before it. */
@@ -58,46 +71,45 @@ static int is_control(const fp3_step *step, const variable *v) {
 
 static made of_variable(const doubling *d, uint32_t variable) {
     const uint32_t low = d->low[variable];
-    return (made){{fp3_dag_variable(d->to, variable),
-                   low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)},
-                  d->step->variables[variable].role == ROLE_STEPS,
-                  0,
-                  is_control(d->step, &d->step->variables[variable]),
-                  0};
+    return (made){
+        fp3_loose_of((fp3_pair){fp3_dag_variable(d->to, variable),
+                                low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)}),
+        d->step->variables[variable].role == ROLE_STEPS, 0,
+        is_control(d->step, &d->step->variables[variable]), 0};
+}
+
+static uint32_t of_highs(const doubling *d, const dag_node *n) {
+    return fp3_pair_op(d->to, n->op, high_of(d, n->a), high_of(d, n->b), FP3_NONE);
 }
 
 static made of_sum(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     if (a->is_whole && b->is_whole && !(a->is_known && b->is_known))
-        return (made){
-            .pair = {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE},
-            .is_whole = 1};
+        return (made){.value = single(of_highs(d, n)), .is_whole = 1};
     if (n->op == FP3_OP_ADD)
-        return (made){.pair = fp3_pair_add(d->to, a->pair, b->pair)};
+        return (made){.value = fp3_loose_add(d->to, a->value, b->value)};
     if (fp3_dag_is_number(d->from, n->a, -0.0))
-        return (made){.pair = fp3_pair_negated(d->to, b->pair)};
-    return (made){.pair = fp3_pair_sub(d->to, a->pair, b->pair)};
+        return (made){.value = fp3_loose_negated(d->to, b->value)};
+    return (made){.value = fp3_loose_sub(d->to, a->value, b->value)};
 }
 
 static made of_product(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     if (a->is_truth && b->is_truth)
-        return (made){
-            .pair = {fp3_pair_op(d->to, n->op, a->pair.high, b->pair.high, FP3_NONE), FP3_NONE},
-            .is_whole = 1,
-            .is_truth = 1};
-    return (made){.pair = fp3_pair_mul(d->to, a->pair, b->pair)};
+        return (made){.value = single(of_highs(d, n)), .is_whole = 1, .is_truth = 1};
+    return (made){.value = fp3_loose_mul(d->to, a->value, b->value)};
 }
 
 static made of_choice(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
-    return (made){fp3_pair_select(d->to, d->made[n->c].pair.high, a->pair, b->pair),
-                  a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0};
+    return (made){
+        fp3_loose_of(fp3_pair_select(d->to, high_of(d, n->c), pair_of(d, n->a), pair_of(d, n->b))),
+        a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0};
 }
 
 /* min(a, b) is a where a < b, max(a, b) is a where b < a. */
 static fp3_pair extreme(const doubling *d, const dag_node *n) {
-    const fp3_pair a = d->made[n->a].pair, b = d->made[n->b].pair;
+    const fp3_pair a = pair_of(d, n->a), b = pair_of(d, n->b);
     const fp3_pair is_first =
         n->op == FP3_OP_MIN ? fp3_pair_less(d->to, a, b) : fp3_pair_less(d->to, b, a);
     return fp3_pair_select(d->to, is_first.high, a, b);
@@ -109,10 +121,10 @@ static fp3_pair extreme(const doubling *d, const dag_node *n) {
         return fp3_pair_##name(d->to, a);
 #define DOUBLE_POLYNOMIAL_2(OP, name)                                                              \
     case FP3_EXPR_##OP:                                                                            \
-        return fp3_pair_##name(d->to, a, d->made[n->b].pair);
+        return fp3_pair_##name(d->to, a, pair_of(d, n->b));
 
 static fp3_pair of_function(const doubling *d, const dag_node *n) {
-    const fp3_pair a = d->made[n->a].pair;
+    const fp3_pair a = pair_of(d, n->a);
     switch (n->op - NODE_FUNCTION) {
 #define X(OP, name, MADE, ...) DOUBLE_##MADE(OP, name)
         FP3_FUNCTION_ROWS(X)
@@ -140,28 +152,50 @@ static int is_of_floats(const doubling *d, const dag_node *n) {
 }
 
 static made of_floats(const doubling *d, const dag_node *n) {
-    const uint32_t b = n->b == FP3_NONE ? FP3_NONE : d->made[n->b].pair.high;
-    const uint32_t c = n->c == FP3_NONE ? FP3_NONE : d->made[n->c].pair.high;
+    const uint32_t b = n->b == FP3_NONE ? FP3_NONE : high_of(d, n->b);
+    const uint32_t c = n->c == FP3_NONE ? FP3_NONE : high_of(d, n->c);
     const int is_truth = n->op == FP3_OP_LT || n->op == FP3_OP_LE;
-    return (made){{fp3_pair_op(d->to, n->op, d->made[n->a].pair.high, b, c), FP3_NONE},
-                  is_truth,
-                  is_truth,
-                  !is_truth,
-                  0};
+    return (made){single(fp3_pair_op(d->to, n->op, high_of(d, n->a), b, c)), is_truth, is_truth,
+                  !is_truth, 0};
+}
+
+/* Of two pairs as they come: their order, or the larger. */
+static made compared(const doubling *d, const dag_node *n) {
+    const fp3_pair a = pair_of(d, n->a), b = pair_of(d, n->b);
+    const fp3_pair is_so =
+        n->op == FP3_OP_LT ? fp3_pair_less(d->to, a, b) : fp3_pair_less_equal(d->to, a, b);
+    return (made){.value = fp3_loose_of(is_so), .is_whole = 1, .is_truth = 1};
+}
+
+/* Of what is not a sum, nor a product. */
+static fp3_pair of_pairs(const doubling *d, const dag_node *n) {
+    switch (n->op) {
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
+        return extreme(d, n);
+    case FP3_OP_ABS:
+        return fp3_pair_abs(d->to, pair_of(d, n->a));
+    case NODE_QUOTIENT:
+        return fp3_pair_quotient(d->to, pair_of(d, n->a), pair_of(d, n->b));
+    case NODE_ROOT:
+        return fp3_pair_root(d->to, pair_of(d, n->a));
+    case NODE_INVERSE_ROOT:
+        return fp3_pair_inverse_root(d->to, pair_of(d, n->a));
+    default:
+        return of_function(d, n);
+    }
 }
 
 static made of_node(const doubling *d, const dag_node *n) {
     if (n->op < NODE_KNOWN && is_of_floats(d, n))
         return of_floats(d, n);
-    const fp3_pair a =
-        n->op < NODE_KNOWN || n->op > NODE_VARIABLE ? d->made[n->a].pair : (fp3_pair){0};
     switch (n->op) {
     case NODE_KNOWN:
         return of_known(d, n->a);
     case NODE_VARIABLE:
         return of_variable(d, n->a);
     case NODE_FIRST:
-        return (made){.pair = {a.high, FP3_NONE}, .is_float = 1};
+        return (made){.value = single(fp3_loose_first(d->to, d->made[n->a].value)), .is_float = 1};
     case FP3_OP_ADD:
     case FP3_OP_SUB:
         return of_sum(d, n);
@@ -169,26 +203,11 @@ static made of_node(const doubling *d, const dag_node *n) {
         return of_product(d, n);
     case FP3_OP_SEL:
         return of_choice(d, n);
-    case FP3_OP_MIN:
-    case FP3_OP_MAX:
-        return (made){.pair = extreme(d, n)};
-    case FP3_OP_ABS:
-        return (made){.pair = fp3_pair_abs(d->to, a)};
     case FP3_OP_LT:
-        return (made){
-            .pair = fp3_pair_less(d->to, a, d->made[n->b].pair), .is_whole = 1, .is_truth = 1};
     case FP3_OP_LE:
-        return (made){.pair = fp3_pair_less_equal(d->to, a, d->made[n->b].pair),
-                      .is_whole = 1,
-                      .is_truth = 1};
-    case NODE_QUOTIENT:
-        return (made){.pair = fp3_pair_quotient(d->to, a, d->made[n->b].pair)};
-    case NODE_ROOT:
-        return (made){.pair = fp3_pair_root(d->to, a)};
-    case NODE_INVERSE_ROOT:
-        return (made){.pair = fp3_pair_inverse_root(d->to, a)};
+        return compared(d, n);
     default:
-        return (made){.pair = of_function(d, n)};
+        return (made){.value = fp3_loose_of(of_pairs(d, n))};
     }
 }
 
@@ -246,13 +265,14 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
         const uint32_t node = root(&step->variables[i]);
         uint32_t *first = &step->variables[i].first;
         if (from == &step->values && *first != FP3_NONE)
-            *first = d.made[*first].pair.high;
+            *first = pair_of(&d, *first).high;
         if (node == FP3_NONE)
             continue;
         to.note = from->nodes[node].note;
-        *place(&step->variables[i]) = d.made[node].pair.high;
+        const fp3_pair pair = pair_of(&d, node);
+        *place(&step->variables[i]) = pair.high;
         if (low[i] != FP3_NONE)
-            *place(&step->variables[low[i]]) = fp3_pair_low(&to, d.made[node].pair);
+            *place(&step->variables[low[i]]) = fp3_pair_low(&to, pair);
     }
     free(d.made);
     free(d.is_reached);
