@@ -185,7 +185,7 @@ def test_the_page_says_how_many_evaluations_small_errors_take(root, table):
     problems = {"Kepler": (gravity, kepler(0.5, 0), sum(kepler(0.5, 12.5), []), 12.5),
                 "pendulum": (lambda x, v: [-9.81 * math.sin(x[0])], ([2.0], [0.0]), exact, 8.0)}
     for name, cell in ((name, i) for i, name in enumerate(names) if name in NAMES):
-        for row, problem in zip(rows[1:], problems.values(), strict=True):
+        for row, problem in zip(rows[1:3], problems.values(), strict=True):  # the first table
             assert int(row[1 + cell]) == pytest.approx(evaluations(table(name), *problem), rel=0.01), name
 
 
