@@ -158,9 +158,12 @@ static void any_loose(float *words, double size, unsigned spread) {
     words[1] = (float)(most * ((double)(chance() % 0x2000001) * 0x1p-24 - 1) * (1 - 0x1p-23));
 }
 
+/* turned: of the operands in the other order, which has the same words. */
 static void check_loose_once(operation *o, char kind, const unsigned spread[2],
-                             const int is_less[2], double bound) {
-    float words[4], r[2];
+                             const int is_less[2], fp3_pair turned, double bound) {
+    float words[4], r[2], other[2];
+    operation with = *o;
+    with.made = turned;
     double size[2];
     for (int k = 0; k < 2; k++) {
         size[k] = fabs((double)between(-20, 20));
@@ -175,9 +178,10 @@ static void check_loose_once(operation *o, char kind, const unsigned spread[2],
     const quad exact = kind == '*' ? x * y : kind == '+' ? x + y : x - y;
     const double all = kind == '*' ? size[0] * size[1] : size[0] + size[1];
     execute(o, words, r, NULL);
+    execute(&with, words, other, NULL);
     o->checked++;
     const double found = fabs((double)((sum_of(r) - exact) / all)) / U2;
-    if (!(found <= bound) || (float)sum_of(r) != r[0])
+    if (!(found <= bound) || (float)sum_of(r) != r[0] || r[0] != other[0] || r[1] != other[1])
         tell(o, words, 4, r);
     o->worst = fmax(o->worst, found);
 }
@@ -185,8 +189,8 @@ static void check_loose_once(operation *o, char kind, const unsigned spread[2],
 /* Of operands with these spreads, whose second words are added or subtracted; the result is renormalised, without an error. */
 static int check_loose(const char *name, loose_binary *op, char kind, unsigned k, unsigned l,
                        uint64_t count) {
-    const double product = k + l == 2 ? 8 : 3 + 4 * k + 3 * l + k * l;
-    const double bound = kind == '*' ? product : k + l == 2 ? 4 : 3 + 3 * (k > l ? k : l);
+    const double product = k + l == 2 ? 8 : 2 + 4 * k + 4 * l + k * l;
+    const double bound = kind == '*' ? product : k + l == 2 ? 3 : 2 + 3 * (k > l ? k : l);
     int is_bad = 0;
     for (unsigned signs = 0; signs < 4; signs++) {
         operation o;
@@ -204,9 +208,10 @@ static int check_loose(const char *name, loose_binary *op, char kind, unsigned k
         for (uint32_t i = 0; i < o.g.count; i++)
             nodes += !fp3_dag_is_leaf(&o.g, i);
         o.made = fp3_loose_pair(&o.g, made);
+        const fp3_pair turned = kind == '-' ? o.made : fp3_loose_pair(&o.g, op(&o.g, x[1], x[0]));
         is_bad |= made.spread > FP3_SPREAD_MOST;
         for (uint64_t i = 0; i < count / 4; i++)
-            check_loose_once(&o, kind, spread, is_less, bound);
+            check_loose_once(&o, kind, spread, is_less, turned, bound);
         o.spent = nodes;
         is_bad |= end(&o);
     }

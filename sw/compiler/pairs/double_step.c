@@ -44,11 +44,9 @@ typedef struct {
 
 static uint32_t high_of(const doubling *d, uint32_t node) { return d->made[node].value.words.high; }
 
-/* Renormalised once for all that read it so. */
+/* For others it stays as it is: what they make of it does not depend on who else reads it. */
 static fp3_pair pair_of(const doubling *d, uint32_t node) {
-    fp3_loose *value = &d->made[node].value;
-    *value = fp3_loose_of(fp3_loose_pair(d->to, *value));
-    return value->words;
+    return fp3_loose_pair(d->to, d->made[node].value);
 }
 
 static fp3_loose single(uint32_t node) { return fp3_loose_of((fp3_pair){node, FP3_NONE}); }

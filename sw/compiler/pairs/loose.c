@@ -43,12 +43,31 @@ static fp3_loose bounded(dag *g, fp3_loose x) {
     return x.spread > FP3_SPREAD_MOST ? (fp3_loose){settled(g, x), 0, 1, 1} : x;
 }
 
+/* base +- a +- b, the same for b and a. A word that is FP3_NONE is none. */
+static uint32_t with_both(dag *g, uint32_t base, uint32_t a, int is_a_less, uint32_t b,
+                          int is_b_less) {
+    if (a == FP3_NONE || b == FP3_NONE)
+        return a != FP3_NONE   ? with(g, base, a, is_a_less)
+               : b != FP3_NONE ? with(g, base, b, is_b_less)
+                               : base;
+    if (is_a_less == is_b_less)
+        return with(g, base, add(g, a, b), is_a_less);
+    return add(g, base, is_a_less ? sub(g, b, a) : sub(g, a, b));
+}
+
+static int is_zero(const dag *g, fp3_loose x) {
+    return is_single(x) &&
+           (fp3_dag_is_number(g, x.words.high, 0) || fp3_dag_is_number(g, x.words.high, -0.0));
+}
+
+/* A zero changes nothing, so that words do not depend on whether a pass has dropped it. */
 static fp3_loose sum(dag *g, fp3_loose x, fp3_loose y, int is_difference) {
+    if (is_zero(g, y))
+        return x;
+    if (is_zero(g, x))
+        return is_difference ? fp3_loose_negated(g, y) : y;
     fp3_pair s = (is_difference ? fp3_two_difference : fp3_two_sum)(g, x.words.high, y.words.high);
-    if (!is_single(x))
-        s.low = with(g, s.low, x.words.low, x.is_less);
-    if (!is_single(y))
-        s.low = with(g, s.low, y.words.low, y.is_less != is_difference);
+    s.low = with_both(g, s.low, x.words.low, x.is_less, y.words.low, y.is_less != is_difference);
     return bounded(
         g, (fp3_loose){s, 0, !is_single(x) || !is_single(y), 1 + larger(x.spread, y.spread)});
 }
@@ -62,17 +81,31 @@ static fp3_loose scaled(dag *g, fp3_loose x, uint32_t power) {
     return x;
 }
 
-/* The error of the product of the first words is known with the other sign, and so is all that is added to it. */
+static int is_known(const dag *g, fp3_loose x) {
+    return fp3_dag_is_known(g, x.words.high) != FP3_NONE;
+}
+
+static uint32_t cross(dag *g, fp3_loose low_of, fp3_loose high_of) {
+    return is_single(low_of) ? FP3_NONE : mul(g, low_of.words.low, high_of.words.high);
+}
+
+/* The error of the product of the first words is known with the other sign, and so is all that is added to it. Of a known value and
+ * another the order is fixed, and both cross products chain. */
 fp3_loose fp3_loose_mul(dag *g, fp3_loose x, fp3_loose y) {
+    if (is_zero(g, x) || is_zero(g, y))
+        return is_zero(g, x) ? x : y;
     if (fp3_pair_is_power_of_two(g, x.words))
         return scaled(g, y, x.words.high);
     if (fp3_pair_is_power_of_two(g, y.words))
         return scaled(g, x, y.words.high);
+    if (is_known(g, x) && !is_known(g, y))
+        return fp3_loose_mul(g, y, x);
     fp3_pair p = fp3_two_product_less(g, x.words.high, y.words.high);
-    if (!is_single(x))
-        p.low = with(g, p.low, mul(g, x.words.low, y.words.high), !x.is_less);
-    if (!is_single(y))
-        p.low = with(g, p.low, mul(g, x.words.high, y.words.low), !y.is_less);
+    const uint32_t of_x = cross(g, x, y), of_y = cross(g, y, x);
+    if (is_known(g, y) && !is_known(g, x) && of_x != FP3_NONE && of_y != FP3_NONE)
+        p.low = with(g, with(g, p.low, of_x, !x.is_less), of_y, !y.is_less);
+    else
+        p.low = with_both(g, p.low, of_x, !x.is_less, of_y, !y.is_less);
     return bounded(g, (fp3_loose){p, 1, !is_single(x) || !is_single(y), 1 + x.spread + y.spread});
 }
 

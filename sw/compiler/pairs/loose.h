@@ -25,8 +25,9 @@ typedef struct {
 fp3_loose fp3_loose_of(fp3_pair x); /* a normalised pair */
 fp3_loose fp3_loose_negated(dag *g, fp3_loose x);
 
-/* With the spreads k and l of the operands, errors in units of u^2 of the size of the result: at most 3 + 3 max(k, l) for sums
- * and 3 + 4 k + 3 l + k l for products; by 2^n exact. Those of normalised operands, which are not renormalised: 4 and 8. */
+/* With the spreads k and l of the operands, errors in units of u^2 of the size of the result: at most 2 + 3 max(k, l) for sums
+ * and 2 + 4 k + 4 l + k l for products; by 2^n exact. Those of normalised operands, which are not renormalised: 3 and 8. x y has the
+ * words of y x, and x + y those of y + x. */
 fp3_loose fp3_loose_add(dag *g, fp3_loose x, fp3_loose y);
 fp3_loose fp3_loose_sub(dag *g, fp3_loose x, fp3_loose y);
 fp3_loose fp3_loose_mul(dag *g, fp3_loose x, fp3_loose y);
