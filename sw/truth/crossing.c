@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "part.h"
+
 #define RESOLUTION                                                                                 \
     0x1p-60       /* of the whole time: near 0 double tells more apart than anybody needs */
 #define SLIDES 32 /* turns with no step between them: the solution stays on the switch */
@@ -86,10 +88,8 @@ int fp3_crossing_start(fp3_crossing *c, double *y) { return fire_and_hold(c, NAN
 /* c->there: the states at t0 + h. */
 static int go(const fp3_crossing *c, double t0, double h) {
     const size_t count = c->model->state_count + 1u;
-    double *error = c->from + 3 * count;
     memcpy(c->there, c->from, bytes(c));
-    gsl_odeiv2_step_reset(c->step);
-    return gsl_odeiv2_step_apply(c->step, t0, h, c->there, error, NULL, NULL, c->system);
+    return fp3_part_go(c->step, c->system, t0, h, c->there, c->from + 3 * count);
 }
 
 /* A turn right at the beginning of a step, again and again, is none that the solution gets past. */

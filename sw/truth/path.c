@@ -12,10 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "part.h"
+
 #define NEAR 1e-10 /* of the solution, relative to a state's size */
 #define POINTS 4   /* of a polynomial */
 #define TERMS (2 * POINTS)
-#define TWICE 2       /* a neighbour more than so many times as long stays by itself */
+#define SHARES_MOST 4096 /* of a step */
+#define TWICE 2          /* a neighbour more than so many times as long stays by itself */
 #define NO_STEP 1e-14 /* an event so close behind the step before, relative to the time, is at it */
 
 /* A part without events or turns of the equations. */
@@ -39,6 +42,7 @@ struct fp3_path {
     gsl_odeiv2_step *step;
     double *pending, *third, *both, *there, *lost; /* three rows; states */
     unsigned points;                               /* of `pending` */
+    double share;                                  /* of a step: so long may a polynomial be */
 };
 
 fp3_path *fp3_path_begin(const gsl_odeiv2_system *system, const gsl_odeiv2_step_type *how,
@@ -47,6 +51,7 @@ fp3_path *fp3_path_begin(const gsl_odeiv2_system *system, const gsl_odeiv2_step_
     if (!p)
         return NULL;
     p->system = system;
+    p->share = INFINITY;
     p->sizes = sizes;
     p->states = system->dimension;
     p->width = POINTS + TERMS * p->states;
@@ -132,16 +137,23 @@ static double product(const double *row, double t) {
     return product * product;
 }
 
-/* Whether it goes through y at a time, by which its error is told where it is largest: near the middle between two points. */
-static int meets(const fp3_path *p, const double *row, double t, const double *y) {
-    double most = 0;
+/* How far it is from y at a time, as a multiple of NEAR; so its error is told where it is largest: near the middle between
+ * two points. */
+static double miss(const fp3_path *p, const double *row, double t, const double *y) {
+    double most = 0, worst = 0;
     for (unsigned i = 0; i + 1 < POINTS; i++)
         most = fmax(most, product(row, (row[i] + row[i + 1]) / 2));
     const double near = NEAR * fmin(1, product(row, t) / most);
-    for (size_t i = 0; i < p->states; i++)
-        if (!(fabs(value(p, row, t, i) - y[i]) <= near * p->sizes[i]))
-            return 0;
-    return 1;
+    for (size_t i = 0; i < p->states; i++) {
+        const double e = fabs(value(p, row, t, i) - y[i]) / (near * p->sizes[i]);
+        if (!(e <= worst)) /* a NaN, too */
+            worst = isfinite(e) ? e : INFINITY;
+    }
+    return worst;
+}
+
+static int meets(const fp3_path *p, const double *row, double t, const double *y) {
+    return miss(p, row, t, y) <= 1;
 }
 
 /* ---- rows ---- */
@@ -191,27 +203,60 @@ static int push(fp3_path *p, const double *row) {
 
 /* ---- steps ---- */
 
-/* p->there: the states at a time behind a point of `pending`. */
-static int go(fp3_path *p, unsigned point, double t) {
-    const double from = p->pending[point];
-    memcpy(p->there, point_of(p, p->pending, point), p->states * sizeof *p->there);
-    gsl_odeiv2_step_reset(p->step);
-    return t == from ? GSL_SUCCESS
-                     : gsl_odeiv2_step_apply(p->step, from, t - from, p->there, p->lost, NULL, NULL,
-                                             p->system);
+/* p->there: the states at a time behind a point of a row. */
+static int go(fp3_path *p, const double *row, unsigned point, double t) {
+    memcpy(p->there, point_of(p, row, point), p->states * sizeof *p->there);
+    return fp3_part_go(p->step, p->system, row[point], t - row[point], p->there, p->lost);
 }
 
-/* A polynomial of its own for a step from a point of `pending`. */
-static int push_step(fp3_path *p, unsigned point, double end) {
-    const double from = p->pending[point];
+/* `third` goes from its first point, where it is left, to a time, with points at its thirds. */
+static int fill(fp3_path *p, double end) {
+    const double from = p->third[0];
     int result = GSL_SUCCESS;
-    for (unsigned i = 0; !result && i < POINTS; i++) {
+    for (unsigned i = 1; !result && i < POINTS; i++) {
         const double t = i == POINTS - 1 ? end : from + (end - from) * i / (POINTS - 1);
-        result = go(p, point, t);
+        result = go(p, p->third, 0, t);
         if (!result)
             result = put_point(p, p->third, i, t, p->there);
     }
-    return result ? result : push(p, p->third);
+    return result;
+}
+
+/* By how much `third` misses the solution in the middle of its first part and of its last. */
+static int measure(fp3_path *p, double *worst) {
+    int result = GSL_SUCCESS;
+    *worst = 0;
+    memcpy(p->both, p->third, p->width * sizeof *p->both);
+    solve(p, p->both);
+    for (unsigned i = 0; !result && i < POINTS - 1; i += POINTS - 2) {
+        const double t = (p->third[i] + p->third[i + 1]) / 2;
+        result = go(p, p->third, 0, t);
+        if (!result)
+            *worst = fmax(*worst, miss(p, p->both, t, p->there));
+    }
+    return result;
+}
+
+/* Polynomials of its own for a step from a point of `pending`: one, or as many as it takes. */
+static int push_step(fp3_path *p, unsigned point, double end) {
+    int result = GSL_SUCCESS;
+    double worst = 0;
+    const double least = (end - p->pending[point]) / SHARES_MOST;
+    copy_point(p, p->third, 0, p->pending, point);
+    while (!result && p->third[0] != end) {
+        const double from = p->third[0], width = fmin(p->share, end - from);
+        const double to = width < end - from && from + width > from ? from + width : end;
+        result = fill(p, to);
+        if (!result)
+            result = measure(p, &worst);
+        const double most = worst > 1 ? 0.5 : 4;
+        p->share = fmax(least, width * fmin(most, 0.9 * pow(worst, -1. / TERMS)));
+        if (result || (worst > 1 && width > least))
+            continue;
+        result = push(p, p->third);
+        copy_point(p, p->third, 0, p->third, POINTS - 1);
+    }
+    return result;
 }
 
 static int push_steps(fp3_path *p) {
@@ -227,7 +272,7 @@ static int push_all(fp3_path *p) {
         if (p->pending[i + 1] - p->pending[i] > p->pending[longest + 1] - p->pending[longest])
             longest = i;
     const double t = (p->pending[longest] + p->pending[longest + 1]) / 2;
-    const int result = go(p, longest, t);
+    const int result = go(p, p->pending, longest, t);
     if (result)
         return result;
     memcpy(p->both, p->pending, p->width * sizeof *p->both);

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/host.h"
+#include "bsimp.h"
 #include "crossing.h"
 #include "orbit.h"
 #include "path.h"
@@ -34,10 +35,8 @@ typedef struct {
  * the implicit ones have nearly a relative tolerance; h |y'| allows for a state that goes through 0. */
 static void choose(orbit *o, int is_stiff) {
     if (is_stiff) {
-        o->how =
-            (fp3_method){gsl_odeiv2_step_bsimp, gsl_odeiv2_step_bsimp, 1e-13, 1, 1e-6, 50000, 0};
-        o->again =
-            (fp3_method){gsl_odeiv2_step_msbdf, gsl_odeiv2_step_bsimp, 1e-14, 1, 1e-4, 500000, 0};
+        o->how = (fp3_method){&fp3_step_bsimp, &fp3_step_bsimp, 1e-13, 1, 1e-6, 50000, 0};
+        o->again = (fp3_method){gsl_odeiv2_step_msbdf, &fp3_step_bsimp, 1e-14, 1, 1e-6, 500000, 0};
     } else {
         o->how =
             (fp3_method){gsl_odeiv2_step_rk8pd, gsl_odeiv2_step_rk8pd, 1e-14, 0, 1, 500000, 5.17};
@@ -180,16 +179,32 @@ static int solve(orbit *o, double *rows, fp3_path **path) {
     return result ? result : fp3_orbit_go(&o->way, &o->how, o->how.tolerance, o->guess, rows, path);
 }
 
-/* What the explicit way has seen of a stiff model tells the sizes with which the implicit one begins. */
+/* Far from what a stiff model does, its speeds say nothing. */
+static void start_sizes(orbit *o) {
+    const uint32_t count = o->eq.model->state_count;
+    double most = 0;
+    for (uint32_t i = 0; i < count; i++)
+        most = of_two(most, o->eq.initial[i]);
+    for (uint32_t i = 0; i < count; i++)
+        o->guess[i] = o->eq.initial[i] != 0 ? fabs(o->eq.initial[i]) : most > 0 ? most : 1;
+}
+
+/* An explicit method may explode on a stiff model before its steps have been seen to be limited. */
+static int is_stiff(int result) {
+    return result == FP3_ORBIT_STIFF ||
+           (result && result != GSL_ENOMEM && result < FP3_CROSSING_STAYS);
+}
+
 static fp3_status follow(orbit *o, double *rows, fp3_path **path, fp3_error *error) {
     const uint32_t count = o->eq.model->state_count;
     choose(o, 0);
     int result = guess_sizes(o, o->way.times[o->way.count - 1]);
     if (!result)
         result = solve(o, rows, path);
-    if (result == FP3_ORBIT_STIFF) {
+    if (is_stiff(result)) {
         if (path)
             fp3_path_close(path);
+        start_sizes(o);
         choose(o, 1);
         result = solve(o, rows, path);
     }
