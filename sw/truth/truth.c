@@ -36,7 +36,7 @@ typedef struct {
 static void choose(orbit *o, int is_stiff) {
     if (is_stiff) {
         o->how = (fp3_method){&fp3_step_bsimp, &fp3_step_bsimp, 1e-13, 1, 1e-6, 50000, 0};
-        o->again = (fp3_method){gsl_odeiv2_step_msbdf, &fp3_step_bsimp, 1e-14, 1, 1e-6, 500000, 0};
+        o->again = (fp3_method){gsl_odeiv2_step_msbdf, &fp3_step_bsimp, 1e-14, 1, 0.1, 500000, 0};
     } else {
         o->how =
             (fp3_method){gsl_odeiv2_step_rk8pd, gsl_odeiv2_step_rk8pd, 1e-14, 0, 1, 500000, 5.17};
@@ -96,10 +96,10 @@ static fp3_status stopped(const orbit *o, const fp3_method *how, int result, fp3
             "condition of the equations changes",
             o->way.reached);
     return fp3_fail(error, FP3_E_ARGUMENT,
-                    "no truth at time %.9g: GSL's %s made %u steps and came to time %.9g%s", t,
-                    how->step->name, o->way.steps, o->way.reached,
-                    result == GSL_EMAXITER ? ", which is all that it is given"
-                                           : ", and no step is small enough there");
+                    "GSL's %s does not reach time %.9g: it made %u steps and came to time %.9g, %s",
+                    how->step->name, t, o->way.steps, o->way.reached,
+                    result == GSL_EMAXITER ? "and may make no more"
+                                           : "where no step is short enough");
 }
 
 /* a and b are of state i. What has just begun to move is small beside what it is computed from: a
@@ -143,13 +143,13 @@ static fp3_status check_look(const orbit *o, size_t look, const double *states, 
     return FP3_OK;
 }
 
-/* Where a state has no closed form. */
+/* Where a state has no closed form; on a stiff model always, as a step of bsimp may be so long that it passes over a peak. */
 static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
     const uint32_t count = o->eq.model->state_count;
     uint32_t unknown = 0;
     for (uint32_t i = 0; i < count; i++)
         unknown += o->eq.model->states[i].exact == FP3_NONE;
-    if (!unknown)
+    if (!unknown && o->how.stable > 0)
         return FP3_OK;
     const int result =
         fp3_orbit_go(&o->way, &o->again, o->again.tolerance, o->guess, o->other, NULL);
@@ -159,19 +159,22 @@ static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
     return status;
 }
 
+/* What a tighter tolerance does not mend. */
+static int is_final(int result) {
+    return !result || result == FP3_ORBIT_STIFF || result == GSL_ENOMEM || result == GSL_EMAXITER;
+}
+
 /* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
  * model then explodes: with a tighter one it does not. */
 static int find_sizes(orbit *o, double *rows) {
     const int first = fp3_orbit_go(&o->way, &o->how, ROUGH, o->guess, rows, NULL);
     int result = first;
-    for (double rough = ROUGH / 1000;
-         result && result != FP3_ORBIT_STIFF && first != GSL_ENOMEM && rough > o->how.tolerance;
-         rough /= 1000)
+    for (double rough = ROUGH / 1000; !is_final(result) && rough > o->how.tolerance; rough /= 1000)
         result = fp3_orbit_go(&o->way, &o->how, rough, o->guess, rows, NULL);
     for (uint32_t i = 0; i < o->eq.model->state_count; i++)
         if (o->way.peak[i] > 0)
             o->guess[i] = o->way.peak[i];
-    return result && result != FP3_ORBIT_STIFF ? first : result;
+    return is_final(result) ? result : first;
 }
 
 static int solve(orbit *o, double *rows, fp3_path **path) {

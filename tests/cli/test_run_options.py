@@ -224,16 +224,24 @@ def test_run_shows_all_errors_as_compile_does(start, tmp_path):
 
 # ---- models beyond the reference ----
 
-STIFF = "state x = 2\nstate v = 0\nx' = v\nv' = 1000*(1 - x*x)*v - x\nstep 0.0001\nspan 10000\n"
+STIFF = "state x = 2\nstate v = 0\nx' = v\nv' = 1e6*(1 - x*x)*v - x\nstep 0.0001\nspan 10000\n"
+ENDLESS = "state x = 1\nx' = x^2\nstep 0.125\nspan 2\n"
 
 
-def test_a_stiff_model_is_compared_as_far_as_it_can_be(start, tmp_path):
-    (tmp_path / "stiff.ode").write_text(STIFF.replace("1000*", "1e6*"))
-    done = start("compare", "stiff.ode", "-i", "euler", "--json", "out.json")
+def test_a_model_that_has_no_truth_is_compared_as_far_as_it_can_be(start, tmp_path):
+    (tmp_path / "endless.ode").write_text(ENDLESS)
+    done = start("compare", "endless.ode", "-i", "euler", "--json", "out.json")
     assert done.returncode == 3 and "no reference, so no measured order and no error" in done.stdout
-    assert re.search(r"GSL's \w+ does not reach time .*stiff", done.stdout)
-    assert re.search(r"^stiff +euler +plain .* nan 0 of [1-9]\d*; failed: object 0 in step \d+: \w+$", done.stdout, re.M)
+    assert re.search(r"GSL's \w+ does not reach time \S+: it made \d+ steps and came to time \S+, ", done.stdout)
+    assert re.search(r"^endless +euler +plain .* nan 0 of [1-9]\d*; failed: object 0 in step \d+: \w+$", done.stdout, re.M)
     assert '"floor": null' in (tmp_path / "out.json").read_text() and "no_reference" in (tmp_path / "out.json").read_text()
+
+
+def test_a_stiff_model_that_a_method_fails_on_is_compared(start, tmp_path):
+    (tmp_path / "stiff.ode").write_text(STIFF)
+    done = start("compare", "stiff.ode", "-i", "euler", "--json", "out.json")
+    assert done.returncode == 3 and "no reference" not in done.stdout
+    assert re.search(r"^stiff +euler +plain .* inf 0 of [1-9]\d*; failed: object 0 in step \d+: \w+$", done.stdout, re.M)
 
 
 def test_bench_needs_nothing_of_the_repository_for_a_model(start):
