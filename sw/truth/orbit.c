@@ -9,6 +9,7 @@
 #include "stiff.h"
 
 #define LOOKS 1024 /* for events, at least, on the way: one that ends between two is not seen */
+#define LOST_STEPS 10000
 #define STIFF_EVERY 128 /* steps there is a look at the Jacobian */
 #define STIFF_LOOKS 32  /* that find the step limited by stability */
 #define STIFF_PART 0.5  /* of what is stable: steps that accuracy limits are far below it */
@@ -75,8 +76,16 @@ static int judge(const traveller *w, double from) {
     return !result && o->limited == STIFF_LOOKS ? FP3_ORBIT_STIFF : result;
 }
 
+/* So many steps are tried in vain that rounding must be what the tolerance measures. */
+static int is_lost(const traveller *w) {
+    const unsigned steps = w->o->steps;
+    return w->how->floor < 1 && steps >= LOST_STEPS && w->driver->e->failed_steps > steps / 4;
+}
+
 static int count(const traveller *w, double from) {
-    return ++w->o->steps == w->how->most ? GSL_EMAXITER : judge(w, from);
+    if (++w->o->steps == w->how->most)
+        return GSL_EMAXITER;
+    return is_lost(w) ? GSL_ETOL : judge(w, from);
 }
 
 /* y goes on to a time. */

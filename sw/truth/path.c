@@ -1,9 +1,8 @@
 /* path.c - polynomials between the steps of a solution, each as long as it may be.
  *
  * One of degree 7 goes through four points and has their slopes, which begin as those of three steps. Where it
- * misses the solution in the middle of the longest step, each step gets one of its own, with points at its thirds. Two
- * neighbours become one if that goes through the points that it leaves out: so a stiff model, whose many steps are
- * short beside its motion, does not fill the memory.
+ * misses the solution in the middle of the longest step, each step gets its own, with points at their thirds: one, or more if the
+ * step is so long that one misses the solution. Two neighbours become one if that goes through the points that it leaves out.
  */
 #include "path.h"
 

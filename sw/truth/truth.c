@@ -36,7 +36,7 @@ typedef struct {
 static void choose(orbit *o, int is_stiff) {
     if (is_stiff) {
         o->how = (fp3_method){&fp3_step_bsimp, &fp3_step_bsimp, 1e-13, 1, 1e-6, 50000, 0};
-        o->again = (fp3_method){gsl_odeiv2_step_msbdf, &fp3_step_bsimp, 1e-14, 1, 0.1, 500000, 0};
+        o->again = (fp3_method){gsl_odeiv2_step_msbdf, &fp3_step_bsimp, 1e-14, 1, 1e-6, 500000, 0};
     } else {
         o->how =
             (fp3_method){gsl_odeiv2_step_rk8pd, gsl_odeiv2_step_rk8pd, 1e-14, 0, 1, 500000, 5.17};
@@ -143,6 +143,24 @@ static fp3_status check_look(const orbit *o, size_t look, const double *states, 
     return FP3_OK;
 }
 
+/* What GSL says of a way that did not come to its end, so that another may. */
+static int is_stuck(int result) {
+    return result && result != GSL_ENOMEM && result < FP3_CROSSING_STAYS;
+}
+
+/* Rounding may keep steps from a tolerance that is tight where a state is near 0: then its size counts for more. */
+static int go(orbit *o, const fp3_method *how, double *rows, fp3_path **path) {
+    fp3_method with = *how;
+    int result = fp3_orbit_go(&o->way, &with, how->tolerance, o->guess, rows, path);
+    while (is_stuck(result) && with.floor < 1) {
+        with.floor = fmin(1, 1000 * with.floor);
+        if (path)
+            fp3_path_close(path);
+        result = fp3_orbit_go(&o->way, &with, how->tolerance, o->guess, rows, path);
+    }
+    return result;
+}
+
 /* Where a state has no closed form; on a stiff model always, as a step of bsimp may be so long that it passes over a peak. */
 static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
     const uint32_t count = o->eq.model->state_count;
@@ -151,8 +169,7 @@ static fp3_status check_again(orbit *o, const double *rows, fp3_error *error) {
         unknown += o->eq.model->states[i].exact == FP3_NONE;
     if (!unknown && o->how.stable > 0)
         return FP3_OK;
-    const int result =
-        fp3_orbit_go(&o->way, &o->again, o->again.tolerance, o->guess, o->other, NULL);
+    const int result = go(o, &o->again, o->other, NULL);
     fp3_status status = result ? stopped(o, &o->again, result, error) : FP3_OK;
     for (size_t i = 0; !status && i < o->way.count; i++)
         status = check_look(o, i, rows + i * count, o->other + i * count, error);
@@ -179,7 +196,7 @@ static int find_sizes(orbit *o, double *rows) {
 
 static int solve(orbit *o, double *rows, fp3_path **path) {
     const int result = find_sizes(o, rows);
-    return result ? result : fp3_orbit_go(&o->way, &o->how, o->how.tolerance, o->guess, rows, path);
+    return result ? result : go(o, &o->how, rows, path);
 }
 
 /* Far from what a stiff model does, its speeds say nothing. */
@@ -192,19 +209,14 @@ static void start_sizes(orbit *o) {
         o->guess[i] = o->eq.initial[i] != 0 ? fabs(o->eq.initial[i]) : most > 0 ? most : 1;
 }
 
-/* An explicit method may explode on a stiff model before its steps have been seen to be limited. */
-static int is_stiff(int result) {
-    return result == FP3_ORBIT_STIFF ||
-           (result && result != GSL_ENOMEM && result < FP3_CROSSING_STAYS);
-}
-
 static fp3_status follow(orbit *o, double *rows, fp3_path **path, fp3_error *error) {
     const uint32_t count = o->eq.model->state_count;
     choose(o, 0);
     int result = guess_sizes(o, o->way.times[o->way.count - 1]);
     if (!result)
         result = solve(o, rows, path);
-    if (is_stiff(result)) {
+    /* An explicit method may explode before the model is seen to be stiff. */
+    if (result == FP3_ORBIT_STIFF || is_stuck(result)) {
         if (path)
             fp3_path_close(path);
         start_sizes(o);

@@ -126,7 +126,7 @@ def test_numbers_of_another_program(write):
 
 def test_a_closed_form(write):
     """Prothero and Robinson's equation; its Jacobian depends on t in the second."""
-    for rate, text in (("k", "1e6"), ("k*(2 + sin(t))", "1e5")):
+    for rate, text in (("k", "1e6"), ("k*(2 + sin(t))", "1e5"), ("k", "1e8")):
         path = write(f"param k = {text}\nstate y = 1\nstep 0.001\nspan 20\ny' = -{rate}*(y - cos(t)) - sin(t)\n")
         for t in (0.3, 7, 20):
             assert truth(path, t)["y"] == pytest.approx(math.cos(t), abs=1e-11)
@@ -169,9 +169,9 @@ def test_the_path_between_steps(tmp_path):
     """At 2,500 uneven times, by the truths there; and truths at several times by those of one."""
     for name, text in (("hires", HIRES), ("ball", BALL.replace("(v - s)", "(x - s)"))):
         (tmp_path / f"{name}.ode").write_text(text)
-    paths = [os.path.join(PROGRAMS, "robertson.ode"), tmp_path / "hires.ode", tmp_path / "ball.ode"]
+    paths = [tmp_path / "hires.ode", tmp_path / "ball.ode"]
     out = subprocess.run([BUILD + "/tests/truths", *paths], capture_output=True, text=True, check=True, timeout=100).stdout.split()
-    assert out[::4] == ["robertson", "hires", "ball"]
+    assert out[::4] == ["hires", "ball"]
     assert max(map(float, out[1::4])) < 1e-10 and max(map(float, out[2::4])) < 3e-10, out
 
 

@@ -118,8 +118,9 @@ fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, c
  *     fp3_ladder_close(&ladder);
  */
 
-/* The states at time t, which may be negative: by GSL's rk8pd at a tight tolerance, and by the
- * model's closed forms if it has them. FP3_E_MISMATCH: the two do not agree. states has
+/* The states at time t, which may be negative: by GSL's rk8pd at a tight tolerance (by bsimp if the
+ * model is stiff), and by the model's closed forms if it has them, or another method. FP3_E_MISMATCH:
+ * the two do not agree. FP3_E_ARGUMENT: also if a method does not reach t. states has
  * model->state_count numbers. */
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error);
