@@ -133,10 +133,19 @@ def test_a_closed_form(write):
 
 
 def test_a_closed_form_is_compared_with(write):
-    text = "state y = 1\nstep 0.001\nspan 20\ny' = -1e6*(y - cos(t)) - sin(t)\nexact y = "
+    """The explicit method would come to the end, too: its steps are seen to be limited."""
+    text = "state y = 1\nstep 0.001\nspan 20\ny' = -5e3*(y - cos(t)) - sin(t)\nexact y = "
     assert truth(write(text + "cos(t)\n"), 20)["y"] == pytest.approx(math.cos(20), abs=1e-11)
     refused = run(write(text + "cos(1.00000001*t)\n"), 20)
     assert refused.returncode == 1 and re.match(r"two solutions of 'y' at time 20: GSL's bsimp says .*, the closed form says ", refused.stderr)
+
+
+def test_two_ways_have_to_agree(write):
+    """Lorenz's equations, and what follows x: chaos."""
+    path = write("state x = 1\nstate y = 1\nstate z = 20\nstate s = 1\nstep 0.001\nspan 40\n"
+                 "x' = 10*(y - x)\ny' = x*(28 - z) - y\nz' = x*y - 8/3*z\ns' = 1e4*(x - s)\n")
+    refused = run(path, 40)
+    assert refused.returncode == 1 and re.match(r"two solutions of 'x' at time 40: GSL's bsimp says .*, msbdf says ", refused.stderr)
 
 
 def rebounds(t):
