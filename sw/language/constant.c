@@ -30,9 +30,9 @@ static int take(ode_parser *p, fp3_token at, ode_value value, unsigned size,
     char is[ODE_DIMENSION_TEXT_SIZE], wanted[ODE_DIMENSION_TEXT_SIZE];
     if (value.size != size) {
         fp3_ode_wrong(&p->in, at, "%s (this is %s)",
-                      size == 1   ? "a number"
-                      : size == 2 ? "a vector such as (1, 0)"
-                                  : "a vector such as (1, 0, 0)",
+                      size == 2   ? "a vector such as (1, 0)"
+                      : size == 3 ? "a vector such as (1, 0, 0)"
+                                  : fp3_ode_shape(size),
                       fp3_ode_shape(value.size));
         return 0;
     }
@@ -81,7 +81,7 @@ static int read(ode_parser *p, ode_context context, unsigned size, int may_have_
     for (unsigned i = 0; i < ODE_VECTOR; i++)
         constant->expr[i] = is_kept && i < size ? value.expr[i] : FP3_NONE;
     if (!is_kept)
-        p->expr_count = from;
+        fp3_ode_forget(p, from);
     return is_good;
 }
 

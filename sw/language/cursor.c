@@ -1,6 +1,7 @@
 #include "cursor.h"
 
 #include <assert.h>
+#include <stdio.h>
 
 #include "keyword.h"
 
@@ -37,8 +38,14 @@ void fp3_ode_give_up(ode_cursor *c, fp3_token at) {
 }
 
 static void report(ode_cursor *c, fp3_token at, const char *format, va_list arguments) {
-    if (!c->is_lost)
-        fp3_report_vexpected(&c->report, at, format, arguments);
+    char text[256];
+    if (c->is_lost || c->is_quiet)
+        return;
+    vsnprintf(text, sizeof text, format, arguments);
+    if (*c->note)
+        fp3_report_expected(&c->report, at, "%s (where %s)", text, c->note);
+    else
+        fp3_report_expected(&c->report, at, "%s", text);
 }
 
 void fp3_ode_wrong(ode_cursor *c, fp3_token at, const char *format, ...) {
@@ -54,6 +61,14 @@ void fp3_ode_lost(ode_cursor *c, const char *format, ...) {
     report(c, c->next, format, arguments);
     va_end(arguments);
     fp3_ode_give_up(c, c->next);
+}
+
+void fp3_ode_lost_at(ode_cursor *c, fp3_token at, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    report(c, at, format, arguments);
+    va_end(arguments);
+    fp3_ode_give_up(c, at);
 }
 
 void fp3_ode_expect(ode_cursor *c, const char *symbol, const char *format, ...) {
@@ -75,13 +90,22 @@ void fp3_ode_over(ode_cursor *c, fp3_token at, const char *format, ...) {
     c->is_over = 1;
 }
 
+/* The token behind the index "[...]" that begins with this one; without one, this one. */
+static fp3_token behind_index(ode_lexer *at, fp3_token t) {
+    if (!fp3_token_is(t, "["))
+        return t;
+    while (!fp3_token_is(t, "]") && t.kind != FP3_TOKEN_END_OF_FILE)
+        t = fp3_ode_next(at);
+    return fp3_ode_next(at);
+}
+
 /* Whether the line at which the lexer stands begins like a statement. */
 static int begins_statement(ode_lexer at) {
     static const char *const behind[] = {"=", "'", "''"};
     fp3_token first = fp3_ode_next(&at);
     if (first.kind != FP3_TOKEN_NAME || fp3_ode_begins_statement(first))
         return first.kind == FP3_TOKEN_NAME;
-    fp3_token second = fp3_ode_next(&at);
+    const fp3_token second = behind_index(&at, fp3_ode_next(&at));
     for (size_t i = 0; i < sizeof behind / sizeof *behind; i++)
         if (fp3_token_is(second, behind[i]))
             return 1;

@@ -10,13 +10,17 @@
 #include "lexer.h"
 #include "text/report.h"
 
+enum { FP3_NOTE_SIZE = 64 };
+
 typedef struct {
     ode_lexer lexer;
     fp3_token next;
     fp3_report report;
     int is_lost;
-    fp3_token lost_at; /* the token of that error */
-    int is_over;       /* a limit is reached: nothing more is read */
+    int is_quiet;             /* the same text is read again, and its error is reported */
+    fp3_token lost_at;        /* the token of that error */
+    int is_over;              /* a limit is reached: nothing more is read */
+    char note[FP3_NOTE_SIZE]; /* "i = 3, j = 1": the indices, behind each error; "" without one */
 } ode_cursor;
 
 /* At the first token of a source; name is for the report. */
@@ -36,6 +40,9 @@ __attribute__((format(printf, 3, 4))) void fp3_ode_wrong(ode_cursor *cursor, fp3
 /* A syntax error at the next token: nothing more of this statement is read. */
 __attribute__((format(printf, 2, 3))) void fp3_ode_lost(ode_cursor *cursor, const char *format,
                                                         ...);
+/* The same at a token that has been read. */
+__attribute__((format(printf, 3, 4))) void fp3_ode_lost_at(ode_cursor *cursor, fp3_token at,
+                                                           const char *format, ...);
 /* A limit is reached: nothing more of the source is read. */
 __attribute__((format(printf, 3, 4))) void fp3_ode_over(ode_cursor *cursor, fp3_token at,
                                                         const char *format, ...);

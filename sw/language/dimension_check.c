@@ -1,6 +1,7 @@
 #include "dimension_check.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "evaluate.h"
 #include "function_rows.h"
@@ -9,10 +10,14 @@ static const ode_dimension any = {.kind = ODE_DIMENSION_ANY},
                            number = {.kind = ODE_DIMENSION_NUMBER},
                            one = {.kind = ODE_DIMENSION_KNOWN};
 
-/* An operation on vectors is several expressions at one location: one error is enough. */
+/* An operation on vectors, or for several indices, is several expressions at one location: one error
+ * is enough. */
 static int is_repeated(const ode_parser *p, fp3_token at) {
     const fp3_report *r = &p->in.report;
-    return r->count > 0 && r->entry[r->count - 1].at == at.text;
+    for (unsigned i = 0; i < r->count; i++)
+        if (r->entry[i].at == at.text)
+            return 1;
+    return 0;
 }
 
 static const char *text_of(const ode_parser *p, const ode_dimension *dimension,
@@ -134,8 +139,13 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
 }
 
 void fp3_ode_check_dimensions(ode_parser *p, uint32_t from) {
-    for (uint32_t i = from; i < p->expr_count && !fp3_report_full(&p->in.report); i++)
+    char note[FP3_NOTE_SIZE];
+    memcpy(note, p->in.note, sizeof note);
+    for (uint32_t i = from; i < p->expr_count && !fp3_report_full(&p->in.report); i++) {
+        memcpy(p->in.note, p->expr_note[i], sizeof p->in.note);
         p->dimensions[i] = dimension_of(p, i);
+    }
+    memcpy(p->in.note, note, sizeof note);
 }
 
 static void check(ode_parser *p, const ode_equation *equation, const ode_dimension *wanted,
@@ -145,8 +155,10 @@ static void check(ode_parser *p, const ode_equation *equation, const ode_dimensi
         fp3_ode_dimension_fits(wanted, &p->dimensions[equation->expr]) ||
         is_repeated(p, equation->at))
         return;
+    memcpy(p->in.note, equation->note, sizeof p->in.note);
     fp3_ode_wrong(&p->in, equation->at, "%s in %s (its right side is in %s)", what,
                   text_of(p, wanted, left), text_of(p, &p->dimensions[equation->expr], right));
+    *p->in.note = 0;
 }
 
 void fp3_ode_check_equations(ode_parser *p) {

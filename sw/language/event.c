@@ -33,7 +33,8 @@ static int add(ode_parser *p, fp3_token name, uint32_t state, uint32_t expr, ode
         fp3_ode_over(&p->in, name, "at most %d values given by events", ODE_ASSIGNMENTS);
         return 0;
     }
-    p->assignments[p->assignment_count++] = (ode_assignment){state, {name, expr}};
+    p->assignments[p->assignment_count++] =
+        (ode_assignment){state, fp3_ode_equation(p, name, expr)};
     event->count++;
     return 1;
 }
@@ -69,6 +70,8 @@ static void consequence(ode_parser *p, ode_event *event) {
 }
 
 static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t *count) {
+    if (p->skipping)
+        return;
     if (*count == ODE_EVENTS)
         fp3_ode_over(&p->in, event.at, "at most %d events, and as many projections", ODE_EVENTS);
     else if (!p->in.is_over)
@@ -123,7 +126,7 @@ static void root_event(ode_parser *p, ode_event event) {
         rise(p, at, g, zero, g.expr[0], event);
 }
 
-void fp3_ode_event(ode_parser *p, fp3_token keyword) {
+static void conditioned(ode_parser *p, fp3_token keyword) {
     ode_event event = {.first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
     if (fp3_ode_at(&p->in, "root") && is_followed_by(p, "(")) {
         root_event(p, event);
@@ -134,11 +137,11 @@ void fp3_ode_event(ode_parser *p, fp3_token keyword) {
     add_event(p, event, p->events, &p->event_count);
 }
 
-int fp3_ode_is_timed(const ode_parser *p, fp3_token first) {
+static int is_timed(const ode_parser *p, fp3_token first) {
     return fp3_token_is(first, "at") && fp3_ode_at(&p->in, "t") && is_followed_by(p, "=");
 }
 
-void fp3_ode_timed(ode_parser *p, fp3_token keyword) {
+static void timed(ode_parser *p, fp3_token keyword) {
     ode_event event = {.first = p->assignment_count, .at = keyword};
     const fp3_token at = p->in.next;
     const ode_value t = fp3_ode_leaf(p, at, FP3_EXPR_TIME, 0, 0);
@@ -150,14 +153,27 @@ void fp3_ode_timed(ode_parser *p, fp3_token keyword) {
     rise(p, at, time, t, FP3_NONE, event);
 }
 
-int fp3_ode_is_projection(const ode_parser *p, fp3_token first) {
+static int is_projection(const ode_parser *p, fp3_token first) {
     return fp3_token_is(first, "project") && p->in.next.kind == FP3_TOKEN_NAME;
 }
 
-void fp3_ode_projection(ode_parser *p, fp3_token keyword) {
+static void projection(ode_parser *p, fp3_token keyword) {
     ode_event event = {
         .condition = FP3_NONE, .first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
     p->context = ODE_IN_EQUATION;
     assignments(p, &event);
     add_event(p, event, p->projections, &p->projection_count);
+}
+
+int fp3_ode_is_event(const ode_parser *p, fp3_token first) {
+    return fp3_token_is(first, "when") || is_timed(p, first) || is_projection(p, first);
+}
+
+void fp3_ode_event(ode_parser *p, fp3_token first) {
+    if (is_timed(p, first))
+        timed(p, first);
+    else if (is_projection(p, first))
+        projection(p, first);
+    else
+        conditioned(p, first);
 }

@@ -7,7 +7,9 @@
 
 #include "function.h"
 #include "keyword.h"
+#include "meaning.h"
 #include "number.h"
+#include "range.h"
 #include "symbol.h"
 #include "vector.h"
 
@@ -28,56 +30,6 @@ static void leave(ode_parser *p) {
     p->depth--;
 }
 
-static ode_value leaves(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t first,
-                        unsigned size) {
-    ode_value value = {.size = size};
-    for (unsigned i = 0; i < size; i++) {
-        ode_value leaf = fp3_ode_leaf(p, at, op, first + i, 0);
-        if (!leaf.size)
-            return nothing;
-        value.expr[i] = leaf.expr[0];
-    }
-    return value;
-}
-
-static int has_state(const ode_parser *p, const ode_symbol *s) {
-    for (unsigned i = 0; s->class == ODE_DEFINITION && i < s->value.size; i++)
-        if (p->has_state[s->value.expr[i]])
-            return 1;
-    return 0;
-}
-
-/* Whether what a name stands for may be used here. Reports it if not. */
-static int may_stand(ode_parser *p, fp3_token name, const ode_symbol *s) {
-    if (s->class == ODE_INVARIANT)
-        fp3_ode_wrong(&p->in, name, "a name that is defined (this is an invariant)");
-    else if (p->context == ODE_IN_CONSTANT)
-        fp3_ode_wrong(&p->in, name, "a number (only the start of a state may use params)");
-    else if (p->context == ODE_IN_START && s->class != ODE_PARAM)
-        fp3_ode_wrong(&p->in, name, "numbers and params, which are known before the start");
-    else if (p->context == ODE_IN_EXACT && s->class == ODE_STATE)
-        fp3_ode_wrong(&p->in, name, "t, params, or the start of a state, as in %.*s(0)",
-                      (int)name.length, name.text);
-    else if (p->context == ODE_IN_EXACT && has_state(p, s))
-        fp3_ode_wrong(&p->in, name, "a definition without states (this is a closed form)");
-    else
-        return 1;
-    return 0;
-}
-
-static ode_value symbol_value(ode_parser *p, fp3_token name, const ode_symbol *s, unsigned start,
-                              unsigned size) {
-    if (!may_stand(p, name, s))
-        return nothing;
-    if (s->class == ODE_STATE || s->class == ODE_PARAM)
-        return leaves(p, name, s->class == ODE_STATE ? FP3_EXPR_STATE : FP3_EXPR_PARAM,
-                      s->first + start, size);
-    ode_value value = {.size = size};
-    for (unsigned i = 0; i < size; i++)
-        value.expr[i] = s->value.expr[start + i];
-    return value;
-}
-
 /* "(0)" after the name of a state. */
 static ode_value start_of(ode_parser *p, fp3_token name, const ode_symbol *s, unsigned start,
                           unsigned size) {
@@ -86,30 +38,85 @@ static ode_value start_of(ode_parser *p, fp3_token name, const ode_symbol *s, un
     fp3_ode_advance(&p->in);
     fp3_ode_expect(&p->in, "0", "0, as in v(0)");
     fp3_ode_expect(&p->in, ")", "')'");
-    return leaves(p, name, FP3_EXPR_INITIAL, s->first + start, size);
+    return fp3_ode_leaves(p, name, FP3_EXPR_INITIAL, s->first + start, size);
 }
 
 static ode_value time_now(ode_parser *p, fp3_token name) {
-    if (p->context != ODE_IN_CONSTANT && p->context != ODE_IN_START)
+    if (p->context > ODE_IN_START)
         return fp3_ode_leaf(p, name, FP3_EXPR_TIME, 0, 0);
     fp3_ode_wrong(&p->in, name,
                   "a value that is known before the start (t is the time since then)");
     return nothing;
 }
 
-/* What follows the name of a function. */
-static ode_value call(ode_parser *p, fp3_token name, const ode_function *f) {
+/* "i in 1..4: terms", one after the other, from the left. */
+static ode_value terms(ode_parser *p, fp3_token at, const ode_function *f) {
+    ode_range range;
+    ode_value all = nothing;
+    unsigned count = 0;
+    int is_good = 1;
+    fp3_ode_range_open(p, &range);
+    while (fp3_ode_range_pass(p, &range)) {
+        const ode_value term = expression(p);
+        if (p->skipping)
+            continue;
+        is_good &= term.size > 0;
+        all = count++ ? fp3_ode_binary(p, at, f->op, all, term) : term;
+    }
+    if (!is_good || !range.is_good || count)
+        return is_good ? all : nothing;
+    if (f->rule == ODE_OF_TERMS)
+        return fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, f->op == FP3_EXPR_MUL);
+    fp3_ode_wrong(&p->in, at, "a term for '%s' (there is none)", f->name);
+    return nothing;
+}
+
+/* "? a : b", or ", a, b)" of select, whose condition begins at expression `from`. A condition of numbers is
+ * decided here and now, and then only one choice counts. */
+static ode_value choice(ode_parser *p, fp3_token at, ode_value condition, uint32_t from,
+                        const ode_function *select) {
+    const int is_decided = fp3_ode_is_number(p, condition);
+    const unsigned is_true = is_decided && p->values[condition.expr[0]] != 0;
+    if (is_decided)
+        fp3_ode_forget(p, from);
+    p->skipping += is_decided && !is_true;
+    const ode_value a = expression(p);
+    p->skipping -= is_decided && !is_true;
+    if (select)
+        fp3_ode_expect(&p->in, ",", "',' ('%s' has %u arguments)", select->name, select->arguments);
+    else
+        fp3_ode_expect(&p->in, ":", "an operator or ':'");
+    p->skipping += is_true;
+    const ode_value b = expression(p);
+    p->skipping -= is_true;
+    return !is_decided ? fp3_ode_select(p, at, condition, a, b) : is_true ? a : b;
+}
+
+static ode_value arguments(ode_parser *p, fp3_token name, const ode_function *f) {
     ode_value argument[ODE_ARGUMENTS] = {{0}};
     assert(f->arguments <= ODE_ARGUMENTS);
-    fp3_ode_expect(&p->in, "(", "'(' after '%s'", f->name);
+    if (fp3_ode_has_terms(f) && fp3_ode_at_range(p))
+        return terms(p, name, f);
+    const uint32_t from = p->expr_count;
     for (unsigned i = 0; i < f->arguments; i++) {
         if (i > 0)
             fp3_ode_expect(&p->in, ",", "',' ('%s' has %u arguments)", f->name, f->arguments);
+        if (i == 1 && f->op == FP3_EXPR_SELECT)
+            return choice(p, name, argument[0], from, f);
         argument[i] = expression(p);
+        if (argument[0].size != 1 && fp3_ode_has_terms(f) && fp3_ode_at(&p->in, ")"))
+            return fp3_ode_fold(p, name, f->op, argument[0]);
     }
+    return fp3_ode_apply(p, name, f, argument);
+}
+
+/* What follows the name of a function. */
+static ode_value call(ode_parser *p, fp3_token name, const ode_function *f) {
+    fp3_ode_expect(&p->in, "(", "'(' after '%s'", f->name);
+    const ode_value value = arguments(p, name, f);
     fp3_ode_expect(&p->in, ")", "an operator or ')' ('%s' has %u argument%s)", f->name,
                    f->arguments, f->arguments > 1 ? "s" : "");
-    return fp3_ode_apply(p, name, f, argument);
+    return value;
 }
 
 static void no_function(ode_parser *p, fp3_token name) {
@@ -135,51 +142,77 @@ static ode_value named(ode_parser *p) {
         return time_now(p, name);
     if (fp3_token_is(name, "pi"))
         return fp3_ode_leaf(p, name, FP3_EXPR_NUMBER, 0, M_PI);
-    const int is_call = fp3_ode_at(&p->in, "(");
     unsigned start, size;
-    if (is_call && !fp3_ode_find(p, name)) {
+    if (fp3_ode_at(&p->in, "(") && !fp3_ode_find(p, name)) {
         no_function(p, name);
         return nothing;
     }
-    const ode_symbol *s = fp3_ode_resolve(p, name, &start, &size);
+    const ode_symbol *s = fp3_ode_part(p, name, &start, &size);
     if (!s)
         return nothing;
+    const int is_call = fp3_ode_at(&p->in, "(");
     if (is_call && s->class == ODE_STATE)
         return start_of(p, name, s, start, size);
     if (is_call)
         fp3_ode_lost(&p->in, "an operator ('%.*s' is not a function)", (int)s->at.length,
                      s->at.text);
-    return symbol_value(p, name, s, start, size);
+    return fp3_ode_stands_for(p, name, s, start, size);
+}
+
+/* A vector that grows, component by component. */
+typedef struct {
+    ode_value value;
+    unsigned size;
+    int is_good;
+} components;
+
+static void append(ode_parser *p, fp3_token open, ode_value part, components *all) {
+    if (part.size > 1)
+        fp3_ode_wrong(&p->in, open, "a vector of numbers (there is %s in it)",
+                      fp3_ode_shape(part.size));
+    all->is_good &= part.size == 1;
+    if (all->size < ODE_VECTOR)
+        all->value.expr[all->size] = part.expr[0];
+    all->size++;
+}
+
+static ode_value vector_of(ode_parser *p, fp3_token open, components *all) {
+    const int fits = all->size > 0 && all->size <= ODE_VECTOR;
+    if (!fits)
+        fp3_ode_wrong(&p->in, open, "a vector of 2 to %d (this is one of %u)", ODE_VECTOR,
+                      all->size);
+    all->value.size = all->is_good && fits ? all->size : 0;
+    return all->value;
 }
 
 /* The rest of a vector whose first component has been read. */
-static ode_value vector(ode_parser *p, fp3_token open, ode_value part) {
-    ode_value value = {.size = 0};
-    unsigned size = 0;
-    int is_good = 1;
-    for (;; part = expression(p)) {
-        if (part.size > 1)
-            fp3_ode_wrong(&p->in, open, "a vector of numbers (there is %s in it)",
-                          fp3_ode_shape(part.size));
-        is_good &= part.size == 1;
-        if (size < ODE_VECTOR)
-            value.expr[size] = part.expr[0];
-        size++;
-        if (!fp3_ode_accept(&p->in, ","))
-            break;
+static ode_value listed(ode_parser *p, fp3_token open, ode_value part) {
+    components all = {.is_good = 1};
+    append(p, open, part, &all);
+    while (fp3_ode_accept(&p->in, ","))
+        append(p, open, expression(p), &all);
+    return vector_of(p, open, &all);
+}
+
+/* "i in 1..4: i^2", a vector of a component for each. */
+static ode_value ranged(ode_parser *p, fp3_token open) {
+    components all = {.is_good = 1};
+    ode_range range;
+    fp3_ode_range_open(p, &range);
+    while (fp3_ode_range_pass(p, &range)) {
+        const ode_value part = expression(p);
+        if (!p->skipping)
+            append(p, open, part, &all);
     }
-    if (size > ODE_VECTOR)
-        fp3_ode_wrong(&p->in, open, "a vector of 2 or 3 (this is one of %u)", size);
-    value.size = is_good && size <= ODE_VECTOR ? size : 0;
-    return value;
+    return range.is_good ? vector_of(p, open, &all) : nothing;
 }
 
 static ode_value bracketed(ode_parser *p) {
     fp3_token open = p->in.next;
     fp3_ode_advance(&p->in);
-    ode_value value = expression(p);
+    ode_value value = fp3_ode_at_range(p) ? ranged(p, open) : expression(p);
     if (fp3_ode_at(&p->in, ","))
-        value = vector(p, open, value);
+        value = listed(p, open, value);
     fp3_ode_expect(&p->in, ")", "an operator or ')'");
     return value;
 }
@@ -205,14 +238,25 @@ static ode_value primary(ode_parser *p) {
     return nothing;
 }
 
+/* A whole exponent is one number, however it is written: units and derivatives of powers depend on it. */
+static ode_value exponent_of(ode_parser *p, ode_value value, uint32_t from) {
+    const double number = fp3_ode_is_number(p, value) ? p->values[value.expr[0]] : NAN;
+    if (number != floor(number) || isinf(number) || p->exprs[value.expr[0]].op == FP3_EXPR_NUMBER)
+        return value;
+    const fp3_token at = p->expr_at[value.expr[0]];
+    fp3_ode_forget(p, from);
+    return fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, number);
+}
+
 static ode_value power(ode_parser *p) {
     ode_value base = primary(p);
     fp3_token at = p->in.next;
     if (!fp3_ode_accept(&p->in, "^"))
         return base;
+    const uint32_t from = p->expr_count;
     ode_value exponent = enter(p) ? unary(p) : nothing;
     leave(p);
-    return fp3_ode_binary(p, at, FP3_EXPR_POWER, base, exponent);
+    return fp3_ode_binary(p, at, FP3_EXPR_POWER, base, exponent_of(p, exponent, from));
 }
 
 static ode_value unary(ode_parser *p) {
@@ -224,7 +268,7 @@ static ode_value unary(ode_parser *p) {
     leave(p);
     /* A number with a sign is a number. */
     if (value.size == 1 && value.expr[0] >= from && p->exprs[value.expr[0]].op == FP3_EXPR_NUMBER) {
-        p->exprs[value.expr[0]].number *= -1;
+        p->values[value.expr[0]] = p->exprs[value.expr[0]].number *= -1;
         return value;
     }
     return fp3_ode_unary(p, at, FP3_EXPR_NEGATE, value);
@@ -315,13 +359,11 @@ static ode_value disjunction(ode_parser *p) {
 }
 
 static ode_value expression(ode_parser *p) {
+    const uint32_t from = p->expr_count;
     ode_value value = enter(p) ? disjunction(p) : nothing;
     fp3_token at = p->in.next;
-    if (fp3_ode_accept(&p->in, "?")) {
-        ode_value a = expression(p);
-        fp3_ode_expect(&p->in, ":", "an operator or ':'");
-        value = fp3_ode_select(p, at, value, a, expression(p));
-    }
+    if (fp3_ode_accept(&p->in, "?"))
+        value = choice(p, at, value, from, NULL);
     leave(p);
     return value;
 }
@@ -329,4 +371,100 @@ static ode_value expression(ode_parser *p) {
 ode_value fp3_ode_expression(ode_parser *p, ode_context context) {
     p->context = context;
     return expression(p);
+}
+
+/* ---- ranges and indices ---- */
+
+/* Reads a number made of numbers and indices. 0 after an error, and where it is skipped. */
+static int plain(ode_parser *p, double *number) {
+    const fp3_token at = p->in.next;
+    const uint32_t from = p->expr_count;
+    const ode_context around = p->context;
+    const ode_value value = fp3_ode_expression(p, ODE_IN_INDEX);
+    p->context = around;
+    if (value.size > 1)
+        fp3_ode_wrong(&p->in, at, "a number (this is %s)", fp3_ode_shape(value.size));
+    fp3_ode_forget(p, from);
+    if (value.size == 1)
+        *number = p->values[value.expr[0]];
+    return value.size == 1;
+}
+
+int fp3_ode_whole(ode_parser *p, long *number) {
+    enum { MOST = 1000000 };
+    const fp3_token at = p->in.next;
+    double value = 0;
+    if (!plain(p, &value))
+        return 0;
+    *number = fabs(value) <= MOST ? (long)value : 0;
+    if ((double)*number == value)
+        return 1;
+    fp3_ode_wrong(&p->in, at, "a whole number of at most %d (this is %.9g)", MOST, value);
+    return 0;
+}
+
+/* "[i + 1]" behind a name; no symbol: that is wrong. 0 after an error. */
+static int component_here(ode_parser *p, const ode_symbol *s, unsigned *start, unsigned *size) {
+    long number = 1;
+    fp3_ode_advance(&p->in);
+    const fp3_token at = p->in.next;
+    const int is_whole = fp3_ode_whole(p, &number);
+    fp3_ode_expect(&p->in, "]", "an operator or ']'");
+    if (!s || !*size)
+        return s != NULL;
+    const int is_inside = is_whole && number >= 1 && number <= (long)*size;
+    if (is_whole && !is_inside && !p->skipping)
+        fp3_ode_wrong(&p->in, at, "an index from 1 to %u for '%.*s' (this is %ld)", *size,
+                      (int)s->at.length, s->at.text, number);
+    *start = is_inside ? (unsigned)number - 1 : 0;
+    *size = 1;
+    return is_inside || p->skipping;
+}
+
+const ode_symbol *fp3_ode_part(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
+    const int has_index = fp3_ode_at(&p->in, "[") && p->in.next.text == name.text + name.length;
+    if (!has_index || (s && *size == 1 && p->context <= ODE_IN_START))
+        return s; /* and then a bracket holds a unit */
+    if (s && *size == 1) {
+        fp3_ode_lost(&p->in, "an operator ('%.*s' is not a vector)", (int)name.length, name.text);
+        return NULL;
+    }
+    return component_here(p, s, start, size) ? s : NULL;
+}
+
+/* "1..4" */
+static int ends(ode_parser *p, fp3_token name, long *first, long *last) {
+    const int length = (int)name.length;
+    int is_good = fp3_ode_whole(p, first);
+    fp3_ode_expect(&p->in, "..", "an operator or '..', as in %.*s in 1..4", length, name.text);
+    const fp3_token at = p->in.next;
+    is_good &= fp3_ode_whole(p, last);
+    if (is_good && *last < *first - 1) {
+        fp3_ode_wrong(&p->in, at, "a last number of at least %ld (%ld..%ld has none)", *first - 1,
+                      *first, *first - 1);
+        return 0;
+    }
+    return is_good;
+}
+
+void fp3_ode_range_open(ode_parser *p, ode_range *r) {
+    const fp3_token name = p->in.next;
+    long first = 0, last = 0;
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, "in", "in");
+    const int is_good = ends(p, name, &first, &last);
+    fp3_ode_range_begin(p, name, r, is_good, first, last);
+}
+
+int fp3_ode_range_pass(ode_parser *p, ode_range *r) {
+    double holds = 1;
+    if (!fp3_ode_range_next(p, r))
+        return 0;
+    if (fp3_ode_accept(&p->in, ",") && !plain(p, &holds))
+        holds = 0;
+    fp3_ode_expect(&p->in, ":", "an operator, ':' or ',', as in `1..4: ` or `1..4, i != j: `");
+    if (holds == 0)
+        fp3_ode_range_skip(p, r);
+    return 1;
 }

@@ -9,10 +9,7 @@
 #include "constant.h"
 #include "dimension_check.h"
 #include "expression.h"
-#include "function.h"
-#include "keyword.h"
 #include "loss.h"
-#include "symbol.h"
 #include "text/number.h"
 #include "vector.h"
 
@@ -34,45 +31,6 @@ void fp3_formula_free(fp3_formula **formula) {
 }
 
 /* ---- reading ---- */
-
-/* The next name at or after `from` that is neither part of a number nor a word of the language; of
- * length 0: there is none. */
-static fp3_token next_name(const char *from) {
-    static const char digits[] = "0123456789.";
-    static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    fp3_token name = {.text = from, .location = {1, 1}, .kind = FP3_TOKEN_NAME};
-    while (*name.text) {
-        name.length = strspn(name.text, bytes);
-        if (strchr(digits, *name.text)) { /* 1.5e-3: its sign does no harm */
-            name.text += strspn(name.text, digits);
-            name.text += strspn(name.text, bytes);
-        } else if (!name.length)
-            name.text++;
-        else if (fp3_ode_function(name) || fp3_ode_is_keyword(name))
-            name.text += name.length;
-        else
-            return name;
-    }
-    name.length = 0;
-    return name;
-}
-
-/* Gives the parser the names of the formula as params. */
-static fp3_status declare_names(ode_parser *p, const char *text, fp3_error *error) {
-    fp3_token name = next_name(text);
-    for (; name.length; name = next_name(name.text + name.length)) {
-        ode_quantity *q = &p->params[p->param_count];
-        if (fp3_ode_find(p, name))
-            continue;
-        if (name.length >= FP3_NAME_SIZE || p->param_count == ODE_QUANTITIES)
-            return fp3_fail(error, FP3_E_PROGRAM, "expected %d names of %d characters at most",
-                            ODE_QUANTITIES, FP3_NAME_SIZE - 1);
-        memcpy(q->quantity.name, name.text, name.length);
-        q->dimension.kind = ODE_DIMENSION_ANY;
-        fp3_ode_declare(p, name, ODE_PARAM, p->param_count++, (ode_value){.size = 1});
-    }
-    return FP3_OK;
-}
 
 static fp3_status take(const ode_parser *p, fp3_token begin, uint32_t root, fp3_formula **formula,
                        fp3_error *error) {
@@ -123,9 +81,8 @@ static fp3_status read(const char *text, ode_context context, fp3_formula **form
     if (!p)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     FP3_HOST;
-    fp3_status status = context == ODE_IN_CONSTANT ? FP3_OK : declare_names(p, text, error);
-    if (!status)
-        status = parse(p, text, context, formula, error);
+    p->takes_names = context == ODE_IN_START;
+    const fp3_status status = parse(p, text, context, formula, error);
     free(p);
     return status;
 }

@@ -17,6 +17,8 @@ static const ode_function functions[] = {
         {"dot", 2, ODE_OF_DOT, FP3_EXPR_OP_COUNT},
     {"cross", 2, ODE_OF_CROSS, FP3_EXPR_OP_COUNT},
     {"norm", 1, ODE_OF_NORM, FP3_EXPR_OP_COUNT},
+    {"sum", 1, ODE_OF_TERMS, FP3_EXPR_ADD},
+    {"prod", 1, ODE_OF_TERMS, FP3_EXPR_MUL},
 };
 enum { FUNCTIONS = sizeof functions / sizeof *functions };
 
@@ -34,6 +36,10 @@ const char *fp3_ode_nearest_function(fp3_token name) {
     return near;
 }
 
+int fp3_ode_has_terms(const ode_function *f) {
+    return f->rule == ODE_OF_TERMS || f->op == FP3_EXPR_MIN || f->op == FP3_EXPR_MAX;
+}
+
 ode_value fp3_ode_apply(ode_parser *p, fp3_token at, const ode_function *f,
                         const ode_value argument[ODE_ARGUMENTS]) {
     switch (f->rule) {
@@ -43,6 +49,8 @@ ode_value fp3_ode_apply(ode_parser *p, fp3_token at, const ode_function *f,
         return fp3_ode_cross(p, at, argument[0], argument[1]);
     case ODE_OF_NORM:
         return fp3_ode_unary(p, at, FP3_EXPR_SQRT, fp3_ode_dot(p, at, argument[0], argument[0]));
+    case ODE_OF_TERMS:
+        return fp3_ode_fold(p, at, f->op, argument[0]);
     case ODE_OF_NUMBERS:
         break;
     }

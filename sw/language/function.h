@@ -11,7 +11,8 @@ typedef enum {
     ODE_OF_NUMBERS, /* takes none; but one of three arguments chooses between two of one size */
     ODE_OF_DOT,
     ODE_OF_CROSS,
-    ODE_OF_NORM
+    ODE_OF_NORM,
+    ODE_OF_TERMS /* of a vector, or one for each value of an index; so may min and max be */
 } ode_rule;
 
 typedef struct {
@@ -25,6 +26,9 @@ typedef struct {
 const ode_function *fp3_ode_function(fp3_token name);
 /* The function that the name is most likely a misspelling of, or NULL. */
 const char *fp3_ode_nearest_function(fp3_token name);
+
+/* Whether it can be made of terms. */
+int fp3_ode_has_terms(const ode_function *function);
 
 /* The value of a call at this token. */
 ode_value fp3_ode_apply(ode_parser *p, fp3_token at, const ode_function *function,

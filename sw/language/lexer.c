@@ -44,7 +44,7 @@ static const char *name_end(const ode_lexer *l, const char *p) {
 }
 
 static const char *number_end(const ode_lexer *l, const char *p) {
-    while (fp3_is_word(at(l, p)) || at(l, p) == '.') {
+    while (fp3_is_word(at(l, p)) || (at(l, p) == '.' && at(l, p + 1) != '.')) {
         char c = *p++;
         if ((c == 'e' || c == 'E') && (at(l, p) == '+' || at(l, p) == '-'))
             p++;
@@ -117,6 +117,9 @@ fp3_token fp3_ode_next(ode_lexer *l) {
         p = text_end(l, p, &t.kind);
     } else if (is_symbol(*p)) {
         p = symbol_end(l, p, &t.kind);
+    } else if (*p == '.' && at(l, p + 1) == '.') {
+        t.kind = FP3_TOKEN_SYMBOL;
+        p += 2;
     } else {
         for (p++; p < s->end && begins_nothing(*p);)
             p++;

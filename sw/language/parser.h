@@ -5,6 +5,8 @@
  *     vector             operations on numbers and vectors, which become scalar expressions
  *     function           the table of functions, which are made of those operations
  *     symbol             what names stand for
+ *     meaning            what they stand for in an expression
+ *     range              names for whole numbers, and what is read again for each of them
  *     expression         from tokens to operations
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
@@ -27,20 +29,24 @@ enum {
     ODE_QUANTITIES = 64, /* states, and as many params */
     ODE_EXPRS = 4096,
     ODE_DEFINITIONS = 1024, /* and as many invariants */
-    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS,
+    ODE_INDICES = 8,        /* one within the other */
+    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS + ODE_INDICES,
+    ODE_REPEATED = 1 << 22, /* bytes of text that are read again for an index */
     ODE_EVENTS = 64,
     ODE_ASSIGNMENTS = 256,
     ODE_DEPTH = 200,
-    ODE_VECTOR = 3
+    ODE_VECTOR = ODE_QUANTITIES,
+    ODE_LETTERS = 3 /* vectors up to this length have components .x, .y and .z */
 };
 
 typedef struct {
-    unsigned size; /* 1: a number, 2 or 3: a vector, 0: wrong, and reported */
+    unsigned size; /* 1: a number, more: a vector, 0: wrong and reported, or skipped */
     uint32_t expr[ODE_VECTOR];
 } ode_value;
 
 /* What an expression may be made of. */
 typedef enum {
+    ODE_IN_INDEX,     /* numbers, also those that are defined */
     ODE_IN_CONSTANT,  /* numbers */
     ODE_IN_START,     /* numbers and params */
     ODE_IN_EQUATION,  /* what the hardware can compute from states and t, and anything of params */
@@ -48,18 +54,21 @@ typedef enum {
     ODE_IN_INVARIANT, /* numbers, params, states and t */
 } ode_context;
 
-typedef enum { ODE_STATE, ODE_PARAM, ODE_DEFINITION, ODE_INVARIANT } ode_class;
+/* An index stands for a whole number while the text of its range is read. */
+typedef enum { ODE_STATE, ODE_PARAM, ODE_DEFINITION, ODE_INVARIANT, ODE_INDEX } ode_class;
 
 typedef struct {
     fp3_token at;
     ode_class class;
     uint32_t first;  /* of a state or param: its first component */
-    ode_value value; /* of a definition or invariant; of a state or param only the size */
+    ode_value value; /* of a definition or invariant; of any other only the size */
+    long number;     /* of an index: what it stands for now */
 } ode_symbol;
 
 typedef struct {
     fp3_token at;  /* if the equation exists */
     uint32_t expr; /* FP3_NONE: its right side is wrong, and reported */
+    char note[FP3_NOTE_SIZE];
 } ode_equation;
 
 typedef struct {
@@ -89,6 +98,12 @@ typedef struct {
     ode_cursor in;
     ode_context context; /* of the expression that is read */
     unsigned depth;      /* of that expression */
+    /* In how many choices that are not taken: what is read there must be written well, but nothing
+     * is made of it, and no index is out of range. */
+    unsigned skipping;
+    unsigned index_count; /* of the ranges around */
+    int takes_names;      /* in a formula: a name that is not defined is a param */
+    size_t repeated;
     int out_of_memory;
 
     fp3_token model_at; /* if the source names the model */
@@ -112,12 +127,14 @@ typedef struct {
 
     uint32_t expr_count;
     fp3_expr exprs[ODE_EXPRS];
-    /* Of each expression: where it is written, its dimension once checked, whether it depends on a
-     * state, and on t. */
+    /* Of each expression: where it is written, for which indices, its dimension once checked,
+     * whether it depends on a state, and on t; whether it is made of numbers alone, which have
+     * values at once. */
     fp3_token expr_at[ODE_EXPRS];
+    char expr_note[ODE_EXPRS][FP3_NOTE_SIZE];
     ode_dimension dimensions[ODE_EXPRS];
-    char has_state[ODE_EXPRS], has_time[ODE_EXPRS];
-    double values[ODE_EXPRS]; /* while a constant is read */
+    char has_state[ODE_EXPRS], has_time[ODE_EXPRS], is_number[ODE_EXPRS];
+    double values[ODE_EXPRS]; /* of numbers; of all, while a constant is read */
     char is_lost[ODE_EXPRS];  /* of values: language/loss.h */
 } ode_parser;
 

@@ -1,7 +1,8 @@
 #include "side.h"
 
+#include <string.h>
+
 #include "expression.h"
-#include "symbol.h"
 #include "vector.h"
 
 ode_value fp3_ode_right_side(ode_parser *p, ode_context context, unsigned size) {
@@ -17,11 +18,17 @@ ode_value fp3_ode_right_side(ode_parser *p, ode_context context, unsigned size) 
     return (ode_value){0};
 }
 
+ode_equation fp3_ode_equation(const ode_parser *p, fp3_token at, uint32_t expr) {
+    ode_equation made = {.at = at, .expr = expr};
+    memcpy(made.note, p->in.note, sizeof made.note);
+    return made;
+}
+
 const ode_symbol *fp3_ode_target(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
-    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
-    if (s && s->class == ODE_STATE)
+    const ode_symbol *s = fp3_ode_part(p, name, start, size);
+    if (s && s->class == ODE_STATE && !p->skipping)
         return s;
-    if (s)
+    if (s && s->class != ODE_STATE)
         fp3_ode_wrong(&p->in, name, "a state (line %u declares something else)",
                       s->at.location.line);
     *size = 0;

@@ -5,6 +5,7 @@
 
 #include "constant.h"
 #include "event.h"
+#include "expression.h"
 #include "keyword.h"
 #include "side.h"
 #include "symbol.h"
@@ -72,14 +73,19 @@ static unsigned size_here(ode_parser *p) {
     unsigned size = 1;
     if (!fp3_ode_accept(&p->in, "["))
         return size;
-    if (fp3_ode_accept(&p->in, "2"))
-        size = 2;
-    else if (fp3_ode_accept(&p->in, "3"))
-        size = 3;
-    else
-        fp3_ode_lost(&p->in, "2 or 3, the size of a vector (write a unit after the value)");
+    const fp3_token at = p->in.next;
+    long number = 0;
+    const int is_name = at.kind == FP3_TOKEN_NAME && fp3_ode_find(p, at) == NULL;
+    const int is_whole = !is_name && fp3_ode_whole(p, &number);
+    if (is_name || (is_whole && (number < 2 || number > ODE_VECTOR)))
+        fp3_ode_lost_at(
+            &p->in, at,
+            "a number from 2 to %d, the size of a vector (write a unit after the value)",
+            ODE_VECTOR);
+    else if (!is_whole)
+        fp3_ode_give_up(&p->in, at);
     fp3_ode_expect(&p->in, "]", "']'");
-    return size;
+    return is_whole ? (unsigned)number : size;
 }
 
 static char *copied(ode_parser *p, const char *text) {
@@ -148,12 +154,24 @@ static void time_statement(ode_parser *p, fp3_token keyword, ode_time *time) {
         *time = (ode_time){constant.value[0], constant.dimension, keyword};
 }
 
+static void for_statement(ode_parser *p);
+
 /* Which of a state's equations. */
 typedef enum { FIRST, SECOND, CLOSED } which_equation;
 
-static void equation(ode_parser *p, fp3_token name, which_equation which) {
+/* The ' or '' behind the left side. */
+static which_equation derivative_here(ode_parser *p, fp3_token name) {
+    if (fp3_ode_accept(&p->in, "'"))
+        return FIRST;
+    if (!fp3_ode_accept(&p->in, "''"))
+        fp3_ode_lost(&p->in, "' or '' after '%.*s[..]'", (int)name.length, name.text);
+    return SECOND;
+}
+
+static void equation(ode_parser *p, fp3_token name, int is_closed) {
     unsigned start = 0, size = 0;
     const ode_symbol *s = fp3_ode_target(p, name, &start, &size);
+    const which_equation which = is_closed ? CLOSED : derivative_here(p, name);
     ode_value value = fp3_ode_right_side(p, which == CLOSED ? ODE_IN_EXACT : ODE_IN_EQUATION, size);
     for (unsigned i = 0; s && i < size; i++) {
         ode_quantity *q = &p->states[s->first + start + i];
@@ -163,14 +181,14 @@ static void equation(ode_parser *p, fp3_token name, which_equation which) {
                           e->at.location.line);
             return;
         }
-        *e = (ode_equation){name, value.size ? value.expr[i] : FP3_NONE};
+        *e = fp3_ode_equation(p, name, value.size ? value.expr[i] : FP3_NONE);
     }
 }
 
 static void exact_statement(ode_parser *p) {
     fp3_token name;
     if (name_here(p, "the name of a state", &name))
-        equation(p, name, CLOSED);
+        equation(p, name, 1);
 }
 
 static void definition(ode_parser *p, fp3_token name, ode_class class) {
@@ -183,8 +201,8 @@ static void definition(ode_parser *p, fp3_token name, ode_class class) {
         is_new = fp3_ode_is_new_name(p, name, value.size);
     if (!is_new)
         return;
-    if (*count + ODE_VECTOR > ODE_DEFINITIONS) {
-        fp3_ode_over(&p->in, name, "fewer than %d %s", ODE_DEFINITIONS,
+    if (*count + value.size > ODE_DEFINITIONS) {
+        fp3_ode_over(&p->in, name, "at most %d %s", ODE_DEFINITIONS,
                      class == ODE_INVARIANT ? "invariants" : "definitions");
         return;
     }
@@ -202,13 +220,44 @@ static void invariant_statement(ode_parser *p) {
         definition(p, name, ODE_INVARIANT);
 }
 
+/* Whether what stands behind a name makes it the left side of an equation. */
+static int begins_equation(const ode_parser *p) {
+    return fp3_ode_at(&p->in, "'") || fp3_ode_at(&p->in, "''") || fp3_ode_at(&p->in, "[");
+}
+
+/* What stands in a `for`: an equation, a closed form, an event, or another `for`. */
+static void repeated_statement(ode_parser *p) {
+    const fp3_token first = p->in.next;
+    const int is_name = first.kind == FP3_TOKEN_NAME;
+    fp3_ode_advance(&p->in);
+    if (fp3_token_is(first, "exact"))
+        exact_statement(p);
+    else if (fp3_ode_is_event(p, first))
+        fp3_ode_event(p, first);
+    else if (fp3_token_is(first, "for"))
+        for_statement(p);
+    else if (is_name && !fp3_ode_is_keyword(first) && begins_equation(p))
+        equation(p, first, 0);
+    else
+        fp3_ode_lost_at(&p->in, first, "an equation q[i]' = ..., exact, when or for");
+}
+
+static void for_statement(ode_parser *p) {
+    ode_range range;
+    if (!fp3_ode_at_range(p)) {
+        fp3_ode_lost(&p->in, "an index and its range, as in `for i in 1..4: q[i]' = ...`");
+        return;
+    }
+    fp3_ode_range_open(p, &range);
+    while (fp3_ode_range_pass(p, &range))
+        repeated_statement(p);
+}
+
 /* A statement that begins with a name of its own. */
 static void named_statement(ode_parser *p, fp3_token name) {
     const char *near = NULL;
-    if (fp3_ode_at(&p->in, "'") || fp3_ode_at(&p->in, "''")) {
-        which_equation which = fp3_ode_at(&p->in, "'") ? FIRST : SECOND;
-        fp3_ode_advance(&p->in);
-        equation(p, name, which);
+    if (begins_equation(p)) {
+        equation(p, name, 0);
         return;
     }
     if (fp3_ode_at(&p->in, "=")) {
@@ -230,7 +279,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, or an equation");
+                     "when, for, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
@@ -249,12 +298,10 @@ void fp3_ode_statement(ode_parser *p) {
         exact_statement(p);
     else if (fp3_token_is(first, "invariant"))
         invariant_statement(p);
-    else if (fp3_token_is(first, "when"))
+    else if (fp3_ode_is_event(p, first))
         fp3_ode_event(p, first);
-    else if (fp3_ode_is_timed(p, first))
-        fp3_ode_timed(p, first);
-    else if (fp3_ode_is_projection(p, first))
-        fp3_ode_projection(p, first);
+    else if (fp3_token_is(first, "for"))
+        for_statement(p);
     else
         named_statement(p, first);
     if (!fp3_ode_at_end(&p->in))

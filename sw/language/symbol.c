@@ -8,15 +8,16 @@
 #include "keyword.h"
 #include "text/nearest.h"
 
-/* The name alone. *component is 0 to 2, -1 without one, ODE_VECTOR for anything else behind the
+/* The name alone. *component is 0 to 2, -1 without one, NO_COMPONENT for anything else behind the
  * dot. */
+enum { NO_COMPONENT = ODE_LETTERS };
 static fp3_token base_of(fp3_token name, int *component) {
     const char *dot = memchr(name.text, '.', name.length);
     *component = -1;
     if (!dot)
         return name;
     size_t behind = name.length - (size_t)(dot + 1 - name.text);
-    *component = behind == 1 && dot[1] >= 'x' && dot[1] <= 'z' ? dot[1] - 'x' : ODE_VECTOR;
+    *component = behind == 1 && dot[1] >= 'x' && dot[1] <= 'z' ? dot[1] - 'x' : NO_COMPONENT;
     name.length = (size_t)(dot - name.text);
     return name;
 }
@@ -30,42 +31,51 @@ ode_symbol *fp3_ode_find(ode_parser *p, fp3_token name) {
     return NULL;
 }
 
-void fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
-                     ode_value value) {
+uint32_t fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
+                         ode_value value) {
     assert(p->symbol_count < ODE_SYMBOLS); /* the limits of what is declared see to it */
-    p->symbols[p->symbol_count++] =
+    p->symbols[p->symbol_count] =
         (ode_symbol){.at = name, .class = class, .first = first, .value = value};
+    return p->symbol_count++;
+}
+
+void fp3_ode_undeclare(ode_parser *p, uint32_t symbol) {
+    const uint32_t behind = --p->symbol_count - symbol;
+    memmove(&p->symbols[symbol], &p->symbols[symbol + 1], behind * sizeof *p->symbols);
 }
 
 void fp3_ode_scalar_name(fp3_token base, unsigned size, unsigned i, char name[FP3_NAME_SIZE]) {
-    snprintf(name, FP3_NAME_SIZE, size > 1 ? "%.*s_%c" : "%.*s", (int)base.length, base.text,
-             'x' + (int)i);
+    const int length = (int)base.length;
+    if (size <= 1)
+        snprintf(name, FP3_NAME_SIZE, "%.*s", length, base.text);
+    else if (size <= ODE_LETTERS)
+        snprintf(name, FP3_NAME_SIZE, "%.*s_%c", length, base.text, 'x' + (int)i);
+    else
+        snprintf(name, FP3_NAME_SIZE, "%.*s_%u", length, base.text, i + 1);
 }
 
-/* Whether a symbol has this name: a vector r of two has r, r_x and r_y. */
-static int occupies(const ode_symbol *s, const char *name) {
-    char own[FP3_NAME_SIZE];
-    if (fp3_token_is(s->at, name))
-        return 1;
-    for (unsigned i = 0; s->value.size > 1 && i < s->value.size; i++) {
-        fp3_ode_scalar_name(s->at, s->value.size, i, own);
-        if (!strcmp(own, name))
+/* Whether the text is the name of a component of a vector: r_x of an r of two. */
+static int is_component(fp3_token base, unsigned size, fp3_token name) {
+    char text[FP3_NAME_SIZE];
+    if (name.length <= base.length || memcmp(name.text, base.text, base.length))
+        return 0;
+    for (unsigned i = 0; size > 1 && i < size; i++) {
+        fp3_ode_scalar_name(base, size, i, text);
+        if (fp3_token_is(name, text))
             return 1;
     }
     return 0;
 }
 
-/* A symbol that shares a name with the new one, or NULL. */
+/* A symbol that shares a name with the new one, or NULL. Components of two vectors are alike only if the
+ * vectors are. */
 static const ode_symbol *occupied(const ode_parser *p, fp3_token name, unsigned size) {
-    char text[1 + ODE_VECTOR][FP3_NAME_SIZE];
-    unsigned count = 1;
-    fp3_ode_scalar_name(name, 1, 0, text[0]);
-    for (; size > 1 && count <= size; count++)
-        fp3_ode_scalar_name(name, size, count - 1, text[count]);
-    for (uint32_t i = 0; i < p->symbol_count; i++)
-        for (unsigned j = 0; j < count; j++)
-            if (occupies(&p->symbols[i], text[j]))
-                return &p->symbols[i];
+    for (uint32_t i = 0; i < p->symbol_count; i++) {
+        const ode_symbol *s = &p->symbols[i];
+        if (fp3_token_same(s->at, name) || is_component(s->at, s->value.size, name) ||
+            is_component(name, size, s->at))
+            return s;
+    }
     return NULL;
 }
 
@@ -76,13 +86,19 @@ static const struct {
              {FP3_NAME_STEP, "the time step, which `step` and --set h= give"},
              {FP3_NAME_STEPS, "the number of steps made"}};
 
+/* Whether the names of its components have room. */
+static int is_short(ode_parser *p, fp3_token name, unsigned size) {
+    const unsigned room = FP3_NAME_SIZE - (size > 9 ? 4 : size > 1 ? 3 : 1);
+    if (name.length <= room)
+        return 1;
+    fp3_ode_wrong(&p->in, name, "a name of at most %u characters", room);
+    return 0;
+}
+
 int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size) {
     char text[FP3_NAME_SIZE];
-    unsigned room = FP3_NAME_SIZE - (size > 1 ? 3 : 1);
-    if (name.length > room) {
-        fp3_ode_wrong(&p->in, name, "a name of at most %u characters", room);
+    if (!is_short(p, name, size))
         return 0;
-    }
     fp3_ode_scalar_name(name, 1, 0, text);
     if (memchr(name.text, '.', name.length)) {
         fp3_ode_wrong(&p->in, name, "a name without a '.'");
@@ -135,19 +151,40 @@ static void undefined(ode_parser *p, fp3_token name) {
         fp3_ode_wrong(&p->in, name, "a name that is defined above");
 }
 
+/* The param of a formula that the name becomes. NULL after an error. */
+static ode_symbol *taken(ode_parser *p, fp3_token name) {
+    if (p->param_count == ODE_QUANTITIES) {
+        fp3_ode_over(&p->in, name, "at most %d names", ODE_QUANTITIES);
+        return NULL;
+    }
+    if (!is_short(p, name, 1))
+        return NULL;
+    ode_quantity *q = &p->params[p->param_count];
+    fp3_ode_scalar_name(name, 1, 0, q->quantity.name);
+    q->dimension.kind = ODE_DIMENSION_ANY;
+    return &p->symbols[fp3_ode_declare(p, name, ODE_PARAM, p->param_count++,
+                                       (ode_value){.size = 1})];
+}
+
 ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
     int component;
     const fp3_token base = base_of(name, &component);
     ode_symbol *s = fp3_ode_find(p, name);
-    if (!s) {
+    if (!s && p->takes_names && p->context == ODE_IN_START)
+        s = taken(p, base);
+    else if (!s)
         undefined(p, base);
+    if (!s)
         return NULL;
-    }
     *start = component > 0 ? (unsigned)component : 0;
     *size = component < 0 || !s->value.size ? s->value.size : 1;
-    if (component < 0 || !s->value.size || (s->value.size > 1 && *start < s->value.size))
+    const unsigned letters = s->value.size > ODE_LETTERS ? 0 : s->value.size;
+    if (component < 0 || !s->value.size || (letters > 1 && *start < letters))
         return s;
-    if (s->value.size > 1)
+    if (!letters)
+        fp3_ode_wrong(&p->in, name, "a component from %.*s[1] to %.*s[%u]", (int)base.length,
+                      base.text, (int)base.length, base.text, s->value.size);
+    else if (letters > 1)
         fp3_ode_wrong(&p->in, name, "a component .x%s or .%c of it",
                       s->value.size == 3 ? ", .y" : "", s->value.size == 3 ? 'z' : 'y');
     else

@@ -12,8 +12,10 @@ ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsi
 
 /* Whether the token can be a new name, of a vector of this size. Reports it if not. */
 int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size);
-void fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
-                     ode_value value);
+/* Returns the number of the symbol. */
+uint32_t fp3_ode_declare(ode_parser *p, fp3_token name, ode_class class, uint32_t first,
+                         ode_value value);
+void fp3_ode_undeclare(ode_parser *p, uint32_t symbol);
 
 /* The name of component i: "r", or "r_x" if it is a vector. */
 void fp3_ode_scalar_name(fp3_token base, unsigned size, unsigned i, char name[FP3_NAME_SIZE]);

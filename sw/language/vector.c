@@ -6,8 +6,18 @@
 
 #include "evaluate.h"
 
+#define OF(n) "a vector of " #n
+#define TEN(t)                                                                                     \
+    OF(t##0), OF(t##1), OF(t##2), OF(t##3), OF(t##4), OF(t##5), OF(t##6), OF(t##7), OF(t##8),      \
+        OF(t##9)
+
 const char *fp3_ode_shape(unsigned size) {
-    return size == 1 ? "a number" : size == 2 ? "a vector of 2" : "a vector of 3";
+    static const char *const shapes[] = {
+        "nothing", "a number", OF(2),  OF(3),  OF(4),  OF(5),  OF(6),  OF(7),  OF(8),  OF(9),
+        TEN(1),    TEN(2),     TEN(3), TEN(4), TEN(5), OF(60), OF(61), OF(62), OF(63), OF(64),
+    };
+    static_assert(sizeof shapes / sizeof *shapes == ODE_VECTOR + 1, "one for each size");
+    return shapes[size];
 }
 
 static const ode_value nothing = {0};
@@ -22,7 +32,8 @@ static fp3_expr *new_expr(ode_parser *p, fp3_token at, fp3_expr_op op) {
     }
     uint32_t i = p->expr_count++;
     p->expr_at[i] = at;
-    p->has_state[i] = p->has_time[i] = 0;
+    p->has_state[i] = p->has_time[i] = p->is_number[i] = 0;
+    memcpy(p->expr_note[i], p->in.note, sizeof p->in.note);
     p->exprs[i] = (fp3_expr){.op = op,
                              .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
                              .line = at.location.line,
@@ -31,7 +42,7 @@ static fp3_expr *new_expr(ode_parser *p, fp3_token at, fp3_expr_op op) {
 }
 
 ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t index, double number) {
-    fp3_expr *e = new_expr(p, at, op);
+    fp3_expr *e = p->skipping ? NULL : new_expr(p, at, op);
     if (!e)
         return nothing;
     e->index = index;
@@ -39,6 +50,8 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     e->is_known = op == FP3_EXPR_NUMBER || op == FP3_EXPR_PARAM;
     p->has_state[p->expr_count - 1] = op == FP3_EXPR_STATE;
     p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME;
+    p->is_number[p->expr_count - 1] = op == FP3_EXPR_NUMBER;
+    p->values[p->expr_count - 1] = number;
     return (ode_value){1, {p->expr_count - 1}};
 }
 
@@ -59,7 +72,7 @@ static int possible(ode_parser *p, fp3_token at, fp3_expr_op op, const uint32_t 
 static uint32_t operation(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t a, uint32_t b,
                           uint32_t c) {
     const uint32_t operand[3] = {a, b, c};
-    int has_state = 0, has_time = 0, is_known = 1;
+    int has_state = 0, has_time = 0, is_known = 1, is_number = 1;
     if (p->in.is_over)
         return FP3_NONE;
     for (unsigned i = 0; i < fp3_ode_operands(op); i++) {
@@ -67,6 +80,7 @@ static uint32_t operation(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t 
         has_state |= p->has_state[operand[i]];
         has_time |= p->has_time[operand[i]];
         is_known &= p->exprs[operand[i]].is_known;
+        is_number &= p->is_number[operand[i]];
     }
     /* The host computes closed forms, and there t is a number. */
     const int varies = has_state || (has_time && p->context == ODE_IN_EQUATION);
@@ -77,6 +91,9 @@ static uint32_t operation(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t 
     e->is_known = is_known;
     p->has_state[p->expr_count - 1] = (char)has_state;
     p->has_time[p->expr_count - 1] = (char)has_time;
+    p->is_number[p->expr_count - 1] = (char)is_number;
+    if (is_number)
+        p->values[p->expr_count - 1] = fp3_ode_compute(e, NULL, p->values);
     return p->expr_count - 1;
 }
 
@@ -153,6 +170,25 @@ ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, 
     return nothing;
 }
 
+static ode_value component(ode_value a, unsigned i) { return (ode_value){1, {a.expr[i]}}; }
+
+ode_value fp3_ode_fold(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a) {
+    if (a.size == 1)
+        fp3_ode_wrong(&p->in, at, "a vector for '%.*s' (this is a number)", shown(at), at.text);
+    if (a.size < 2)
+        return nothing;
+    ode_value all = component(a, 0);
+    for (unsigned i = 1; i < a.size; i++)
+        all = fp3_ode_binary(p, at, op, all, component(a, i));
+    return all;
+}
+
+int fp3_ode_is_number(const ode_parser *p, ode_value value) {
+    return value.size == 1 && p->is_number[value.expr[0]];
+}
+
+void fp3_ode_forget(ode_parser *p, uint32_t from) { p->expr_count = from; }
+
 static int two_vectors(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     if (!a.size || !b.size)
         return 0;
@@ -162,8 +198,6 @@ static int two_vectors(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
                   shown(at), at.text, fp3_ode_shape(a.size), fp3_ode_shape(b.size));
     return 0;
 }
-
-static ode_value component(ode_value a, unsigned i) { return (ode_value){1, {a.expr[i]}}; }
 
 static ode_value product(ode_parser *p, fp3_token at, ode_value a, unsigned i, ode_value b,
                          unsigned j) {
@@ -182,6 +216,11 @@ ode_value fp3_ode_dot(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
 ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     if (!two_vectors(p, at, a, b))
         return nothing;
+    if (a.size > 3) {
+        fp3_ode_wrong(&p->in, at, "two vectors of 2 or 3 for 'cross' (these are vectors of %u)",
+                      a.size);
+        return nothing;
+    }
     ode_value result = {.size = a.size == 2 ? 1 : 3};
     for (unsigned k = 0; k < result.size; k++) {
         unsigned i = a.size == 2 ? 0 : (k + 1) % 3, j = a.size == 2 ? 1 : (k + 2) % 3;

@@ -11,6 +11,13 @@ ode_value fp3_ode_binary(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value 
 ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, ode_value b);
 ode_value fp3_ode_dot(ode_parser *p, fp3_token at, ode_value a, ode_value b);
 ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b);
+/* The operation between all components, from the left. */
+ode_value fp3_ode_fold(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a);
+
+/* Whether the value is a number that is known while the text is read. */
+int fp3_ode_is_number(const ode_parser *p, ode_value value);
+/* Drops the expressions from this one on: what was made of them has its value. */
+void fp3_ode_forget(ode_parser *p, uint32_t from);
 
 /* "a number", "a vector of 2". */
 const char *fp3_ode_shape(unsigned size);

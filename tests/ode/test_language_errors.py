@@ -25,13 +25,14 @@ F = 2*x
 LINE = BEFORE.count("\n") + 1
 
 NAME_OF_ITS_OWN = "expected a name ('{}' has a meaning of its own)"
-STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, when, or an "
-             "equation")
+STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, when, for, or "
+             "an equation")
 END = "expected an operator or the end of the line"
 OPERAND = "expected a number, a name or '('"
 UNIT = "expected a unit such as m, 1/s or kg*m/s^2"
 WHEN = "expected an operator or ':', and then what happens, as in `x = 0`"
 ACT = "expected the name of a state, as in `when x < 0: x = -x, v = -v`"
+SIZE = "expected a number from 2 to 64, the size of a vector (write a unit after the value)"
 POWER = "expected an exponent of numbers and params only (write exp(y*log(x)) for any other x^y)"
 
 WRONG = [
@@ -79,8 +80,11 @@ WRONG = [
     ("param q = 1 \"no end", 13, "'\"no end'", "expected a text that ends with '\"' on its line"),
     ("param q = 1 \"\\\"\"", 16, "'\"'", END),
     ("param q = 1 \"a\tb\"", 13, "'\"a\\x09b\"'", "expected a text in UTF-8 without control characters"),
-    ("param q[4] = 1", 9, "'4'", "expected 2 or 3, the size of a vector (write a unit after the value)"),
-    ("param q [m] = 1", 10, "'m'", "expected 2 or 3, the size of a vector (write a unit after the value)"),
+    ("param q[4] = 1", 14, "'1'", "expected a vector of 4 (this is a number)"),
+    ("param q[1] = 1", 9, "'1'", SIZE),
+    ("param q[65] = 1", 9, "'65'", SIZE),
+    ("param q [m] = 1", 10, "'m'", SIZE),
+    ("param q[2.5] = 1", 9, "'2.5'", "expected a whole number of at most 1000000 (this is 2.5)"),
     ("param q[2 = (1, 2)", 11, "'='", "expected ']'"),
     ("param q[2] = 1", 14, "'1'", "expected a vector such as (1, 0) (this is a number)"),
     ("param q[3] = (1, 2)", 14, "'('", "expected a vector such as (1, 0, 0) (this is a vector of 2)"),
@@ -237,7 +241,7 @@ WRONG = [
     ("q = dot(r, w)", 5, "'dot'", "expected two vectors of the same size for 'dot' (these are a vector of 2 and a vector of 3)"),
     ("q = cross(x, x)", 5, "'cross'", "expected two vectors of the same size for 'cross' (these are a number and a number)"),
     ("q = norm(x)", 5, "'norm'", "expected two vectors of the same size for 'norm' (these are a number and a number)"),
-    ("q = (1, 2, 3, 4)", 5, "'('", "expected a vector of 2 or 3 (this is one of 4)"),
+    ("q = (" + "1, " * 64 + "1)", 5, "'('", "expected a vector of 2 to 64 (this is one of 65)"),
     ("q = (r, 1)", 5, "'('", "expected a vector of numbers (there is a vector of 2 in it)"),
     ("q = r.z", 5, "'r.z'", "expected a component .x or .y of it"),
     ("q = w.xy", 5, "'w.xy'", "expected a component .x, .y or .z of it"),
@@ -368,10 +372,10 @@ SMALL = "step 1\nstate x = 0\nx' = 1\n"
      "expected at most 64 params, shared ones included"),
     (lambda n: SMALL + "a = x" + "+x" * ((n - 2) // 2), 4096,
      "expected a model of at most 4096 numbers, names and operations"),
-    (lambda n: SMALL + "a0 = x\n" + "".join(f"a{i} = a0\n" for i in range(1, n)), 1022,
-     "expected fewer than 1024 definitions"),
-    (lambda n: SMALL + "".join(f"invariant a{i} = 1\n" for i in range(n)), 1022,
-     "expected fewer than 1024 invariants"),
+    (lambda n: SMALL + "a0 = x\n" + "".join(f"a{i} = a0\n" for i in range(1, n)), 1024,
+     "expected at most 1024 definitions"),
+    (lambda n: SMALL + "".join(f"invariant a{i} = 1\n" for i in range(n)), 1024,
+     "expected at most 1024 invariants"),
     (lambda n: SMALL + "when x > 1: x = 0\n" * n, 64, "expected at most 64 events"),
     (lambda n: "step 1\n" + "".join(f"state x{i} = 0\nx{i}' = 1\n" for i in range(16))
      + ("when x0 > 1: " + ", ".join(f"x{i} = 0" for i in range(16)) + "\n") * (n // 16) + "when x0: x0 = 0" * (n % 16), 256,

@@ -9,7 +9,7 @@
  *
  * docs/models.md describes the language. A model that the library returns has passed every check
  * described there and never changes (except by fp3_model_adapt). It has only scalars: a vector r of
- * two components has become r_x and r_y.
+ * two components has become r_x and r_y, one of five r_1 to r_5.
  *
  * Threads: any number of threads may read a model or an integrator at the same time.
  */
