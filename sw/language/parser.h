@@ -40,8 +40,8 @@ enum {
 };
 
 typedef struct {
-    unsigned size; /* 1: a number, more: a vector, 0: wrong and reported, or skipped */
-    uint32_t expr[ODE_VECTOR];
+    unsigned size;             /* 1: a number, more: a vector, 0: wrong and reported, or skipped */
+    uint16_t expr[ODE_VECTOR]; /* small, since values lie on the stack of a deep recursion */
 } ode_value;
 
 /* What an expression may be made of. */

@@ -52,7 +52,7 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME;
     p->is_number[p->expr_count - 1] = op == FP3_EXPR_NUMBER;
     p->values[p->expr_count - 1] = number;
-    return (ode_value){1, {p->expr_count - 1}};
+    return (ode_value){1, {(uint16_t)(p->expr_count - 1)}};
 }
 
 /* Whether the hardware can compute it. Reports it if not. varies: it is not known before a run. */
@@ -105,9 +105,10 @@ static ode_value each(ode_parser *p, fp3_token at, fp3_expr_op op, const ode_val
         uint32_t of[3] = {FP3_NONE, FP3_NONE, FP3_NONE};
         for (unsigned j = 0; j < fp3_ode_operands(op); j++)
             of[j] = operand[j].expr[operand[j].size > 1 ? i : 0];
-        result.expr[i] = operation(p, at, op, of[0], of[1], of[2]);
-        if (result.expr[i] == FP3_NONE)
+        const uint32_t made = operation(p, at, op, of[0], of[1], of[2]);
+        if (made == FP3_NONE)
             return nothing;
+        result.expr[i] = (uint16_t)made;
     }
     return result;
 }
