@@ -32,7 +32,7 @@ def ladder(t):
         mode = [math.sin(i * angle) for i in range(1, 9)]
         weight = 5 * sum(mode) / sum(a * a for a in mode) * math.exp(-4000 * math.sin(angle / 2) ** 2 * t)
         u = [a - weight * b for a, b in zip(u, mode)]
-    return {f"u{i + 1}": a for i, a in enumerate(u)}
+    return {f"u_{i + 1}": a for i, a in enumerate(u)}
 
 
 def front(steps=2000):
@@ -48,7 +48,7 @@ def front(steps=2000):
         k3 = f([a + h / 2 * k for a, k in zip(c, k2)])
         k4 = f([a + h * k for a, k in zip(c, k3)])
         c = [a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(c, k1, k2, k3, k4)]
-    return {f"c{i + 1}": a for i, a in enumerate(c)}
+    return {f"c_{i + 1}": a for i, a in enumerate(c)}
 
 
 def run(path, integrator, span, steps, *more):

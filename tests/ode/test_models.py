@@ -293,7 +293,7 @@ def test_a_ladder_charges_by_its_modes(time, truth):
         shape = [math.sin(n * angle) for n in sections]
         part = 5 * sum(shape) / sum(s * s for s in shape) * math.exp(-4000 * math.sin(angle / 2) ** 2 * time)
         left = [a + part * s for a, s in zip(left, shape)]
-    assert [got[f"u{n}"] for n in sections] == pytest.approx([5 - a for a in left], abs=1e-10)
+    assert [got[f"u_{n}"] for n in sections] == pytest.approx([5 - a for a in left], abs=1e-10)
 
 
 @pytest.mark.parametrize("time, published", [(0.4, [9.851726e-1, 3.386406e-5, 1.479357e-2]),

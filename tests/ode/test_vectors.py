@@ -1,5 +1,7 @@
 """Vectors of any length, ranges, sums over them and equations for an index: they are what is written out by hand."""
 
+import math
+import re
 import subprocess
 
 import pytest
@@ -315,3 +317,102 @@ def test_what_reads_models_takes_their_scalars(tmp_path):
                      'set = { q_3 = "2*sum(i in 1..2: k_2*i)"; k_2 = 2.0; }; spread = { q_4 = [0.0, 1.0]; }; } );\n')
     out = fp3("run", "--scene", scene).stdout
     assert "q_3" in out and "q_4" in out
+
+
+# ---- models of vectors --------------------------------------------------------------------------
+
+
+def by_hand(cells):
+    """The ladder of programs/rc_ladder.ode, without vectors: scalars that have the names of its components."""
+    states = "".join(f"state u_{i} = 0 [V]\n" for i in range(1, cells + 1))
+    inner = "".join(f"u_{i}' = r*(u_{i - 1} - 2*u_{i} + u_{i + 1})\n" for i in range(2, cells))
+    return states + f"r = 1/(R*C)\nu_1' = r*(U - 2*u_1 + u_2)\n{inner}u_{cells}' = r*(u_{cells - 1} - u_{cells})\n"
+
+
+@pytest.mark.parametrize("config", ["single_full", "many_full"])
+def test_a_program_of_vectors_is_that_of_their_scalars_word_for_word(root, tmp_path, config):
+    vectors = (root / "programs/rc_ladder.ode").read_text()
+    head = vectors.split("state u[8]")[0] + "step 0.000244140625 [s]\nspan 0.125 [s]\n"
+    paths = [tmp_path / name / "rc_ladder.ode" for name in ("vectors", "scalars")]
+    for path, text in zip(paths, (vectors, head + by_hand(8))):
+        path.parent.mkdir()
+        path.write_text(text)
+    programs = [fp3("compile", path, "-c", config).stdout for path in paths]
+    assert programs[0] == programs[1] and "u_8" in programs[0]
+
+
+MODELS = ["five_bodies", "hires", "rod", "toda"]
+HIRES = [0.7371312573325668e-3, 0.1442485726316185e-3, 0.5888729740967575e-4, 0.1175651343283149e-2, 0.2386356198831331e-2,
+         0.6238968252742796e-2, 0.2849998395185769e-2, 0.2850001604814231e-2]
+
+
+@pytest.fixture
+def truth(build, root):
+    def at(name, time):
+        path = root / "tests/ode/vectors" / f"{name}.ode"
+        lines = subprocess.run([build / "tests/models", "truth", path, repr(time)], capture_output=True, text=True, check=True,
+                               timeout=60).stdout.splitlines()
+        return {line.split()[0]: float(line.split()[1]) for line in lines}
+
+    return at
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_invariants_are_constant(truth, name):
+    start = truth(name, 0.0)
+    invariants = [k for k in start if "_" not in k or k.startswith("momentum_")]
+    assert invariants
+    for time in (1.0, 4.0):
+        now = truth(name, time)
+        for k in invariants:
+            assert now[k] == pytest.approx(start[k], rel=1e-10, abs=1e-12), k
+
+
+def test_reactions_end_where_they_should(truth):
+    """The reference solution of F. Mazzia and C. Magherini, Test Set for Initial Value Problem Solvers, 2.4 (2008): HIRES."""
+    got = truth("hires", 321.8122)
+    assert [got[f"y_{i}"] for i in range(1, 9)] == pytest.approx(HIRES, rel=1e-8)
+
+
+def test_a_rod_cools_by_its_modes(truth):
+    got = truth("rod", 2.0)
+    for i in range(1, 17):
+        modes = [a * math.cos(math.pi * m * (i - 0.5) / 16) * math.exp(-32 * math.sin(math.pi * m / 32) ** 2 * 2)
+                 for m, a in enumerate((20, 5, 0, 2))]
+        assert got[f"u_{i}"] == pytest.approx(sum(modes), rel=1e-13)
+
+
+def ring(_, z):
+    p, q = z[:8], z[8:]
+    f = [math.exp(q[i] - q[(i + 1) % 8]) for i in range(8)]
+    return [f[i - 1] - f[i] for i in range(8)] + list(p)
+
+
+def planets(_, z):
+    vx, vy, x, y = z[:5], z[5:10], z[10:15], z[15:]
+    m, a = (1, 1e-3, 2e-3, 1e-3, 5e-4), [0.0] * 10
+    for i in range(5):
+        for j in range(5):
+            if i != j:
+                d = ((x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2) ** 1.5
+                a[i] += m[j] * (x[j] - x[i]) / d
+                a[i + 5] += m[j] * (y[j] - y[i]) / d
+    return [*a, *vx, *vy]
+
+
+@pytest.mark.parametrize("name, equations, invariants", [("toda", ring, 3), ("five_bodies", planets, 4)])
+def test_a_solver_of_others_agrees(truth, name, equations, invariants):
+    integrate = pytest.importorskip("scipy.integrate")
+    start, end = (list(truth(name, t).values())[:-invariants] for t in (0.0, 4.0))
+    done = integrate.solve_ivp(equations, (0, 4), start, method="DOP853", rtol=1e-12, atol=1e-12)
+    assert list(done.y[:, -1]) == pytest.approx(end, abs=1e-9)
+
+
+@pytest.mark.parametrize("name, integrator, steps, off", [("five_bodies", "verlet", 128, 0.02), ("toda", "rk4", 256, 1e-5),
+                                                          ("rod", "rkc6_damped", 64, 0.01), ("hires", "rk4", 1024, 1e-5)])
+def test_the_machine_is_near(truth, root, name, integrator, steps, off):
+    got = fp3("run", root / "tests/ode/vectors" / f"{name}.ode", "-c", "many_full", "-e", "isa", "-o", 1, "-i", integrator, "--set",
+              f"h={4 / steps}", "--steps", steps).stdout
+    found = {name: float(value) for name, value in re.findall(r"^(\w+) +(\S+) +0x[0-9a-f]{8} +object 0$", got, re.M)}
+    expected = truth(name, 4.0)
+    assert len(found) >= 8 and found == pytest.approx({state: expected[state] for state in found}, abs=off)
