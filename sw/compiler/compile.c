@@ -71,6 +71,29 @@ static fp3_status make_reference(fp3_compilation *k, const fp3_model *model,
     return status;
 }
 
+static int has_carried(const fp3_step *step) {
+    int has = 0;
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        has |= step->variables[i].role == ROLE_CARRIED;
+    return has;
+}
+
+/* A value that is carried from step to step needs a register all the way: a program that does not fit with
+ * such values may fit if each step computes them again, with the same bits. */
+static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
+                               const fp3_integrator *integrator, fp3_error *error) {
+    const fp3_status status = fp3_pipeline_run(&k->p, model, integrator, &k->options, error);
+    fp3_options without = k->options;
+    without.passes &= ~FP3_PASS(FP3_PASS_CARRY);
+    if (status != FP3_E_LIMIT || !has_carried(&k->p.step))
+        return status;
+    fp3_pipeline_close(&k->p);
+    if (fp3_pipeline_run(&k->p, model, integrator, &without, NULL))
+        return status;
+    k->options = without;
+    return FP3_OK;
+}
+
 static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           const fp3_integrator *integrator, const fp3_compile_def *def,
                           fp3_compiled *made, fp3_error *error) {
@@ -82,7 +105,7 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
         k->options.partial = k->differentiated.partial;
     }
     if (!status)
-        status = fp3_pipeline_run(&k->p, model, integrator, &k->options, error);
+        status = run_pipeline(k, model, integrator, error);
     if (!status)
         status = make_reference(k, model, integrator, asked(def), error);
     if (status)
