@@ -87,11 +87,16 @@ static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
     without.passes &= ~FP3_PASS(FP3_PASS_CARRY);
     if (status != FP3_E_LIMIT || !has_carried(&k->p.step))
         return status;
+    const int lacked = k->p.lacks_registers;
+    fp3_error why;
     fp3_pipeline_close(&k->p);
-    if (fp3_pipeline_run(&k->p, model, integrator, &without, NULL))
-        return status;
-    k->options = without;
-    return FP3_OK;
+    if (!fp3_pipeline_run(&k->p, model, integrator, &without, &why)) {
+        k->options = without;
+        return FP3_OK;
+    }
+    if (error && lacked && k->p.lacks_registers)
+        *error = why; /* it needs fewer */
+    return status;
 }
 
 static fp3_status compile(fp3_compilation *k, const fp3_model *model,

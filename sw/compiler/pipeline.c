@@ -27,6 +27,7 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
         fp3_convert_close(&c); /* no order of this many can be better */
         return FP3_OK;
     }
+    const int has_words = !status;
     if (!status)
         status = fp3_schedule_make(&c.code, config, &schedule, error);
     if (!status)
@@ -38,6 +39,7 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
         p->code = c;
         return FP3_OK;
     }
+    p->lacks_registers |= has_words && status == FP3_E_LIMIT;
     fp3_schedule_free(&schedule);
     fp3_convert_close(&c);
     return status;

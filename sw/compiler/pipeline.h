@@ -16,6 +16,7 @@ typedef struct {
     conversion code;
     fp3_schedule *schedule;
     fp3_fit fit;
+    int lacks_registers; /* the words of a program fit, but its values do not */
 } fp3_pipeline;
 
 /* The caller closes, after a failure too. */

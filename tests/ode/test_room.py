@@ -53,3 +53,5 @@ def test_what_does_not_fit_with_carried_values_is_made_without(root, tmp_path):
     assert own == asked and "carry" not in re.search(r"^# Passes: (.*)$", own, re.M)[1].split()
     small, _ = resized(root, tmp_path, "large/twelve_masses", 24)
     assert "carry" in re.search(r"^# Passes: (.*)$", fp3("compile", small, "-c", "many_full", "-i", "verlet").stdout, re.M)[1].split()
+    large, _ = resized(root, tmp_path, "large/twelve_masses", 60)
+    assert "needs 66 object registers" in fp3("compile", large, "-c", "many_full", "-i", "verlet", status=2).stderr, "those without"
