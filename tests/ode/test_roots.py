@@ -191,6 +191,16 @@ def test_from_the_root_into_it(written):
     assert abs(run(path, "--until", 0.25, "--steps", 1000, status=3)[0]["x"]) < 1e-6
 
 
+@pytest.mark.parametrize("how", [["--until", 2], ["--tolerance", 1e-4, "--until", 2]])
+def test_a_root_that_has_no_value_beyond(written, how):
+    """sqrt(x) has none below 0: a step that ends there may have passed the root, and is made again up to where there is one."""
+    lines = "state x = 1\nstate n = 0\nx' = {}\nn' = 0\nwhen root(sqrt(x) - 0.2) falling: n = n + 1{}\nstep 0.125\n"
+    assert run(written(lines.format("n - 1", "")), *how)[0]["n"] == 1
+    assert run(written(lines.format("-1", ", x = x - 1")), *how)[0]["n"] == 1
+    _, done = run(written("state x = 1\nstate n = 0\nx' = -1\nn' = 0\nwhen root(sqrt(x) + 1) falling: n = 1\nstep 0.125\n"), *how, "-n", 1000, status=3)
+    assert re.search(r"object 0 at t = (1|0\.99999\d+|1\.00000\d+) of 2", done.stderr)
+
+
 def test_what_rests_ends_with_a_message(written):
     """Infinitely many bounces before 4.2 s: no attempts are left, and the run says where."""
     found, done = run(written(BALL), "--until", 5, "--steps", 20000, status=3)

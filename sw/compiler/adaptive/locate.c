@@ -53,16 +53,19 @@ static term gap(lowering *l, const fp3_expr *e) {
     return fp3_dag_is_number(l->g, b.node, 0) ? fp3_term_negated(a) : fp3_term_sub(l->g, b, a);
 }
 
-/* How long before the end of the step the root is, by a straight line from the gap before to that after; below 0: how long after it. The estimate of the quotient is at most 0.25 % too small. */
+/* How long before the end of the step the root is, by a straight line from the gap before to that after; below 0: how long after it. The estimate of the quotient is at most 0.25 % too small. A NaN if g has
+ * become one: then nobody knows. */
 static uint32_t since_root(const fp3_advance *a, const fp3_event *event, lowering *before,
                            lowering *after) {
     dag *g = before->g;
     const fp3_expr *e = &a->step->model->exprs[event->condition];
-    const uint32_t is_before = fp3_lower(before, event->unless).node;
+    const int is_held = a->step->model->exprs[event->unless].op == FP3_EXPR_LESS;
     const term g0 = gap(before, e), g1 = gap(after, e);
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": how late", event->line);
     const uint32_t whole = fp3_dag_first(g, fp3_term_value(g, fp3_term_sub(g, g1, g0)));
-    const uint32_t is_ahead = sel(g, is_before, num(g, 0), op2(g, FP3_OP_LT, num(g, 0), whole));
+    const uint32_t is_armed =
+        op2(g, is_held ? FP3_OP_LE : FP3_OP_LT, fp3_term_value(g, g0), num(g, 0));
+    const uint32_t is_ahead = sel(g, op2(g, FP3_OP_LE, whole, num(g, 0)), num(g, 0), is_armed);
     const uint32_t part = mul(g, fp3_dag_first(g, fp3_term_value(g, g1)),
                               op1(g, FP3_OP_RCP, sel(g, is_ahead, whole, num(g, 1))));
     return sel(g, is_ahead, mul(g, fp3_dag_first(g, a->h.node), part), num(g, -NEVER));
@@ -79,13 +82,24 @@ static uint32_t larger(dag *g, uint32_t so_far, uint32_t other) {
     return so_far == FP3_NONE ? other : op2(g, FP3_OP_MAX, so_far, other);
 }
 
+static uint32_t both(dag *g, uint32_t so_far, uint32_t other) {
+    return so_far == FP3_NONE ? other : mul(g, so_far, other);
+}
+
+/* Not if nobody knows how long it is. */
+static uint32_t is_short(const fp3_advance *a, uint32_t since) {
+    dag *g = &a->step->values;
+    note(a, "does an event happen late enough in the step");
+    return op2(g, FP3_OP_LE, since, fp3_dag_known(g, fp3_known_param(g->known, "locate")));
+}
+
 static uint32_t halved(dag *g, uint32_t x) { return mul(g, num(g, HALF), x); }
 
 fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
     const fp3_model *model = a->step->model;
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
-    uint32_t root = FP3_NONE, begin = FP3_NONE;
+    uint32_t root = FP3_NONE, begin = FP3_NONE, is_in_time = FP3_NONE;
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
         lowering before = {0}, after = {0};
@@ -94,19 +108,19 @@ fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
         status = fp3_advance_event(a, event, 0, &before, error);
         if (!status)
             status = fp3_advance_event(a, event, 1, &after, error);
-        if (!status && event->unless != FP3_NONE)
-            root = larger(g, root, since_root(a, event, &before, &after));
-        else if (!status)
-            begin = larger(g, begin, since_begin(a, event, &before, &after));
+        const int is_root = event->unless != FP3_NONE;
+        if (!status) {
+            const uint32_t since = (is_root ? since_root : since_begin)(a, event, &before, &after);
+            is_in_time = both(g, is_in_time, is_short(a, since));
+            *(is_root ? &root : &begin) = larger(g, is_root ? root : begin, since);
+        }
         fp3_lower_close(&before);
         fp3_lower_close(&after);
     }
     if (status || (root == FP3_NONE && begin == FP3_NONE))
         return status;
     note(a, "an event happens too early in the step");
-    const uint32_t since =
-        begin == FP3_NONE ? root : larger(g, begin, root == FP3_NONE ? begin : root);
-    a->is_late = op2(g, FP3_OP_LT, fp3_dag_known(g, fp3_known_param(g->known, "locate")), since);
+    a->is_late = sub(g, num(g, 1), is_in_time);
     a->since = root;
     note(a, "how much earlier it has to end");
     a->back = begin == FP3_NONE  ? root
