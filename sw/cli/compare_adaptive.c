@@ -177,7 +177,7 @@ static fp3_status look(const fp3_model *model, const fp3_compiled *c, fp3_engine
     for (size_t i = 0; !status && i < fp3_engine_objects(engine); i++) {
         fp3_adaptive_object o;
         status = fp3_adaptive_look(engine, i, &o);
-        if (!status && o.end != FP3_ADAPTIVE_ENDED && !r->failure[0])
+        if (!status && !fp3_adaptive_is_over(o.end) && !r->failure[0])
             fp3_adaptive_text(i, &o, r->failure);
         if (!status)
             status = compare_object(model, c, engine, i, &o, r, error);

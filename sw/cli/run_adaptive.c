@@ -70,6 +70,8 @@ fp3_status fp3_run_adaptive_print(fp3_engine *engine, const fp3_image *image, si
         return status;
     print_counts(image, "accepted", &report.accepted, objects);
     print_counts(image, "rejected", &report.rejected, objects);
+    if (report.stopped)
+        printf("%-16s %zu of %zu, at events\n", "stopped", report.stopped, objects);
     if (report.largest > 0) {
         if (report.smallest > 0)
             printf("%-16s %.9g\n", "smallest step", (double)report.smallest);

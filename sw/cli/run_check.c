@@ -196,7 +196,7 @@ static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
                             "as --until says",
                             (double)first.until, (double)second.until);
         const int has_ended =
-            !status && first.end == FP3_ADAPTIVE_ENDED && second.end == FP3_ADAPTIVE_ENDED;
+            !status && fp3_adaptive_is_over(first.end) && fp3_adaptive_is_over(second.end);
         for (uint32_t s = 0; !status && !has_ended && s < c->states; s++)
             c->error[s * c->objects + i] = NAN;
     }

@@ -75,9 +75,12 @@ static uint32_t count_of(float value) {
 }
 
 static fp3_adaptive_end end_of(const fp3_adaptive_object *o) {
-    if (left_of(o) > 0)
+    const int has_stopped = o->step == 0 && signbit(o->step);
+    if (left_of(o) > 0 && !has_stopped)
         return has_step(o) ? FP3_ADAPTIVE_LIMITED : FP3_ADAPTIVE_STUCK;
-    return o->state[0] ? FP3_ADAPTIVE_LOST : FP3_ADAPTIVE_ENDED;
+    return o->state[0]   ? FP3_ADAPTIVE_LOST
+           : has_stopped ? FP3_ADAPTIVE_STOPPED
+                         : FP3_ADAPTIVE_ENDED;
 }
 
 /* A block of a group. */
@@ -135,6 +138,8 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]) {
     FP3_HOST;
     char why[FP3_NAME_SIZE + 48] = "it has ended", counts[64] = "";
+    if (found->end == FP3_ADAPTIVE_STOPPED)
+        strcpy(why, "an event has stopped it");
     if (found->end == FP3_ADAPTIVE_STUCK)
         strcpy(why, "the step that the tolerance allows is too short to change t");
     if (found->end == FP3_ADAPTIVE_LIMITED && found->step < WHOLE)
@@ -251,7 +256,8 @@ static void take(size_t object, const fp3_adaptive_object *o, fp3_adaptive_repor
     if (o->smallest <= o->largest && (report->smallest == 0 || o->smallest < report->smallest))
         report->smallest = o->smallest;
     report->largest = fmaxf(report->largest, o->largest);
-    if (o->end == FP3_ADAPTIVE_ENDED)
+    report->stopped += o->end == FP3_ADAPTIVE_STOPPED;
+    if (fp3_adaptive_is_over(o->end))
         return;
     if (!report->failed++) {
         report->first = object;

@@ -141,7 +141,7 @@ static uint64_t find_armed(const fp3_model *model, const fp3_point *before, doub
 int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
                    double *states, double *values) {
     const uint64_t armed = find_armed(model, before, values);
-    int has_changed = 0;
+    int fired = 0;
     for (uint32_t i = 0; i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
         fp3_model_evaluate(model, &(fp3_point){.states = states, .params = params, .t = t}, values);
@@ -149,9 +149,10 @@ int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double
             continue;
         for (uint32_t j = 0; j < event->count; j++) {
             const fp3_assignment *a = &model->assignments[event->first + j];
-            has_changed |= is_other(states[a->state], values[a->expr]);
+            fired |= is_other(states[a->state], values[a->expr]) ? FP3_FIRE_CHANGED : 0;
             states[a->state] = values[a->expr];
         }
+        fired |= event->stops ? FP3_FIRE_STOPPED : 0;
     }
-    return has_changed;
+    return fired;
 }

@@ -57,16 +57,33 @@ static void assignment(ode_parser *p, ode_event *event) {
             return;
 }
 
+/* `stop` is a name as well: what follows tells. */
+static int is_stop(const ode_parser *p) {
+    return fp3_ode_at(&p->in, "stop") && !is_followed_by(p, "=") && !is_followed_by(p, "[") &&
+           !is_followed_by(p, ".") && !is_followed_by(p, "'");
+}
+
+/* After `stop` nothing changes, so it comes last. */
+static void stop(ode_parser *p, ode_event *event) {
+    fp3_ode_advance(&p->in);
+    event->stops = 1;
+    if (!fp3_ode_at_end(&p->in))
+        fp3_ode_lost(&p->in, "the end of the line (`stop` comes last)");
+}
+
 static void assignments(ode_parser *p, ode_event *event) {
     do
         assignment(p, event);
-    while (fp3_ode_accept(&p->in, ","));
+    while (fp3_ode_accept(&p->in, ",") && !is_stop(p));
 }
 
 /* What follows the condition. */
 static void consequence(ode_parser *p, ode_event *event) {
     fp3_ode_expect(&p->in, ":", "an operator or ':', and then what happens, as in `x = 0`");
-    assignments(p, event);
+    if (!is_stop(p))
+        assignments(p, event);
+    if (is_stop(p))
+        stop(p, event);
 }
 
 static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t *count) {
@@ -78,9 +95,11 @@ static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t 
         list[(*count)++] = event;
 }
 
-/* Whether the event sets a state that the expression is made of. */
-static int is_set(const ode_parser *p, const ode_event *event, uint32_t expr) {
+/* Whether the event keeps the object from leaving the root: it stops the object, or sets a state that the expression is made of. */
+static int holds(const ode_parser *p, const ode_event *event, uint32_t expr) {
     char is_part[ODE_EXPRS] = {0};
+    if (event->stops)
+        return 1;
     is_part[expr] = 1;
     for (uint32_t i = expr + 1; i-- > 0;)
         for (int k = 0; is_part[i] && k < 3; k++)
@@ -99,7 +118,7 @@ static int is_set(const ode_parser *p, const ode_event *event, uint32_t expr) {
 static void rise(ode_parser *p, fp3_token at, ode_value a, ode_value b, uint32_t g,
                  ode_event event) {
     event.condition = taken(fp3_ode_binary(p, at, FP3_EXPR_LESS_EQUAL, a, b));
-    event.unless = g != FP3_NONE && is_set(p, &event, g)
+    event.unless = g != FP3_NONE && holds(p, &event, g)
                        ? taken(fp3_ode_binary(p, at, FP3_EXPR_LESS, a, b))
                        : event.condition;
     add_event(p, event, p->events, &p->event_count);
@@ -162,6 +181,8 @@ static void projection(ode_parser *p, fp3_token keyword) {
         .condition = FP3_NONE, .first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
     p->context = ODE_IN_EQUATION;
     assignments(p, &event);
+    if (is_stop(p))
+        fp3_ode_lost_at(&p->in, keyword, "an event (a projection stops nothing)");
     add_event(p, event, p->projections, &p->projection_count);
 }
 

@@ -86,6 +86,7 @@ typedef struct {
 
 typedef struct {
     uint32_t condition, first, count, unless; /* as of fp3_event */
+    int stops;
     fp3_token at;
 } ode_event;
 

@@ -53,7 +53,8 @@ static fp3_event *take_events(const ode_event *events, uint32_t count) {
     fp3_event *made = calloc(count + 1u, sizeof *made);
     for (uint32_t i = 0; made && i < count; i++) {
         const ode_event *e = &events[i];
-        made[i] = (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->unless};
+        made[i] =
+            (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->unless, e->stops};
     }
     return made;
 }

@@ -61,19 +61,34 @@ static fp3_status compile_slopes(const fp3_model *model, fp3_bench_native **nati
     return status;
 }
 
-static void leave_out(fp3_measure *m, const char *engine) {
-    fp3_measure_points_leave_out(&m->points,
-                                 &(fp3_measure_point){.engine = engine, .problem = &m->problem},
-                                 "the model has events, which it does not look for");
+static void leave_out(fp3_measure *m, const char *engine, const char *why) {
+    fp3_measure_points_leave_out(
+        &m->points, &(fp3_measure_point){.engine = engine, .problem = &m->problem}, why);
+}
+
+static int has_stop(const fp3_model *model) {
+    int has = 0;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        has |= model->events[i].stops;
+    return has;
+}
+
+/* Which makes its steps to the end. */
+static fp3_status add_loop(fp3_measure *m, const fp3_measure_options *o, fp3_error *error) {
+    if (!has_stop(m->problem.model))
+        return fp3_measure_add_loop(&m->points, &m->problem, o, error);
+    leave_out(m, "plain_c", "the model has `stop`, and all its objects make the same steps");
+    return FP3_OK;
 }
 
 /* Solvers in double. */
 static fp3_status add_peers(fp3_measure *m, const fp3_measure_options *o, fp3_error *error) {
     fp3_measure_slopes_fn *slopes = NULL;
     if (m->problem.model->event_count) {
-        leave_out(m, "gsl");
+        static const char why[] = "the model has events, which it does not look for";
+        leave_out(m, "gsl", why);
         if (o->more)
-            leave_out(m, o->more_name);
+            leave_out(m, o->more_name, why);
         return FP3_OK;
     }
     fp3_measure_points_say(&m->points, "%s: solvers in double", m->problem.model->name);
@@ -98,7 +113,7 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
     if (!status)
         status = fp3_measure_add_programs(&m->points, &m->problem, options, m->machines, error);
     if (!status)
-        status = fp3_measure_add_loop(&m->points, &m->problem, options, error);
+        status = add_loop(m, options, error);
     if (!status)
         status = add_peers(m, options, error);
     return status ? status : fp3_measure_points_time(&m->points, error);

@@ -68,10 +68,14 @@ static int is_over(const fp3_crossing *c, double t0, double t, const double *y) 
 }
 
 static int fire(fp3_crossing *c, double t0, double t, double *y) {
-    c->is_event = happens(c, t0, t, y);
+    const int fired = happens(c, t0, t, y);
+    c->is_event = fired != 0;
+    c->has_stopped = (fired & FP3_FIRE_STOPPED) != 0;
     if (!c->is_event)
         return GSL_SUCCESS;
     memcpy(y, c->next, bytes(c));
+    if (c->has_stopped)
+        return GSL_SUCCESS;
     if (happens(c, NAN, t, y))
         return FP3_CROSSING_STAYS;
     return ++c->happened > FP3_EVENTS_MOST ? FP3_CROSSING_MOST : GSL_SUCCESS;

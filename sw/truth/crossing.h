@@ -1,6 +1,6 @@
 /* crossing.h - where in a step of a solution an event happens, and what it makes of the states; and where a switch turns.
  *
- * An event happens at the first time at which firing all events changes a state. One that is true and
+ * An event happens at the first time at which firing all events changes a state or stops the object. One that is true and
  * changes nothing, as a switch that is off already, does not happen.
  */
 #ifndef FP3_CROSSING_H
@@ -27,6 +27,7 @@ typedef struct {
     double *from, *there, *next;     /* states */
     unsigned happened, turned, slid; /* slid: turns in a row without a step between them */
     int is_event;                    /* what was found last is an event, no turn alone */
+    int has_stopped;                 /* an event has stopped the object: there are no more */
     struct fp3_path
         *path; /* NULL, or what is told where the solution stops, before switches turn */
 } fp3_crossing;

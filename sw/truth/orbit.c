@@ -34,12 +34,20 @@ static int step(traveller *w, double t) {
     return gsl_odeiv2_evolve_apply(d->e, d->c, d->s, d->sys, &w->now, t, &w->h, w->o->y);
 }
 
+/* An event may have stopped the object. */
+static void see_stop(const traveller *w) {
+    if (!w->events || !w->events->has_stopped)
+        return;
+    w->o->slopes->has_stopped = 1;
+    w->o->stopped = w->now;
+}
+
 /* One step of GSL's, up to an event if one happens, or to where a switch turns. */
 static int advance(traveller *w, double t, int *is_found) {
     fp3_crossing *events = w->events;
     const double from = w->now;
     *is_found = 0;
-    if (!events)
+    if (!events || events->has_stopped)
         return step(w, t);
     if (events->model->event_count || events->switches->has_states)
         w->h = copysign(fmin(fabs(w->h), fabs(t) / LOOKS), t);
@@ -51,6 +59,7 @@ static int advance(traveller *w, double t, int *is_found) {
     if (*is_found) {
         gsl_odeiv2_evolve_reset(w->driver->e);
         gsl_odeiv2_step_reset(w->driver->s);
+        see_stop(w);
     }
     return result;
 }
@@ -109,6 +118,7 @@ static int go(traveller *w, double *rows) {
     fp3_orbit *o = w->o;
     const uint32_t states = o->slopes->model->state_count;
     int result = w->events ? fp3_crossing_start(w->events, o->y) : GSL_SUCCESS;
+    see_stop(w);
     if (!result && o->path)
         result = fp3_path_start(o->path, 0, o->y, 0);
     for (size_t i = o->path ? o->count - 1 : 0; !result && i < o->count; i++) {
@@ -146,6 +156,8 @@ int fp3_orbit_go(fp3_orbit *o, const fp3_method *how, double tolerance, const do
     for (uint32_t i = 0; i < states; i++)
         o->peak[i] = fabs(o->y[i]);
     o->reached = 0;
+    o->stopped = INFINITY;
+    o->slopes->has_stopped = 0;
     o->steps = o->limited = 0;
     if (!result)
         result = go(&w, rows);

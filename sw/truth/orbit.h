@@ -27,6 +27,7 @@ typedef struct {
     double *peak;        /* largest size of each state so far */
     double *y;           /* the states on the way */
     double reached;      /* time */
+    double stopped;      /* the time at which an event stopped the object, or INFINITY */
     unsigned steps;      /* to there */
     unsigned
         limited; /* looks at steps that were as long as the stability of the method lets them be */

@@ -4,6 +4,7 @@
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "language/evaluate.h"
 
@@ -42,6 +43,10 @@ static fp3_point point_of(const fp3_slopes *s, double t, const double y[]) {
 int fp3_slopes_of(double t, const double y[], double dydt[], void *slopes) {
     const fp3_slopes *s = slopes;
     const fp3_point point = point_of(s, t, y);
+    if (s->has_stopped) {
+        memset(dydt, 0, s->model->state_count * sizeof *dydt);
+        return GSL_SUCCESS;
+    }
     if (s->switches.has_any) {
         fp3_switches_evaluate(&s->switches, &point, s->values);
         if (take_rates(s, dydt) == GSL_SUCCESS)
@@ -68,6 +73,10 @@ static int differentiate(fp3_slopes *s) {
 int fp3_slopes_jacobian(double t, const double y[], double *dfdy, double dfdt[], void *slopes) {
     fp3_slopes *s = slopes;
     const uint32_t count = s->model->state_count;
+    if (s->has_stopped) {
+        memset(dfdy, 0, count * count * sizeof *dfdy);
+        return fp3_slopes_of(t, y, dfdt, s);
+    }
     int result = differentiate(s);
     if (!result)
         result = fp3_slopes_of(t, y, dfdt, s);

@@ -18,6 +18,7 @@ typedef struct {
     const double *params, *initial;
     fp3_switches switches;
     double *values;             /* of all expressions, and those of `partial` once there are any */
+    int has_stopped;            /* at an event: nothing moves any more */
     fp3_differentiated partial; /* made by the first call of fp3_slopes_jacobian */
 } fp3_slopes;
 

@@ -120,7 +120,7 @@ static fp3_status disagree(const orbit *o, const fp3_quantity *state, double t, 
 
 /* At the time with this number. */
 static fp3_status check_exact(orbit *o, size_t look, const double *states, fp3_error *error) {
-    const double t = o->way.times[look];
+    const double t = fmin(o->way.times[look], o->way.stopped);
     fp3_model_evaluate(
         o->eq.model,
         &(fp3_point){.states = states, .params = o->eq.params, .initial = o->eq.initial, .t = t},

@@ -18,6 +18,7 @@ typedef struct {
     const fp3_stepping *how;
     double h;
     double *times, *before; /* of each object, now and at the look before */
+    double *next;           /* adaptive: its next step; -0 if it has stopped */
     double *states;         /* a row for each object */
 } measurement;
 
@@ -159,13 +160,20 @@ static fp3_status read_times(const measurement *k, uint64_t made) {
         k->times[i] = is_adaptive(k->how) ? 0 : (double)made * k->h;
     if (!is_adaptive(k->how))
         return FP3_OK;
-    const fp3_status status = add_named(k, "t", k->times, 1);
-    return status ? status : add_named(k, "t_low", k->times, 1);
+    for (size_t i = 0; i < k->sample->count; i++)
+        k->next[i] = -0.0;
+    fp3_status status = add_named(k, "t", k->times, 1);
+    if (!status)
+        status = add_named(k, "t_low", k->times, 1);
+    return status ? status : add_named(k, "h_next", k->next, 1);
 }
 
-/* The time of one that has come to its end: steps may end a little beside the span. */
+/* Then its time is the span: steps may end a little beside it, and one that has stopped stays as it is. */
 static int is_at_end(const measurement *k, size_t object, uint64_t made) {
-    return is_adaptive(k->how) ? k->times[object] >= (float)k->sample->span : made == k->how->steps;
+    if (!is_adaptive(k->how))
+        return made == k->how->steps;
+    return k->times[object] >= (float)k->sample->span ||
+           (k->next[object] == 0 && signbit(k->next[object]));
 }
 
 /* After so many steps, or attempts; those that have made none since the look before are not looked at again. */
@@ -253,11 +261,12 @@ static fp3_status adapt(const fp3_sample *s, const fp3_stepping *how, fp3_model 
 static fp3_status measure(measurement *k, fp3_meter_found *found, fp3_error *error) {
     const size_t count = k->sample->count;
     int has_room = 0;
-    k->times = calloc(count * (2 + k->sample->model->state_count), sizeof *k->times);
+    k->times = calloc(count * (3 + k->sample->model->state_count), sizeof *k->times);
     if (!k->times)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     k->before = k->times + count;
-    k->states = k->before + count;
+    k->next = k->before + count;
+    k->states = k->next + count;
     fp3_status status = start(k, &has_room, error);
     if (!status && has_room)
         status = judge(k->meter, run(k, found), error);

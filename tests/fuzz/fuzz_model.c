@@ -112,7 +112,7 @@ static void check_events(const fp3_model *m, const unsigned char *has) {
         const fp3_event *e = &m->events[i];
         uint64_t set = 0;
         REQUIRE(e->condition < m->expr_count && !(has[e->condition] & ~(HAS_STATE | HAS_TIME)));
-        REQUIRE(e->first == next && e->count > 0 && e->line > 0);
+        REQUIRE(e->first == next && (e->count > 0 || e->stops) && e->line > 0);
         next += e->count;
         REQUIRE(next <= m->assignment_count);
         for (uint32_t j = e->first; j < next; j++) {

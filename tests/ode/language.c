@@ -52,9 +52,9 @@ static json_t *events(const fp3_model *m) {
             const fp3_assignment *a = &m->assignments[e->first + j];
             json_array_append_new(sets, json_pack("[s i]", m->states[a->state].name, (int)a->expr));
         }
-        json_array_append_new(array,
-                              json_pack("{si so si sb}", "condition", (int)e->condition, "sets",
-                                        sets, "line", (int)e->line, "edge", e->unless != FP3_NONE));
+        json_array_append_new(array, json_pack("{si so si sb sb}", "condition", (int)e->condition,
+                                               "sets", sets, "line", (int)e->line, "edge",
+                                               e->unless != FP3_NONE, "stops", e->stops));
     }
     return array;
 }

@@ -17,6 +17,7 @@
 #define NEARER (1 - 0x1p-20) /* to the beginning of the step */
 #define FARTHER 1.0078125    /* than an event is by an estimate that may be 0.25 % too small */
 #define NO_CUT 0x1p100
+#define STOPPED (-0.0) /* the next step of an object that has stopped: other steps may become 0 */
 
 /* Of a model's own states, by the order of fp3_model_adapt. */
 enum { T, H, ACCEPTED, REJECTED, SMALLEST, LARGEST };
@@ -278,9 +279,9 @@ static uint32_t is_small_enough(fp3_advance *a) {
     return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
 }
 
-/* A step that is not chosen is never too short, and after the end the object sleeps. */
+/* A step that is not chosen is never too short, and after the end the object sleeps. One that has stopped may be woken. */
 static int is_always_attempt(const fp3_advance *a) {
-    return !a->is_chosen && a->options->config->sleep;
+    return !a->is_chosen && a->options->config->sleep && !a->fit->has_stop;
 }
 
 fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
@@ -424,6 +425,15 @@ static uint32_t next_of_grid(const fp3_advance *a) {
     return sel(g, a->is_good, next, old(a, H));
 }
 
+/* None, if an event stops the object at the end of this step. */
+static uint32_t stopped(const fp3_advance *a, uint32_t h) {
+    dag *g = &a->step->values;
+    if (a->stops == FP3_NONE)
+        return h;
+    note(a, "no step any more, if an event stops the object");
+    return sel(g, a->is_good, sel(g, a->stops, num(g, STOPPED), h), h);
+}
+
 /* What tells whether another step follows: what t gains by it, or whether there is time left. */
 static fp3_status keep_tested(const fp3_advance *a, uint32_t t, uint32_t low, uint32_t h,
                               fp3_error *error) {
@@ -458,7 +468,7 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     uint32_t left = time_left(a, t, low, a->limit);
     if (!a->options->config->sleep) /* who is stuck makes attempts that must change nothing */
         left = mul(g, a->is_attempt, left);
-    const uint32_t h = a->is_chosen ? next_chosen(a, left) : next_of_grid(a);
+    const uint32_t h = stopped(a, a->is_chosen ? next_chosen(a, left) : next_of_grid(a));
     put(a, H, h);
     if (a->is_late != FP3_NONE)
         a->now[fp3_model_state(a->step->model, "h_cut")] = fp3_term(next_cut(a));

@@ -44,7 +44,7 @@ static fp3_status happens(const fp3_advance *a, const fp3_event *event, lowering
 }
 
 /* All values come from the states before any of them changes. */
-static void fire(const fp3_advance *a, const fp3_event *event, lowering *l, uint32_t condition) {
+static void fire(fp3_advance *a, const fp3_event *event, lowering *l, uint32_t condition) {
     const fp3_model *model = a->step->model;
     const fp3_assignment *list = &model->assignments[event->first];
     term value[FP3_STATES_MAX];
@@ -54,6 +54,13 @@ static void fire(const fp3_advance *a, const fp3_event *event, lowering *l, uint
     for (uint32_t i = 0; i < event->count; i++)
         if (fp3_fit_is_live(a->fit, list[i].state))
             set(a, event, list[i].state, condition, value[i]);
+    if (!event->stops)
+        return;
+    a->step->values.note = fp3_note(&a->step->notes, "line %" PRIu32 ": stop", event->line);
+    a->stops = a->stops == FP3_NONE
+                   ? condition
+                   : chosen(&a->step->values, condition,
+                            fp3_term(fp3_dag_number(&a->step->values, 1)), fp3_term(a->stops));
 }
 
 fp3_status fp3_events(fp3_advance *a, fp3_error *error) {

@@ -37,6 +37,7 @@ typedef struct {
     /* Nodes, FP3_NONE if there are no events: one is too early in the step, which has to end this much earlier; how long before
      * its end the first root is (FP3_NONE: no roots). */
     uint32_t is_late, back, since;
+    uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
 } fp3_advance;
 
 /* Opens a step's places: `state` gives the value of a state at one of them, and gets `user`; their

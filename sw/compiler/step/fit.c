@@ -43,10 +43,10 @@ uint32_t fp3_fit_position_of(const fp3_fit *fit, const fp3_model *model, uint32_
 }
 
 int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_event *event) {
+    int has = event->stops;
     for (uint32_t i = 0; i < event->count; i++)
-        if (fp3_fit_is_live(fit, model->assignments[event->first + i].state))
-            return 1;
-    return 0;
+        has |= fp3_fit_is_live(fit, model->assignments[event->first + i].state);
+    return has;
 }
 
 static int has_any(const fp3_fit *fit, const fp3_model *model, const fp3_event *list,
@@ -130,6 +130,9 @@ static void find_live(const fitting *f, const fp3_options *options) {
         *live |= UINT64_C(3) << fp3_model_adapted(f->model);
     if (f->fit->control && cut != FP3_NONE)
         *live |= BIT(cut);
+    for (uint32_t i = 0; i < f->model->event_count; i++)
+        if (f->model->events[i].stops)
+            *live |= f->needs[f->model->events[i].condition];
     for (uint64_t before = ~*live; before != *live;) {
         before = *live;
         for (uint32_t s = 0; s < count; s++)
@@ -139,15 +142,21 @@ static void find_live(const fitting *f, const fp3_options *options) {
     }
 }
 
+static int has_stop(const fp3_model *model) {
+    int has = 0;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        has |= model->events[i].stops;
+    return has;
+}
+
 static int event_has_time(const fitting *f, const fp3_event *event) {
+    int has = fp3_fit_has_event(f->fit, f->model, event) && event->condition != FP3_NONE &&
+              f->needs_time[event->condition];
     for (uint32_t j = 0; j < event->count; j++) {
         const fp3_assignment *a = &f->model->assignments[event->first + j];
-        if (fp3_fit_is_live(f->fit, a->state) &&
-            (f->needs_time[a->expr] ||
-             (event->condition != FP3_NONE && f->needs_time[event->condition])))
-            return 1;
+        has |= fp3_fit_is_live(f->fit, a->state) && f->needs_time[a->expr];
     }
-    return 0;
+    return has;
 }
 
 static int has_time(const fitting *f) {
@@ -222,8 +231,22 @@ static fp3_status check_adaptive(const fitting *f, fp3_error *error) {
                     f->integrator->name);
 }
 
+/* An object that stops makes no more steps, and the others do. */
+static fp3_status check_stop(const fitting *f, fp3_error *error) {
+    for (uint32_t i = 0; !f->fit->control && i < f->model->event_count; i++)
+        if (f->model->events[i].stops)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "line %" PRIu32 ": `stop` ends the steps of one object: steps that all "
+                            "objects make together do not stop; expected steps of its own, by "
+                            "--until or --tolerance",
+                            f->model->events[i].line);
+    return FP3_OK;
+}
+
 static fp3_status check(const fitting *f, fp3_error *error) {
-    const fp3_status status = check_adaptive(f, error);
+    fp3_status status = check_stop(f, error);
+    if (!status)
+        status = check_adaptive(f, error);
     if (status)
         return status;
     if (has_stages(f->integrator))
@@ -281,6 +304,7 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
     assert(model->state_count <= FP3_STATES_MAX);
     *fit = (fp3_fit){.positions = find_positions(model),
                      .control = find_control(model),
+                     .has_stop = has_stop(model),
                      .fallen = FP3_NONE,
                      .by = FP3_NONE};
     f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);

@@ -11,6 +11,7 @@ typedef struct {
     uint64_t live;      /* what somebody observes, and what that depends on */
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
     uint64_t control;   /* adaptive steps: t, h and what counts them */
+    int has_stop;       /* an event stops the object */
     int has_time;       /* the equations or events of a live state have t in them */
     unsigned order;     /* theoretical, of the worst live state */
     /* A live state that brings the order of a splitting down to 1, and a state that is no position and

@@ -376,10 +376,15 @@ fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
 typedef enum {
     FP3_ADAPTIVE_ENDED,   /* t is until, and all states are finite */
+    FP3_ADAPTIVE_STOPPED, /* at an event, likewise; step is -0 */
     FP3_ADAPTIVE_STUCK,   /* the tolerance needs a step too short even for the two words of t */
     FP3_ADAPTIVE_LIMITED, /* not there yet when no attempts were left */
-    FP3_ADAPTIVE_LOST     /* t is until, and a state is not finite */
+    FP3_ADAPTIVE_LOST     /* it has ended or stopped, and a state is not finite */
 } fp3_adaptive_end;
+/* Whether all is well. */
+static inline int fp3_adaptive_is_over(fp3_adaptive_end end) {
+    return end == FP3_ADAPTIVE_ENDED || end == FP3_ADAPTIVE_STOPPED;
+}
 
 /* Whether a program has adaptive steps, that is, states t and h_next, and an `until`. */
 int fp3_adaptive_is(const fp3_image *image);
@@ -422,6 +427,7 @@ typedef struct {
     /* Of the accepted steps; 0: there were none. A step that the end cut short counts as long as it
      * was before. */
     float smallest, largest;
+    size_t stopped;          /* how many stopped at events, and did not fail */
     size_t failed, first;    /* how many did not end, and the first of them */
     fp3_adaptive_object why; /* details of the first */
 } fp3_adaptive_report;

@@ -124,6 +124,7 @@ typedef struct {
      * happens whenever its condition is not 0. Of a root or a time both are comparisons of the same
      * two numbers. */
     uint32_t unless;
+    int stops; /* 1: from then on the object keeps its states and its time. It may set none */
 } fp3_event;
 
 typedef struct {
@@ -169,8 +170,10 @@ void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *
 
 /* Applies the events of the model, in order, to these states at time t. `before` is the
  * beginning of the step; NULL: there was no step, and events with `unless` do not happen. values has
- * room for expr_count numbers. Returns whether a state has changed; a change from 0 to -0 or from
- * NaN to NaN does not count. */
+ * room for expr_count numbers. Returns whether a state has changed, where a change from 0 to -0 or
+ * from NaN to NaN does not count, and FP3_FIRE_STOPPED if an event stops the object. */
+#define FP3_FIRE_CHANGED 1
+#define FP3_FIRE_STOPPED 2
 int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
                    double *states, double *values);
 
