@@ -137,15 +137,15 @@ static void write_slopes(writer *w) {
 /* Whether the event may happen after what was before the step, in a block of its own. */
 static void write_armed(writer *w, const fp3_event *event) {
     fputs("        int is_armed = 1;\n", w->to);
-    if (event->unless == FP3_NONE)
+    if (event->armed == FP3_NONE)
         return;
     want_nothing(w);
-    want(w, event->unless);
+    want(w, event->armed);
     fputs("        {\n            const real *y = was;\n            const real t = began;\n        "
           "    (void)t, (void)y;\n",
           w->to);
     write_wanted(w, "            ");
-    fprintf(w->to, "            is_armed = e%" PRIu32 " == 0;\n        }\n", event->unless);
+    fprintf(w->to, "            is_armed = e%" PRIu32 " != 0;\n        }\n", event->armed);
 }
 
 static void write_event(writer *w, const fp3_event *event) {

@@ -127,12 +127,12 @@ static uint64_t find_armed(const fp3_model *model, const fp3_point *before, doub
     int is_evaluated = 0;
     for (uint32_t i = 0; i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
-        const int is_edge = event->unless != FP3_NONE;
+        const int is_edge = event->armed != FP3_NONE;
         if (is_edge && before && !is_evaluated) {
             fp3_model_evaluate(model, before, values);
             is_evaluated = 1;
         }
-        if (!is_edge || (before && values[event->unless] == 0))
+        if (!is_edge || (before && values[event->armed] != 0))
             armed |= UINT64_C(1) << i;
     }
     return armed;

@@ -118,9 +118,8 @@ static int holds(const ode_parser *p, const ode_event *event, uint32_t expr) {
 static void rise(ode_parser *p, fp3_token at, ode_value a, ode_value b, uint32_t g,
                  ode_event event) {
     event.condition = taken(fp3_ode_binary(p, at, FP3_EXPR_LESS_EQUAL, a, b));
-    event.unless = g != FP3_NONE && holds(p, &event, g)
-                       ? taken(fp3_ode_binary(p, at, FP3_EXPR_LESS, a, b))
-                       : event.condition;
+    const int is_held = g != FP3_NONE && holds(p, &event, g);
+    event.armed = taken(fp3_ode_binary(p, at, is_held ? FP3_EXPR_LESS_EQUAL : FP3_EXPR_LESS, b, a));
     add_event(p, event, p->events, &p->event_count);
 }
 
@@ -146,7 +145,7 @@ static void root_event(ode_parser *p, ode_event event) {
 }
 
 static void conditioned(ode_parser *p, fp3_token keyword) {
-    ode_event event = {.first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
+    ode_event event = {.first = p->assignment_count, .armed = FP3_NONE, .at = keyword};
     if (fp3_ode_at(&p->in, "root") && is_followed_by(p, "(")) {
         root_event(p, event);
         return;
@@ -178,7 +177,7 @@ static int is_projection(const ode_parser *p, fp3_token first) {
 
 static void projection(ode_parser *p, fp3_token keyword) {
     ode_event event = {
-        .condition = FP3_NONE, .first = p->assignment_count, .unless = FP3_NONE, .at = keyword};
+        .condition = FP3_NONE, .first = p->assignment_count, .armed = FP3_NONE, .at = keyword};
     p->context = ODE_IN_EQUATION;
     assignments(p, &event);
     if (is_stop(p))

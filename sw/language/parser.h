@@ -85,7 +85,7 @@ typedef struct {
 } ode_time;
 
 typedef struct {
-    uint32_t condition, first, count, unless; /* as of fp3_event */
+    uint32_t condition, first, count, armed; /* as of fp3_event */
     int stops;
     fp3_token at;
 } ode_event;

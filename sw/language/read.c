@@ -54,7 +54,7 @@ static fp3_event *take_events(const ode_event *events, uint32_t count) {
     for (uint32_t i = 0; made && i < count; i++) {
         const ode_event *e = &events[i];
         made[i] =
-            (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->unless, e->stops};
+            (fp3_event){e->condition, e->first, e->count, e->at.location.line, e->armed, e->stops};
     }
     return made;
 }

@@ -41,7 +41,7 @@ void fp3_turn_kinds(const fp3_model *model, char *kind) {
     }
     for (uint32_t i = 0; i < model->state_count; i++)
         kind[model->states[i].derivative] |= FP3_TURN_RATE;
-    for (uint32_t i = 0; i < model->event_count; i++) /* `unless` turns where the condition does */
+    for (uint32_t i = 0; i < model->event_count; i++) /* `armed` turns where the condition does */
         kind[model->events[i].condition] |= FP3_TURN_CONDITION;
     for (uint32_t i = model->expr_count; i-- > 0;)
         for (int k = 0; k < 3; k++)

@@ -56,7 +56,7 @@ const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, d
         const fp3_event *event = &model->events[i];
         const fp3_assignment *set = &model->assignments[event->first];
         for (uint32_t k = 0;
-             event->unless == FP3_NONE && values[event->condition] != 0 && k < event->count; k++)
+             event->armed == FP3_NONE && values[event->condition] != 0 && k < event->count; k++)
             if (values[set[k].expr] != y[set[k].state])
                 return event;
     }

@@ -54,7 +54,7 @@ static json_t *events(const fp3_model *m) {
         }
         json_array_append_new(array, json_pack("{si so si sb sb}", "condition", (int)e->condition,
                                                "sets", sets, "line", (int)e->line, "edge",
-                                               e->unless != FP3_NONE, "stops", e->stops));
+                                               e->armed != FP3_NONE, "stops", e->stops));
     }
     return array;
 }

@@ -149,13 +149,14 @@ def test_the_order_is_kept(written, text, state, until, steps):
     assert "Order 4." in fp3("compile", path, "-i", "rk4", "--until", 1).stdout
 
 
-def test_steps_go_on_from_the_grid(written):
-    """After a bounce in the middle of a step comes what is left of it, and then whole steps."""
+def test_whole_steps_follow_an_event(written):
+    """After an event in the middle of a step come steps of h, and the last one up to the end."""
     path = written("state x = 0\nstate n = 0\nx' = 1\nn' = 0\nwhen root(x - 0.3) rising: n = 1\nstep 0.125\n")
-    found = run(path, "--until", 0.4)[0]
-    assert found["n"] == 1 and found["h_next"] == pytest.approx(0.5 - 0.4, abs=1e-7)
-    assert run(path, "--until", 1)[0]["x"] == 1
-    assert run(path, "--until", 0.25)[0]["accepted"] == 2
+    until = {t: run(path, "--until", t)[0] for t in (0.25, 0.3, 0.3 + 0.125, 0.3 + 0.1875, 1)}
+    assert [o["n"] for o in until.values()] == [0, 1, 1, 1, 1] and until[1]["x"] == 1
+    assert all(o["h_next"] == 2.0**100 for o in until.values())
+    assert until[0.25]["accepted"] == 2
+    assert [o["accepted"] - until[0.425]["accepted"] for o in until.values()][2:] == [0, 1, 5]
 
 
 @pytest.mark.parametrize("how", [["--until", 2], ["--tolerance", 1e-6, "--until", 2]])
@@ -262,3 +263,24 @@ def test_the_check_knows_the_order(written):
     said = float(re.search(r"^x .* error (\S+),", out, re.M)[1])
     found = abs(run(path, "--until", 7, "--set", "h=2^-3")[0]["x"] - truth(path, 7)["x"])
     assert found/1.5 < said < 1.5*found
+
+
+@pytest.mark.parametrize("how", [["--until", 2], ["--tolerance", 1e-4, "--until", 2, "--set", "maxstep=0.05"]])
+def test_more_times_than_steps_end_at(written, how):
+    """Steps end at sixteen of them; the others are looked for as roots are."""
+    lines = [f"at t = {0.07*(i + 1):.2f}: n = n + 1" for i in range(20)]
+    path = written("\n".join(["state n = 0", "state y = 0", "n' = 0", "y' = n", *lines, "step 0.0625", ""]))
+    assert run(path, *how)[0]["y"] == pytest.approx(sum(2 - 0.07*(i + 1) for i in range(20)), abs=2e-5)
+
+
+@pytest.mark.parametrize("h", ["2^-4", "0.5"])
+@pytest.mark.parametrize("how", [["--until", 2], ["--tolerance", 1e-4, "--until", 2]])
+def test_a_condition_that_is_true_at_the_start(written, how, h):
+    """Its event happens at once, and not at the end of the first step, where it may be no longer true."""
+    path = written("state n = 0\nstate y = 0.4\nn' = 0\ny' = 1 + n\nwhen y < 0.5 and n < 0.5: n = 1\nstep 0.0625\n")
+    assert truth(path, 2)["y"] == pytest.approx(4.4)
+    for locate, late in (("1e-6", 1e-6), (None, 2e-3)):
+        given = ["--set", f"locate={locate}"] if locate else []
+        found = [run(path, *how, "--set", f"{'h_next' if '--tolerance' in how else 'h'}={h}", *given, engine=engine)[0] for engine in ("isa", "fast", "rtl")]
+        assert found[0] == found[1] == found[2]
+        assert found[0]["n"] == 1 and abs(found[0]["y"] - 4.4) < late + 1e-6

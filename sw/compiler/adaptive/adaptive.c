@@ -2,6 +2,7 @@
 #include "adaptive.h"
 
 #include "compiler/value/ops.h"
+#include "keep.h"
 #include "language/turn.h"
 #include "locate.h"
 
@@ -9,13 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-#define SAFETY 0.75          /* of the step that would have just the error that is allowed */
-#define SHRINK 0.2           /* the next step is this much shorter at most, */
-#define GROW 5.0             /* this much longer at most, */
-#define SHARE 0.25           /* and of what it may grow by it takes this share */
-#define CUT 0.0625           /* what is left of a step that has to end earlier, at least */
-#define NEARER (1 - 0x1p-20) /* to the beginning of the step */
-#define FARTHER 1.0078125    /* than an event is by an estimate that may be 0.25 % too small */
+#define SAFETY 0.75 /* of the step that would have just the error that is allowed */
+#define SHRINK 0.2  /* the next step is this much shorter at most, */
+#define GROW 5.0    /* this much longer at most, */
+#define SHARE 0.25  /* and of what it may grow by it takes this share */
 #define NO_CUT 0x1p100
 #define STOPPED (-0.0) /* the next step of an object that has stopped: other steps may become 0 */
 
@@ -250,13 +248,13 @@ static uint32_t squares(const fp3_advance *a) {
     const double share = sqrt(count_moved(a)) * pow(SAFETY, 4);
     uint32_t sum = FP3_NONE;
     for (uint32_t s = 0; s < a->step->model->state_count; s++) {
-        if (!fp3_fit_is_moved(a->fit, s))
+        if (!fp3_fit_is_moved(a->fit, s) || fp3_advance_rests(a, s))
             continue;
         const uint32_t r = ratio(a, s, share), square = mul(g, r, r);
         note(a, "error of the step, squared");
         sum = sum == FP3_NONE ? square : add(g, sum, square);
     }
-    return sum;
+    return sum == FP3_NONE ? num(g, 0) : sum;
 }
 
 /* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their second
@@ -294,11 +292,9 @@ fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
     const fp3_status status = fp3_locate(a, error);
     if (status)
         return status;
-    if (a->is_late != FP3_NONE) {
-        note(a, "is there an event too early in a step that would be accepted");
-        a->is_late = mul(g, a->is_late, is_good);
-        is_good = sub(g, is_good, a->is_late);
-    }
+    a->is_small = is_good;
+    if (a->is_in_time != FP3_NONE)
+        is_good = mul(g, is_good, a->is_in_time);
     note(a, "is there a step at all");
     a->is_attempt =
         is_always_attempt(a) ? num(g, 1) : op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), a->gain);
@@ -325,44 +321,6 @@ static void select_states(const fp3_advance *a) {
     }
 }
 
-static int is_first_of_any(const fp3_step *step, uint32_t node) {
-    for (uint32_t i = 0; i < step->variable_count; i++)
-        if (step->variables[i].first == node)
-            return 1;
-    return 0;
-}
-
-static fp3_status keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error) {
-    if (!fp3_step_add(step, ROLE_CARRIED, FP3_NONE))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    step->variables[step->variable_count - 1].first = first;
-    step->variables[step->variable_count - 1].next = next;
-    return FP3_OK;
-}
-
-/* The slopes at the new states are the first ones of the next step; after a rejected step the old ones
- * are. In double-single they would be two variables each. Where an event may change the new states, or time the equations, they are computed again. */
-static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
-    dag *g = &a->step->values;
-    fp3_status status = FP3_OK;
-    if (!a->has_slope || g->is_abstract || !fp3_has_pass(a->options, FP3_PASS_CARRY) ||
-        a->switchings.count || fp3_fit_has_events(a->fit, a->step->model) ||
-        fp3_fit_has_projections(a->fit, a->step->model))
-        return FP3_OK;
-    for (uint32_t s = 0; !status && s < a->step->model->state_count; s++) {
-        if (!fp3_fit_is_moved(a->fit, s))
-            continue;
-        const term f = fp3_lower(&a->places[0], a->step->model->states[s].derivative);
-        const term to = f.is_negative ? fp3_term_negated(a->slope[s]) : a->slope[s];
-        if (fp3_dag_is_leaf(g, f.node) || is_first_of_any(a->step, f.node))
-            continue;
-        g->note = fp3_note(&a->step->notes, "first slope of %s for the next step",
-                           fp3_advance_name(a, s));
-        status = keep(a->step, f.node, sel(g, a->is_good, fp3_term_value(g, to), f.node), error);
-    }
-    return status;
-}
-
 static void count(const fp3_advance *a) {
     dag *g = &a->step->values;
     note(a, "steps and attempts so far");
@@ -379,28 +337,20 @@ static void count(const fp3_advance *a) {
             op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, fp3_dag_first(g, a->h.node))));
 }
 
-/* Whether an event has cut the step off, which then says as little about the next one as the end does. */
+/* Where an event is too early in the step, what is made again ends where it is likely to be. */
+static uint32_t next_cut(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    note(a, "the longest step up to an event");
+    const uint32_t h = fp3_dag_first(g, a->h.node);
+    return sel(g, a->is_in_time, num(g, NO_CUT), mul(g, h, a->part));
+}
+
+/* Whether an event says how long the step is, or the next one. */
 static uint32_t is_cut(const fp3_advance *a) {
     dag *g = &a->step->values;
     note(a, "has an event cut the step off");
-    return mul(g, op2(g, FP3_OP_LT, cut(a), meant(a)), a->is_good);
-}
-
-/* What is made again ends where the event is likely to be, and a little earlier, or h less a short time might be h. If it was not there
- * yet, what follows goes where it is likely now, and a little farther. */
-static uint32_t next_cut(const fp3_advance *a) {
-    dag *g = &a->step->values;
-    known_table *known = &a->step->known;
-    const uint32_t h = fp3_dag_first(g, a->h.node);
-    const uint32_t locate = fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(known, "locate")));
-    note(a, "the longest step up to an event");
-    uint32_t after = num(g, NO_CUT);
-    if (a->is_chosen && a->since != FP3_NONE)
-        after = sel(g, is_cut(a), op2(g, FP3_OP_MAX, mul(g, num(g, -FARTHER), a->since), locate),
-                    after);
-    const uint32_t least = mul(g, num(g, CUT), h);
-    const uint32_t most = sub(g, mul(g, num(g, NEARER), h), a->back);
-    return sel(g, a->is_late, op2(g, FP3_OP_MAX, most, least), after);
+    const uint32_t was_cut = op2(g, FP3_OP_LT, cut(a), meant(a));
+    return mul(g, sel(g, a->is_in_time, was_cut, num(g, 1)), a->is_small);
 }
 
 /* left: of the time until the limit. */
@@ -409,20 +359,14 @@ static uint32_t next_chosen(const fp3_advance *a, uint32_t left) {
     note(a, "the next step; one that the end or an event cut off says nothing about it");
     const uint32_t grown = mul(g, fp3_dag_first(g, a->h.node), a->by);
     const uint32_t h = sel(g, left, grown, old(a, H));
-    if (a->is_late == FP3_NONE)
-        return h;
-    return sel(g, add(g, a->is_late, is_cut(a)), old(a, H), h);
+    return a->is_in_time == FP3_NONE ? h : sel(g, is_cut(a), old(a, H), h);
 }
 
-/* What is left of a whole step, or another whole one. */
-static uint32_t next_of_grid(const fp3_advance *a) {
+/* As long as there may be, but up to an event. An attempt after the end, whose step is 0, changes nothing. */
+static uint32_t next_fixed(const fp3_advance *a) {
     dag *g = &a->step->values;
-    note(a, "what is left of a whole step");
-    const uint32_t left = fp3_dag_first(g, sub(g, meant(a), a->h.node));
-    const uint32_t is_any = op2(g, FP3_OP_LE, num(g, FP3_ADAPTIVE_LEAST), left);
-    note(a, "the next step");
-    const uint32_t next = sel(g, is_any, left, num(g, NO_CUT));
-    return sel(g, a->is_good, next, old(a, H));
+    const uint32_t next = a->is_in_time == FP3_NONE ? old(a, H) : next_cut(a);
+    return a->fit->has_stop ? sel(g, a->is_attempt, next, old(a, H)) : next;
 }
 
 /* None, if an event stops the object at the end of this step. */
@@ -441,6 +385,7 @@ static fp3_status keep_tested(const fp3_advance *a, uint32_t t, uint32_t low, ui
     uint32_t first = a->gain, next;
     a->step->rest_note = fp3_note(&a->step->notes, "no step is left");
     a->step->tested = a->step->variable_count;
+    a->step->least = fp3_known_number(&a->step->known, FP3_ADAPTIVE_LEAST);
     if (is_always_attempt(a)) {
         note(a, "the time until the end");
         first = time_left(a, old(a, T), g->is_abstract ? FP3_NONE : low_of_time(a), until(a));
@@ -450,7 +395,7 @@ static fp3_status keep_tested(const fp3_advance *a, uint32_t t, uint32_t low, ui
         next = g->is_abstract ? move_in_pairs(a, t, h, until(a)).gain
                               : sub(g, moved_by(a, t, low, h, until(a)), low);
     }
-    return keep(a->step, first, next, error);
+    return fp3_keep(a->step, first, next, error);
 }
 
 fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
@@ -468,13 +413,13 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     uint32_t left = time_left(a, t, low, a->limit);
     if (!a->options->config->sleep) /* who is stuck makes attempts that must change nothing */
         left = mul(g, a->is_attempt, left);
-    const uint32_t h = stopped(a, a->is_chosen ? next_chosen(a, left) : next_of_grid(a));
+    const uint32_t h = stopped(a, a->is_chosen ? next_chosen(a, left) : next_fixed(a));
     put(a, H, h);
-    if (a->is_late != FP3_NONE)
+    if (a->is_chosen && a->is_in_time != FP3_NONE)
         a->now[fp3_model_state(a->step->model, "h_cut")] = fp3_term(next_cut(a));
     if (!g->is_abstract)
         a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);
     const fp3_status status = keep_tested(a, t, low, h, error);
-    return status ? status : keep_slopes(a, error);
+    return status ? status : fp3_keep_stages(a, error);
 }

@@ -1,12 +1,18 @@
 /* locate.c - see locate.h. */
 #include "locate.h"
 
+#include "adaptive.h"
+#include "compiler/integrate/events.h"
 #include "compiler/value/ops.h"
 
 #include <inttypes.h>
 
-#define HALF 0.5 /* of a step within which a condition becomes true */
-#define NEVER 0x1p100
+#define HALF 0.5             /* of a step within which a condition becomes true */
+#define NEARER (1 - 0x1p-20) /* to the beginning of the step: h less a short time may be h */
+/* Of the way back to a root. Where steps are short a line is nearly the root's way: who is a little beyond it gets closer by one
+ * line more, and who falls short of it begins with a whole step again. */
+#define SHORT (1 - 0x1p-6)
+#define LEAST 0.0625 /* of a step that has to end earlier, which is left */
 
 static void note(const fp3_advance *a, const char *text) {
     a->step->values.note = fp3_note(&a->step->notes, "%s", text);
@@ -45,86 +51,65 @@ static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *
                has_parts ? has_lost(before, after, event->condition, 1, is_after) : is_after);
 }
 
-/* What the condition of a root is the sign of: b - a of a < b or a <= b. */
-static term gap(lowering *l, const fp3_expr *e) {
-    const term a = fp3_lower(l, e->operand[0]), b = fp3_lower(l, e->operand[1]);
-    if (fp3_dag_is_number(l->g, a.node, 0))
-        return b;
-    return fp3_dag_is_number(l->g, b.node, 0) ? fp3_term_negated(a) : fp3_term_sub(l->g, b, a);
-}
-
-/* How long before the end of the step the root is, by a straight line from the gap before to that after; below 0: how long after it. The estimate of the quotient is at most 0.25 % too small. A NaN if g has
- * become one: then nobody knows. */
+/* Which part of the step comes after the root, by a straight line from before to after; 0 if it is not reached. Never a quotient
+ * without a value, but a NaN if the root has become one: then nobody knows. The estimate of the quotient is at most 0.25 % too
+ * small. `min` and `max` give their second operand where one is a NaN. */
 static uint32_t since_root(const fp3_advance *a, const fp3_event *event, lowering *before,
                            lowering *after) {
-    dag *g = before->g;
-    const fp3_expr *e = &a->step->model->exprs[event->condition];
-    const int is_held = a->step->model->exprs[event->unless].op == FP3_EXPR_LESS;
-    const term g0 = gap(before, e), g1 = gap(after, e);
-    g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": how late", event->line);
-    const uint32_t whole = fp3_dag_first(g, fp3_term_value(g, fp3_term_sub(g, g1, g0)));
-    const uint32_t is_armed =
-        op2(g, is_held ? FP3_OP_LE : FP3_OP_LT, fp3_term_value(g, g0), num(g, 0));
-    const uint32_t is_ahead = sel(g, op2(g, FP3_OP_LE, whole, num(g, 0)), num(g, 0), is_armed);
-    const uint32_t part = mul(g, fp3_dag_first(g, fp3_term_value(g, g1)),
-                              op1(g, FP3_OP_RCP, sel(g, is_ahead, whole, num(g, 1))));
-    return sel(g, is_ahead, mul(g, fp3_dag_first(g, a->h.node), part), num(g, -NEVER));
-}
-
-/* Whatever becomes true within a step may have been so since its beginning. */
-static uint32_t since_begin(const fp3_advance *a, const fp3_event *event, lowering *before,
-                            lowering *after) {
-    dag *g = before->g;
-    return sel(g, becomes(a, event, before, after), fp3_dag_first(g, a->h.node), num(g, 0));
-}
-
-static uint32_t larger(dag *g, uint32_t so_far, uint32_t other) {
-    return so_far == FP3_NONE ? other : op2(g, FP3_OP_MAX, so_far, other);
-}
-
-static uint32_t both(dag *g, uint32_t so_far, uint32_t other) {
-    return so_far == FP3_NONE ? other : mul(g, so_far, other);
-}
-
-/* Not if nobody knows how long it is. */
-static uint32_t is_short(const fp3_advance *a, uint32_t since) {
     dag *g = &a->step->values;
-    note(a, "does an event happen late enough in the step");
-    return op2(g, FP3_OP_LE, since, fp3_dag_known(g, fp3_known_param(g->known, "locate")));
+    const fp3_reach r = fp3_event_reach(a, event, before, after);
+    const uint32_t nearest = r.is_falling ? FP3_OP_MAX : FP3_OP_MIN;
+    const uint32_t farthest = r.is_falling ? FP3_OP_MIN : FP3_OP_MAX;
+    g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": how late", event->line);
+    const uint32_t from =
+        op2(g, nearest, r.from, num(g, r.is_falling ? FP3_ADAPTIVE_LEAST : -FP3_ADAPTIVE_LEAST));
+    const uint32_t beyond = op2(g, farthest, num(g, 0), r.to);
+    return mul(g, beyond, op1(g, FP3_OP_RCP, sub(g, beyond, from)));
 }
 
-static uint32_t halved(dag *g, uint32_t x) { return mul(g, num(g, HALF), x); }
+static uint32_t sum(dag *g, uint32_t so_far, uint32_t other) {
+    return so_far == FP3_NONE ? other : other == FP3_NONE ? so_far : add(g, so_far, other);
+}
+
+/* roots: the sum of the parts behind them, so that no NaN is lost; begins: 1 if a condition has become true, which may have been so
+ * since the beginning. */
+static void judge(fp3_advance *a, uint32_t roots, uint32_t begins) {
+    dag *g = &a->step->values;
+    const uint32_t h = fp3_dag_first(g, a->h.node);
+    const uint32_t locate = fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(g->known, "locate")));
+    note(a, "does an event happen late enough in the step");
+    a->is_in_time = op2(g, FP3_OP_LE, mul(g, h, sum(g, roots, begins)), locate);
+    note(a, "the part of the step that is made again if not");
+    const uint32_t half = begins == FP3_NONE ? FP3_NONE : mul(g, num(g, HALF), begins);
+    const double share = a->is_chosen ? 1 : SHORT;
+    const uint32_t left = sub(g, num(g, NEARER), mul(g, num(g, share), sum(g, roots, half)));
+    a->part = op2(g, FP3_OP_MAX, left, num(g, LEAST));
+}
 
 fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
     const fp3_model *model = a->step->model;
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
-    uint32_t root = FP3_NONE, begin = FP3_NONE, is_in_time = FP3_NONE;
+    uint32_t roots = FP3_NONE, begins = FP3_NONE;
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
+        const int is_root = fp3_event_is_root(a, event);
         lowering before = {0}, after = {0};
-        if (!fp3_fit_has_event(a->fit, model, event))
+        if (!fp3_fit_has_event(a->fit, model, event) || (!is_root && event->armed != FP3_NONE))
             continue;
         status = fp3_advance_event(a, event, 0, &before, error);
         if (!status)
             status = fp3_advance_event(a, event, 1, &after, error);
-        const int is_root = event->unless != FP3_NONE;
-        if (!status) {
-            const uint32_t since = (is_root ? since_root : since_begin)(a, event, &before, &after);
-            is_in_time = both(g, is_in_time, is_short(a, since));
-            *(is_root ? &root : &begin) = larger(g, is_root ? root : begin, since);
+        if (!status && is_root) {
+            roots = sum(g, roots, since_root(a, event, &before, &after));
+        } else if (!status) {
+            const uint32_t has_begun = becomes(a, event, &before, &after);
+            begins = begins == FP3_NONE ? has_begun : either(g, begins, has_begun);
         }
         fp3_lower_close(&before);
         fp3_lower_close(&after);
     }
-    if (status || (root == FP3_NONE && begin == FP3_NONE))
-        return status;
-    note(a, "an event happens too early in the step");
-    a->is_late = sub(g, num(g, 1), is_in_time);
-    a->since = root;
-    note(a, "how much earlier it has to end");
-    a->back = begin == FP3_NONE  ? root
-              : root == FP3_NONE ? halved(g, begin)
-                                 : larger(g, root, halved(g, begin));
-    return FP3_OK;
+    if (!status && (roots != FP3_NONE || begins != FP3_NONE))
+        judge(a, roots, begins);
+    return status;
 }

@@ -4,8 +4,8 @@
 
 #include "compiler/step/advance.h"
 
-/* a->is_late: node that is not 0 where a condition is false before the step and true after it, more than `locate` before
- * its end; a->back: node, how much earlier the step is to end. Both stay FP3_NONE if there are no events. */
+/* a->is_in_time: node, 0 where a root is passed or a condition becomes true more than `locate` before the end of the step; a->part:
+ * node, which part of the step to try then. Both stay FP3_NONE if there is nothing to locate. */
 fp3_status fp3_locate(fp3_advance *a, fp3_error *error);
 
 #endif

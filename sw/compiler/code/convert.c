@@ -184,6 +184,8 @@ static fp3_status convert_parts(const fp3_part *part, fp3_chain_nodes chain, con
     made->code.step = c.ops;
     made->code.step_count = c.count;
     made->operations = c.operations;
+    if (!status && step->tested != FP3_NONE && part->options->config->sleep)
+        made->least = known_ref(&c, step->least).index;
     if (!status)
         status = convert_part(&first, first_root, first_ref, error);
     made->code.first = first.ops;

@@ -18,6 +18,7 @@ typedef struct {
     uint32_t *params;  /* which known value each is */
     uint32_t *constants;
     uint32_t operations; /* of the step part; a chained one is two */
+    uint32_t least;      /* constant: what `sleep` compares with; 0 without */
 } conversion;
 
 /* Nodes of the step, or FP3_NONE: what sums and products need to go the chain's way, or moves where they

@@ -207,7 +207,7 @@ static int is_at_new(const runge_kutta *r, uint32_t place) {
 static term state_at(lowering *l, uint32_t state) {
     runge_kutta *r = l->user;
     const uint32_t i = cell(r, l->index, state);
-    if (l->index == 0 || is_late(r, state))
+    if (l->index == 0 || is_late(r, state) || fp3_advance_rests(r->a, state))
         return held(r, state);
     if (is_at_new(r, l->index))
         return r->a->now[state];
@@ -274,6 +274,8 @@ static term increment_kept(const runge_kutta *r, uint32_t s, summand *list, unsi
 }
 
 static void advance_early(runge_kutta *r, uint32_t s) {
+    if (fp3_advance_rests(r->a, s))
+        return;
     const fp3_integrator *integrator = r->a->integrator;
     summand list[FP3_STAGES_MAX];
     const unsigned n = row(r, integrator->b, integrator->stages, s, list);
@@ -351,7 +353,7 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
             if (fp3_fit_is_moved(a->fit, s) && is_late(&r, s) == late)
                 (late ? advance_late : advance_early)(&r, s);
     for (uint32_t s = 0; !status && a->is_chosen && s < states; s++)
-        if (fp3_fit_is_moved(a->fit, s))
+        if (fp3_fit_is_moved(a->fit, s) && !fp3_advance_rests(a, s))
             estimate(&r, s);
     free(r.stage);
     free(r.slope);

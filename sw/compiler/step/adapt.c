@@ -102,9 +102,26 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
 static double default_locate(const fp3_model *model, double tolerance, double until) {
     double locate = FINE * until;
     for (uint32_t i = 0; i < model->event_count; i++)
-        if (model->events[i].unless == FP3_NONE)
+        if (model->events[i].armed == FP3_NONE)
             locate = fmax(locate, tolerance != 0 ? tolerance * until : COARSE * model->step);
     return locate;
+}
+
+static int has_condition(const fp3_model *model) {
+    int has = 0;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        has |= model->events[i].armed == FP3_NONE;
+    return has;
+}
+
+/* A condition may be true at the start, and then its event happens at once: the first step is as long as an event may be late. */
+static void start_short(fp3_model *model, int is_chosen, double locate) {
+    const uint32_t param = fp3_model_param(model, "locate");
+    fp3_quantity *first = &model->states[fp3_model_state(model, is_chosen ? "h_cut" : "h_next")];
+    first->value = locate;
+    for (uint32_t i = 0; i < model->expr_count; i++)
+        if (model->exprs[i].op == FP3_EXPR_PARAM && model->exprs[i].index == param)
+            first->start = i;
 }
 
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {
@@ -121,7 +138,7 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         {{"rejected", "attempts", 0, 0}, 1, 0},
         {{"smallest", "accepted step, as it was meant", NO_STEP_YET, 0}, is_chosen, 1},
         {{"largest", "accepted step", 0, 0}, is_chosen, 1},
-        {{"h_cut", "the longest step up to an event", NO_STEP_YET, 0}, has_events, 1},
+        {{"h_cut", "the longest step up to an event", NO_STEP_YET, 0}, has_events && is_chosen, 1},
     };
     const addition params[] = {
         {"until", "where the object ends", until, 0},
@@ -132,6 +149,7 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         {"maxstep", "the longest step", def->maxstep, 1},
     };
     const char *unit = model->time_unit;
+    const int is_short = has_condition(model);
     fp3_switchings switchings;
     fp3_status status = fp3_switchings_find(model, &switchings, error);
     const int is_wanted[] = {1, is_chosen, is_chosen, has_events,
@@ -148,5 +166,7 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         if (states[i].is_wanted)
             status =
                 add_state(model, &states[i].what, states[i].is_time ? unit : "", i == 0, error);
+    if (!status && is_short)
+        start_short(model, is_chosen, params[3].value);
     return status;
 }

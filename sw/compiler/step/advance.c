@@ -30,6 +30,20 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
     return status;
 }
 
+static int has_slope(const fp3_model *model, uint32_t state) {
+    const fp3_expr *derivative = &model->exprs[model->states[state].derivative];
+    return derivative->op != FP3_EXPR_NUMBER || derivative->number != 0;
+}
+
+/* Where nothing moves at all, a step has an instruction that moves it by 0: there is no empty one. */
+int fp3_advance_rests(const fp3_advance *a, uint32_t state) {
+    const fp3_model *model = a->step->model;
+    int moves = a->is_adaptive;
+    for (uint32_t s = 0; !moves && s < model->state_count; s++)
+        moves = fp3_fit_is_moved(a->fit, s) && has_slope(model, s);
+    return moves && fp3_has_pass(a->options, FP3_PASS_ZERO) && !has_slope(model, state);
+}
+
 term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state) {
     return fp3_term(fp3_dag_variable(g, fp3_step_find(a->step, role, state)));
 }

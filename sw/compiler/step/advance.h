@@ -32,11 +32,11 @@ typedef struct {
     term error_scale; /* what they all have to be multiplied with */
     term *slope;      /* likewise, where has_slope: its derivative at the new states */
     int has_slope;
-    uint32_t is_attempt, is_good,
-        by; /* nodes: there is a step; it is accepted; the next is longer by */
-    /* Nodes, FP3_NONE if there are no events: one is too early in the step, which has to end this much earlier; how long before
-     * its end the first root is (FP3_NONE: no roots). */
-    uint32_t is_late, back, since;
+    uint32_t is_attempt, is_small, is_good,
+        by; /* nodes: there is a step; its error is small enough; it is accepted; the next is longer by */
+    /* Nodes, FP3_NONE if there are no events to locate: none is too early in the step; which part of it the next attempt has
+     * if one is. */
+    uint32_t is_in_time, part;
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
 } fp3_advance;
 
@@ -49,6 +49,9 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
 static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state) {
     return a->step->model->states[state].name;
 }
+
+/* Whether only events and projections change it: its derivative is the number 0. Without the pass `zero` none does. */
+int fp3_advance_rests(const fp3_advance *a, uint32_t state);
 
 /* A variable as it was when the step began, which dag g calls it. */
 term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);

@@ -39,6 +39,7 @@ typedef struct {
     uint32_t variable_count, variable_room;
     uint32_t
         tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: nobody sleeps */
+    uint32_t least; /* of known: a number below which that counts as 0 */
     uint32_t rest_note;
     fp3_notes notes;
 } fp3_step;

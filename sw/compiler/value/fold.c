@@ -57,10 +57,19 @@ static uint32_t drop_identity(const dag *g, uint32_t op, uint32_t a, uint32_t b)
     return FP3_NONE;
 }
 
+/* The one that a known condition chooses, or the only one that there is. */
+static uint32_t drop_choice(const dag *g, uint32_t a, uint32_t b, uint32_t c) {
+    if (a == b || fp3_dag_is_number(g, c, 1.0))
+        return a;
+    return fp3_dag_is_number(g, c, 0.0) ? b : FP3_NONE;
+}
+
 uint32_t fp3_fold(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c) {
     uint32_t easier = of_known(g, op, a, b);
     if (easier == FP3_NONE && has_pass(g, FP3_PASS_IDENTITY))
         easier = drop_identity(g, op, a, b);
+    if (easier == FP3_NONE && has_pass(g, FP3_PASS_IDENTITY) && op == FP3_OP_SEL)
+        easier = drop_choice(g, a, b, c);
     if (easier == FP3_NONE && has_pass(g, FP3_PASS_FOLD_PRODUCT) && op == FP3_OP_MUL)
         easier = fold_product(g, a, b);
     if (easier == FP3_NONE && has_pass(g, FP3_PASS_COMMON))

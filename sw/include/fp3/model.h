@@ -120,10 +120,10 @@ typedef struct {
     uint32_t condition;    /* expression; of a projection FP3_NONE */
     uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
-    /* Expression, and the event happens only if it was 0 at the beginning of the step; FP3_NONE: it
-     * happens whenever its condition is not 0. Of a root or a time both are comparisons of the same
-     * two numbers. */
-    uint32_t unless;
+    /* Expression, and the event happens only if it was not 0 at the beginning of the step; FP3_NONE:
+     * it happens whenever its condition is not 0. Of a root or a time both are comparisons of the same
+     * two numbers, the other way round. */
+    uint32_t armed;
     int stops; /* 1: from then on the object keeps its states and its time. It may set none */
 } fp3_event;
 
@@ -169,7 +169,7 @@ typedef struct {
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
 /* Applies the events of the model, in order, to these states at time t. `before` is the
- * beginning of the step; NULL: there was no step, and events with `unless` do not happen. values has
+ * beginning of the step; NULL: there was no step, and events with `armed` do not happen. values has
  * room for expr_count numbers. Returns whether a state has changed, where a change from 0 to -0 or
  * from NaN to NaN does not count, and FP3_FIRE_STOPPED if an event stops the object. */
 #define FP3_FIRE_CHANGED 1
