@@ -284,3 +284,12 @@ def test_a_condition_that_is_true_at_the_start(written, how, h):
         found = [run(path, *how, "--set", f"{'h_next' if '--tolerance' in how else 'h'}={h}", *given, engine=engine)[0] for engine in ("isa", "fast", "rtl")]
         assert found[0] == found[1] == found[2]
         assert found[0]["n"] == 1 and abs(found[0]["y"] - 4.4) < late + 1e-6
+
+
+@pytest.mark.parametrize("start, until", [(-1, 1), (1e6, 1000002), (16777216, 16777218)])
+@pytest.mark.parametrize("how", [[], ["--tolerance", 1e-6]])
+def test_a_run_that_begins_late(written, start, until, how):
+    """How late an event may be is a part of the step then: 2^-24 of the end is a second."""
+    v, x, n = ball(until - start)
+    found = run(written(BALL), *how, "--until", until, "--set", f"t={start}")[0]
+    assert found["n"] == n == 3 and abs(found["x"] - x) < 4e-4 and abs(found["v"] - v) < 2e-3

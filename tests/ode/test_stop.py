@@ -123,3 +123,8 @@ def test_stop_is_a_name_as_well(written):
     path = written("state stop = 1\nstate q[2] = (1, 1)\nstop' = -1\nq' = (0, 0)\nwhen root(stop) falling: q.x = 7, stop = 3, q[2] = 5\nstep 0.125\n")
     o = run(path, "--until", 2)[0][0]
     assert o["q_x"] == 7 and o["q_y"] == 5 and o["stop"] == pytest.approx(2, abs=1e-6)
+
+
+def test_compare_has_the_words_of_the_equations(written):
+    out = fp3("compare", written(FALL), "--tolerance", "1e-4", "-i", "cash_karp", "--quick").stdout
+    assert re.findall(r"(\d+) of \d+$", out, re.M) and set(re.findall(r"(\d+) of \d+$", out, re.M)) == {"0"}

@@ -1,12 +1,12 @@
 /* locate.c - see locate.h. */
 #include "locate.h"
 
-#include "adaptive.h"
-#include "compiler/integrate/events.h"
 #include "compiler/value/ops.h"
+#include "root.h"
 
 #include <inttypes.h>
 
+#define NOTHING 0x1p-126     /* of a root, but a divisor */
 #define HALF 0.5             /* of a step within which a condition becomes true */
 #define NEARER (1 - 0x1p-20) /* to the beginning of the step: h less a short time may be h */
 /* Of the way back to a root. Where steps are short a line is nearly the root's way: who is a little beyond it gets closer by one
@@ -57,12 +57,11 @@ static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *
 static uint32_t since_root(const fp3_advance *a, const fp3_event *event, lowering *before,
                            lowering *after) {
     dag *g = &a->step->values;
-    const fp3_reach r = fp3_event_reach(a, event, before, after);
+    const fp3_reach r = fp3_root_reach(a, event, before, after);
     const uint32_t nearest = r.is_falling ? FP3_OP_MAX : FP3_OP_MIN;
     const uint32_t farthest = r.is_falling ? FP3_OP_MIN : FP3_OP_MAX;
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": how late", event->line);
-    const uint32_t from =
-        op2(g, nearest, r.from, num(g, r.is_falling ? FP3_ADAPTIVE_LEAST : -FP3_ADAPTIVE_LEAST));
+    const uint32_t from = op2(g, nearest, r.from, num(g, r.is_falling ? NOTHING : -NOTHING));
     const uint32_t beyond = op2(g, farthest, num(g, 0), r.to);
     return mul(g, beyond, op1(g, FP3_OP_RCP, sub(g, beyond, from)));
 }
@@ -93,7 +92,7 @@ fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
     uint32_t roots = FP3_NONE, begins = FP3_NONE;
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
-        const int is_root = fp3_event_is_root(a, event);
+        const int is_root = fp3_root_is(a, event);
         lowering before = {0}, after = {0};
         if (!fp3_fit_has_event(a->fit, model, event) || (!is_root && event->armed != FP3_NONE))
             continue;

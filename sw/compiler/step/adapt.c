@@ -12,6 +12,8 @@
 #define TAKEN "adaptive steps add a '%s' of their own: found one in the model"
 #define NO_STEP_YET 0x1p100 /* of `smallest`: beyond every step */
 #define FINE 0x1p-24        /* of the time, which an event at a root is late by as a rule; */
+#define FINEST 0x1p-44      /* likewise at least: t has 48 bits */
+#define PART 0x1p-10        /* of a step, at most; */
 #define COARSE 0x1p-6       /* of a step that is not chosen, which one at a condition is */
 
 typedef struct {
@@ -98,12 +100,13 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
     return status;
 }
 
-/* A root is found by where it is likely; a condition by halves, until a step may be so short that FP32 rounds off all that it adds. */
+/* A run may begin late, or make many steps: then that part of the end may be long. A root is found by where it is likely; a condition by halves, until a step may be so short that FP32 rounds off all that it adds. */
 static double default_locate(const fp3_model *model, double tolerance, double until) {
-    double locate = FINE * until;
+    double locate = fmax(FINEST * fabs(until), fmin(FINE * fabs(until), PART * model->step));
     for (uint32_t i = 0; i < model->event_count; i++)
         if (model->events[i].armed == FP3_NONE)
-            locate = fmax(locate, tolerance != 0 ? tolerance * until : COARSE * model->step);
+            locate = fmax(locate, tolerance != 0 ? fmin(tolerance * fabs(until), model->step)
+                                                 : COARSE * model->step);
     return locate;
 }
 

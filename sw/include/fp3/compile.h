@@ -187,7 +187,8 @@ typedef struct {
     double tolerance; /* default 1e-5 */
     double absolute;  /* 0: the same number as tolerance */
     double until;     /* the time at which objects end; 0: the model's span */
-    double locate;    /* an event is found at most this late; 0: 2^-24 until; if a condition is no
+    double
+        locate; /* an event is found at most this late; 0: 2^-24 until, at most step / 1024; if a condition is no
                       root at least tolerance * until, or step / 64 without a tolerance */
     /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
      * one (docs/adaptive.md). */
@@ -204,8 +205,7 @@ fp3_adaptive_def fp3_adaptive_default(void);
  * next step to try, at first the model's step), accepted, rejected, smallest and largest, and h_cut
  * if there are events; the param until of each object; and the shared params tolerance, absolute,
  * locate if there are events, and maxstep if one is given or needed. Without a tolerance smallest,
- * largest, absolute and maxstep are left out, and h_next is what is left of a step that has ended
- * early. fp3_compile then makes a program with adaptive steps.
+ * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event. fp3_compile then makes a program with adaptive steps.
  * FP3_E_PROGRAM: the model already has one of these names, or is too large. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 

@@ -1,0 +1,21 @@
+/* root.h - the roots of events, as a step sees them. */
+#ifndef FP3_ROOT_H
+#define FP3_ROOT_H
+
+#include "compiler/step/advance.h"
+
+/* Whether the event is at a root that has to be looked for: a time is the end of a step. */
+int fp3_root_is(const fp3_advance *a, const fp3_event *event);
+
+/* Nodes: a root before the step; what it is after it, if it was on the side that the event comes from, else a number on that
+ * side. is_falling: that side is above 0. */
+typedef struct {
+    uint32_t from, to;
+    int is_falling;
+} fp3_reach;
+
+/* before, after: opened by fp3_advance_event. */
+fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering *before,
+                         lowering *after);
+
+#endif
