@@ -20,6 +20,7 @@ typedef struct {
     gsl_odeiv2_driver *driver;
     fp3_crossing *events; /* NULL: nothing stops it */
     double now, h;
+    int is_beyond; /* the end: what happens there is of no size */
 } traveller;
 
 static void see_peaks(const fp3_orbit *o, const double *y) {
@@ -105,12 +106,28 @@ static int go_to(traveller *w, double t) {
         result = advance(w, t, &is_stop);
         if (!result)
             result = keep(w, is_stop);
-        see_peaks(w->o, w->o->y);
+        if (!w->is_beyond)
+            see_peaks(w->o, w->o->y);
         w->o->reached = w->now;
         if (!result)
             result = count(w, from);
     }
     return result;
+}
+
+/* A path goes on where the solution does. */
+static int go_beyond(traveller *w) {
+    fp3_orbit *o = w->o;
+    int result = fp3_path_stop(o->path, w->now);
+    if (!result)
+        result = fp3_path_start(o->path, w->now, o->y, 0);
+    if (result)
+        return result;
+    w->is_beyond = 1;
+    result = go_to(w, w->now * (1 + FP3_PATH_BEYOND));
+    if (result != GSL_ENOMEM)
+        result = result ? GSL_SUCCESS : fp3_path_stop(o->path, w->now);
+    return result ? result : fp3_path_finish(o->path);
 }
 
 /* y goes from time 0 to the end, and is kept at each time. A path has no stop on the way. */
@@ -127,8 +144,7 @@ static int go(traveller *w, double *rows) {
     }
     if (result || !o->path)
         return result;
-    result = fp3_path_stop(o->path, w->now);
-    fp3_path_finish(o->path);
+    result = go_beyond(w);
     for (size_t i = 0; !result && i + 1 < o->count; i++)
         fp3_path_at(o->path, o->times[i], rows + i * states);
     return result;

@@ -304,20 +304,44 @@ int fp3_path_step(fp3_path *p, double t, const double *states) {
     return result;
 }
 
+/* What has no length is no piece; the next one begins with its event. */
+static void drop_empty(fp3_path *p) {
+    if (p->count == p->pieces[p->piece_count - 1].row)
+        p->is_event = p->pieces[--p->piece_count].is_event;
+}
+
 int fp3_path_stop(fp3_path *p, double t) {
     const double last = p->pending[p->points - 1];
     int result = push_steps(p);
     if (!result && t - last > NO_STEP * t)
         result = push_step(p, p->points - 1, t);
-    if (p->count == p->pieces[p->piece_count - 1].row) /* it has no length */
-        p->is_event = p->pieces[--p->piece_count].is_event;
+    drop_empty(p);
     return result;
 }
 
-void fp3_path_finish(fp3_path *p) {
+/* An event from which there is no way on: a line is what follows. */
+static int push_line(fp3_path *p) {
+    const double from = p->pending[0], length = FP3_PATH_BEYOND * from;
+    const double *y = point_of(p, p->pending, 0), *rate = y + p->states;
+    p->pieces[p->piece_count++] = (piece){p->count, 1};
+    for (unsigned i = 0; i < POINTS; i++) {
+        double *to = point_of(p, p->third, i);
+        p->third[i] = from + length * i / (POINTS - 1);
+        for (size_t s = 0; s < p->states; s++) {
+            to[s] = y[s] + rate[s] * (p->third[i] - from);
+            to[p->states + s] = rate[s];
+        }
+    }
+    return push(p, p->third);
+}
+
+int fp3_path_finish(fp3_path *p) {
+    drop_empty(p);
+    const int result = p->is_event ? push_line(p) : GSL_SUCCESS;
     free_steps(p);
     for (size_t i = 0; i < p->count; i++)
         solve(p, p->rows + i * p->width);
+    return result;
 }
 
 /* ---- looks ---- */

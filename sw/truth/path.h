@@ -1,4 +1,4 @@
-/* path.h - where an object of a model is at any time, from 0 to an end.
+/* path.h - where an object of a model is at any time, from 0 to an end and a little beyond it.
  *
  *     fp3_path *path = NULL;
  *     if (fp3_path_open(model, params, initial, 20, sizes, &path, error))
@@ -14,6 +14,10 @@
 
 typedef struct fp3_path fp3_path;
 
+/* So much of the end it goes beyond, if the solution does: more than FP32 rounds a time. What happens at the end then has
+ * two sides, whichever of them rounding puts it on. */
+#define FP3_PATH_BEYOND 0x1p-20
+
 /* The solution of fp3_model_truths, with its checks, and its sizes. Between its steps a polynomial is within
  * 1e-10 of each state's size. The caller closes *path, which is NULL on failure. Errors as of fp3_model_truths. */
 fp3_status fp3_path_open(const fp3_model *model, const double *params, const double *initial,
@@ -21,7 +25,7 @@ fp3_status fp3_path_open(const fp3_model *model, const double *params, const dou
 /* Sets *path to NULL, which it may be already. */
 void fp3_path_close(fp3_path **path);
 
-/* The states at a time; at that of an event, right after it. A time a little beyond the end is continued to. */
+/* The states at a time; at that of an event, right after it. A time beyond what it knows is continued to. */
 void fp3_path_at(const fp3_path *path, double t, double *states);
 
 /* The last event that is not after t, or the first one that is: when, and the states on its far side from t: right before
@@ -40,7 +44,7 @@ int fp3_path_start(fp3_path *path, double t, const double *states, int is_event)
 int fp3_path_step(fp3_path *path, double t, const double *states);
 /* The piece ends at time t, an event, a turn of the equations or the end of all, a step or none behind the last one. */
 int fp3_path_stop(fp3_path *path, double t);
-/* No step follows: what only steps need is freed. */
-void fp3_path_finish(fp3_path *path);
+/* No step follows: what only steps need is freed, and so are steps behind the last stop. Returns GSL's codes. */
+int fp3_path_finish(fp3_path *path);
 
 #endif
