@@ -32,10 +32,12 @@ static const fp3_tune_row *lowest_of(const fp3_tuning *t) {
     return lowest;
 }
 
-/* "0.00123", or "tol 1.5e-05" of adaptive steps. */
+/* "0.00123", "cut 0.00123", or "tol 1.5e-05" of adaptive steps. */
 static const char *step_of(const fp3_tune_row *r, char text[TEXT_SIZE]) {
     if (r->is_adaptive)
         snprintf(text, TEXT_SIZE, "tol %.3g", r->tolerance);
+    else if (r->is_cut)
+        snprintf(text, TEXT_SIZE, "cut %.5g", (double)r->h);
     else
         snprintf(text, TEXT_SIZE, "%.9g", (double)r->h);
     return text;
@@ -51,13 +53,16 @@ static void print_rows(const fp3_tuning *t) {
         const fp3_tune_row *r = &t->rows[i];
         if (is_tried(r))
             printf("%-20s %-13s %9.*f %13s %9.2e %12.1f  %s%s\n", r->integrator,
-                   fp3_arithmetic_of(r->arithmetic)->name, r->is_adaptive,
-                   r->is_adaptive ? r->attempts : (double)r->steps, step_of(r, text), r->error,
-                   r->cycles, i == t->best ? "the cheapest: " : "", r->why);
+                   fp3_arithmetic_of(r->arithmetic)->name, r->is_adaptive || r->is_cut,
+                   r->is_adaptive || r->is_cut ? r->attempts : (double)r->steps, step_of(r, text),
+                   r->error, r->cycles, i == t->best ? "the cheapest: " : "", r->why);
         else
             printf("%-20s %-13s %9s %13s %9s %12s  %s%s\n", r->integrator,
-                   fp3_arithmetic_of(r->arithmetic)->name, "-", r->is_adaptive ? "tol -" : "-", "-",
-                   "-", "", r->why);
+                   fp3_arithmetic_of(r->arithmetic)->name, "-",
+                   r->is_adaptive ? "tol -"
+                   : r->is_cut    ? "cut -"
+                                  : "-",
+                   "-", "-", "", r->why);
     }
 }
 
@@ -65,7 +70,7 @@ static void print_rows(const fp3_tuning *t) {
 static void print_looks(const fp3_tune_row *best) {
     const uint64_t every = fp3_meter_every(best->steps);
     printf("%-16s ", "errors");
-    if (best->is_adaptive)
+    if (best->is_adaptive || best->is_cut)
         printf("the largest after each of the first %d attempts, then after each in a thousand\n",
                2 * FP3_TUNE_LOOKS - 1);
     else if (every == 1)
@@ -81,6 +86,8 @@ static void print_choice(const fp3_tune_row *best, double baseline) {
     if (best->is_adaptive)
         printf("adaptive steps, tolerance = %.9g, absolute = %.9g, %.1f attempts", best->tolerance,
                best->absolute, best->attempts);
+    else if (best->is_cut)
+        printf("h = %.9g, cut at events, %.1f attempts", (double)best->h, best->attempts);
     else
         printf("h = %.9g, %" PRIu64 " steps to %.9g", (double)best->h, best->steps,
                (double)best->h * (double)best->steps);
@@ -167,6 +174,7 @@ static int put_steps(json_t *o, const fp3_tune_row *r) {
            json_object_set_new(o, "h", above_zero(r ? (double)r->h : 0)) |
            json_object_set_new(o, "adaptive_tolerance", above_zero(r ? r->tolerance : 0)) |
            json_object_set_new(o, "absolute", above_zero(r ? r->absolute : 0)) |
+           json_object_set_new(o, "cut", json_boolean(r && r->is_cut)) |
            json_object_set_new(o, "attempts", above_zero(r ? r->attempts : 0));
 }
 

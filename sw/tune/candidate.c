@@ -28,11 +28,15 @@ static fp3_status compile(const fp3_candidate *c, const fp3_model *model, const 
 /* What the numbers of adaptive steps are is told before each run. */
 static fp3_status adapt(fp3_candidate *c, const fp3_model *model, fp3_error *error) {
     fp3_adaptive_def def = fp3_adaptive_default();
-    def.maxstep = c->maxstep;
+    if (c->is_cut)
+        def.tolerance = 0;
+    else
+        def.maxstep = c->maxstep;
     fp3_status status = fp3_model_copy(model, &c->adapted, error);
     if (!status)
         status = fp3_model_adapt(c->adapted, &def, error);
-    if (!status && c->maxstep == 0 && fp3_model_param(c->adapted, "maxstep") != FP3_NONE)
+    if (!status && c->is_adaptive && c->maxstep == 0 &&
+        fp3_model_param(c->adapted, "maxstep") != FP3_NONE)
         status = fp3_fail(error, FP3_E_PROGRAM,
                           "conditions in t change at times that are not known before the run: "
                           "adaptive steps need --set maxstep=...");
@@ -41,8 +45,9 @@ static fp3_status adapt(fp3_candidate *c, const fp3_model *model, fp3_error *err
 
 fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const char *config,
                                  fp3_error *error) {
-    fp3_status status = c->is_adaptive ? adapt(c, model, error) : FP3_OK;
-    if (c->is_adaptive)
+    const int is_adapted = c->is_adaptive || c->is_cut;
+    fp3_status status = is_adapted ? adapt(c, model, error) : FP3_OK;
+    if (is_adapted)
         model = c->adapted;
     if (!status)
         status = compile(c, model, config, &c->timed, error);

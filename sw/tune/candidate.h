@@ -4,16 +4,16 @@
 
 #include <fp3/compile.h>
 
-/* An integrator with an arithmetic, and fixed or adaptive steps. */
+/* An integrator with an arithmetic, and fixed or adaptive steps, or fixed ones that are cut at events. */
 typedef struct {
     fp3_integrator *integrator;
     fp3_arithmetic arithmetic;
-    int is_adaptive;
-    double maxstep;         /* the longest step, if it is; 0: none */
-    fp3_model *adapted;     /* what the programs are of, if it is */
-    fp3_compiled *timed;    /* for the configuration that costs are of; NULL: not compiled yet */
-    fp3_compiled *measured; /* for FP3_METER_CONFIG; the same pointer where that is it */
-    int is_refused;         /* by the compiler */
+    int is_adaptive, is_cut; /* at most one */
+    double maxstep;          /* the longest step, if it is; 0: none */
+    fp3_model *adapted;      /* what the programs are of, if it is adaptive or cut */
+    fp3_compiled *timed;     /* for the configuration that costs are of; NULL: not compiled yet */
+    fp3_compiled *measured;  /* for FP3_METER_CONFIG; the same pointer where that is it */
+    int is_refused;          /* by the compiler */
 } fp3_candidate;
 
 void fp3_candidate_free(fp3_candidate *candidate);

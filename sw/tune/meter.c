@@ -22,7 +22,8 @@ typedef struct {
     double *states;         /* a row for each object */
 } measurement;
 
-static int is_adaptive(const fp3_stepping *how) { return how->steps == 0; }
+/* Each object has a time of its own, and sleeps at its end. */
+static int is_timed(const fp3_stepping *how) { return how->steps == 0 || how->is_cut; }
 
 void fp3_meter_close(fp3_meter *meter) {
     fp3_engine_close(&meter->engine);
@@ -54,8 +55,11 @@ static fp3_status open_engine(fp3_meter *m, size_t objects, fp3_error *error) {
     return judge(m, fp3_engine_open(&def, &m->engine), error);
 }
 
-float fp3_meter_h(const fp3_sample *sample, uint64_t steps) {
-    return (float)(sample->span / (double)steps);
+float fp3_meter_h(const fp3_sample *sample, uint64_t steps, int is_cut) {
+    const float h = (float)(sample->span / (double)steps);
+    return is_cut && (double)h * (double)steps < (double)(float)sample->span
+               ? nextafterf(h, INFINITY)
+               : h;
 }
 
 uint64_t fp3_meter_every(uint64_t steps) {
@@ -101,7 +105,7 @@ static fp3_status load(const measurement *k, const double *params, const double 
         status = fp3_fields_settle(fields, error);
     fp3_fields_close(&fields);
     /* A load leaves asleep who fell asleep before it. */
-    return status || !is_adaptive(k->how) ? status : fp3_engine_wake(engine, 0, k->sample->count);
+    return status || !is_timed(k->how) ? status : fp3_engine_wake(engine, 0, k->sample->count);
 }
 
 /* Gives an engine the program and its objects. *has_room: all their numbers have room in FP32; else they
@@ -157,8 +161,8 @@ static fp3_status read_states(const measurement *k) {
 
 static fp3_status read_times(const measurement *k, uint64_t made) {
     for (size_t i = 0; i < k->sample->count; i++)
-        k->times[i] = is_adaptive(k->how) ? 0 : (double)made * k->h;
-    if (!is_adaptive(k->how))
+        k->times[i] = is_timed(k->how) ? 0 : (double)made * k->h;
+    if (!is_timed(k->how))
         return FP3_OK;
     for (size_t i = 0; i < k->sample->count; i++)
         k->next[i] = -0.0;
@@ -170,7 +174,7 @@ static fp3_status read_times(const measurement *k, uint64_t made) {
 
 /* Then its time is the span: steps may end a little beside it, and one that has stopped stays as it is. */
 static int is_at_end(const measurement *k, size_t object, uint64_t made) {
-    if (!is_adaptive(k->how))
+    if (!is_timed(k->how))
         return made == k->how->steps;
     return k->times[object] >= (float)k->sample->span ||
            (k->next[object] == 0 && signbit(k->next[object]));
@@ -217,7 +221,7 @@ static fp3_status run_fixed(const measurement *k, fp3_meter_found *found, double
 }
 
 /* Until all objects sleep, or the whole costs too much. */
-static fp3_status run_adaptive(const measurement *k, fp3_meter_found *found, double *worst) {
+static fp3_status run_timed(const measurement *k, fp3_meter_found *found, double *worst) {
     fp3_status status = FP3_OK;
     double before = -1;
     for (uint64_t made = 0, more;
@@ -241,7 +245,7 @@ static fp3_status run(const measurement *k, fp3_meter_found *found) {
         k->before[i] = NAN;
     found->is_out = 0;
     const fp3_status status =
-        is_adaptive(k->how) ? run_adaptive(k, found, &worst) : run_fixed(k, found, &worst);
+        is_timed(k->how) ? run_timed(k, found, &worst) : run_fixed(k, found, &worst);
     if (!status)
         found->worst = worst;
     return status;
@@ -250,7 +254,7 @@ static fp3_status run(const measurement *k, fp3_meter_found *found) {
 /* The sample's model with the params and states of adaptive steps. */
 static fp3_status adapt(const fp3_sample *s, const fp3_stepping *how, fp3_model **adapted,
                         fp3_error *error) {
-    const fp3_adaptive_def def = {.tolerance = how->tolerance,
+    const fp3_adaptive_def def = {.tolerance = how->is_cut ? 0 : how->tolerance,
                                   .absolute = how->absolute,
                                   .until = (float)s->span,
                                   .maxstep = how->maxstep};
@@ -277,14 +281,15 @@ static fp3_status measure(measurement *k, fp3_meter_found *found, fp3_error *err
 fp3_status fp3_meter_read(fp3_meter *meter, const fp3_sample *sample, const fp3_compiled *compiled,
                           const fp3_stepping *how, fp3_meter_found *found, fp3_error *error) {
     fp3_model *adapted = NULL;
-    *found = (fp3_meter_found){.worst = INFINITY, .is_out = is_adaptive(how)};
-    fp3_status status = is_adaptive(how) ? adapt(sample, how, &adapted, error) : FP3_OK;
+    *found = (fp3_meter_found){.worst = INFINITY, .is_out = is_timed(how)};
+    fp3_status status = is_timed(how) ? adapt(sample, how, &adapted, error) : FP3_OK;
     measurement k = {.meter = meter,
                      .sample = sample,
                      .compiled = compiled,
                      .model = adapted ? adapted : sample->model,
                      .how = how,
-                     .h = adapted ? adapted->step : fp3_meter_h(sample, how->steps)};
+                     .h = how->steps ? fp3_meter_h(sample, how->steps, how->is_cut)
+                                     : sample->model->step};
     if (!status)
         status = measure(&k, found, error);
     fp3_model_free(&adapted);

@@ -23,21 +23,22 @@ typedef struct {
     double
         most; /* attempts of an object, as the mean of the sample: what takes more is not run to the end */
     double maxstep; /* as of the candidate */
+    int is_cut;     /* fixed ones that end at events, and with the span: then `most` counts, too */
 } fp3_stepping;
 
 typedef struct {
     double
         worst; /* the error as fp3/tune.h defines it; infinite: also if an object does not reach its end */
     double made; /* steps of an object, or attempts, accepted or not: the mean */
-    int is_out; /* adaptive: it takes more than the most attempts, or a number of the program has no room in FP32 */
+    int is_out; /* adaptive or cut: it takes more than the most attempts, or a number of the program has no room in FP32 */
 } fp3_meter_found;
 
-/* compiled: for FP3_METER_CONFIG; adaptive: of the sample's model, adapted. */
+/* compiled: for FP3_METER_CONFIG; adaptive or cut: of the sample's model, adapted. */
 fp3_status fp3_meter_read(fp3_meter *meter, const fp3_sample *sample, const fp3_compiled *compiled,
                           const fp3_stepping *how, fp3_meter_found *found, fp3_error *error);
 
-/* h of so many steps. */
-float fp3_meter_h(const fp3_sample *sample, uint64_t steps);
+/* h of so many steps. Rounded, they end a little beside the span; those that are cut end with it, and h is long enough for that. */
+float fp3_meter_h(const fp3_sample *sample, uint64_t steps, int is_cut);
 /* After how many of them objects are looked at, and so on. */
 uint64_t fp3_meter_every(uint64_t steps);
 

@@ -41,10 +41,12 @@ static void put_string(FILE *to, const char *text) {
     fputc('"', to);
 }
 
-/* Of the whole scene; adaptive steps are of a group. */
+/* Of the whole scene; a tolerance, and where objects end, are of a group. */
 static void put_steps(FILE *to, const fp3_tune_row *best) {
+    if (!best->is_adaptive && !best->is_cut)
+        fprintf(to, "steps  = %" PRIu64 ";\n", best->steps);
     if (!best->is_adaptive)
-        fprintf(to, "steps  = %" PRIu64 ";\nh      = %.9g;\n", best->steps, (double)best->h);
+        fprintf(to, "h      = %.9g;\n", (double)best->h);
 }
 
 static void put_tolerance(FILE *to, const fp3_tune_def *def, const fp3_tune_row *best,
@@ -52,10 +54,10 @@ static void put_tolerance(FILE *to, const fp3_tune_def *def, const fp3_tune_row 
     if (best->is_adaptive && def->maxstep != 0)
         fprintf(to, "            maxstep = %.9g;\n", def->maxstep);
     if (best->is_adaptive)
-        fprintf(to,
-                "            tolerance = %.9g;\n            absolute = %.9g;\n            until = "
-                "%.17g;\n",
-                best->tolerance, best->absolute, (double)(float)span);
+        fprintf(to, "            tolerance = %.9g;\n            absolute = %.9g;\n",
+                best->tolerance, best->absolute);
+    if (best->is_adaptive || best->is_cut)
+        fprintf(to, "            until = %.17g;\n", (double)(float)span);
 }
 
 static void put_scene(FILE *to, const fp3_tune_def *def, const fp3_tuning *t, const char *program,

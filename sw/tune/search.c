@@ -27,6 +27,7 @@ typedef struct {
     const fp3_candidate *candidate;
     fp3_tune_row *row;
     fp3_error *error;
+    double most_attempts; /* of steps that are cut */
 } seeker;
 
 /* h is rounded to FP32, so that most numbers of steps end beside the span. Of the numbers from the first to the last, the
@@ -35,8 +36,10 @@ static uint64_t find_end(const seeker *s, uint64_t first, uint64_t last) {
     const fp3_sample *sample = s->search->sample;
     uint64_t best = first;
     double least = INFINITY;
+    if (s->candidate->is_cut)
+        return first;
     for (uint64_t n = first;; n += first < last ? 1u : UINT64_MAX) {
-        const double end = (double)n * (double)fp3_meter_h(sample, n);
+        const double end = (double)n * (double)fp3_meter_h(sample, n, 0);
         const double late = fabs(end - sample->span);
         if (late < least) {
             best = n;
@@ -61,26 +64,29 @@ static double cycles(const seeker *s, uint64_t steps) {
 
 static fp3_status look(const seeker *s, uint64_t steps, double *found) {
     const fp3_search *q = s->search;
-    const fp3_stepping how = {.steps = steps};
+    const fp3_candidate *c = s->candidate;
+    const fp3_stepping how = {.steps = steps, .most = s->most_attempts, .is_cut = c->is_cut};
     fp3_meter_found of;
     const fp3_status status =
         fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &of, s->error);
     *found = of.worst;
     s->row->looks++;
     s->row->lowest = fmin(s->row->lowest, *found);
-    if (!status && (*found <= q->target || !s->row->steps || *found < s->row->error)) {
+    const double cost = c->is_cut ? fp3_candidate_cycles(c, q->config, of.made) : cycles(s, steps);
+    const int is_met = *found <= q->target && cost < q->cheaper;
+    if (!status && (is_met || (!s->row->is_met && (!s->row->steps || *found < s->row->error)))) {
         s->row->steps = steps;
-        s->row->h = fp3_meter_h(q->sample, steps);
+        s->row->h = fp3_meter_h(q->sample, steps, c->is_cut);
+        s->row->attempts = c->is_cut ? of.made : 0;
         s->row->error = *found;
-        s->row->cycles = cycles(s, steps);
-        s->row->is_met = *found <= q->target;
+        s->row->cycles = cost;
+        s->row->is_met = is_met;
     }
     return status;
 }
 
-/* The most steps that are of interest; 0: not even the fewest. */
-static uint64_t find_most(const seeker *s) {
-    const double limit = fmin(s->search->dearest, s->search->cheaper);
+/* The most steps that cost less. */
+static uint64_t most_below(const seeker *s, double limit) {
     uint64_t low = 0, high = FP3_STEPS_LIMIT;
     while (low < high) {
         const uint64_t middle = high - (high - low) / 2;
@@ -89,7 +95,13 @@ static uint64_t find_most(const seeker *s) {
         else
             high = middle - 1;
     }
-    return low ? tidy(s, (double)low) : 0;
+    return low;
+}
+
+/* The most steps that are of interest; 0: not even the fewest. What is cut makes attempts beside them. */
+static uint64_t find_most(const seeker *s) {
+    const uint64_t most = most_below(s, fmin(s->search->dearest, s->search->cheaper));
+    return most ? tidy(s, (double)most) : 0;
 }
 
 /* By the order, even many more steps than are of interest are too few. */
@@ -197,6 +209,10 @@ static void explain(const seeker *s, uint64_t most) {
     fp3_tune_row *row = s->row;
     if (row->is_met)
         snprintf(row->why, sizeof row->why, "meets the target");
+    else if (isfinite(s->search->cheaper) && s->candidate->is_cut)
+        snprintf(row->why, sizeof row->why,
+                 "steps that cost less, up to %" PRIu64 " and what events add, miss the target",
+                 most);
     else if (isfinite(s->search->cheaper))
         snprintf(row->why, sizeof row->why, "the %" PRIu64 " steps that cost less miss the target",
                  most);
@@ -209,12 +225,15 @@ static void explain(const seeker *s, uint64_t most) {
 
 fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candidate,
                             fp3_tune_row *row, fp3_error *error) {
-    const seeker s = {search, candidate, row, error};
+    seeker s = {search, candidate, row, error, 0};
     const uint64_t most = find_most(&s);
+    if (candidate->is_cut)
+        s.most_attempts = (double)most_below(&s, search->dearest);
     uint64_t low = 0, high = 0;
     row->looks = 0;
     row->is_met = 0;
     row->steps = 0;
+    row->attempts = 0;
     row->lowest = row->error = INFINITY;
     if (!most) {
         row->cycles = cycles(&s, 1);

@@ -141,8 +141,10 @@ fp3_status fp3_tuning_hardware(const fp3_tune_def *def, const fp3_tuning *tuning
     if (tuning->best >= tuning->row_count)
         return fp3_fail(error, FP3_E_ARGUMENT, "nothing meets the tolerance: there is no program");
     const fp3_tune_row *best = &tuning->rows[tuning->best];
-    fp3_candidate c = {
-        .arithmetic = best->arithmetic, .is_adaptive = best->is_adaptive, .maxstep = def->maxstep};
+    fp3_candidate c = {.arithmetic = best->arithmetic,
+                       .is_adaptive = best->is_adaptive,
+                       .is_cut = best->is_cut,
+                       .maxstep = def->maxstep};
     trimmed t;
     fp3_status status = fp3_integrator_find(best->integrator, &c.integrator, error);
     if (!status)

@@ -19,6 +19,9 @@
 #define DEAREST 1.6e7   /* cycles of an object in a run, at most; ... */
 #define DEAREST_TIMES 8 /* ... or so many times those of rk4 */
 
+/* In the order of rows: the first one is the baseline. */
+typedef enum { FIXED, CUT, ADAPTIVE, KINDS } fp3_steps_kind;
+
 typedef struct {
     const fp3_tune_def *def;
     const fp3_model *model;
@@ -152,11 +155,15 @@ static int is_implicit(const fp3_candidate *c) {
     return c->is_adaptive && c->integrator->kind == FP3_ROSENBROCK;
 }
 
+static fp3_steps_kind kind_of(const fp3_candidate *c) {
+    return c->is_adaptive ? ADAPTIVE : c->is_cut ? CUT : FIXED;
+}
+
 /* The likely ones first: whatever follows is only looked at as far as it is cheaper. */
 static int compare_candidates(const void *a, const void *b) {
     const fp3_candidate *x = a, *y = b;
-    if (x->is_adaptive != y->is_adaptive)
-        return x->is_adaptive - y->is_adaptive;
+    if (kind_of(x) != kind_of(y))
+        return kind_of(x) < kind_of(y) ? -1 : 1;
     if (x->arithmetic != y->arithmetic)
         return x->arithmetic < y->arithmetic ? -1 : 1;
     if (is_implicit(x) != is_implicit(y))
@@ -168,7 +175,11 @@ static int compare_candidates(const void *a, const void *b) {
     return is_rk4 - (strcmp(x->integrator->name, "rk4") == 0);
 }
 
-static int is_candidate(const fp3_candidate *c) {
+/* Only events cut steps; then h is not known beforehand, and nothing can be folded into it. */
+static int is_candidate(const tuner *k, const fp3_candidate *c) {
+    if (c->is_cut && (!k->model->event_count || c->arithmetic == FP3_FOLDED ||
+                      c->integrator->kind == FP3_STOERMER))
+        return 0;
     return fp3_arithmetic_applies(c->arithmetic, c->integrator, c->is_adaptive);
 }
 
@@ -177,7 +188,7 @@ static fp3_status list_candidates(tuner *k) {
     fp3_status status = FP3_OK;
     while (fp3_integrator_name((unsigned)names))
         names++;
-    const size_t most = names * FP3_ARITHMETICS * 2;
+    const size_t each = names * FP3_ARITHMETICS, most = each * KINDS;
     k->candidates = calloc(most, sizeof *k->candidates);
     k->t->rows = calloc(most, sizeof *k->t->rows);
     if (!k->candidates || !k->t->rows)
@@ -187,9 +198,10 @@ static fp3_status list_candidates(tuner *k) {
         status = fp3_integrator_find(fp3_integrator_name((unsigned)(i % names)), &c->integrator,
                                      k->error);
         c->arithmetic = (fp3_arithmetic)(i / names % FP3_ARITHMETICS);
-        c->is_adaptive = i >= most / 2;
+        c->is_adaptive = i / each == ADAPTIVE;
+        c->is_cut = i / each == CUT;
         c->maxstep = k->def->maxstep;
-        if (!status && !is_candidate(c))
+        if (!status && !is_candidate(k, c))
             fp3_candidate_free(c);
         else
             count++;
@@ -203,6 +215,7 @@ static void name_row(const fp3_candidate *c, fp3_tune_row *row) {
     snprintf(row->integrator, sizeof row->integrator, "%s", c->integrator->name);
     row->arithmetic = c->arithmetic;
     row->is_adaptive = c->is_adaptive;
+    row->is_cut = c->is_cut;
     row->lowest = row->error = INFINITY;
 }
 
@@ -223,11 +236,11 @@ static fp3_status compile(tuner *k, size_t i) {
     return status ? fp3_fail(k->error, status, "%s", why.text) : FP3_OK;
 }
 
-/* The same integrator, plain, fixed steps. */
+/* The same integrator, plain, with the same kind of fixed steps. */
 static const fp3_tune_row *plain_of(const tuner *k, size_t i) {
     const fp3_tune_row *rows = k->t->rows;
     size_t j = 0;
-    while (strcmp(rows[j].integrator, rows[i].integrator) != 0)
+    while (rows[j].is_cut != rows[i].is_cut || strcmp(rows[j].integrator, rows[i].integrator) != 0)
         j++; /* plain ones come first */
     return &rows[j];
 }
@@ -263,7 +276,10 @@ static fp3_status try_one(tuner *k, size_t i, double target) {
                                    t->best < t->row_count ? t->rows[t->best].cycles : INFINITY};
     char text[80];
     snprintf(text, sizeof text, "%s, %s%s", row->integrator,
-             fp3_arithmetic_of(row->arithmetic)->name, row->is_adaptive ? ", adaptive" : "");
+             fp3_arithmetic_of(row->arithmetic)->name,
+             row->is_adaptive ? ", adaptive"
+             : row->is_cut    ? ", cut at events"
+                              : "");
     say(k, text);
     if (is_the_method(k, i, target))
         return FP3_OK;
@@ -277,10 +293,10 @@ static fp3_status try_one(tuner *k, size_t i, double target) {
     return status;
 }
 
-static fp3_status try_all(tuner *k, int is_adaptive) {
+static fp3_status try_all(tuner *k, fp3_steps_kind kind) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < k->t->row_count; i++)
-        if (k->candidates[i].is_adaptive == is_adaptive)
+        if (kind_of(&k->candidates[i]) == kind)
             status = try_one(k, i, k->t->target);
     return status;
 }
@@ -288,8 +304,10 @@ static fp3_status try_all(tuner *k, int is_adaptive) {
 /* Adaptive steps first: they find what a stiff model needs, and fixed ones that cost more are not run. */
 static fp3_status choose(tuner *k) {
     k->t->best = k->t->row_count;
-    const fp3_status status = try_all(k, 1);
-    return status ? status : try_all(k, 0);
+    fp3_status status = try_all(k, ADAPTIVE);
+    if (!status)
+        status = try_all(k, CUT);
+    return status ? status : try_all(k, FIXED);
 }
 
 /* ---- the whole ---- */
@@ -314,7 +332,8 @@ static fp3_status measure_baseline(tuner *k) {
 }
 
 static fp3_status measure_unseen(tuner *k, const fp3_tune_row *row, const fp3_compiled *compiled) {
-    const fp3_stepping how = {row->steps, row->tolerance, row->absolute, INFINITY, k->def->maxstep};
+    const fp3_stepping how = {row->steps, row->tolerance,  row->absolute,
+                              INFINITY,   k->def->maxstep, row->is_cut};
     fp3_meter_found found;
     const fp3_status status =
         fp3_meter_read(&k->held, &k->unseen, compiled, &how, &found, k->error);

@@ -1,6 +1,7 @@
 """fp3 tune on models with events: at the end of the span, at the start, and with cut steps."""
 
 import json
+import math
 import re
 import subprocess
 
@@ -70,3 +71,55 @@ def test_a_condition_that_is_true_at_the_start_happens_there(fp3, tmp_path, engi
 def test_a_start_at_which_a_condition_is_true_costs_no_order(tune):
     done, row = tune(WARM, "--tolerance", "1e-4", "--spread", "on=0:0.5")
     assert done.returncode == 0 and row["met"] and row["cost_ratio"] < 8, (row and row["cost_ratio"], done.stderr)
+
+
+# ---- steps that are cut ----
+
+# An oscillator that hits a wall: each bounce loses a tenth of the speed.
+WALL = """param e = 0.9
+state x = 1
+state v = 0
+state n = 0
+x' = v
+v' = -x
+n' = 0
+when root(x + 0.5) falling: x = -0.5, v = -e*v, n = n + 1
+step 0.03125
+span 16
+"""
+
+
+def wall(e, end=16.0):
+    """Where the oscillator is at the end, from one bounce to the next: x = a cos(phase + t) between them."""
+    t, x, v, n = 0.0, 1.0, 0.0, 0
+    while True:
+        a = math.hypot(x, v)
+        phase = math.atan2(-v, x)                                # x = a cos(phase + t)
+        late = (math.acos(-0.5 / a) - phase) % (2 * math.pi) if a > 0.5 else math.inf
+        if t + late > end:
+            return a * math.cos(phase + end - t), -a * math.sin(phase + end - t), n
+        t, x, v, n = t + late, -0.5, e * a * math.sin(phase + late), n + 1
+
+
+def test_steps_that_are_cut_keep_their_order(tune, fp3, tmp_path):
+    """At 1e-5 an event at the end of its step would take 1e5 steps and more."""
+    done, row = tune(WALL, "--tolerance", "1e-5", "--spread", "e=0.85:0.95", "--objects", "9")
+    assert done.returncode == 0 and row["met"] and row["cut"] and row["h"] > 0.125 and row["cost_ratio"] < 0.5, done.stderr
+    assert "cut at events" in done.stdout and row["attempts"] < 250
+    out = subprocess.run([fp3, "run", "--all", "--scene", "m.scene"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    found = {name: [float(x) for x in re.findall(rf"^{name} +(\S+) .* object \d", out, re.M)] for name in ("x", "v", "n", "accepted", "rejected")}
+    assert len(found["x"]) == 9
+    for i in range(9):
+        x, v, n = wall(0.85 + 0.1 * i / 8)
+        assert found["n"][i] == n and abs(found["x"][i] - x) <= 1e-5 and abs(found["v"][i] - v) <= 1.1e-5, (i, x, v, n)
+    assert (sum(found["accepted"]) + sum(found["rejected"])) / 9 == pytest.approx(row["attempts"], rel=0.1)
+    again = subprocess.run([fp3, "tune", "m.scene", "--tolerance", "1e-5"], cwd=tmp_path, capture_output=True, text=True)
+    assert re.search(r"^chosen.*", again.stdout, re.M)[0] == re.search(r"^chosen.*", done.stdout, re.M)[0]
+
+
+def test_only_events_cut_steps(tune):
+    row = tune("state x = 1\nx' = -x\nstep 0.0625\nspan 1\n", "--tolerance", "1e-3")[1]
+    assert row["met"] and not any(r["cut"] for r in row["tried"])
+    row = tune("state x = 1\nx' = -x\nwhen root(x - 0.5) falling: x = 1\nstep 0.0625\nspan 1\n", "--tolerance", "1e-3")[1]
+    cut = {(r["integrator"], r["arithmetic"]) for r in row["tried"] if r["cut"]}
+    assert row["met"] and cut > {("rk4", "plain"), ("rk4", "compensated")} and not any(a == "folded" for _, a in cut)

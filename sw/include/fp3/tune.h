@@ -56,15 +56,18 @@ typedef struct {
 /* No tolerance; safety 1.25, a sample of 32 objects, 64 held out, 4 rounds. */
 fp3_tune_def fp3_tune_default(void);
 
-/* One combination that was tried: an integrator, an arithmetic, and fixed or adaptive steps. */
+/* One combination that was tried: an integrator, an arithmetic, and fixed or adaptive steps. Fixed
+ * steps of a model with events are tried twice: as they are, and cut at events (fp3_adaptive_def
+ * with tolerance 0). */
 typedef struct {
     char integrator[FP3_NAME_SIZE];
     fp3_arithmetic arithmetic;
     int is_adaptive; /* it has a tolerance (fp3/compile.h) and no number of steps */
+    int is_cut;      /* fixed steps that end at events and exactly with the span */
     uint64_t steps;  /* the fewest that met the target, else those of the last look; 0: none */
     float h;
-    /* With adaptive steps, likewise: tolerance and absolute of a step, and the mean number of
-     * attempts that an object of the sample makes; 0: none. */
+    /* With adaptive steps, likewise: tolerance and absolute of a step; and, also of steps that are
+     * cut, the mean number of attempts that an object of the sample makes; 0: none. */
     double tolerance, absolute, attempts;
     double error;   /* of the sample with these steps */
     double lowest;  /* the lowest error, over all numbers of steps or tolerances tried */
