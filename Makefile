@@ -408,6 +408,11 @@ tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerance
 	@mkdir -p $(RESULTS)
 	@$(PYTHON) tools/tune.py --fp3 $< --jobs $(JOBS) --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS))
 
+.PHONY: judge
+judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their own: build/results/judge.json; MODELS=, SciPy if it is there
+	@mkdir -p $(RESULTS)
+	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODELS),--models $(MODELS))
+
 tune-report: ## Write docs/tuning.md from build/results/tune.json
 	@$(PYTHON) tools/tune.py --input $(RESULTS)/tune.json --markdown docs/tuning.md
 

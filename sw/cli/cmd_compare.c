@@ -163,7 +163,7 @@ static fp3_status measure(comparison *k, const fp3_compiled *c, int machine, row
 /* ---- rows ---- */
 
 static const fp3_convergence no_convergence = {
-    .order = NAN, .method_order = NAN, .finest_order = NAN, .floor = NAN};
+    .order = NAN, .method_order = NAN, .finest_order = NAN, .floor = NAN, .largest_floor = NAN};
 
 static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
                            fp3_arithmetic arithmetic, row *r, fp3_error *error) {
@@ -195,29 +195,32 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
 
 /* Steps over the span, and the error of each, up to where only noise is left. Of a run that fails the error is null. */
 static json_t *errors_of(const comparison *k, const row *r) {
-    json_t *steps = json_array(), *errors = json_array();
+    json_t *steps = json_array(), *errors = json_array(), *largest = json_array();
     unsigned count = k->ladder ? k->ladder->count : 0;
     while (count && isnan(r->c.noise[count - 1]))
         count--;
     for (unsigned i = 0; i < count; i++) {
         json_array_append_new(steps, json_integer((json_int_t)k->ladder->steps[i]));
         json_array_append_new(errors, fp3_json_number(r->c.error[i]));
+        json_array_append_new(largest, fp3_json_number(r->c.largest[i]));
     }
-    return json_pack("{s:o, s:o}", "steps", steps, "error", errors);
+    return json_pack("{s:o, s:o, s:o}", "steps", steps, "error", errors, "largest", largest);
 }
 
 static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithmetic arithmetic,
                     const row *r) {
     json_t *o = json_pack(
-        "{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "model",
-        k->model->name, "integrator", integrator->name, "arithmetic",
+        "{s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I}",
+        "model", k->model->name, "integrator", integrator->name, "arithmetic",
         fp3_arithmetic_of(arithmetic)->name, "operations", (json_int_t)r->on[0].operations,
         "instructions", (json_int_t)r->on[0].instructions, "cycles_per_object_step",
         fp3_json_number(r->on[0].cycles), "bound", fp3_json_number(r->on[0].bound), "order",
         (json_int_t)r->order, "measured_order", fp3_json_number(r->c.order), "method_order",
         fp3_json_number(r->c.method_order), "finest_order", fp3_json_number(r->c.finest_order),
         "floor", fp3_json_number(r->c.floor), "floor_h",
-        fp3_json_number(k->ladder ? k->ladder->h[r->c.best] : NAN), "mismatches",
+        fp3_json_number(k->ladder ? k->ladder->h[r->c.best] : NAN), "largest",
+        fp3_json_number(r->c.largest_floor), "largest_h",
+        fp3_json_number(k->ladder ? k->ladder->h[r->c.largest_best] : NAN), "mismatches",
         (json_int_t)r->mismatches, "compared", (json_int_t)r->compared);
     for (int i = 0; i < MACHINES; i++)
         json_object_set_new(o, machines[i],
@@ -233,11 +236,12 @@ static void put_row(comparison *k, const fp3_integrator *integrator, fp3_arithme
     json_array_append_new(k->rows, o);
     fp3_progress_pause(k->progress);
     printf("%-16s %-20s %-13s %5" PRIu32 " %5" PRIu32
-           " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
+           " %8.2f %8.2f %8.2f %5u %8.2f %6.2f %6.2f %9.1e %9.1e %" PRIu64 " of %" PRIu64 "%s%s\n",
            k->model->name, integrator->name, fp3_arithmetic_of(arithmetic)->name,
            r->on[0].operations, r->on[0].instructions, r->on[0].cycles, r->on[1].cycles,
            r->on[1].bound, r->order, r->c.order, r->c.method_order, r->c.finest_order, r->c.floor,
-           r->mismatches, r->compared, r->failure[0] ? "; failed: " : "", r->failure);
+           r->c.largest_floor, r->mismatches, r->compared, r->failure[0] ? "; failed: " : "",
+           r->failure);
     fflush(stdout);
     fp3_progress_resume(k->progress);
 }
@@ -340,9 +344,9 @@ static fp3_status compare(comparison *k, fp3_error *error) {
     if (!status && !o->is_quick)
         status = open_engines(k, error);
     if (!status)
-        printf("%-16s %-20s %-13s %5s %5s %8s %8s %8s %5s %8s %6s %6s %9s %s\n", "model",
+        printf("%-16s %-20s %-13s %5s %5s %8s %8s %8s %5s %8s %6s %6s %9s %9s %s\n", "model",
                "integrator", "arithmetic", "ops", "instr", "many", "single", "bound", "order",
-               "measured", "double", "finest", "floor", "mismatches");
+               "measured", "double", "finest", "floor", "largest", "mismatches");
     for (unsigned i = 0; !status && o->integrator_count && i < o->integrator_count; i++)
         status = compare_integrator(k, o->integrators[i], error);
     for (unsigned i = 0; !status && !o->integrator_count && fp3_integrator_name(i); i++)
@@ -466,8 +470,10 @@ int fp3_cmd_compare(int argc, char **argv) {
         .args_doc = "MODEL",
         .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
                "instructions of a step, its cycles with many objects and with one, the measured "
-               "order, the smallest error that any time step reaches (relative, the root mean "
-               "square over all states at 8 times), and the number of words in which hardware, isa "
+               "order, the smallest error that any time step reaches (`floor`: relative, the "
+               "root mean square over all states at 8 times; `largest`: that of the worst state, "
+               "after each step or at 1,024 times and more, as for fp3 tune), and the number of "
+               "words in which hardware, isa "
                "engine and equations differ. The exit code is 1 if any differ, and 3 if objects "
                "failed or there is no reference; the rows are printed in each case."};
     options o = {.most_steps = 131072};

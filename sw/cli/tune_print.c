@@ -68,7 +68,7 @@ static void print_rows(const fp3_tuning *t) {
 
 /* Where the errors are from. */
 static void print_looks(const fp3_tune_row *best) {
-    const uint64_t every = fp3_meter_every(best->steps);
+    const uint64_t every = fp3_path_every(best->steps);
     printf("%-16s ", "errors");
     if (best->is_adaptive || best->is_cut)
         printf("the largest after each of the first %d attempts, then after each in a thousand\n",

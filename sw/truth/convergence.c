@@ -3,9 +3,11 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/host.h"
 #include "language/evaluate.h"
+#include "path.h"
 #include "text/number.h"
 
 #define SAMPLES 32            /* of the truth, for the scale */
@@ -111,7 +113,9 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
     l->params = calloc(model->param_count + 1u, sizeof(double));
     l->initial = calloc(model->state_count + 1u, sizeof(double));
     l->scale = calloc(model->state_count + 1u, sizeof(double));
-    if (!l->params || !l->initial || !l->scale)
+    l->sizes = calloc(model->state_count + 1u, sizeof(double));
+    l->span = span;
+    if (!l->params || !l->initial || !l->scale || !l->sizes)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     /* The object starts at FP32 numbers: what they are rounded from would be another object. */
     fp3_status status = round_all(model->params, model->param_count, l->params, error);
@@ -119,6 +123,8 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
         status = round_all(model->states, model->state_count, l->initial, error);
     if (!status)
         status = find_scale(l, span, error);
+    if (!status)
+        status = fp3_path_open(model, l->params, l->initial, span, l->sizes, &l->path, error);
     return status ? status : climb(l, span, most_steps, error);
 }
 
@@ -142,6 +148,8 @@ void fp3_ladder_close(fp3_ladder **ladder) {
     free(l->params);
     free(l->initial);
     free(l->scale);
+    free(l->sizes);
+    fp3_path_close(&l->path);
     for (unsigned i = 0; i < l->count; i++)
         free(l->truth[i]);
     free(l);
@@ -241,50 +249,114 @@ static void measure(const fp3_ladder *l, unsigned order, fp3_convergence *c) {
         c->finest_order = slope(l, c->method, from, to);
 }
 
+/* Those that an error is looked for after, and the eight of a truth; returns how many, and eight[j] is the place of look j. */
+static size_t list_looks(const fp3_ladder *l, unsigned rung, uint64_t *steps, size_t *eight) {
+    const uint64_t every = fp3_path_every(l->steps[rung]);
+    size_t count = 0;
+    uint64_t now = 0;
+    for (unsigned j = 0; j < FP3_LOOKS; j++) {
+        const uint64_t until = steps_at(l, rung, j);
+        while ((now / every + 1) * every < until)
+            steps[count++] = now = (now / every + 1) * every;
+        eight[j] = count;
+        steps[count++] = now = until;
+    }
+    return count;
+}
+
+static double largest_of(const fp3_ladder *l, unsigned rung, const uint64_t *steps, size_t count,
+                         const double *rows, double *room) {
+    const fp3_path_scale scale = {l->sizes, l->span, room};
+    double worst = 0;
+    for (size_t i = 0; i < count; i++)
+        worst = fmax(worst, fp3_path_error(l->path, &scale, (double)l->h[rung] * (double)steps[i],
+                                           rows + i * l->model->state_count));
+    return worst;
+}
+
+/* Room for the looks at a run; the most there are: up to 2,047, and those of the eight that are beside them. */
+typedef struct {
+    uint64_t *steps;
+    float *first, *low;
+    double *rows, *fp32, *exact, *room;
+} looks;
+
+#define LOOKS_MOST (2u * FP3_TUNE_LOOKS + FP3_LOOKS)
+
+static fp3_status look(const fp3_ladder *l, const fp3_compiled *compiled, unsigned rung, looks *k,
+                       double *largest, fp3_error *error) {
+    const size_t states = l->model->state_count;
+    size_t eight[FP3_LOOKS];
+    const size_t count = list_looks(l, rung, k->steps, eight);
+    const fp3_status status = fp3_compiled_reference_pairs(
+        compiled, l->params, l->initial, l->h[rung], k->steps, count, k->first, k->low, error);
+    for (size_t i = 0; i < count * states; i++)
+        k->rows[i] = (double)k->first[i] + (double)k->low[i];
+    for (size_t j = 0; j < FP3_LOOKS; j++)
+        memcpy(k->fp32 + j * states, k->rows + eight[j] * states, states * sizeof *k->fp32);
+    *largest = largest_of(l, rung, k->steps, count, k->rows, k->room);
+    return status;
+}
+
 static fp3_status converge_at(const fp3_ladder *l, const fp3_compiled *compiled, unsigned i,
-                              float *rounded, double *fp32, double *exact, fp3_convergence *c,
-                              fp3_error *error) {
-    const size_t cells = (size_t)FP3_LOOKS * l->model->state_count;
+                              looks *k, fp3_convergence *c, fp3_error *error) {
     uint64_t steps[FP3_LOOKS];
     for (unsigned j = 0; j < FP3_LOOKS; j++)
         steps[j] = steps_at(l, i, j);
-    fp3_status status =
-        fp3_compiled_reference_pairs(compiled, l->params, l->initial, l->h[i], steps, FP3_LOOKS,
-                                     rounded, rounded + cells, error);
+    fp3_status status = look(l, compiled, i, k, &c->largest[i], error);
     if (!status)
         status = fp3_compiled_exact(compiled, l->params, l->initial, l->h[i], steps, FP3_LOOKS,
-                                    exact, error);
-    for (size_t j = 0; j < cells; j++)
-        fp32[j] = (double)rounded[j] + (double)rounded[cells + j];
-    c->error[i] = distance(l, fp32, l->truth[i]);
-    c->method[i] = distance(l, exact, l->truth[i]);
-    c->noise[i] = distance(l, fp32, exact);
+                                    k->exact, error);
+    c->error[i] = distance(l, k->fp32, l->truth[i]);
+    c->method[i] = distance(l, k->exact, l->truth[i]);
+    c->noise[i] = distance(l, k->fp32, k->exact);
     if (c->error[i] < c->floor) {
         c->floor = c->error[i];
         c->best = i;
     }
+    if (c->largest[i] < c->largest_floor) {
+        c->largest_floor = c->largest[i];
+        c->largest_best = i;
+    }
     return status;
+}
+
+static int open_looks(looks *k, size_t states) {
+    const size_t all = LOOKS_MOST * states + 1u, few = FP3_LOOKS * states + 1u;
+    *k = (looks){.steps = calloc(LOOKS_MOST, sizeof *k->steps),
+                 .first = calloc(2 * all, sizeof *k->first),
+                 .rows = calloc(all + 2 * few + states, sizeof *k->rows)};
+    if (!k->steps || !k->first || !k->rows)
+        return 0;
+    k->low = k->first + all;
+    k->fp32 = k->rows + all;
+    k->exact = k->fp32 + few;
+    k->room = k->exact + few;
+    return 1;
+}
+
+static void close_looks(looks *k) {
+    free(k->steps);
+    free(k->first);
+    free(k->rows);
 }
 
 fp3_status fp3_converge(const fp3_ladder *l, const fp3_compiled *compiled, unsigned order,
                         fp3_convergence *c, fp3_error *error) {
     FP3_HOST;
-    const size_t cells = (size_t)FP3_LOOKS * l->model->state_count + 1u;
-    float *rounded = calloc(2 * cells, sizeof *rounded); /* first words, and second ones */
-    double *fp32 = calloc(cells, sizeof *fp32), *exact = calloc(cells, sizeof *exact);
-    fp3_status status =
-        rounded && fp32 && exact ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    *c = (fp3_convergence){.floor = INFINITY};
+    looks k;
+    fp3_status status = open_looks(&k, l->model->state_count)
+                            ? FP3_OK
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    *c = (fp3_convergence){.floor = INFINITY, .largest_floor = INFINITY};
     for (unsigned i = 0; i < l->count; i++)
-        c->error[i] = c->method[i] = c->noise[i] = NAN;
+        c->error[i] = c->method[i] = c->noise[i] = c->largest[i] = NAN;
     for (unsigned i = 0; !status && i < l->count; i++) {
-        status = converge_at(l, compiled, i, rounded, fp32, exact, c, error);
+        status = converge_at(l, compiled, i, &k, c, error);
         if (c->method[i] < METHOD_SMALL && c->noise[i] > ONLY_NOISE * c->method[i])
             break;
     }
-    free(rounded);
-    free(fp32);
-    free(exact);
+    close_looks(&k);
     measure(l, order, c);
     return status;
 }

@@ -6,6 +6,7 @@
  */
 #include "path.h"
 
+#include <fp3/tune.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -398,4 +399,34 @@ int fp3_path_after(const fp3_path *p, double t, double *when, double *states) {
     *when = p->rows[row * p->width];
     look(p, row, *when, states);
     return 1;
+}
+
+/* ---- errors ---- */
+
+uint64_t fp3_path_every(uint64_t steps) {
+    return steps < FP3_TUNE_LOOKS ? 1 : steps / FP3_TUNE_LOOKS;
+}
+
+/* A state that is 0 all the time must stay it. */
+static double distance(const fp3_path *p, const fp3_path_scale *scale, const double *states) {
+    double worst = 0;
+    for (size_t i = 0; i < p->states; i++) {
+        const double away = fabs(states[i] - scale->room[i]);
+        const double e = away == 0 ? 0 : away / scale->sizes[i];
+        if (!(e <= worst)) /* a NaN, too */
+            worst = isfinite(e) ? e : INFINITY;
+    }
+    return worst;
+}
+
+double fp3_path_error(const fp3_path *p, const fp3_path_scale *scale, double t,
+                      const double *states) {
+    double when;
+    fp3_path_at(p, t, scale->room);
+    double e = distance(p, scale, states);
+    if (e > 0 && fp3_path_before(p, t, &when, scale->room))
+        e = fmin(e, fmax((t - when) / scale->span, distance(p, scale, states)));
+    if (e > 0 && fp3_path_after(p, t, &when, scale->room))
+        e = fmin(e, fmax((when - t) / scale->span, distance(p, scale, states)));
+    return e;
 }

@@ -33,6 +33,20 @@ void fp3_path_at(const fp3_path *path, double t, double *states);
 int fp3_path_before(const fp3_path *path, double t, double *when, double *states);
 int fp3_path_after(const fp3_path *path, double t, double *when, double *states);
 
+/* After how many of these steps, and so on, an error is looked for. */
+uint64_t fp3_path_every(uint64_t steps);
+
+/* What errors are relative to, and room for a row of states. */
+typedef struct {
+    const double *sizes;
+    double span, *room;
+} fp3_path_scale;
+
+/* The largest distance of a state from the path at a time. Near an event an object may be on the other side of it: the time to
+ * the event then counts like a state whose size is the span. Infinite where a state is no number, or should be 0 all the time. */
+double fp3_path_error(const fp3_path *path, const fp3_path_scale *scale, double t,
+                      const double *states);
+
 /* ---- how it is made, step by step ---- */
 
 /* What the steps are of; its function is that of the piece that is being made. sizes: of each state, for the 1e-10. NULL: out of memory. */

@@ -62,10 +62,6 @@ float fp3_meter_h(const fp3_sample *sample, uint64_t steps, int is_cut) {
                : h;
 }
 
-uint64_t fp3_meter_every(uint64_t steps) {
-    return steps < FP3_TUNE_LOOKS ? 1 : steps / FP3_TUNE_LOOKS;
-}
-
 /* ---- the start ---- */
 
 static void put_row(double *row, const double *own, uint32_t own_count, const fp3_quantity *all,
@@ -208,7 +204,7 @@ static fp3_status advance(const measurement *k, uint64_t steps, double *made) {
 }
 
 static fp3_status run_fixed(const measurement *k, fp3_meter_found *found, double *worst) {
-    const uint64_t steps = k->how->steps, every = fp3_meter_every(steps);
+    const uint64_t steps = k->how->steps, every = fp3_path_every(steps);
     fp3_status status = FP3_OK;
     for (uint64_t made = 0; !status && made < steps && isfinite(*worst);) {
         const uint64_t more = every < steps - made ? every : steps - made;
@@ -227,7 +223,7 @@ static fp3_status run_timed(const measurement *k, fp3_meter_found *found, double
     for (uint64_t made = 0, more;
          !status && found->made > before && !found->is_out && isfinite(*worst); made += more) {
         before = found->made;
-        more = fp3_meter_every(made);
+        more = fp3_path_every(made);
         status = advance(k, more, &found->made);
         if (!status)
             status = look_at(k, made, worst);

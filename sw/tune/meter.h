@@ -39,7 +39,5 @@ fp3_status fp3_meter_read(fp3_meter *meter, const fp3_sample *sample, const fp3_
 
 /* h of so many steps. Rounded, they end a little beside the span; those that are cut end with it, and h is long enough for that. */
 float fp3_meter_h(const fp3_sample *sample, uint64_t steps, int is_cut);
-/* After how many of them objects are looked at, and so on. */
-uint64_t fp3_meter_every(uint64_t steps);
 
 #endif

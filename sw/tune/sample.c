@@ -132,29 +132,9 @@ fp3_status fp3_sample_join(fp3_sample *s, fp3_sample *other, fp3_error *error) {
 
 /* ---- errors ---- */
 
-/* A state that is 0 all the time must stay it. */
-static double distance(const fp3_sample *s, size_t object, const double *states) {
-    const double *sizes = s->sizes + object * s->model->state_count;
-    double worst = 0;
-    for (uint32_t i = 0; i < s->model->state_count; i++) {
-        const double away = fabs(states[i] - s->there[i]), e = away == 0 ? 0 : away / sizes[i];
-        if (!(e <= worst)) /* a NaN, too */
-            worst = isfinite(e) ? e : INFINITY;
-    }
-    return worst;
-}
-
-/* Near an event, the object may be on the other side of it. */
 double fp3_sample_error(const fp3_sample *s, size_t object, double t, const double *states) {
-    const fp3_path *path = s->paths[object];
-    double when;
-    fp3_path_at(path, t, s->there);
-    double e = distance(s, object, states);
-    if (e > 0 && fp3_path_before(path, t, &when, s->there))
-        e = fmin(e, fmax((t - when) / s->span, distance(s, object, states)));
-    if (e > 0 && fp3_path_after(path, t, &when, s->there))
-        e = fmin(e, fmax((when - t) / s->span, distance(s, object, states)));
-    return e;
+    const fp3_path_scale scale = {s->sizes + object * s->model->state_count, s->span, s->there};
+    return fp3_path_error(s->paths[object], &scale, t, states);
 }
 
 double fp3_sample_gap(const fp3_sample *s, double t) {

@@ -123,3 +123,31 @@ def test_only_events_cut_steps(tune):
     row = tune("state x = 1\nx' = -x\nwhen root(x - 0.5) falling: x = 1\nstep 0.0625\nspan 1\n", "--tolerance", "1e-3")[1]
     cut = {(r["integrator"], r["arithmetic"]) for r in row["tried"] if r["cut"]}
     assert row["met"] and cut > {("rk4", "plain"), ("rk4", "compensated")} and not any(a == "folded" for _, a in cut)
+
+
+# ---- fp3 compare judges as fp3 tune does ----
+
+# A hill at a quarter of the span that is gone at each of eight even times.
+HILL = "state x = 1\nx' = -400*(t - 0.8)*x/(1 + 200*(t - 0.8)^2)\nexact x = x(0)*(1 + 200*0.64)/(1 + 200*(t - 0.8)^2)\nstep 0.015625\nspan 4\n"
+
+
+def test_compare_has_the_error_of_tune(tune, fp3, tmp_path):
+    row = next(r for r in tune(HILL, "--tolerance", "1e-2")[1]["tried"] if r["integrator"] == "rk4" and r["arithmetic"] == "plain" and r["steps"])
+    out = subprocess.run([fp3, "compare", "m.ode", "-i", "rk4", "--arithmetic", "plain", "--quick", "--errors", "--most-steps", "4096", "--json", "c.json"],
+                         cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert re.search(r" floor +largest mismatches$", out, re.M)
+    found = json.loads((tmp_path / "c.json").read_text())["rows"][0]
+    steps, error, largest = (found["errors"][name] for name in ("steps", "error", "largest"))
+    assert min(largest) == found["largest"] and all(b > 2 * a for a, b in zip(error, largest) if b < 0.1)
+    near = min(range(len(steps)), key=lambda i: abs(steps[i] - row["steps"]))
+    assert largest[near] == pytest.approx(row["error"], rel=1) and 0 < row["error"] < 0.5
+
+
+def test_compare_looks_at_each_step(fp3, tmp_path):
+    """Explicit Euler, followed by hand: the largest error is where none of the eight looks is."""
+    (tmp_path / "d.ode").write_text("state x = 1\nx' = -x\nstep 0.0625\nspan 2\n")
+    subprocess.run([fp3, "compare", "d.ode", "-i", "euler", "--arithmetic", "plain", "--quick", "--errors", "--most-steps", "64", "--json", "c.json"], cwd=tmp_path, check=True, capture_output=True)
+    errors = json.loads((tmp_path / "c.json").read_text())["rows"][0]["errors"]
+    for steps, largest in zip(errors["steps"], errors["largest"]):
+        h = 2 / steps
+        assert largest == pytest.approx(max(abs((1 - h) ** n - math.exp(-n * h)) for n in range(1, steps + 1)), rel=1e-5)

@@ -182,6 +182,8 @@ typedef struct {
     uint64_t steps[FP3_RUNGS_MOST];
     float h[FP3_RUNGS_MOST];
     double *truth[FP3_RUNGS_MOST]; /* FP3_LOOKS rows of one number per state */
+    double span, *sizes;           /* of each state, all the time */
+    struct fp3_path *path;         /* the truth all the time */
 } fp3_ladder;
 
 /* span: how long to integrate, in the model's unit of time; 0: the model's span. most_steps: the
@@ -195,16 +197,19 @@ void fp3_ladder_close(fp3_ladder **ladder);
 typedef struct {
     /* For each rung, relative to the scale: root mean square over states and looks. NaN or infinite
      * if the run went wrong; NaN also beyond the rung from which only noise is left. */
-    double error[FP3_RUNGS_MOST];  /* of the steps in FP32 */
-    double method[FP3_RUNGS_MOST]; /* of the same steps in double: the integrator's own error */
-    double noise[FP3_RUNGS_MOST];  /* difference between the two */
+    double error[FP3_RUNGS_MOST];   /* of the steps in FP32 */
+    double method[FP3_RUNGS_MOST];  /* of the same steps in double: the integrator's own error */
+    double noise[FP3_RUNGS_MOST];   /* difference between the two */
+    double largest[FP3_RUNGS_MOST]; /* the error of the steps in FP32 as fp3_tune has it: above */
     /* Slopes of error and method over rungs from .. to, where the noise is small compared with the
      * method's error; NaN: there are no such rungs. */
     double order, method_order;
     unsigned from, to;
-    double finest_order; /* slope of method, as far down as double resolves it; NaN likewise */
-    double floor;        /* the smallest error ... */
-    unsigned best;       /* ... and its rung */
+    double finest_order;   /* slope of method, as far down as double resolves it; NaN likewise */
+    double floor;          /* the smallest error ... */
+    unsigned best;         /* ... and its rung */
+    double largest_floor;  /* the smallest of `largest` ... */
+    unsigned largest_best; /* ... and its rung */
 } fp3_convergence;
 
 /* Runs the program's reference, which has the bits of every engine. compiled: made from the
