@@ -7,6 +7,7 @@
 #include "checks.h"
 #include "life.h"
 #include "machine/ahead.h"
+#include "machine/live.h"
 #include "origin.h"
 
 #include <fp3/isa.h>
@@ -70,6 +71,7 @@ static fp3_status look_ahead(fp3_engine *again) {
         if (!group->is_ahead)
             return fp3_fail(again->def.error, FP3_E_SYSTEM, "out of memory");
         fp3_ahead_find(&group->program, fp3_engine_states_of(group), group->is_ahead);
+        group->live = fp3_live_between(&group->program);
     }
     return FP3_OK;
 }

@@ -236,15 +236,21 @@ static void tell(const fp3_engine *engine) {
     fp3_engine_tell(engine, self->executed);
 }
 
-/* After a step, or after the last part: whose states are numbers. */
-static void watch_states(const round_of *r) {
+/* After a step, or after the last part: whose states are numbers. in_records: those that are there. */
+static void watch_states(const round_of *r, uint64_t in_records) {
     const isa *self = r->engine->self;
     const fp3_members *group = members(r);
     const uint64_t states = fp3_engine_states_of(group);
-    for (uint32_t i = group->first; i < group->first + group->objects; i++)
-        if (self->now[i] != AWAY)
-            fp3_watch_states(&r->engine->watched[i], r->number - r->engine->began, states,
-                             &self->registers[(size_t)i * r->engine->config->registers]);
+    const uint32_t words_each = r->engine->config->registers;
+    for (uint32_t i = group->first; i < group->first + group->objects; i++) {
+        uint32_t is[FP3_BANK_OBJECT_COUNT];
+        if (self->now[i] == AWAY)
+            continue;
+        for (uint32_t reg = 0; reg < words_each; reg++)
+            is[reg] = (in_records >> reg & 1 ? self->store
+                                             : self->registers)[(size_t)i * words_each + reg];
+        fp3_watch_states(&r->engine->watched[i], r->number - r->engine->began, states, is);
+    }
 }
 
 /* What was computed ahead counts for those who make the step. */
@@ -263,6 +269,8 @@ static fp3_status make_round(round_of *r) {
     const fp3_code *program = &members(r)->program;
     const isa *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
+    const uint64_t stored = engine->config->interleave ? UINT64_MAX : 0; /* in the end */
+    const uint64_t in_records = stored & ~members(r)->live;
     uint32_t left = r->steps;
     for (uint32_t pc = 0; pc < program->count;) {
         const fp3_decoded *word = &program->decoded[pc];
@@ -277,14 +285,16 @@ static fp3_status make_round(round_of *r) {
         if (self->executed >= self->told + TELL_INSTRUCTIONS)
             tell(r->engine);
         pc++;
-        if (engine->watched && (pc == program->last || pc == program->count))
-            watch_states(r);
+        if (engine->watched && pc == program->last)
+            watch_states(r, in_records);
+        if (engine->watched && pc == program->count && (left == 1 || pc > program->last))
+            watch_states(r, stored);
         if (pc == program->last && --left)
             pc = program->step;
         if (pc < program->last && !is_anybody_awake(r)) {
             r->number += pc <= program->step; /* they fell asleep before the step began */
             if (engine->watched)
-                watch_states(r);
+                watch_states(r, in_records);
             r->number = r->end;
             pc = program->last;
         }

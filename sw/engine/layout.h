@@ -24,6 +24,7 @@ typedef struct {
     int64_t counted;            /* the most steps that an object has there */
     uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
     uint8_t *is_ahead;          /* of each word of the program, if it is watched; else NULL */
+    uint64_t live;              /* ... and the registers that a step leaves to what follows */
 } fp3_members;
 
 typedef struct {

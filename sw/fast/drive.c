@@ -243,9 +243,14 @@ static uint32_t find(const fp3_fast_lanes *lanes, int awake, uint32_t *which) {
     return count;
 }
 
-static uint64_t words_of(const fp3_drive *d) { return d->fast->plan.read | d->fast->plan.stored; }
+/* What moves with a lane: words of its record, with those states that no visit touches where somebody
+ * looks at them; rows. */
+static uint64_t words_of(const fp3_drive *d) {
+    const fp3_fast_plan *p = &d->fast->plan;
+    const int looks = d->is_watching && p->config->interleave;
+    return p->read | p->stored | (looks ? d->fast->watch.states : 0);
+}
 
-/* What moves with a lane. */
 static uint64_t all_rows(const fp3_drive *d) {
     const fp3_fast_plan *p = &d->fast->plan;
     return p->config->interleave ? p->live | d->fast->watch.states : UINT64_MAX;

@@ -7,6 +7,7 @@
 #include "gen/registers.h"
 #include <fp3/isa.h>
 #include <machine/estimate.h>
+#include <machine/live.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,7 +87,7 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
         fp3_fast_free(fast);
         return status;
     }
-    f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states};
+    f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states, fp3_live_between(def->code)};
     fp3_estimate_table(f->table);
     open_native(f, def->is_interpreted || w.is_interpreted, !def->is_without_compiler);
     return FP3_OK;

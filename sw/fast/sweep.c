@@ -365,10 +365,10 @@ static void begin_step(machine *m, fp3_witness *witness) {
     }
 }
 
-static void look_at_state(machine *m, uint32_t reg, fp3_witness *witness) {
-    const fp3_v *row = row_of(m->place, reg);
+static void look_at_state(machine *m, const float *values, uint32_t reg, fp3_witness *witness) {
+    const fp3_loose *row = (const fp3_loose *)(const void *)values;
     EACH {
-        const fp3_i new = ~is_finite(row[j]) & ~ROW(is_strayed)[j];
+        const fp3_i new = ~is_finite((fp3_v)row[j]) & ~ROW(is_strayed)[j];
         ROW(strayed)[j] = chosen(new, fp3_all((int)m->number), ROW(strayed)[j]);
         ROW(reg)[j] = chosen(new, fp3_all((int)reg), ROW(reg)[j]);
         ROW(bits)[j] = chosen(new, (fp3_i)row[j], ROW(bits)[j]);
@@ -376,10 +376,14 @@ static void look_at_state(machine *m, uint32_t reg, fp3_witness *witness) {
     }
 }
 
-static void look_at_states(machine *m, uint64_t states, fp3_witness *witness) {
-    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
-        if (states >> reg & 1)
-            look_at_state(m, reg, witness);
+/* After a part. Records may not be there where only flags are asked for. */
+static void look_at_states(machine *m, const fp3_watch_plan *w, fp3_witness *witness) {
+    const uint64_t stored = w->plan->config->interleave ? UINT64_MAX : 0;
+    FP3_EACH_REGISTER (w->states, reg) {
+        const int is_in_record = (m->is_last ? stored : stored & ~w->live) >> reg & 1;
+        const float *record = is_in_record ? m->place->records[reg] : NULL;
+        look_at_state(m, record ? record : m->place->rows + (size_t)reg * FP3_BLOCK, reg, witness);
+    }
 }
 
 static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast_part_number part,
@@ -401,7 +405,7 @@ static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast
             execute(&m);
         }
         if (part != FP3_PART_FIRST)
-            look_at_states(&m, w->states, witness);
+            look_at_states(&m, w, witness);
     }
 }
 

@@ -29,6 +29,7 @@ typedef struct {
     const fp3_fast_plan *plan;
     const uint8_t *is_ahead; /* of each instruction: it works for the step that follows */
     uint64_t states;
+    uint64_t live; /* registers that a step leaves to what follows; other states are in records */
 } fp3_watch_plan;
 
 typedef struct {

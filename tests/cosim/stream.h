@@ -248,6 +248,13 @@ static inline void make_names(chance *c, stream *s) {
         if (is_temp && below(c, 3))
             s->temps |= UINT64_C(1) << reg;
     }
+    /* States that are now in their registers, now in records. */
+    for (uint32_t reg = 0; reg < s->pool && s->make == COMPOSED; reg += 2) {
+        fp3_symbol *symbol = &s->symbols[s->symbol_count++];
+        symbol->symbol_class = FP3_SYMBOL_STATE;
+        symbol->index = reg;
+        snprintf(symbol->name, sizeof symbol->name, "x%u", reg);
+    }
     if (s->make == COMPOSED)
         s->temps = ~UINT64_C(0);
     s->defined = ~s->temps;

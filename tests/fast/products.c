@@ -113,8 +113,8 @@ static void multiply(bench *b, uint32_t (*pairs)[2]) {
     if (b->config.subnormal && b->config.nearest && !(raised >> 5 & 1) != !(all & FP3_FLAG_INEXACT))
         wrong(b, "tiny, inexact", pairs[0], raised, all);
     fill(b, pairs);
-    b->sweep->watch(&(fp3_watch_plan){&b->plan, (const uint8_t[]){0}, 0}, &place, FP3_PART_STEP, 1,
-                    0, &b->witness);
+    b->sweep->watch(&(fp3_watch_plan){&b->plan, (const uint8_t[]){0}, 0, 0}, &place, FP3_PART_STEP,
+                    1, 0, &b->witness);
     compare(b, "watched", pairs, expected);
     for (unsigned i = 0; i < LANES; i++)
         if ((uint32_t)b->witness.flags[i] != flags[i])

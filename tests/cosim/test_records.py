@@ -1,0 +1,66 @@
+"""Programs that load and store within a step: what their states are, and which of them fails when, by every engine."""
+
+import re
+import subprocess
+
+import pytest
+
+pytestmark = pytest.mark.smoke
+
+# y counts down; from the step in which it is 0, x is infinite, which raises no flag. Between two steps both are in their records
+# alone, and the register of y holds what is infinite in each step.
+PROGRAM = """
+.state y
+.state x
+.param down
+.temp  t
+step:
+    ld    y
+    ld    x
+    ld    down
+    sub   y, y, down
+    st    y
+    rcp   t, y
+    abs   t, t
+    add   x, x, t
+    st    x
+    sub   t, down, down
+    rcp   y, t
+    add   x, t, down
+"""
+WAYS = [("isa", ""), ("fast", "interpreter"), ("fast", ""), ("rtl", "")]
+
+
+@pytest.fixture
+def run(fp3, tmp_path):
+    path = tmp_path / "records.s"
+    path.write_text(PROGRAM)
+
+    def start(engine, how, y, steps, *more, status=0):
+        done = subprocess.run([fp3, "run", path, "-c", "many_full", "-e", engine, "-o", "30", "--steps", str(steps), "--visit", "2", "--all",
+                               "--set", f"y={y}", "--set", "x=0", "--set", "down=1", *more],
+                              env={"FP3_FAST": how, "FP3_CACHE_DIR": str(tmp_path / "cache"), "PATH": "/usr/bin:/bin"}, capture_output=True, text=True)
+        assert done.returncode == status, done.stdout + done.stderr
+        return done.stdout
+
+    return start
+
+
+def states(out):
+    return re.findall(r"^([xy]) +(\S+) +0x(\w+) +object (\d+)$", out, re.M)
+
+
+@pytest.mark.parametrize("engine, how", WAYS)
+def test_states_are_in_their_records(run, engine, how):
+    """x is 1/9 + 1/8 + ... + 1/5, by estimates of nine bits."""
+    found = states(run(engine, how, 10, 5))
+    assert len(found) == 60 and len({row[:3] for row in found}) == 2, found
+    values = {row[0]: float(row[1]) for row in found}
+    assert values["y"] == 5 and 0 < sum(1 / n for n in range(5, 10)) - values["x"] < 2**-8, values
+    assert found == states(run("isa", "", 10, 5))
+
+
+@pytest.mark.parametrize("engine, how", WAYS)
+def test_a_failure_is_that_of_the_record(run, engine, how):
+    out = run(engine, how, 3, 7, status=3)
+    assert re.search(r"^failed +30 of 30, first object 0 in step 3: state x is infinite$", out, re.M), out
