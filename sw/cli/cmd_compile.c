@@ -207,6 +207,10 @@ static void report(const fp3_compiled *c) {
     printf("object registers        %" PRIu32 "\n", c->registers);
     printf("shared constants        %" PRIu32 "\n", c->constants);
     printf("executed ahead, copies  %" PRIu32 ", %" PRIu32 "\n", c->ahead, c->copies);
+    if (c->spills)
+        printf("loads and stores        %" PRIu32
+               ", of values that do not fit into the registers\n",
+               c->spills);
     printf("order                   %u\n", c->order);
     for (int i = 0; i < FP3_PASS_COUNT; i++)
         if (c->passes & FP3_PASS(i))

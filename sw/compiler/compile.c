@@ -40,6 +40,7 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->constants = s->constants;
     made->ahead = s->ahead;
     made->copies = s->copies;
+    made->spills = s->spills;
     made->cycles = s->cycles;
     made->bound = s->bound;
     made->bound_issue = s->bound_issue;
@@ -96,7 +97,37 @@ static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
     }
     if (error && lacked && k->p.lacks_registers)
         *error = why; /* it needs fewer */
+    k->p.lacks_registers |= lacked;
     return status;
+}
+
+/* Where even that does not fit, values spill into the object's record: with what is carried or without, whichever
+ * takes fewer instructions. The error is the caller's, unless it is words that are too few now. */
+static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
+                               const fp3_integrator *integrator, fp3_error *error) {
+    fp3_options options[2] = {k->options, k->options};
+    fp3_pipeline p[2];
+    fp3_error why[2];
+    fp3_status status[2];
+    options[1].passes &= ~FP3_PASS(FP3_PASS_CARRY);
+    for (int i = 0; i < 2; i++) {
+        options[i].may_spill = 1;
+        status[i] = fp3_pipeline_run(&p[i], model, integrator, &options[i], &why[i]);
+    }
+    const int is_fewer =
+        !status[1] && !status[0] && p[1].schedule->step_count < p[0].schedule->step_count;
+    const int best = is_fewer || (status[0] && !status[1]);
+    fp3_pipeline_close(&p[!best]);
+    if (status[best]) {
+        fp3_pipeline_close(&p[best]);
+        if (error && status[1] != FP3_E_LIMIT)
+            *error = why[1];
+        return FP3_E_LIMIT;
+    }
+    fp3_pipeline_close(&k->p);
+    k->p = p[best];
+    k->options = options[best];
+    return FP3_OK;
 }
 
 static fp3_status compile(fp3_compilation *k, const fp3_model *model,
@@ -111,6 +142,8 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     }
     if (!status)
         status = run_pipeline(k, model, integrator, error);
+    if (status == FP3_E_LIMIT && k->p.lacks_registers && k->options.config->interleave)
+        status = run_spilling(k, model, integrator, error);
     if (!status)
         status = make_reference(k, model, integrator, asked(def), error);
     if (status)

@@ -124,7 +124,9 @@ static void put_line(const fp3_step *step, const fp3_names *names, const fp3_lin
                           operand_name(names, operand));
     }
     const char *note = fp3_note_text(&step->notes, line->note);
-    if (line->from == FP3_NONE_INDEX)
+    if (!fp3_operation_is_arithmetic(operation) && line->note == FP3_NONE_INDEX)
+        note = line->op == FP3_OP_ST ? "to its record" : "from its record";
+    else if (line->from == FP3_NONE_INDEX)
         note = "a copy";
     if (note)
         fprintf(out, "%*s# %s%s", column < COMMENT_COLUMN ? COMMENT_COLUMN - column : 1, "", note,
@@ -151,6 +153,8 @@ static void put_head(const fp3_step *step, const conversion *c, const fp3_schedu
         fprintf(out, "# %s\n", step->model->doc);
     fprintf(out, "#\n# Order %u. %" PRIu32 " operations in %" PRIu32 " instructions", title->order,
             c->operations, schedule->step_count);
+    if (schedule->spills)
+        fprintf(out, ", %" PRIu32 " of them loads and stores", schedule->spills);
     if (schedule->cycles > 0)
         fprintf(out, ", %.6g cycles per object-step (bound %.6g)", schedule->cycles,
                 schedule->bound);

@@ -54,6 +54,9 @@ typedef struct {
      * each is kept with. Variables are kept with sums, in the lowest even registers. NULL elsewhere. */
     uint32_t *param_registers;
     int allow_ahead; /* operations of the next step may be executed at the end of this one */
+    int may_spill;   /* many objects: values may be stored and loaded within the program */
+    /* Sets of one variable or none: what a `sleep` behind the step part writes, and reads. */
+    uint64_t slept, tested;
 } fp3_step_code;
 #define FP3_NONE_INDEX UINT32_MAX
 

@@ -133,7 +133,7 @@ static double issue_bound(const fp3_step_code *code, const fp3_config *config) {
 
 fp3_status fp3_cost_find(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                          fp3_error *error) {
-    if (config->interleave)
+    if (config->interleave && !made->is_spilled)
         find_visit(code, made);
     fp3_status status = find_cycles(config, made, error);
     made->bound_issue = issue_bound(code, config);

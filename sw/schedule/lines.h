@@ -23,6 +23,8 @@ typedef struct {
     uint32_t ahead;       /* operations that a step executes for the next one */
     uint32_t copies;      /* of the step: instructions that only move a value */
     uint32_t loads, stores; /* what a visit puts around the program (interleaved) */
+    int is_spilled;         /* the program has all loads and stores itself, within the step ... */
+    uint32_t spills;        /* ... so many */
     /* Cycles per object-step when all contexts are full, steady state, loads and stores not
      * counted: exact. 0: not known beforehand (schedulers share units). */
     double cycles;

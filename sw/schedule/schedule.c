@@ -7,6 +7,7 @@
 #include "interval.h"
 #include "parts.h"
 #include "search.h"
+#include "spilled.h"
 
 #include <stdlib.h>
 
@@ -91,16 +92,23 @@ static fp3_status make_step(maker *m, fp3_error *error) {
     return FP3_OK;
 }
 
+static fp3_status make_in_registers(maker *m, fp3_error *error) {
+    fp3_status status = make_step(m, error);
+    if (!status)
+        status = fp3_ends_first(&m->block, &m->best, m->made, error);
+    return status ? status : fp3_ends_last(m->code, m->config, m->made, error);
+}
+
 /* ---- the interface ---- */
 
 static fp3_status make_all(const fp3_step_code *code, const fp3_config *config,
                            fp3_schedule **schedule, fp3_error *error) {
     maker m = {.code = code, .config = config, .made = calloc(1, sizeof **schedule)};
-    fp3_status status = m.made ? make_step(&m, error) : no_memory(error);
-    if (!status)
-        status = fp3_ends_first(&m.block, &m.best, m.made, error);
-    if (!status)
-        status = fp3_ends_last(code, config, m.made, error);
+    fp3_status status = m.made ? FP3_OK : no_memory(error);
+    if (!status && code->may_spill)
+        status = fp3_spilled_make(code, config, m.made, error);
+    else if (!status)
+        status = make_in_registers(&m, error);
     if (!status)
         status = fp3_cost_find(code, config, m.made, error);
     if (m.made) {

@@ -1,7 +1,7 @@
 /* scheduler.c - what the scheduler makes computes the same, in the cycles that it says, and in few.
  *
  *     scheduler steps|integrators [--config NAME] [--registers N] [--seed S] [--count N] [--rtl N]
- *                                 [--limit OPERATIONS] [--verbose]
+ *                                 [--limit OPERATIONS] [--spill] [--verbose]
  *     scheduler lines [--config NAME] [--seed S] [--count N]
  *     scheduler ship|rows [--config NAME]
  *     scheduler large [--config NAME] [--registers N] [--seed S] [--count N] [--limit OPERATIONS]
@@ -9,7 +9,7 @@
  * steps: random steps, scheduled, executed in C, and every Nth one on the hardware, bits and
  * cycles. integrators: likewise, steps as a Runge-Kutta method makes them. lines: random
  * instructions, no scheduler, the hardware's cycles against the prediction. ship: the ship's step.
- * rows: batches that are not full. large: how long the scheduler takes.
+ * rows: batches that are not full. --spill: values may be stored and loaded within the step. large: how long the scheduler takes.
  */
 #include "step_check.h"
 
@@ -29,8 +29,8 @@ typedef struct {
     uint32_t count, rtl, limit, objects, visit;
     unsigned failed;
     double worst, sum; /* cycles over bound */
-    int is_integrator, is_verbose;
-    uint32_t scheduled, refused, measured, copies, ahead;
+    int is_integrator, is_verbose, may_spill;
+    uint32_t scheduled, refused, measured, copies, ahead, spills;
 } bench;
 
 static void fail(bench *b, uint64_t seed, const char *what) {
@@ -160,8 +160,9 @@ static void one_step(bench *b, sample *t, uint64_t seed, int is_rtl) {
     fp3_schedule *s = NULL;
     fp3_error error;
     (b->is_integrator ? integrator_sample : random_sample)(t, b->config, seed, b->limit);
+    t->s.may_spill = b->may_spill;
     fp3_status status = fp3_schedule_make(&t->s, b->config, &s, &error);
-    if (status == FP3_E_LIMIT) {
+    if (status == FP3_E_LIMIT || (b->may_spill && status == FP3_E_PROGRAM)) {
         b->refused++;
         return;
     }
@@ -185,6 +186,7 @@ static void one_step(bench *b, sample *t, uint64_t seed, int is_rtl) {
         b->scheduled++;
         b->copies += s->copies;
         b->ahead += s->ahead;
+        b->spills += s->spills;
         if (b->is_verbose)
             printf("%" PRIu64 ": %" PRIu32 " operations, %" PRIu32 " variables, %" PRIu32
                    " registers, %.3f cycles, bounds %.1f %.3f, %" PRIu32 " copies, %" PRIu32
@@ -200,9 +202,10 @@ static void steps(bench *b) {
     for (uint32_t i = 0; i < b->count; i++)
         one_step(b, &t, b->seed + i, b->rtl && i % b->rtl == 0);
     printf("%s: %" PRIu32 " steps, %" PRIu32 " need more registers, %" PRIu32
-           " runs measured; cycles over bound: mean %.4f, worst %.4f; copies %u, ahead %u\n",
+           " runs measured; cycles over bound: mean %.4f, worst %.4f; copies %u, ahead %u, spills "
+           "%u\n",
            b->config->name, b->count, b->refused, b->measured,
-           b->scheduled ? b->sum / b->scheduled : 1, b->worst, b->copies, b->ahead);
+           b->scheduled ? b->sum / b->scheduled : 1, b->worst, b->copies, b->ahead, b->spills);
 }
 
 static void integrators(bench *b) {
@@ -348,11 +351,15 @@ static void large(bench *b) {
 }
 
 int main(int argc, char **argv) {
-    static const struct option options[] = {
-        {"config", required_argument, NULL, 'c'},    {"seed", required_argument, NULL, 's'},
-        {"count", required_argument, NULL, 'n'},     {"rtl", required_argument, NULL, 'r'},
-        {"registers", required_argument, NULL, 'g'}, {"verbose", no_argument, NULL, 'v'},
-        {"limit", required_argument, NULL, 'l'},     {0}};
+    static const struct option options[] = {{"config", required_argument, NULL, 'c'},
+                                            {"seed", required_argument, NULL, 's'},
+                                            {"count", required_argument, NULL, 'n'},
+                                            {"rtl", required_argument, NULL, 'r'},
+                                            {"registers", required_argument, NULL, 'g'},
+                                            {"verbose", no_argument, NULL, 'v'},
+                                            {"limit", required_argument, NULL, 'l'},
+                                            {"spill", no_argument, NULL, 'p'},
+                                            {0}};
     static const struct {
         const char *name;
         void (*run)(bench *b);
@@ -383,6 +390,9 @@ int main(int argc, char **argv) {
             break;
         case 'v':
             b.is_verbose = 1;
+            break;
+        case 'p':
+            b.may_spill = 1;
             break;
         case 'l':
             b.limit = (uint32_t)strtoul(optarg, NULL, 0);

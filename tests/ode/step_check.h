@@ -112,6 +112,10 @@ static void reference(const sample *t, uint32_t steps, uint32_t *after, uint32_t
 
 /* ---- lines, executed ---- */
 
+typedef struct {
+    uint32_t registers[REGISTERS], record[REGISTERS];
+} object;
+
 static uint32_t fetch(const sample *t, const uint32_t *registers, const fp3_line *line,
                       uint32_t k) {
     const uint32_t operand = line->operand[k];
@@ -121,30 +125,42 @@ static uint32_t fetch(const sample *t, const uint32_t *registers, const fp3_line
                                           : t->constants[operand - FP3_BANK_SHARED_BASE];
 }
 
-static void execute(const sample *t, const fp3_line *lines, uint32_t count, uint32_t *registers) {
-    for (uint32_t i = 0; i < count; i++)
-        registers[lines[i].d] =
-            calculate(t, lines[i].op, fetch(t, registers, &lines[i], 0),
-                      fetch(t, registers, &lines[i], 1), fetch(t, registers, &lines[i], 2));
+static void execute(const sample *t, const fp3_line *lines, uint32_t count, object *o) {
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t d = lines[i].d;
+        if (lines[i].op == FP3_OP_ST)
+            o->record[d] = o->registers[d];
+        else if (lines[i].op == FP3_OP_LD)
+            o->registers[d] = o->record[d];
+        else
+            o->registers[d] = calculate(t, lines[i].op, fetch(t, o->registers, &lines[i], 0),
+                                        fetch(t, o->registers, &lines[i], 1),
+                                        fetch(t, o->registers, &lines[i], 2));
+    }
 }
 
-/* What no host has written is something else in every register. */
-static void fill(const sample *t, uint32_t *registers) {
-    for (uint32_t r = 0; r < REGISTERS; r++)
-        registers[r] = 0x43000000u + (r << 16);
+/* What no host has written is something else in every register and every word. */
+static void fill(const sample *t, object *o) {
+    uint32_t *host = t->s.may_spill ? o->record : o->registers;
+    for (uint32_t r = 0; r < REGISTERS; r++) {
+        o->registers[r] = 0x43000000u + (r << 16);
+        o->record[r] = 0x44000000u + (r << 16);
+    }
     for (uint32_t x = 0; x < t->s.variable_count; x++)
         if (t->variables[x].first.at == FP3_AT_NOWHERE)
-            registers[x] = t->start[x];
-    memcpy(registers + t->s.variable_count, t->params, t->s.param_count * sizeof *registers);
+            host[x] = t->start[x];
+    memcpy(host + t->s.variable_count, t->params, t->s.param_count * sizeof *host);
 }
 
 static int is_within(const fp3_schedule *s, const fp3_config *config, const sample *t,
                      const fp3_line *lines, uint32_t count) {
     const uint32_t params = t->s.variable_count, temps = params + t->s.param_count;
     for (uint32_t i = 0; i < count; i++) {
-        if (lines[i].d >= s->registers || (lines[i].d >= params && lines[i].d < temps))
+        const int is_params = lines[i].d >= params && lines[i].d < temps;
+        if (lines[i].d >= s->registers || (is_params && !t->s.may_spill))
             return 0;
-        for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t k = 0; k < 3 && fp3_operation_is_arithmetic(fp3_operation_find(lines[i].op));
+             k++) {
             const uint32_t operand = lines[i].operand[k];
             if (k >= operands_of(lines[i].op)    ? operand != 0
                 : operand < FP3_BANK_SHARED_BASE ? operand >= s->registers
@@ -156,25 +172,27 @@ static int is_within(const fp3_schedule *s, const fp3_config *config, const samp
 }
 
 static const char *check_lines(const fp3_config *config, const sample *t, const fp3_schedule *s) {
-    uint32_t registers[REGISTERS], after[VARIABLES_MAX], ended[VARIABLES_MAX];
+    const int spills = t->s.may_spill;
+    uint32_t after[VARIABLES_MAX], ended[VARIABLES_MAX];
+    object o;
     if (s->registers > REGISTERS || !is_within(s, config, t, s->first, s->first_count) ||
         !is_within(s, config, t, s->step, s->step_count) ||
         !is_within(s, config, t, s->last, s->last_count))
         return "a register that is not there";
     for (uint32_t steps = 1; steps <= 5; steps += 2) {
         reference(t, steps, after, ended);
-        fill(t, registers);
-        execute(t, s->first, s->first_count, registers);
+        const uint32_t *kept = spills ? o.record : o.registers;
+        fill(t, &o);
+        execute(t, s->first, s->first_count, &o);
         for (uint32_t i = 0; i < steps; i++)
-            execute(t, s->step, s->step_count, registers);
-        if (memcmp(registers, after, t->s.variable_count * sizeof *after) != 0)
+            execute(t, s->step, s->step_count, &o);
+        if (!spills && memcmp(o.registers, after, t->s.variable_count * sizeof *after) != 0)
             return "other bits after the steps";
-        if (memcmp(registers + t->s.variable_count, t->params,
-                   t->s.param_count * sizeof *registers) != 0)
+        if (memcmp(kept + t->s.variable_count, t->params, t->s.param_count * sizeof *kept) != 0)
             return "a param changes";
-        execute(t, s->last, s->last_count, registers);
+        execute(t, s->last, s->last_count, &o);
         for (uint32_t x = 0; x < t->s.variable_count; x++)
-            if (t->variables[x].first.at == FP3_AT_NOWHERE && registers[x] != ended[x])
+            if (t->variables[x].first.at == FP3_AT_NOWHERE && kept[x] != ended[x])
                 return "other bits after the last part";
     }
     return NULL;

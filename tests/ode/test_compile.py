@@ -484,7 +484,7 @@ def test_a_configuration_that_cannot_reduce_angles_is_told_what_it_can_do():
     ([model("lorenz"), "-i", "verlet"], "no state whose derivative is another state"),
     ([model("lorenz"), "-i", "verlet"], "lorenz.ode: "),
     ([model("ship"), "--set", "m=2"], "--params"),
-    ([model("rigid_body"), "-c", "lanes"], "16"),
+    ([os.path.join(HERE, "large", "twelve_masses.ode"), "-c", "lanes"], "16"),
     ([model("arenstorf"), "-i", "rk6", "-c", "many_full"], None),
     ([], "expected a model"),
 ])
@@ -534,10 +534,10 @@ LARGE = os.path.join(HERE, "large", "twelve_masses.ode")
 @pytest.mark.smoke
 @pytest.mark.parametrize("path, config, text", [
     (LARGE, "uncut", r"the program needs \d+ object registers, configuration 'uncut' has 32; 'single_full' has 64\n"),
-    (LARGE, "many", r"the program needs \d+ object registers, configuration 'many' has 32; 'many_full' has 64\n"),
+    (LARGE, "lanes", r"the program needs 27 object registers, configuration 'lanes' has 16; 'many' has 32\n"),
     (LARGE, "paper", r"the program needs 572 words of instruction memory, configuration 'paper' has 512; "
                      r"'single_full' has 2048\n"),
-    (model("lorenz"), "lanes", r"the program needs \d+ object registers, configuration 'lanes' has 16; 'many' has 32\n"),
+    (model("lorenz"), "dual", r"the program needs \d+ object registers, configuration 'dual' has 32; 'shared_full' has 64\n"),
     (model("three_body"), "single_full", r"the program needs \d+ object registers, configuration 'single_full' has 64; "
                                          r"none has enough\n"),
 ])

@@ -81,6 +81,6 @@ fp3_status fp3_check_schedule(const fp3_step_code *code, const fp3_schedule *s,
     needs.registers = s->registers;
     needs.constants = s->constants;
     needs.words = s->first_count + s->step_count + s->last_count + s->loads + s->stores;
-    needs.is_visited = s->loads + s->stores > 0;
+    needs.is_visited = s->is_spilled || s->loads + s->stores > 0;
     return fp3_needs_check(&needs, config, error);
 }

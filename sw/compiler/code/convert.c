@@ -210,6 +210,11 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
     made->code.variable_count = step->variable_count;
     made->code.minus_zero = FP3_NONE_INDEX;
     made->code.allow_ahead = fp3_has_pass(options, FP3_PASS_AHEAD);
+    made->code.may_spill = options->may_spill;
+    if (step->tested != FP3_NONE && options->config->sleep) {
+        made->code.tested = UINT64_C(1) << step->tested;
+        made->code.slept = UINT64_C(1) << fp3_step_find(step, ROLE_SLEPT, FP3_NONE);
+    }
     uint32_t *carried = find_carried(step);
     const fp3_part part = {.options = options, .policy = policy};
     fp3_status status =

@@ -15,6 +15,7 @@ typedef struct {
     const uint32_t *partial; /* of the model, as of fp3_differentiate; NULL: nobody needs them */
     int has_notes;           /* the assembly gets comments */
     int shares_params;       /* params of the object are constants, too */
+    int may_spill;           /* values that do not fit are kept in the object's record */
 } fp3_options;
 
 static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {

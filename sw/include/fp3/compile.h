@@ -125,6 +125,8 @@ typedef struct {
     uint32_t instructions;
     uint32_t registers, constants;
     uint32_t ahead, copies;
+    uint32_t
+        spills; /* loads and stores within the step, of values that the registers have no room for */
     double cycles; /* per object-step, predicted; 0: cannot be predicted */
     double bound, bound_issue, bound_path;
     /* What each pass saves, if def->finds_savings is set: operations; `chain` saves instructions,
