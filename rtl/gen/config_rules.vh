@@ -99,6 +99,21 @@ end
 if (SLEEP > 0 && INTERLEAVE == 0) begin : g_sleep_needs_interleave
     SLEEP_needs_INTERLEAVE u_error ();
 end
+if (NEIGHBOURS < 0 || NEIGHBOURS > 1) begin : g_neighbours_must_be_0_to_1
+    NEIGHBOURS_must_be_0_to_1 u_error ();
+end
+if (NEIGHBOURS > 0 && INTERLEAVE == 0) begin : g_neighbours_needs_interleave
+    NEIGHBOURS_needs_INTERLEAVE u_error ();
+end
+if (NEIGHBOURS > 0 && DUAL != 0) begin : g_neighbours_excludes_dual
+    NEIGHBOURS_excludes_DUAL u_error ();
+end
+if (NEIGHBOURS > 0 && SLEEP != 0) begin : g_neighbours_excludes_sleep
+    NEIGHBOURS_excludes_SLEEP u_error ();
+end
+if (NEIGHBOURS > 0 && STATUS != 0) begin : g_neighbours_excludes_status
+    NEIGHBOURS_excludes_STATUS u_error ();
+end
 if (FLAGS < 0 || FLAGS > 1) begin : g_flags_must_be_0_to_1
     FLAGS_must_be_0_to_1 u_error ();
 end

@@ -66,6 +66,7 @@ module fp3_crowd (
         .ESTIMATE        (0),
         .ROUND           (0),
         .SLEEP           (1),
+        .NEIGHBOURS      (0),
         .FLAGS           (1),
         .STATUS          (1),
         .SUBNORMAL       (1),

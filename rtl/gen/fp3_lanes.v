@@ -66,6 +66,7 @@ module fp3_lanes (
         .ESTIMATE        (0),
         .ROUND           (0),
         .SLEEP           (0),
+        .NEIGHBOURS      (0),
         .FLAGS           (1),
         .STATUS          (0),
         .SUBNORMAL       (1),

@@ -66,6 +66,7 @@ module fp3_single_full (
         .ESTIMATE        (1),
         .ROUND           (1),
         .SLEEP           (0),
+        .NEIGHBOURS      (0),
         .FLAGS           (1),
         .STATUS          (0),
         .SUBNORMAL       (1),

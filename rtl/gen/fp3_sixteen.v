@@ -66,6 +66,7 @@ module fp3_sixteen (
         .ESTIMATE        (1),
         .ROUND           (1),
         .SLEEP           (1),
+        .NEIGHBOURS      (0),
         .FLAGS           (1),
         .STATUS          (1),
         .SUBNORMAL       (1),

@@ -3,10 +3,10 @@
 // Whether the rest of the code stands in field c, and the code.
 // verilator lint_off UNUSEDSIGNAL
 function more_code(input [31:0] code_word);
-    more_code = 1'b0;
+    more_code = &code_word[OP_HI:OP_LO];
 endfunction
 function [CODE_W-1:0] code_of(input [31:0] code_word);
-    code_of = code_word[OP_HI:OP_LO];
+    code_of = more_code(code_word) ? {1'b1, code_word[C_HI:C_LO]} : {3'd0, code_word[OP_HI:OP_LO]};
 endfunction
 // verilator lint_on UNUSEDSIGNAL
 function has_a(input [CODE_W-1:0] op);
@@ -31,7 +31,8 @@ function has_a(input [CODE_W-1:0] op);
         op == OP_RSQRT ||
         op == OP_RINT ||
         op == OP_EXP2 ||
-        op == OP_LOGB;
+        op == OP_LOGB ||
+        op == OP_LDN;
 endfunction
 function has_b(input [CODE_W-1:0] op);
     has_b =

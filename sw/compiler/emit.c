@@ -63,6 +63,10 @@ static void put_state(const fp3_step *step, FILE *out, const variable *v, const 
 }
 
 static void put_kept(const fp3_step *step, FILE *out, const variable *v, const char *name) {
+    if (v->next == FP3_NONE) { /* compiler/phases */
+        put_declaration(out, ".temp", name, "from a part of the step to another");
+        return;
+    }
     const char *note = fp3_note_text(&step->notes, step->values.nodes[v->next].note);
     char comment[COMMENT_SIZE];
     snprintf(comment, sizeof comment, "for the next step, from %s", note ? note : "this one");
@@ -94,7 +98,9 @@ static void put_declarations(const fp3_step *step, const conversion *c,
         char name[FP3_NAME_SIZE + 16];
         snprintf(name, sizeof name, c->code.param_registers ? "%s = r%" PRIu32 : "%s",
                  names->object[i], i);
-        if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role != ROLE_CARRIED)
+        if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role == ROLE_LIST)
+            put_declaration(out, ".temp", name, "the list of neighbours");
+        else if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role != ROLE_CARRIED)
             put_state(step, out, &step->variables[of.index], name);
         else if (of.at == FP3_AT_VARIABLE)
             put_kept(step, out, &step->variables[of.index], name);

@@ -73,8 +73,9 @@ static uint32_t *encode(builder *b, const fp3_line *lines, uint32_t count, uint3
 
 static fp3_symbol_class class_of(const builder *b, uint32_t reg) {
     const fp3_ref of = fp3_code_owner(&b->c->code, reg);
-    const int is_kept =
-        of.at == FP3_AT_VARIABLE && b->step->variables[of.index].role != ROLE_CARRIED;
+    const int is_kept = of.at == FP3_AT_VARIABLE &&
+                        b->step->variables[of.index].role != ROLE_CARRIED &&
+                        b->step->variables[of.index].role != ROLE_LIST;
     return is_kept ? FP3_SYMBOL_STATE : of.at == FP3_AT_PARAM ? FP3_SYMBOL_PARAM : FP3_SYMBOL_TEMP;
 }
 

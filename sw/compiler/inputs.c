@@ -8,7 +8,8 @@
 #include <string.h>
 
 int fp3_inputs_has_variable(const variable *v) {
-    return v->role != ROLE_CARRIED && v->role != ROLE_SLEPT; /* awake, without a word */
+    return v->role != ROLE_CARRIED && v->role != ROLE_LIST &&
+           v->role != ROLE_SLEPT; /* awake, without a word */
 }
 
 int fp3_inputs_has_constant(const fp3_step *step, const conversion *c, uint32_t constant) {

@@ -125,6 +125,8 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
         snprintf(wanted, sizeof wanted, "slept");
     else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
+    else if (v->role == ROLE_LIST)
+        snprintf(wanted, sizeof wanted, "%s", step->model->relations[v->state].name);
     else
         snprintf(wanted, sizeof wanted, "%s%s", step->model->states[v->state].name,
                  suffix[v->role]);

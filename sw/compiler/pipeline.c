@@ -5,6 +5,7 @@
 #include "compiler/code/check.h"
 #include "compiler/integrate/integrate.h"
 #include "compiler/pairs/double_step.h"
+#include "phases/phases.h"
 #include "rest.h"
 #include "schedule/schedule.h"
 
@@ -93,9 +94,13 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
     fp3_status status = fp3_fit_find(model, integrator, options, &p->fit, error);
     if (!status)
         status = fp3_double_check(options, error);
+    if (!status)
+        status = fp3_phases_check(model, integrator, options, error);
     if (status)
         return status;
     status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);
+    if (!status && fp3_phases_are_needed(&p->step))
+        return fp3_phases_make(&p->step, options, &p->code, &p->schedule, error);
     if (!status && fp3_has_pass(options, FP3_PASS_CARRY))
         status = fp3_carry(&p->step, error);
     if (!status)

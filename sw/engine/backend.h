@@ -31,6 +31,8 @@ typedef struct {
     /* As many words as cells.count. */
     fp3_status (*read)(fp3_engine *engine, fp3_cells cells, void *words);
     fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
+    /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
+    fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
     /* Fills the counters of the schedulers, which are 0, and schedulers of stats; adds to its flags. */

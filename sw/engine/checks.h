@@ -10,6 +10,9 @@ fp3_status fp3_engine_check_range(fp3_engine *engine, const char *what, size_t f
 fp3_status fp3_engine_check_objects(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_check_loaded(fp3_engine *engine);
 
+/* FP3_E_ARGUMENT: some list of neighbours has not been given. */
+fp3_status fp3_engine_check_neighbours(fp3_engine *engine);
+
 /* The register of an object that tells whether it sleeps; -1: it never does. */
 int fp3_engine_slept_of(const fp3_engine *engine, size_t object);
 

@@ -36,6 +36,14 @@ typedef struct {
     uint64_t executed, told; /* instructions of this run: all, and when that was last told */
 } isa;
 
+/* A loop over neighbours: who has an entry for this turn goes through it. */
+typedef struct {
+    const fp3_list *list; /* NULL: there is no loop */
+    uint32_t begin;       /* index of its `each` */
+    uint32_t turn, turns; /* from 0; of the longest list */
+    uint32_t field;       /* of an entry, that the next `ldl` loads */
+} loop;
+
 /* A round of a run, for one group. */
 typedef struct {
     fp3_engine *engine;
@@ -44,6 +52,7 @@ typedef struct {
     uint32_t steps;
     uint32_t number, end; /* of the step now; of the last one */
     int is_ahead;         /* the instruction now works for the step that follows */
+    loop loop;
 } round_of;
 
 static size_t words(const fp3_engine *engine) {
@@ -166,6 +175,21 @@ static void retire(const round_of *r, uint32_t object, uint32_t reg, uint32_t bi
         engine->def.retire(engine->def.retire_user, &done);
 }
 
+static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
+
+static uint32_t neighbours_word(const round_of *r, uint32_t object, uint32_t word) {
+    const fp3_engine *engine = r->engine;
+    const uint32_t first = members(r)->first;
+    const size_t other = first + fp3_list_entry(r->loop.list, object - first, r->loop.turn);
+    return ((const isa *)engine->self)->store[other * engine->config->registers + word];
+}
+
+static uint32_t entrys_field(const round_of *r, uint32_t object) {
+    const fp3_list *list = r->loop.list;
+    const size_t entry = list->begin[object - members(r)->first] + r->loop.turn;
+    return list->field[entry * list->fields + r->loop.field];
+}
+
 /* An instruction that an object executes. */
 static void execute(const round_of *r, uint32_t object, const fp3_instruction *in) {
     const fp3_config *config = r->engine->config;
@@ -181,6 +205,12 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
         break;
     case FP3_OP_LD:
         retire(r, object, in->d, record[in->d], 0);
+        break;
+    case FP3_OP_LDN:
+        retire(r, object, in->d, neighbours_word(r, object, in->a), 0);
+        break;
+    case FP3_OP_LDL:
+        retire(r, object, in->d, entrys_field(r, object), 0);
         break;
     case FP3_OP_LDS:
         if (record[in->d]) {
@@ -204,7 +234,10 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
     self->executed++;
 }
 
-static const fp3_members *members(const round_of *r) { return &r->engine->layout.groups[r->group]; }
+static int has_turn(const round_of *r, uint32_t object) {
+    return !r->loop.list ||
+           r->loop.turn < fp3_list_length(r->loop.list, object - members(r)->first);
+}
 
 /* One instruction for all objects that execute it. */
 static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
@@ -212,7 +245,7 @@ static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
     const uint64_t before = self->executed;
     const fp3_members *group = members(r);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
-        if (self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP))
+        if ((self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP)) && has_turn(r, i))
             execute(r, i, &word->in);
     uint64_t *counter = r->engine->counters[0];
     counter[word->of->counter] += self->executed - before;
@@ -263,6 +296,30 @@ static void begin_step(round_of *r) {
             fp3_watch_step(&r->engine->watched[i], r->number - r->engine->began);
 }
 
+/* Where the program goes on after this word, which belongs to the sequence: within a round all objects make an
+ * instruction before any makes the next one, so a phase ends by itself. */
+static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
+    fp3_lists *lists = &r->engine->layout.groups[r->group].lists;
+    loop *l = &r->loop;
+    if (program[pc].in.op == FP3_OP_EACH) {
+        *l = (loop){.list = fp3_lists_of(lists, program[pc].in.d), .begin = pc};
+        for (uint32_t i = 0; i < l->list->objects; i++) {
+            const uint32_t turns = fp3_list_length(l->list, i);
+            l->turns = turns > l->turns ? turns : l->turns;
+        }
+        if (l->turns)
+            return pc + 1;
+        l->list = NULL;
+        return fp3_neighbourhood_end(program, pc) + 1;
+    }
+    if (program[pc].in.op == FP3_OP_NEXT && ++l->turn < l->turns) {
+        l->field = 0;
+        return l->begin + 1;
+    }
+    l->list = NULL;
+    return pc + 1;
+}
+
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
@@ -281,10 +338,15 @@ static fp3_status make_round(round_of *r) {
         if (limit && self->executed >= limit)
             return fp3_engine_limit(r->engine);
         r->is_ahead = engine->watched && (pc < program->step || members(r)->is_ahead[pc]);
-        sweep(r, word, pc >= program->last);
+        if (word->of->path & FP3_UNIT_SEQUENCE) {
+            pc = follow(r, program->decoded, pc);
+        } else {
+            sweep(r, word, pc >= program->last);
+            r->loop.field += word->in.op == FP3_OP_LDL;
+            pc++;
+        }
         if (self->executed >= self->told + TELL_INSTRUCTIONS)
             tell(r->engine);
-        pc++;
         if (engine->watched && pc == program->last)
             watch_states(r, in_records);
         if (engine->watched && pc == program->count && (left == 1 || pc > program->last))

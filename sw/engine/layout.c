@@ -25,6 +25,7 @@ void fp3_layout_free(fp3_layout *layout) {
         fp3_image_free(&layout->groups[i].image);
         fp3_visit_free(&layout->groups[i].visit);
         free(layout->groups[i].is_ahead);
+        fp3_lists_close(&layout->groups[i].lists);
     }
     free(layout->groups);
     free(layout->schedulers);

@@ -7,6 +7,7 @@
 #define FP3_LAYOUT_H
 
 #include "machine/placement.h"
+#include "neighbours.h"
 
 #include <fp3/engine.h>
 #include <image/visit.h>
@@ -23,6 +24,7 @@ typedef struct {
     int counter;                /* register in which the program counts its steps, or -1 */
     int64_t counted;            /* the most steps that an object has there */
     uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
+    fp3_lists lists;            /* of neighbours */
     uint8_t *is_ahead;          /* of each word of the program, if it is watched; else NULL */
     uint64_t live;              /* ... and the registers that a step leaves to what follows */
 } fp3_members;

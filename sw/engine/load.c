@@ -83,8 +83,12 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
         status = fp3_visit_make(to->image, &to->visit, error);
     if (!status && to->visit && check)
         status = check_visit(engine, to->image, to->visit, from->objects);
+    fp3_neighbourhood around;
+    if (!status)
+        status = fp3_neighbourhood_find(to->image, &around, error);
     if (status)
         return status;
+    fp3_lists_open(&around, (uint32_t)from->objects, &to->lists);
     to->objects = (uint32_t)from->objects;
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);

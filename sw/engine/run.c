@@ -213,6 +213,8 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     if (!status)
         status = check_limit(engine, steps);
     if (!status)
+        status = fp3_engine_check_neighbours(engine);
+    if (!status)
         status = fp3_origin_begin(engine, steps);
     if (status)
         return status;

@@ -10,6 +10,7 @@ enum {
     FP3_UNIT_VALUE      = 1u << 2,
     FP3_UNIT_COMPARISON = 1u << 3,
     FP3_UNIT_STORE      = 1u << 4,
+    FP3_UNIT_SEQUENCE   = 1u << 5,
 };
 
 typedef enum {
@@ -43,7 +44,12 @@ typedef enum {
     {.code = FP3_OP_RSQRT, .name = "rsqrt", .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ESTIMATE,   .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
     {.code = FP3_OP_RINT,  .name = "rint",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
     {.code = FP3_OP_EXP2,  .name = "exp2",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
-    {.code = FP3_OP_LOGB,  .name = "logb",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}
+    {.code = FP3_OP_LOGB,  .name = "logb",  .operands = "da",   .sources = 1, .path = FP3_UNIT_VALUE | FP3_UNIT_ADDER,      .counter = FP3_COUNTER_ISSUED_ADD,    .needs = FP3_KEY_ROUND,      .raises = 0x10, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
+    {.code = FP3_OP_EACH,  .name = "each",  .operands = "d",    .sources = 0, .path = FP3_UNIT_SEQUENCE,                    .counter = FP3_COUNTER_ISSUED_MEMORY, .needs = FP3_KEY_NEIGHBOURS, .raises = 0x00, .writes = FP3_WRITES_NEVER,     .commutes = 0}, \
+    {.code = FP3_OP_NEXT,  .name = "next",  .operands = "",     .sources = 0, .path = FP3_UNIT_SEQUENCE,                    .counter = FP3_COUNTER_ISSUED_MEMORY, .needs = FP3_KEY_NEIGHBOURS, .raises = 0x00, .writes = FP3_WRITES_NEVER,     .commutes = 0}, \
+    {.code = FP3_OP_LDN,   .name = "ldn",   .operands = "da",   .sources = 1, .path = FP3_UNIT_STORE,                       .counter = FP3_COUNTER_ISSUED_MEMORY, .needs = FP3_KEY_NEIGHBOURS, .raises = 0x00, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
+    {.code = FP3_OP_LDL,   .name = "ldl",   .operands = "d",    .sources = 0, .path = FP3_UNIT_STORE,                       .counter = FP3_COUNTER_ISSUED_MEMORY, .needs = FP3_KEY_NEIGHBOURS, .raises = 0x00, .writes = FP3_WRITES_ALWAYS,    .commutes = 0}, \
+    {.code = FP3_OP_PHASE, .name = "phase", .operands = "",     .sources = 0, .path = FP3_UNIT_SEQUENCE,                    .counter = FP3_COUNTER_ISSUED_MEMORY, .needs = FP3_KEY_NEIGHBOURS, .raises = 0x00, .writes = FP3_WRITES_NEVER,     .commutes = 0}
 
 /* clang-format on */
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "machine/operation.h"
+#include "neighbours.h"
 #include <fp3/isa.h>
 
 /* Names. */
@@ -256,7 +257,10 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
     made->symbols = symbols;
     made->decoded = decoded;
     count_used(made);
+    fp3_neighbourhood around;
     status = check_slept(made, error);
+    if (!status)
+        status = fp3_neighbourhood_find(made, &around, error);
     if (status)
         fp3_image_free(&made);
     *image = made;

@@ -16,14 +16,14 @@ typedef struct {
     uint64_t reads, writes; /* object registers; sleep may write, or not */
 } effect;
 
-/* An illegal word has no effect: it ends the run. */
+/* An illegal word has no effect: it ends the run. What `ldn` reads is a neighbour's. */
 static effect effect_of(const fp3_decoded *word) {
     effect e = {.op = word->in.op};
     for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++) {
         const uint32_t operand = fp3_operand(&word->in, *letter);
         if (*letter == 'd' && word->of->writes != FP3_WRITES_NEVER)
             e.writes = BIT(operand);
-        else if (operand < FP3_BANK_SHARED_BASE)
+        else if (operand < FP3_BANK_SHARED_BASE && !(*letter == 'a' && e.op == FP3_OP_LDN))
             e.reads |= BIT(operand);
     }
     return e;

@@ -104,11 +104,18 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     case FP3_EXPR_STATE:
     case FP3_EXPR_INITIAL:
         return p->states[e->index].dimension;
+    case FP3_EXPR_OTHER_STATE:
+        return p->states[e->index].dimension;
+    case FP3_EXPR_OTHER_PARAM:
+        return p->params[e->index].dimension;
+    case FP3_EXPR_FIELD:
+        return p->fields[e->index].dimension;
     case FP3_EXPR_PARAM:
         return p->params[e->index].dimension;
     case FP3_EXPR_TIME:
         return p->step.dimension;
     case FP3_EXPR_NEGATE:
+    case FP3_EXPR_TOTAL:
         return *a;
     case FP3_EXPR_ADD:
     case FP3_EXPR_SUB:

@@ -10,6 +10,7 @@
 #include "meaning.h"
 #include "number.h"
 #include "range.h"
+#include "relation.h"
 #include "symbol.h"
 #include "vector.h"
 
@@ -95,6 +96,12 @@ static ode_value choice(ode_parser *p, fp3_token at, ode_value condition, uint32
 static ode_value arguments(ode_parser *p, fp3_token name, const ode_function *f) {
     ode_value argument[ODE_ARGUMENTS] = {{0}};
     assert(f->arguments <= ODE_ARGUMENTS);
+    if (fp3_ode_at_neighbours(p)) {
+        if (f->op == FP3_EXPR_ADD && f->rule == ODE_OF_TERMS)
+            return fp3_ode_over_neighbours(p, name);
+        fp3_ode_lost_at(&p->in, name, "sum, which goes over neighbours");
+        return nothing;
+    }
     if (fp3_ode_has_terms(f) && fp3_ode_at_range(p))
         return terms(p, name, f);
     const uint32_t from = p->expr_count;
@@ -147,6 +154,9 @@ static ode_value named(ode_parser *p) {
         no_function(p, name);
         return nothing;
     }
+    const ode_symbol *other = fp3_ode_find(p, name);
+    if (other && other->class == ODE_NEIGHBOUR)
+        return fp3_ode_of_neighbour(p, name, other);
     const ode_symbol *s = fp3_ode_part(p, name, &start, &size);
     if (!s)
         return nothing;
@@ -367,6 +377,8 @@ static ode_value expression(ode_parser *p) {
     leave(p);
     return value;
 }
+
+ode_value fp3_ode_inner(ode_parser *p) { return expression(p); }
 
 ode_value fp3_ode_expression(ode_parser *p, ode_context context) {
     p->context = context;

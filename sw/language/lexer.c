@@ -37,7 +37,7 @@ static void skip_blank(ode_lexer *l) {
 static const char *name_end(const ode_lexer *l, const char *p) {
     while (fp3_is_word(at(l, p)))
         p++;
-    if (at(l, p) == '.' && fp3_is_letter(at(l, p + 1)))
+    while (at(l, p) == '.' && fp3_is_letter(at(l, p + 1)))
         for (p++; fp3_is_word(at(l, p));)
             p++;
     return p;

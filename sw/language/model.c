@@ -18,6 +18,8 @@ void fp3_model_free(fp3_model **model) {
         return;
     free_quantities(m->states, m->state_count);
     free_quantities(m->params, m->param_count);
+    free_quantities(m->fields, m->field_count);
+    free(m->relations);
     free(m->definitions);
     free(m->invariants);
     free(m->events);

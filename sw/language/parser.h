@@ -11,6 +11,7 @@
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
+ *     relation           how objects see others, and sums over them
  *     event              `when`, what happens at the end of a step
  *     statement          what each statement says
  *     finish             what only the end of the source can tell
@@ -30,7 +31,7 @@ enum {
     ODE_EXPRS = 4096,
     ODE_DEFINITIONS = 1024, /* and as many invariants */
     ODE_INDICES = 8,        /* one within the other */
-    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS + ODE_INDICES,
+    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS + ODE_INDICES + FP3_RELATIONS_MAX + 1,
     ODE_REPEATED = 1 << 22, /* bytes of text that are read again for an index */
     ODE_EVENTS = 64,
     ODE_ASSIGNMENTS = 256,
@@ -55,12 +56,21 @@ typedef enum {
 } ode_context;
 
 /* An index stands for a whole number while the text of its range is read. */
-typedef enum { ODE_STATE, ODE_PARAM, ODE_DEFINITION, ODE_INVARIANT, ODE_INDEX } ode_class;
+typedef enum {
+    ODE_STATE,
+    ODE_PARAM,
+    ODE_DEFINITION,
+    ODE_INVARIANT,
+    ODE_INDEX,
+    ODE_RELATION,
+    ODE_NEIGHBOUR /* while the term of a sum over a relation is read */
+} ode_class;
 
 typedef struct {
     fp3_token at;
     ode_class class;
-    uint32_t first;  /* of a state or param: its first component */
+    uint32_t
+        first; /* of a state or param: its first component; of a relation, a neighbour: which relation */
     ode_value value; /* of a definition or invariant; of any other only the size */
     long number;     /* of an index: what it stands for now */
 } ode_symbol;
@@ -120,6 +130,11 @@ typedef struct {
     ode_event events[ODE_EVENTS], projections[ODE_EVENTS];
     ode_assignment assignments[ODE_ASSIGNMENTS];
     uint32_t event_count, projection_count, assignment_count;
+
+    fp3_relation relations[FP3_RELATIONS_MAX];
+    ode_quantity fields[ODE_QUANTITIES]; /* of links */
+    uint32_t relation_count, field_count;
+    int is_in_sum; /* over neighbours */
 
     ode_symbol symbols[ODE_SYMBOLS];
     uint32_t symbol_count;

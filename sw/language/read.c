@@ -94,8 +94,12 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->event_count = p->event_count;
     m->assignment_count = p->assignment_count;
     m->exprs = copy(p->exprs, p->expr_count, sizeof *p->exprs);
+    m->relations = copy(p->relations, p->relation_count, sizeof *p->relations);
+    m->fields = take_quantities(p->fields, p->field_count);
+    m->relation_count = p->relation_count;
+    m->field_count = p->field_count;
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
-        !m->projections || !m->assignments || !m->exprs)
+        !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields)
         fp3_model_free(&m);
     return m;
 }
@@ -110,6 +114,7 @@ static void free_texts(ode_quantity *quantities, uint32_t count) {
 static void free_parser(ode_parser *p) {
     free_texts(p->states, p->state_count);
     free_texts(p->params, p->param_count);
+    free_texts(p->fields, p->field_count);
     free(p->model_doc);
     free(p);
 }

@@ -7,6 +7,7 @@
 #include "event.h"
 #include "expression.h"
 #include "keyword.h"
+#include "relation.h"
 #include "side.h"
 #include "symbol.h"
 #include "text/number.h"
@@ -279,7 +280,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, for, or an equation");
+                     "when, for, links, near, all, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
@@ -302,6 +303,8 @@ void fp3_ode_statement(ode_parser *p) {
         fp3_ode_event(p, first);
     else if (fp3_token_is(first, "for"))
         for_statement(p);
+    else if (fp3_ode_is_relation(first))
+        fp3_ode_relation(p, first);
     else
         named_statement(p, first);
     if (!fp3_ode_at_end(&p->in))

@@ -48,7 +48,8 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     e->index = index;
     e->number = number;
     e->is_known = op == FP3_EXPR_NUMBER || op == FP3_EXPR_PARAM;
-    p->has_state[p->expr_count - 1] = op == FP3_EXPR_STATE;
+    p->has_state[p->expr_count - 1] = op == FP3_EXPR_STATE || op == FP3_EXPR_OTHER_STATE ||
+                                      op == FP3_EXPR_OTHER_PARAM || op == FP3_EXPR_FIELD;
     p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME;
     p->is_number[p->expr_count - 1] = op == FP3_EXPR_NUMBER;
     p->values[p->expr_count - 1] = number;
@@ -169,6 +170,18 @@ ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, 
     fp3_ode_wrong(&p->in, at, "a number and two choices of the same size (these are %s, %s and %s)",
                   fp3_ode_shape(c.size), fp3_ode_shape(a.size), fp3_ode_shape(b.size));
     return nothing;
+}
+
+ode_value fp3_ode_total(ode_parser *p, fp3_token at, uint32_t relation, ode_value term) {
+    const ode_value operand[3] = {term};
+    const ode_value total = each(p, at, FP3_EXPR_TOTAL, operand, term.size);
+    for (unsigned i = 0; i < total.size; i++) {
+        const uint32_t made = total.expr[i];
+        p->exprs[made].index = relation;
+        p->exprs[made].is_known = p->is_number[made] = 0;
+        p->has_state[made] = 1;
+    }
+    return total;
 }
 
 static ode_value component(ode_value a, unsigned i) { return (ode_value){1, {a.expr[i]}}; }

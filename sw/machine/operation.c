@@ -14,7 +14,7 @@ const fp3_operation *fp3_operation_find(uint32_t code) {
 }
 
 int fp3_operation_is_arithmetic(const fp3_operation *operation) {
-    return !(operation->path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON));
+    return !(operation->path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON | FP3_UNIT_SEQUENCE));
 }
 
 uint64_t fp3_operation_bit(uint32_t code) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *fp3_relation_name(fp3_relation relation) {
+const char *fp3_relation_name(fp3_comparison relation) {
     static const char *const names[] = {"within", "at most", "at least"};
     return names[relation];
 }

@@ -9,7 +9,7 @@ typedef enum {
     FP3_WITHIN,  /* |measured - expected| <= tolerance */
     FP3_AT_MOST, /* measured <= expected + tolerance */
     FP3_AT_LEAST /* measured >= expected - tolerance */
-} fp3_relation;
+} fp3_comparison;
 
 enum { FP3_VERDICT_NAME = 128, FP3_VERDICT_WHY = 320 };
 
@@ -17,7 +17,7 @@ typedef struct {
     const char *section;         /* a constant: stability, drift, ... */
     char name[FP3_VERDICT_NAME]; /* what is measured, with its unit where it has one */
     char model[64], integrator[64], arithmetic[32]; /* "": none */
-    fp3_relation relation;
+    fp3_comparison relation;
     double expected, measured, tolerance;
     /* Of the caller: what was measured beside it that explains a figure that is off; else NULL or "". */
     const char *because;
@@ -50,6 +50,6 @@ void fp3_verdicts_free(fp3_verdicts *verdicts);
 /* How many do not hold. */
 size_t fp3_verdicts_failed(const fp3_verdicts *verdicts);
 
-const char *fp3_relation_name(fp3_relation relation); /* "within", "at most", "at least" */
+const char *fp3_relation_name(fp3_comparison relation); /* "within", "at most", "at least" */
 
 #endif

@@ -73,7 +73,7 @@ def isa_c(isa, regs):
 def operations_c(isa, flags):
     def row(op):
         return [("code", f"FP3_OP_{op['name'].upper()}"), ("name", quote(op["name"])),
-                ("operands", quote("".join(op["operands"]))), ("sources", len(op["operands"]) - 1),
+                ("operands", quote("".join(op["operands"]))), ("sources", max(0, len(op["operands"]) - 1)),
                 ("path", " | ".join(f"FP3_UNIT_{unit.upper()}" for unit in op["path"])),
                 ("counter", f"FP3_COUNTER_{counter_of(op).upper()}"),
                 ("needs", f"FP3_KEY_{op.get('needs', 'none').upper()}"),

@@ -10,8 +10,9 @@ PATHS = {
     ("value", "adder"): "issued_add",
     ("comparison",): "issued_sleep",
     ("store",): "issued_memory",
+    ("sequence",): "issued_memory",
 }
-UNITS = ("adder", "multiplier", "value", "comparison", "store")
+UNITS = ("adder", "multiplier", "value", "comparison", "store", "sequence")
 WRITES = ("always", "sometimes", "never")
 BITS = ("nan", "one", "minus_zero")
 MORE = 128  # codes from here on: all ones in field op, and what is more than this in field c
@@ -45,8 +46,8 @@ def check_op(op, width, config_keys, flags):
     where = f"op '{op.get('name', '?')}'"
     keys(op, FILE, where, {"name": str, "code": int, "operands": list, "path": list, "meaning": str},
          {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str})
-    need(op["operands"] in (list("d"), list("da"), list("dab"), list("dabc")), FILE,
-         f"{where}: operands must be d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
+    need(op["operands"] == list("dabc")[:len(op["operands"])], FILE,
+         f"{where}: operands must be none, or d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
     last, most = (1 << width["op"]) - 2, MORE + (1 << width["c"]) - 1
     need(1 <= op["code"] <= last or MORE <= op["code"] <= most and "c" not in op["operands"], FILE,
          f"{where}: code {op['code']} is not in 1 .. {last}" + ("" if "c" in op["operands"] else f", nor in {MORE} .. {most}"))

@@ -200,8 +200,7 @@ static fp3_status convert_parts(const fp3_part *part, fp3_chain_nodes chain, con
     return status;
 }
 
-fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
-                       fp3_chain_nodes chain, conversion *made, fp3_error *error) {
+fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *error) {
     const size_t slots = step->known.count + 1u;
     *made = (conversion){.slots = calloc(slots, sizeof *made->slots),
                          .params = calloc(slots, sizeof *made->params),
@@ -209,6 +208,22 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
     made->code.variables = calloc(step->variable_count + 1u, sizeof *made->code.variables);
     made->code.variable_count = step->variable_count;
     made->code.minus_zero = FP3_NONE_INDEX;
+    return made->slots && made->params && made->constants && made->code.variables
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void fp3_convert_end(const fp3_step *step, conversion *made) {
+    for (uint32_t i = 0; i < made->code.constant_count; i++) {
+        const known *k = &step->known.list[made->constants[i]];
+        if (k->op == KNOWN_NUMBER && number_bits(k->number) == number_bits(-0.0))
+            made->code.minus_zero = i;
+    }
+}
+
+fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
+                       fp3_chain_nodes chain, conversion *made, fp3_error *error) {
+    fp3_status status = fp3_convert_open(step, made, error);
     made->code.allow_ahead = fp3_has_pass(options, FP3_PASS_AHEAD);
     made->code.may_spill = options->may_spill;
     if (step->tested != FP3_NONE && options->config->sleep) {
@@ -217,17 +232,56 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
     }
     uint32_t *carried = find_carried(step);
     const fp3_part part = {.options = options, .policy = policy};
-    fp3_status status =
-        made->slots && made->params && made->constants && made->code.variables && carried
-            ? convert_parts(&part, chain, step, carried, made, error)
-            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status)
+        status = carried ? convert_parts(&part, chain, step, carried, made, error)
+                         : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     free(carried);
-    for (uint32_t i = 0; !status && i < made->code.constant_count; i++) {
-        const known *k = &step->known.list[made->constants[i]];
-        if (k->op == KNOWN_NUMBER && number_bits(k->number) == number_bits(-0.0))
-            made->code.minus_zero = i;
-    }
+    if (!status)
+        fp3_convert_end(step, made);
     return status;
+}
+
+/* ---- a step in sections ---- */
+
+static converter of_section(const fp3_step *step, const fp3_options *options, conversion *all) {
+    return (converter){.step = step,
+                       .made = all,
+                       .part = {.g = &step->values,
+                                .options = options,
+                                .policy = CHAIN_ALL,
+                                .one = FP3_NONE,
+                                .minus_zero = FP3_NONE},
+                       .own = FP3_AT_OP,
+                       .variables = FP3_AT_VARIABLE};
+}
+
+fp3_status fp3_convert_section(const fp3_step *section, const fp3_options *options, conversion *all,
+                               fp3_step_code *code, fp3_error *error) {
+    converter c = of_section(section, options, all);
+    fp3_variable *variables = calloc(section->variable_count + 1u, sizeof *variables);
+    if (!variables)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    memset(all->code.variables, 0, section->variable_count * sizeof *variables);
+    const fp3_status status = convert_part(&c, next_root, next_ref, error);
+    memcpy(variables, all->code.variables, section->variable_count * sizeof *variables);
+    *code = (fp3_step_code){.step = c.ops,
+                            .step_count = c.count,
+                            .variables = variables,
+                            .variable_count = section->variable_count,
+                            .minus_zero = FP3_NONE_INDEX};
+    all->operations += c.operations;
+    return status;
+}
+
+uint32_t fp3_convert_param(const fp3_step *step, const fp3_options *options, conversion *all,
+                           uint32_t param) {
+    const converter c = of_section(step, options, all);
+    uint32_t id = 0; /* the cut has made it known */
+    while (step->known.list[id].op != KNOWN_MODEL ||
+           step->model->exprs[step->known.list[id].a].op != FP3_EXPR_PARAM ||
+           step->model->exprs[step->known.list[id].a].index != param)
+        id++;
+    return known_ref(&c, id).index;
 }
 
 void fp3_convert_close(conversion *made) {

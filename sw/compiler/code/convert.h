@@ -32,4 +32,14 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
                        fp3_chain_nodes chain, conversion *made, fp3_error *error);
 void fp3_convert_close(conversion *made);
 
+/* A step in sections (compiler/phases): opened once for all of them, then a code for each, which the caller frees; its
+ * counts of params and constants are those of all sections, which are known after fp3_convert_end. */
+fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *error);
+fp3_status fp3_convert_section(const fp3_step *section, const fp3_options *options, conversion *all,
+                               fp3_step_code *code, fp3_error *error);
+/* Which of the params a param of the model is; it becomes one if it is none. */
+uint32_t fp3_convert_param(const fp3_step *step, const fp3_options *options, conversion *all,
+                           uint32_t param);
+void fp3_convert_end(const fp3_step *step, conversion *all);
+
 #endif

@@ -175,6 +175,10 @@ static uint32_t derivative_of(differentiation *k, uint32_t f) {
     case FP3_EXPR_STATE:
     case FP3_EXPR_TIME:
     case FP3_EXPR_INITIAL:
+    case FP3_EXPR_OTHER_STATE: /* of neighbours: a step that needs derivatives has none */
+    case FP3_EXPR_OTHER_PARAM:
+    case FP3_EXPR_FIELD:
+    case FP3_EXPR_TOTAL:
     case FP3_EXPR_OP_COUNT:
         break;
     }

@@ -22,6 +22,7 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
         l->user = user;
         l->notes = &a->step->notes;
         l->index = i;
+        l->sight = &a->step->sight;
         l->inside = a->inside.model ? &a->inside : NULL;
         l->kind = a->switchings.kind;
         snprintf(l->place, sizeof l->place, "%s%" PRIu32, prefix, i + 1);

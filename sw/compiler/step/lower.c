@@ -238,6 +238,28 @@ static int is_inside(const lowering *l, uint32_t expr) {
            fp3_turn_is_linear(l->model, l->kind, expr);
 }
 
+/* What the neighbour has there, objects see of each other. */
+static term others_state(lowering *l, uint32_t state) {
+    fp3_sight *sight = l->sight;
+    uint32_t i = 0;
+    while (i < sight->count && (sight->list[i].place != l->index || sight->list[i].state != state))
+        i++;
+    if (i == sight->count) {
+        if (sight->count == sight->room) {
+            const uint32_t room = sight->room ? 2 * sight->room : 16;
+            fp3_seen *list = realloc(sight->list, room * sizeof *list);
+            sight->has_failed |= !list;
+            if (!list)
+                return fp3_term(num(l->g, 0));
+            sight->list = list;
+            sight->room = room;
+        }
+        const uint32_t node = fp3_term_value(l->g, l->state(l, state));
+        sight->list[sight->count++] = (fp3_seen){l->index, state, node};
+    }
+    return fp3_term(fp3_dag_neighbour(l->g, NODE_OTHER_STATE, state, l->index, FP3_NONE));
+}
+
 static term lower(lowering *l, uint32_t expr) {
     const fp3_expr *e = expr_of(l, expr);
     const uint32_t *o = e->operand;
@@ -253,6 +275,14 @@ static term lower(lowering *l, uint32_t expr) {
         return l->state(l, e->index);
     case FP3_EXPR_TIME:
         return l->time;
+    case FP3_EXPR_OTHER_STATE:
+        return others_state(l, e->index);
+    case FP3_EXPR_OTHER_PARAM:
+        return fp3_term(fp3_dag_neighbour(g, NODE_OTHER_PARAM, e->index, FP3_NONE, FP3_NONE));
+    case FP3_EXPR_FIELD:
+        return fp3_term(fp3_dag_neighbour(g, NODE_FIELD, e->index, FP3_NONE, FP3_NONE));
+    case FP3_EXPR_TOTAL:
+        return fp3_term(fp3_dag_neighbour(g, NODE_TOTAL, value(l, o[0]), e->index, l->index));
     case FP3_EXPR_NEGATE:
         return fp3_term_negated(at(l, o[0]));
     case FP3_EXPR_ADD:

@@ -9,6 +9,17 @@
 #include "compiler/value/term.h"
 #include "notes.h"
 
+/* What neighbours see of an object at a place: a state, and the node of its value there. */
+typedef struct {
+    uint32_t place, state, node;
+} fp3_seen;
+
+typedef struct {
+    fp3_seen *list;
+    uint32_t count, room;
+    int has_failed; /* out of memory */
+} fp3_sight;
+
 /* Expressions at one place: a stage or a substep of one step. */
 typedef struct lowering {
     const fp3_model *model;
@@ -21,7 +32,8 @@ typedef struct lowering {
     fp3_notes *notes;
     char place[FP3_PLACE_SIZE]; /* as notes call it */
     uint32_t index;
-    term *value; /* of each expression that is_made */
+    fp3_sight *sight; /* of the step; NULL: there are no neighbours here */
+    term *value;      /* of each expression that is_made */
     char *is_made, *is_wanted;
     char *is_inverted; /* of each root: something is divided by it */
 } lowering;

@@ -19,6 +19,7 @@ void fp3_step_close(fp3_step *step) {
     fp3_dag_close(&step->values);
     fp3_dag_close(&step->last);
     free(step->variables);
+    free(step->sight.list);
     fp3_notes_close(&step->notes);
     *step = (fp3_step){0};
 }
@@ -46,8 +47,8 @@ uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state) {
 }
 
 fp3_status fp3_step_check(const fp3_step *step, fp3_error *error) {
-    if (step->notes.has_failed || step->known.has_failed || step->values.has_failed ||
-        step->last.has_failed)
+    if (step->notes.has_failed || step->sight.has_failed || step->known.has_failed ||
+        step->values.has_failed || step->last.has_failed)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (step->values.is_full || step->last.is_full)
         return fp3_fail(error, FP3_E_LIMIT,

@@ -6,6 +6,7 @@
 #define FP3_STEP_H
 
 #include "compiler/value/term.h"
+#include "lower.h"
 #include "notes.h"
 #include "options.h"
 
@@ -19,7 +20,8 @@ typedef enum {
     ROLE_SLEPT,       /* adaptive steps: written by `sleep`; 0: awake */
     ROLE_LOW, /* the second word of a state: of all in double-single, of t with adaptive steps */
     ROLE_LOW_BEFORE, /* and of the state one step ago */
-    ROLE_CARRIED     /* a value that the next step needs again; the host does not see it */
+    ROLE_CARRIED,    /* a value that the next step needs again; the host does not see it */
+    ROLE_LIST        /* where the object's list of neighbours is; `state`: which relation */
 } role;
 
 typedef struct {
@@ -41,6 +43,7 @@ typedef struct {
         tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: nobody sleeps */
     uint32_t least; /* of known: a number below which that counts as 0 */
     uint32_t rest_note;
+    fp3_sight sight; /* what neighbours see */
     fp3_notes notes;
 } fp3_step;
 

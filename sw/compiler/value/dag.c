@@ -92,6 +92,11 @@ uint32_t fp3_dag_first(dag *g, uint32_t node) {
 
 uint32_t fp3_dag_variable(dag *g, uint32_t index) { return leaf(g, NODE_VARIABLE, index); }
 
+uint32_t fp3_dag_neighbour(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c) {
+    const uint32_t there = fp3_dag_find(g, op, a, b, c);
+    return there != FP3_NONE ? there : fp3_dag_make(g, op, a, b, c);
+}
+
 uint32_t fp3_dag_is_known(const dag *g, uint32_t node) {
     return node < g->count && g->nodes[node].op == NODE_KNOWN ? g->nodes[node].a : FP3_NONE;
 }

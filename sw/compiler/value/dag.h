@@ -14,10 +14,15 @@
 enum {
     NODE_KNOWN = 256,
     NODE_VARIABLE,
-    NODE_QUOTIENT,      /* a / b */
-    NODE_ROOT,          /* of a */
-    NODE_INVERSE_ROOT,  /* 1 / its root */
-    NODE_FIRST,         /* the first word of a: what is made of it and of known values is a float */
+    NODE_QUOTIENT,     /* a / b */
+    NODE_ROOT,         /* of a */
+    NODE_INVERSE_ROOT, /* 1 / its root */
+    NODE_FIRST,        /* the first word of a: what is made of it and of known values is a float */
+    /* Of the neighbour that a sum is at. Leaves; b is the place (lowering) whose values it shows. */
+    NODE_OTHER_STATE,   /* a: of the model's states */
+    NODE_OTHER_PARAM,   /* a: of its params; b: FP3_NONE */
+    NODE_FIELD,         /* a: of its fields; b: FP3_NONE */
+    NODE_TOTAL,         /* the sum of node a over the neighbours of relation b, at place c */
     NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
 
@@ -48,6 +53,8 @@ void fp3_dag_close(dag *g);
 uint32_t fp3_dag_known(dag *g, uint32_t known);
 uint32_t fp3_dag_number(dag *g, double number);
 uint32_t fp3_dag_variable(dag *g, uint32_t index);
+/* A leaf of a neighbour, or a sum over neighbours, each once. */
+uint32_t fp3_dag_neighbour(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
 
 /* Where nodes stand for pairs: its first word, to compute with in floats. Else the node itself. */
 uint32_t fp3_dag_first(dag *g, uint32_t node);

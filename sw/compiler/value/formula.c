@@ -93,6 +93,28 @@ static void print_infix(printer *p, const fp3_expr *e, int around) {
     put(p, level < around ? ")" : "");
 }
 
+/* What belongs to a neighbour; a sum over neighbours, without their name. */
+static void print_neighbours(printer *p, const fp3_expr *e) {
+    const fp3_model *m = p->model;
+    if (e->op == FP3_EXPR_TOTAL) {
+        put(p, "sum(");
+        put(p, m->relations[e->index].name);
+        put(p, ": ");
+        print(p, e->operand[0], LOOSE);
+        put(p, ")");
+        return;
+    }
+    put(p, "other.");
+    put(p, e->op == FP3_EXPR_OTHER_STATE   ? m->states[e->index].name
+           : e->op == FP3_EXPR_OTHER_PARAM ? m->params[e->index].name
+                                           : m->fields[e->index].name);
+}
+
+static int is_of_neighbours(fp3_expr_op op) {
+    return op == FP3_EXPR_TOTAL || op == FP3_EXPR_OTHER_STATE || op == FP3_EXPR_OTHER_PARAM ||
+           op == FP3_EXPR_FIELD;
+}
+
 static void print(printer *p, uint32_t expr, int around) {
     const fp3_expr *e = &p->model->exprs[expr];
     if (is_long(p))
@@ -114,6 +136,8 @@ static void print(printer *p, uint32_t expr, int around) {
         put(p, "t");
     else if (e->op == FP3_EXPR_PARAM)
         put(p, p->model->params[e->index].name);
+    else if (is_of_neighbours(e->op))
+        print_neighbours(p, e);
     else if (e->op == FP3_EXPR_NEGATE) {
         put(p, around > SUM ? "(-" : "-");
         print(p, e->operand[0], UNARY);

@@ -370,6 +370,28 @@ typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
  * also if there is no such object. */
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
+/* ---- neighbours (docs/relations.md) ----
+ *
+ * A program with neighbours goes through lists of other objects. A step of it has phases: in each, an
+ * object reads what its neighbours held when the phase began. All objects of a group make a phase
+ * before any begins the next one.
+ */
+
+/* One list of each object of a group. */
+typedef struct {
+    /* objects + 1 numbers, ascending from 0: object i, counted in its group, has the entries
+     * begin[i] .. begin[i+1]-1. NULL: each has all other objects, in the order of their numbers. */
+    const uint32_t *begin;
+    const uint32_t *other; /* of each entry: the neighbour, counted in the group */
+    const float *fields;   /* of each entry, entry by entry; as many as the list has. NULL: none */
+} fp3_neighbours;
+
+/* Gives a list, which is copied; name is that of its register. It holds until the next load; a run
+ * needs all lists of its programs. FP3_E_ARGUMENT: no such group or list; an entry is no other object
+ * of the group; nothing is loaded. The list is then as it was. */
+fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
+                                     const fp3_neighbours *neighbours);
+
 /* ---- runs of adaptive steps (fp3/compile.h) ---- */
 
 #define FP3_ADAPTIVE_ATTEMPTS 1000000u /* the default limit */

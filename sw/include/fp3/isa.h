@@ -58,6 +58,11 @@ enum fp3_opcode {
     FP3_OP_RINT  = 22,
     FP3_OP_EXP2  = 23,
     FP3_OP_LOGB  = 24,
+    FP3_OP_EACH  = 128,
+    FP3_OP_NEXT  = 129,
+    FP3_OP_LDN   = 130,
+    FP3_OP_LDL   = 131,
+    FP3_OP_PHASE = 132,
 };
 
 /* The hardware's counters: docs/registers.md. */

@@ -64,7 +64,11 @@ FP3_API_BEGIN
     X(LOG2, 1, 0)                                                                                  \
     X(EXPM1, 1, 0)                                                                                 \
     X(LOG1P, 1, 0)                                                                                 \
-    X(LOGISTIC, 1, 0)
+    X(LOGISTIC, 1, 0)                                                                              \
+    X(OTHER_STATE, 0, 0) /* of a neighbour; index: of states */                                    \
+    X(OTHER_PARAM, 0, 0) /* likewise; index: of params */                                          \
+    X(FIELD, 0, 0)       /* of the link to it; index: of fields */                                 \
+    X(TOTAL, 1, 0)       /* sum of a over all neighbours, from -0 on; index: of relations */
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
@@ -127,6 +131,25 @@ typedef struct {
     int stops; /* 1: from then on the object keeps its states and its time. It may set none */
 } fp3_event;
 
+#define FP3_RELATIONS_MAX 8
+
+/* Which other objects an object sees. */
+typedef enum {
+    FP3_LINKS, /* those that it is linked with */
+    FP3_NEAR,  /* those that are nearer than `reach` */
+    FP3_ALL    /* all others */
+} fp3_relation_kind;
+
+typedef struct {
+    char name[FP3_NAME_SIZE];
+    fp3_relation_kind kind;
+    uint32_t first_field, field_count; /* links: of fp3_model.fields */
+    /* near: the first state of the position, how many components it has, and an expression of
+     * shared params. */
+    uint32_t position, dimensions, reach;
+    uint32_t line;
+} fp3_relation;
+
 typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
@@ -144,6 +167,10 @@ typedef struct {
     fp3_event *projections;
     fp3_assignment *assignments;
     fp3_expr *exprs;
+    /* How objects see others; the fields of links have a value (default), a unit and no equation. */
+    uint32_t relation_count, field_count;
+    fp3_relation *relations;
+    fp3_quantity *fields;
 } fp3_model;
 
 /* source has size bytes, needs no NUL and may hold any bytes. name appears in the report.

@@ -1,0 +1,41 @@
+/* neighbours.h - the lists of neighbours of a group's objects, which its program's loops go through. */
+#ifndef FP3_ENGINE_NEIGHBOURS_H
+#define FP3_ENGINE_NEIGHBOURS_H
+
+#include "image/neighbours.h"
+
+#include <fp3/engine.h>
+
+/* One list of each object of a group. */
+typedef struct {
+    uint32_t reg, fields; /* as of fp3_list_shape */
+    int is_there;         /* the host has given it */
+    int is_all;           /* all other objects, in the order of their numbers */
+    uint32_t objects;
+    uint32_t *begin; /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */
+    uint32_t *other; /* of each entry: a number in the group */
+    uint32_t *field; /* FP32 bits: `fields` words of each entry */
+} fp3_list;
+
+typedef struct {
+    fp3_neighbourhood shape;
+    fp3_list lists[FP3_LISTS_MAX];
+} fp3_lists;
+
+/* No list is there yet. */
+void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists *lists);
+void fp3_lists_close(fp3_lists *lists);
+/* The list of register reg, which there is. */
+fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
+/* FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
+
+static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
+    return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];
+}
+
+static inline uint32_t fp3_list_entry(const fp3_list *list, uint32_t object, uint32_t turn) {
+    return list->is_all ? turn + (turn >= object) : list->other[list->begin[object] + turn];
+}
+
+#endif

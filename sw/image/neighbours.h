@@ -1,0 +1,38 @@
+/* neighbours.h - what a program reads of other objects: its lists, its phases, what it publishes.
+ *
+ * A program with neighbours has loops (`each` .. `next`) and phases (`phase`). In a phase all loads come
+ * before all stores, so what a neighbour's record held when the phase began is what a machine without a
+ * second copy of it reads, too, if no object stores before the last has loaded.
+ */
+#ifndef FP3_IMAGE_NEIGHBOURS_H
+#define FP3_IMAGE_NEIGHBOURS_H
+
+#include <fp3/image.h>
+
+#define FP3_LISTS_MAX 8
+
+/* A list of neighbours that each object has. */
+typedef struct {
+    uint32_t reg;    /* that `each` names */
+    uint32_t fields; /* of an entry: the `ldl` of the loop */
+} fp3_list_shape;
+
+typedef struct {
+    fp3_list_shape lists[FP3_LISTS_MAX];
+    uint32_t list_count;
+    uint64_t published; /* words that `ldn` reads: bit r for register r */
+    uint32_t phases;    /* of a step */
+    int is_any;         /* there is an instruction with neighbours */
+} fp3_neighbourhood;
+
+/* FP3_E_PROGRAM: a loop within a loop, or without its end; `ldn` or `ldl` outside of a loop; a phase within a loop;
+ * a first or a last part; a store in a loop; a load behind a store of the same phase; a phase that
+ * does not store a word which neighbours read and another phase stores; loops over one list with different
+ * numbers of fields; more than FP3_LISTS_MAX lists; `sleep` beside all this. */
+fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
+                                  fp3_error *error);
+
+/* Index of the `next` of the loop that begins at `each`. */
+uint32_t fp3_neighbourhood_end(const struct fp3_decoded *decoded, uint32_t each);
+
+#endif
