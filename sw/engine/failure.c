@@ -191,7 +191,7 @@ static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *co
 
 static fp3_status find_failures(fp3_engine *engine) {
     fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
-        engine->backend->failures ? engine->backend->failures : find_again;
+        engine->origin->registers ? find_again : engine->backend->failures;
     const fp3_status status = of_engine(engine, &engine->failures.list, &engine->failures.count);
     if (status) {
         free(engine->failures.list);

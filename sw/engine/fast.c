@@ -3,16 +3,14 @@
  * It holds objects as columns, a word of each object in the order of their numbers, made when they
  * are first needed; what was never written is 0.
  */
-#include "backend.h"
+#include "fast_own.h"
 
 #include "base/threads.h"
 #include "checks.h"
-#include "fast/fast.h"
 #include "machine/ahead.h"
 #include "words.h"
 
 #include <fp3/isa.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,46 +20,6 @@
 #define WORTH_A_THREAD 1e7
 #define WORTH_INTERPRETED 4e5
 #define THREADS_MOST 1024u
-
-/* A program and its objects. */
-typedef struct {
-    fp3_fast *program;
-    uint8_t *is_ahead;
-    uint32_t *awake; /* by number, if it can sleep */
-    uint32_t awake_count;
-} group;
-
-/* What the threads share: block n is of the group whose blocks begin at or before it. */
-typedef struct {
-    fp3_engine *engine;
-    uint32_t steps;
-    uint64_t blocks;
-    atomic_uint_fast64_t next;
-} work;
-
-/* A thread's. */
-typedef struct {
-    fp3_fast_worker *worker; /* NULL until it is needed */
-    uint64_t block;          /* that it has in hand */
-    fp3_status status;
-    fp3_error error;
-} hand;
-
-typedef struct {
-    uint32_t *column[FP3_BANK_OBJECT_COUNT];
-    uint32_t *status;
-    uint32_t
-        *slept_in; /* the number of the run in which an object fell asleep, or ASLEEP; 0: awake */
-    uint32_t runs; /* since the last list, from ASLEEP on */
-    int has_steps; /* the last run */
-    uint32_t *shared; /* of all groups */
-    group *groups;
-    uint32_t count;
-    fp3_threads *threads;
-    work work; /* of a run */
-    hand *hands;
-    uint32_t hand_count, used; /* all; those of the last run */
-} fast;
 
 static fp3_status no_memory(fp3_engine *engine) {
     return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
@@ -111,6 +69,7 @@ static void unload(fast *self) {
         fp3_fast_free(&self->groups[i].program);
         free(self->groups[i].is_ahead);
         free(self->groups[i].awake);
+        fp3_around_forget(&self->groups[i]);
         self->groups[i] = (group){0};
     }
     self->count = 0;
@@ -124,8 +83,10 @@ static void fast_close(fp3_engine *engine) {
     unload(self);
     for (uint32_t i = 0; self->hands && i < self->hand_count; i++)
         fp3_fast_worker_free(&self->hands[i].worker);
-    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+    for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++) {
         fp3_words_free(engine, self->column[i], engine->objects);
+        fp3_words_free(engine, self->other_half[i], engine->objects);
+    }
     free(self->hands);
     free(self->groups);
     free(self->shared);
@@ -155,7 +116,8 @@ static fp3_fast_def def_of(const fp3_engine *engine, const fp3_members *members)
                           .states = fp3_engine_states_of(members),
                           .is_interpreted = engine->def.is_interpreted,
                           .is_without_compiler = engine->def.is_without_compiler,
-                          .native = engine->def.native};
+                          .native = engine->def.native,
+                          .around = &members->lists.shape};
 }
 
 static fp3_status load_group(fp3_engine *engine, uint32_t i) {
@@ -173,6 +135,13 @@ static fp3_status load_group(fp3_engine *engine, uint32_t i) {
 static fp3_status fast_check(fp3_engine *engine, const fp3_members *members) {
     const fp3_fast_def def = def_of(engine, members);
     return fp3_fast_check(&def, engine->def.error);
+}
+
+static fp3_status fast_connect(fp3_engine *engine, fp3_members *members, const fp3_list *list) {
+    fast *self = engine->self;
+    (void)list;
+    fp3_around_forget(&self->groups[members - engine->layout.groups]);
+    return FP3_OK;
 }
 
 static fp3_status fast_load(fp3_engine *engine) {
@@ -368,7 +337,9 @@ static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     for (uint32_t i = 0; i < self->count; i++)
         self->work.blocks += blocks_of(engine, i);
     fp3_status status = need_workers(engine, hands_for(engine));
-    if (!status && steps && engine->def.tasks)
+    if (!status && engine->layout.groups[0].lists.shape.is_any)
+        status = fp3_around_run(engine, steps);
+    else if (!status && steps && engine->def.tasks)
         engine->def.tasks(engine->def.tasks_user, take_part, self, self->used);
     else if (!status && steps)
         fp3_threads_run(self->threads, take_part, self, self->used);
@@ -464,6 +435,7 @@ const fp3_backend fp3_backend_fast = {
     .load = fast_load,
     .read = fast_read,
     .write = fast_write,
+    .connect = fast_connect,
     .list = fast_list,
     .run = fast_run,
     .failures = fast_failures,

@@ -168,8 +168,9 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     fp3_life_forget(engine);
     engine->sleepers.is_known = engine->sleepers.is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
-    fp3_origin_load(engine, l->objects != NULL);
-    fp3_status status = engine->backend->load(engine);
+    fp3_status status = fp3_origin_load(engine, l->objects != NULL);
+    if (!status)
+        status = engine->backend->load(engine);
     if (!status && l->objects)
         status = fp3_luggage_unpack(engine, l);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)

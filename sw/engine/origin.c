@@ -5,13 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-fp3_status fp3_origin_open(fp3_engine *engine) {
+static void forget_copies(fp3_origin *o) {
+    free(o->registers);
+    free(o->constants);
+    free(o->known);
+    free(o->began);
+    *o = (fp3_origin){0};
+}
+
+static fp3_status make_copies(fp3_engine *engine) {
     const size_t registers = engine->config->registers;
-    fp3_origin *o = engine->origin = calloc(1, sizeof *o);
-    if (!o)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    if (engine->backend->failures)
-        return FP3_OK;
+    fp3_origin *o = engine->origin;
     *o = (fp3_origin){.registers = calloc(engine->objects * registers, sizeof *o->registers),
                       .constants = calloc(fp3_config_schedulers(engine->config) * registers,
                                           sizeof *o->constants),
@@ -24,14 +28,18 @@ fp3_status fp3_origin_open(fp3_engine *engine) {
     return FP3_OK;
 }
 
+fp3_status fp3_origin_open(fp3_engine *engine) {
+    engine->origin = calloc(1, sizeof *engine->origin);
+    if (!engine->origin)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return engine->backend->failures ? FP3_OK : make_copies(engine);
+}
+
 void fp3_origin_close(fp3_engine *engine) {
     fp3_origin *o = engine->origin;
     if (!o)
         return;
-    free(o->registers);
-    free(o->constants);
-    free(o->known);
-    free(o->began);
+    forget_copies(o);
     free(o);
     engine->origin = NULL;
 }
@@ -57,13 +65,28 @@ void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words) {
         o->known[cells.first + i] |= (uint64_t)1 << cells.number;
 }
 
-void fp3_origin_load(fp3_engine *engine, int is_moved) {
+/* Of objects that see each other no engine knows who failed. */
+static int needs_copies(const fp3_engine *engine) {
+    int is_any = !engine->backend->failures;
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        is_any |= engine->layout.groups[i].lists.shape.is_any;
+    return is_any;
+}
+
+fp3_status fp3_origin_load(fp3_engine *engine, int is_moved) {
     fp3_origin *o = engine->origin;
+    const int has = o->registers != NULL;
+    fp3_status status = FP3_OK;
     o->is_complete = 0;
-    if (!is_moved || !o->registers)
-        return;
+    if (has && !needs_copies(engine))
+        forget_copies(o);
+    else if (!has && needs_copies(engine))
+        status = make_copies(engine);
+    if (status || (has && !is_moved) || !o->registers)
+        return status;
     o->has_constants = 0;
     memset(o->known, 0, engine->objects * sizeof *o->known);
+    return FP3_OK;
 }
 
 /* ---- a run ---- */

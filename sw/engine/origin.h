@@ -8,7 +8,7 @@
 
 #include "backend.h"
 
-/* An engine that finds failures by itself keeps no copies: the pointers are NULL. */
+/* An engine that finds failures by itself keeps no copies, unless objects see each other: the pointers are NULL. */
 struct fp3_origin {
     uint32_t *registers; /* columns of all objects */
     uint32_t *constants; /* of all groups */
@@ -27,8 +27,8 @@ void fp3_origin_close(fp3_engine *engine);
 
 /* The host writes. */
 void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words);
-/* A load. is_moved: objects and constants are elsewhere, and may have lost something. */
-void fp3_origin_load(fp3_engine *engine, int is_moved);
+/* A load. is_moved: objects and constants are elsewhere, and may have lost something. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_origin_load(fp3_engine *engine, int is_moved);
 
 /* Before and after a run of so many steps. */
 fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps);

@@ -1,6 +1,8 @@
 /* drive.c - see drive.h. */
 #include "drive.h"
 
+#include "raised.h"
+
 #include "gen/registers.h"
 #include <fp3/isa.h>
 #include <string.h>
@@ -33,17 +35,6 @@ static void forget_flags(void) {
     const uint32_t now = _mm_getcsr();
     if (now & STICKY)
         _mm_setcsr(now & ~STICKY);
-}
-
-static uint32_t raised(unsigned seen) {
-    static const uint32_t of[] = {FP3_FLAG_INVALID,        0,
-                                  FP3_FLAG_DIVIDE_BY_ZERO, FP3_FLAG_OVERFLOW,
-                                  FP3_FLAG_UNDERFLOW,      FP3_FLAG_INEXACT};
-    const uint32_t sticky = _mm_getcsr();
-    uint32_t flags = seen & FP3_SEEN_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0;
-    for (unsigned i = 0; i < sizeof of / sizeof *of; i++)
-        flags |= sticky >> i & 1 ? of[i] : 0;
-    return flags;
 }
 
 /* ---- executing ---- */
@@ -226,7 +217,7 @@ static void make(const fp3_drive *d, const stretch *s) {
         remember(d, s);
         forget_flags();
         execute(d, d->lanes, s);
-        const uint32_t flags = raised(d->lanes->seen);
+        const uint32_t flags = fp3_fast_raised(d->lanes->seen);
         look_for_subnormals(d->lanes);
         ask_flags(d, s, flags);
     }

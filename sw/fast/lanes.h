@@ -282,5 +282,17 @@ FP3_OPERATION fp3_v fp3_logb(fp3_v a) {
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)bits);
 }
 
+/* Each lane's value from another lane. */
+FP3_OPERATION fp3_v fp3_from(fp3_v a, fp3_i lane) {
+#if defined __GNUC__ && !defined __clang__
+    return __builtin_shuffle(a, lane);
+#else
+    fp3_v made = a;
+    for (int i = 0; i < FP3_LANES; i++)
+        made[i] = a[lane[i]];
+    return made;
+#endif
+}
+
 /* |a| < b, as sleep compares. */
 FP3_OPERATION fp3_i fp3_sleeps(fp3_v a, fp3_v b) { return fp3_is_less_raw(fp3_abs(a), b); }

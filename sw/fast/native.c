@@ -54,6 +54,7 @@ static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *err
         return fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
     void *symbol = dlsym(native->library, FP3_FAST_NAME);
     memcpy(&native->stretch, &symbol, sizeof symbol);
+    memcpy(&native->around, &symbol, sizeof symbol);
     if (symbol)
         return FP3_OK;
     fp3_fast_native_close(native);

@@ -17,9 +17,14 @@
 typedef void fp3_fast_stretch(const fp3_fast_place *place, unsigned parts, unsigned steps,
                               unsigned before);
 
+/* Vectors first .. end - 1 of the lists make a phase. */
+typedef void fp3_fast_around_fn(const fp3_fast_around *around, unsigned phase, unsigned first,
+                                unsigned end);
+
 typedef struct {
     void *library;
-    fp3_fast_stretch *stretch;
+    fp3_fast_stretch *stretch;  /* of a program without neighbours */
+    fp3_fast_around_fn *around; /* of one with neighbours */
     char no_cache[112]; /* why what was compiled now is not kept; "": it is, or nothing was */
 } fp3_fast_native;
 

@@ -4,6 +4,7 @@
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 static uint64_t bit(uint32_t operand) {
     return operand < FP3_BANK_SHARED_BASE ? (uint64_t)1 << operand : 0;
@@ -15,6 +16,15 @@ static int is_arithmetic(const fp3_instruction *in) {
 
 static int is_load(const fp3_instruction *in) {
     return in->op == FP3_OP_LD || in->op == FP3_OP_LDS;
+}
+
+static int is_of_neighbour(const fp3_instruction *in) {
+    return in->op == FP3_OP_LDN || in->op == FP3_OP_LDL;
+}
+
+/* Sources that are registers: what `ldn` names is a word of another object. */
+static uint32_t sources_of(const fp3_instruction *in) {
+    return is_of_neighbour(in) ? 0 : fp3_operation_find(in->op)->sources;
 }
 
 /* ---- reading ---- */
@@ -42,14 +52,15 @@ static fp3_status check(const fp3_fast_plan *plan, uint32_t pc, uint32_t in_fron
 
 static void note(fp3_fast_plan *plan, uint32_t pc) {
     const fp3_instruction *in = &plan->code[pc].in;
-    const fp3_operation *of = fp3_operation_find(in->op);
-    for (uint32_t i = 0; i < of->sources; i++) {
+    for (uint32_t i = 0; i < sources_of(in); i++) {
         const uint32_t operand = fp3_operand(in, "abc"[i]);
         if (operand >= FP3_BANK_SHARED_BASE)
             plan->constants |= (uint64_t)1 << (operand - FP3_BANK_SHARED_BASE);
     }
     if (is_load(in))
         plan->read |= bit(in->d);
+    if (in->op == FP3_OP_LDN)
+        plan->read |= bit(in->a);
     if (in->op == FP3_OP_ST)
         plan->stored |= bit(in->d);
     for (int i = 0; i < FP3_PARTS; i++) {
@@ -89,20 +100,50 @@ static uint64_t before(const fp3_instruction *in, uint64_t live, uint64_t asleep
         live |= bit(in->d);
     if (in->op == FP3_OP_SLEEP)
         live |= asleep;
-    for (uint32_t i = 0; i < of->sources; i++)
+    for (uint32_t i = 0; i < sources_of(in); i++)
         live |= bit(fp3_operand(in, "abc"[i]));
+    return live;
+}
+
+static uint64_t pass_words(fp3_fast_plan *plan, uint32_t first, uint32_t end, uint64_t live,
+                           uint64_t asleep);
+
+/* Of a loop: what the next neighbour needs is read, too. */
+static uint64_t pass_loop(fp3_fast_plan *plan, fp3_fast_loop *loop, uint64_t after) {
+    uint64_t head = 0, written = 0;
+    for (uint64_t old = UINT64_MAX; head != old;) {
+        old = head;
+        head = pass_words(plan, loop->first, loop->end, after | head, 0);
+    }
+    for (uint32_t pc = loop->first; pc < loop->end; pc++)
+        written |= bit(plan->code[pc].in.d);
+    loop->kept = written & (after | head);
+    loop->outside = head & ~loop->kept;
+    return after | head;
+}
+
+static uint64_t pass_words(fp3_fast_plan *plan, uint32_t first, uint32_t end, uint64_t live,
+                           uint64_t asleep) {
+    for (uint32_t pc = end; pc-- > first;) {
+        fp3_fast_word *p = &plan->code[pc];
+        uint32_t loop = 0;
+        while (loop < plan->loop_count && plan->loops[loop].end != pc)
+            loop++;
+        if (loop < plan->loop_count) {
+            live = pass_loop(plan, &plan->loops[loop], live);
+            pc = plan->loops[loop].first - 1; /* `each` */
+            continue;
+        }
+        p->is_dead = is_arithmetic(&p->in) && !(live & bit(p->in.d));
+        live = before(&p->in, live, asleep);
+    }
     return live;
 }
 
 /* Of a part: live before it, from what is live after it. Notes whose results nobody reads. */
 static uint64_t pass(fp3_fast_plan *plan, fp3_fast_part_number part, uint64_t live,
                      uint64_t asleep) {
-    for (uint32_t pc = plan->part[part].end; pc-- > plan->part[part].first;) {
-        fp3_fast_word *p = &plan->code[pc];
-        p->is_dead = is_arithmetic(&p->in) && !(live & bit(p->in.d));
-        live = before(&p->in, live, asleep);
-    }
-    return live;
+    return pass_words(plan, plan->part[part].first, plan->part[part].end, live, asleep);
 }
 
 static uint64_t writes_of(const fp3_fast_plan *plan, fp3_fast_part_number part) {
@@ -151,27 +192,70 @@ static int makes_subnormal(uint32_t op) { return op == FP3_OP_RCP || op == FP3_O
  * and may hold either. */
 static void follow(fp3_fast_word *p, int subnormal, unsigned char *from, uint64_t *mixed) {
     const fp3_instruction *in = &p->in;
-    const fp3_operation *of = fp3_operation_find(in->op);
     if (in->op == FP3_OP_ST && from[in->d] == (OF_HOST | OF_ADDER))
         *mixed |= bit(in->d);
     if (in->op == FP3_OP_ST)
         p->is_one_nan = from[in->d] == OF_ADDER;
-    if (is_load(in))
+    if (is_load(in) || is_of_neighbour(in))
         from[in->d] = OF_HOST;
     if (in->op == FP3_OP_SLEEP)
         from[in->d] |= OF_HOST;
     if (!is_arithmetic(in))
         return;
     p->is_behind = in->op == FP3_OP_RSQRT || (!subnormal && makes_subnormal(in->op));
-    for (uint32_t i = 0; !is_sum(in->op) && i < of->sources; i++)
+    for (uint32_t i = 0; !is_sum(in->op) && i < sources_of(in); i++)
         p->is_behind |= origin(from, fp3_operand(in, "abc"[i])) & OF_HOST;
     from[in->d] = OF_ADDER;
 }
 
 static void follow_part(fp3_fast_plan *plan, fp3_fast_part_number part, unsigned char *from,
                         uint64_t *mixed) {
-    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++)
+    unsigned char outside[FP3_BANK_OBJECT_COUNT] = {0};
+    uint32_t loop = 0;
+    int turns = 0;
+    for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
         follow(&plan->code[pc], plan->config->subnormal != 0, from, mixed);
+        if (loop == plan->loop_count)
+            continue;
+        if (plan->code[pc].in.op == FP3_OP_EACH)
+            memcpy(outside, from, sizeof outside);
+        if (pc != plan->loops[loop].end)
+            continue;
+        for (int i = 0; i < FP3_BANK_OBJECT_COUNT; i++)
+            from[i] |= outside[i]; /* there may be no neighbour, or another */
+        if (++turns < 2) {
+            pc = plan->loops[loop].first - 1;
+        } else {
+            turns = 0;
+            loop++;
+        }
+    }
+}
+
+/* ---- loops and phases ---- */
+
+static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
+    uint32_t phases = 0;
+    plan->loops = calloc(plan->count + 1u, sizeof *plan->loops);
+    plan->phase = calloc(plan->around.phases + 2u, sizeof *plan->phase);
+    if (!plan->loops || !plan->phase)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t pc = 0; pc < plan->count; pc++) {
+        const fp3_instruction *in = &plan->code[pc].in;
+        fp3_fast_loop *loop = &plan->loops[plan->loop_count];
+        if (in->op == FP3_OP_EACH) {
+            loop->first = pc + 1;
+            while (plan->around.lists[loop->list].reg != in->d)
+                loop->list++;
+        } else if (in->op == FP3_OP_NEXT) {
+            loop->end = pc;
+            plan->loop_count++;
+        } else if (in->op == FP3_OP_PHASE) {
+            plan->phase[++phases] = pc + 1;
+        }
+    }
+    plan->phase[++phases] = plan->count;
+    return FP3_OK;
 }
 
 /* The second pass of the step part begins with what the first part or a step left. */
@@ -212,16 +296,20 @@ static void mark(fp3_fast_plan *plan) {
 /* ---- all ---- */
 
 fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, uint64_t states,
-                              fp3_fast_plan *plan, fp3_error *error) {
+                              const fp3_neighbourhood *around, fp3_fast_plan *plan,
+                              fp3_error *error) {
     *plan = (fp3_fast_plan){.config = config,
                             .code = calloc(code->count ? code->count : 1, sizeof *plan->code),
                             .count = code->count,
+                            .around = *around,
                             .slept = code->slept};
     plan->part[FP3_PART_FIRST].end = plan->part[FP3_PART_STEP].first = code->step;
     plan->part[FP3_PART_STEP].end = plan->part[FP3_PART_LAST].first = code->last;
     plan->part[FP3_PART_LAST].end = code->count;
     fp3_status status =
         plan->code ? decode(code, plan, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!status && around->is_any)
+        status = find_loops(plan, error);
     if (status) {
         fp3_fast_plan_free(plan);
         return status;
@@ -233,5 +321,7 @@ fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, ui
 
 void fp3_fast_plan_free(fp3_fast_plan *plan) {
     free(plan->code);
+    free(plan->loops);
+    free(plan->phase);
     *plan = (fp3_fast_plan){0};
 }

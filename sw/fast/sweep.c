@@ -232,6 +232,15 @@ static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast
     make_part(&m, plan, part, steps);
 }
 
+static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
+                      uint32_t end) {
+    machine m = {.place = place};
+    for (uint32_t pc = first; pc < end; pc++) {
+        m.now = &plan->code[pc];
+        execute(&m);
+    }
+}
+
 static int is_any(fp3_i mask) {
     int any = 0;
     for (int i = 0; i < FP3_LANES; i++)
@@ -421,4 +430,4 @@ static int is_any_astray(const float *row, unsigned count) {
     return is_any != 0;
 }
 
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, run_tiny, watch, is_any_astray};
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, run_tiny, watch, run_words, is_any_astray};

@@ -45,6 +45,9 @@ typedef struct {
     /* The same, and what it does to each object is added to *witness. */
     void (*watch)(const fp3_watch_plan *plan, const fp3_fast_place *place,
                   fp3_fast_part_number part, uint32_t steps, uint32_t number, fp3_witness *witness);
+    /* Words first .. end - 1 of the program, once. */
+    void (*run_words)(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
+                      uint32_t end);
     /* 0: none of these values is infinite or a NaN. */
     int (*is_any_astray)(const float *row, unsigned count);
 } fp3_sweep;

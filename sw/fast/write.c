@@ -124,7 +124,7 @@ static uint64_t registers_of(const fp3_fast_plan *plan) {
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
         set |= (uint64_t)1 << in->d;
-        for (uint32_t i = 0; i < fp3_operation_find(in->op)->sources; i++)
+        for (uint32_t i = 0; in->op != FP3_OP_LDN && i < fp3_operation_find(in->op)->sources; i++)
             if (fp3_operand(in, "abc"[i]) < FP3_BANK_SHARED_BASE)
                 set |= (uint64_t)1 << fp3_operand(in, "abc"[i]);
     }
@@ -220,19 +220,144 @@ static unsigned beside_of(const fp3_fast_plan *plan) {
     return count <= 40 ? 8 : count <= 250 ? 4 : 2;
 }
 
+static void stretch(writer *w) {
+    fprintf(w->to, "void " FP3_FAST_NAME
+                   "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
+    declare(w);
+    fprintf(w->to, "    unsigned long j = 0;\n");
+    /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for four. */
+    for (unsigned beside = beside_of(w->plan); beside; beside /= 2)
+        loop(w, beside);
+    fprintf(w->to, "}\n");
+}
+
+/* ---- phases, with neighbours ---- */
+
+/* Registers of the vector are r5_0. Within a loop they are r5_1: where an object has no neighbour, another of the vector
+ * stands in for it with all that it has. */
+enum { OUTSIDE = 0, WITHIN = 1 };
+
+static void declare_around(const writer *w) {
+    const fp3_fast_plan *plan = w->plan;
+    fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
+                   "    fp3_i lanes;\n    for (int i = 0; i < FP3_LANES; i++)\n        lanes[i] = i;\n");
+    FP3_EACH_REGISTER (plan->constants, k)
+        fprintf(w->to,
+                "    const fp3_v k%" PRIu32 " = (fp3_v)fp3_all(p->constants[%" PRIu32
+                "]);\n    (void)k%" PRIu32 ";\n",
+                k, k, k);
+    FP3_EACH_REGISTER (plan->read, reg)
+        fprintf(w->to,
+                "    const fp3_loose *const o%" PRIu32 " = (const fp3_loose *)p->own[%" PRIu32
+                "];\n    const float *const s%" PRIu32 " = p->seen[%" PRIu32
+                "];\n    (void)o%" PRIu32 ";\n    (void)s%" PRIu32 ";\n",
+                reg, reg, reg, reg, reg, reg);
+    FP3_EACH_REGISTER (plan->stored, reg)
+        fprintf(w->to,
+                "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->next[%" PRIu32 "];\n", reg,
+                reg);
+}
+
+static void of_neighbour(const writer *w, const fp3_instruction *in) {
+    if (in->op == FP3_OP_LDN)
+        fprintf(w->to,
+                "            r%" PRIu32 "_1 = base >= 0 ? (fp3_v)*(const fp3_loose *)(s%" PRIu32
+                " + base) : (fp3_v)fp3_entry((const int *)s%" PRIu32 ", other);\n",
+                in->d, in->a, in->a);
+    else
+        fprintf(w->to, "            r%" PRIu32 "_1 = *field++;\n", in->d);
+}
+
+static void loop_around(const writer *w, const fp3_fast_loop *l) {
+    const fp3_fast_plan *plan = w->plan;
+    uint64_t named = l->outside | l->kept;
+    for (uint32_t pc = l->first; pc < l->end; pc++)
+        named |= (uint64_t)1 << plan->code[pc].in.d;
+    fprintf(w->to,
+            "        for (unsigned t = p->lists[%" PRIu32 "].turn[j]; t < p->lists[%" PRIu32
+            "].turn[j + 1]; t++) {\n"
+            "            const fp3_fast_list *const l = &p->lists[%" PRIu32 "];\n"
+            "            const int base = l->base[t], is_full = l->is_full[t];\n"
+            "            const fp3_i other = ((const fp3_i *)l->other)[t];\n"
+            "            const fp3_i from = ((const fp3_i *)l->from)[t];\n"
+            "            const fp3_v *field = (const fp3_v *)l->field + (unsigned long)t * l->fields;\n"
+            "            (void)base, (void)other, (void)field;\n",
+            l->list, l->list, l->list);
+    FP3_EACH_REGISTER (named, reg)
+        fprintf(w->to,
+                (l->outside | l->kept) >> reg & 1
+                    ? "            fp3_v r%" PRIu32 "_1 = r%" PRIu32 "_0;\n"
+                    : "            fp3_v r%" PRIu32 "_1;\n",
+                reg, reg);
+    fprintf(w->to, "            if (!is_full) {\n");
+    FP3_EACH_REGISTER (l->outside | l->kept, reg)
+        fprintf(w->to, "                r%" PRIu32 "_1 = fp3_from(r%" PRIu32 "_0, from);\n", reg, reg);
+    fprintf(w->to, "            }\n");
+    for (uint32_t pc = l->first; pc < l->end; pc++) {
+        const fp3_fast_word *p = &plan->code[pc];
+        if (p->in.op == FP3_OP_LDN || p->in.op == FP3_OP_LDL)
+            of_neighbour(w, &p->in);
+        else
+            arithmetic(w, p, WITHIN);
+    }
+    FP3_EACH_REGISTER (l->kept, reg)
+        fprintf(w->to,
+                "            r%" PRIu32 "_0 = is_full ? r%" PRIu32 "_1 : fp3_choose(from == lanes, r%" PRIu32
+                "_1, r%" PRIu32 "_0);\n",
+                reg, reg, reg, reg);
+    fprintf(w->to, "        }\n");
+}
+
+static void load_own(const writer *w, uint32_t d) {
+    fprintf(w->to, "        r%" PRIu32 "_0 = (fp3_v)o%" PRIu32 "[j - p->bias];\n", d, d);
+}
+
+static void store_next(const writer *w, const fp3_fast_word *p) {
+    fprintf(w->to, "        q%" PRIu32 "[j - p->bias] = %sr%" PRIu32 "_0%s;\n", p->in.d,
+            p->is_one_nan ? "fp3_one_nan(" : "", p->in.d, p->is_one_nan ? ")" : "");
+}
+
+static void phase(const writer *w, uint32_t number) {
+    const fp3_fast_plan *plan = w->plan;
+    uint32_t next = 0;
+    fprintf(w->to, "    if (phase == %" PRIu32 ")\n    for (unsigned long j = first; j < end; j++) {\n", number);
+    FP3_EACH_REGISTER (registers_of(plan), reg)
+        fprintf(w->to, "        fp3_v r%" PRIu32 "_0;\n", reg);
+    for (uint32_t pc = plan->phase[number]; pc < plan->phase[number + 1]; pc++) {
+        const fp3_fast_word *p = &plan->code[pc];
+        while (next < plan->loop_count && plan->loops[next].end < pc)
+            next++;
+        if (p->in.op == FP3_OP_LD)
+            load_own(w, p->in.d);
+        else if (p->in.op == FP3_OP_ST)
+            store_next(w, p);
+        else if (p->in.op == FP3_OP_EACH) {
+            loop_around(w, &plan->loops[next]);
+            pc = plan->loops[next].end;
+        } else if (p->in.op != FP3_OP_PHASE)
+            arithmetic(w, p, OUTSIDE);
+    }
+    fprintf(w->to, "    }\n");
+}
+
+static void phases(const writer *w) {
+    fprintf(w->to, "void " FP3_FAST_NAME
+                   "(const fp3_fast_around *p, unsigned phase, unsigned first, unsigned end) {\n");
+    declare_around(w);
+    for (uint32_t i = 0; i < w->plan->around.phases; i++)
+        phase(w, i);
+    fprintf(w->to, "}\n");
+}
+
 fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error) {
     writer w = {.plan = plan, .to = to};
     fprintf(to, "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FLAGS %d\n%s%s",
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->flags != 0,
             fp3_text_place, fp3_text_lanes);
-    fprintf(to, "void " FP3_FAST_NAME
-                "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
-    declare(&w);
-    fprintf(to, "    unsigned long j = 0;\n");
-    /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for four. */
-    for (unsigned beside = beside_of(plan); beside; beside /= 2)
-        loop(&w, beside);
-    fprintf(to, "}\n");
+    if (plan->around.is_any)
+        phases(&w);
+    else
+        stretch(&w);
     return ferror(to) ? fp3_fail(error, FP3_E_SYSTEM, "the program's C could not be written")
                       : FP3_OK;
 }

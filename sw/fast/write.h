@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-/* What the text defines: a fp3_fast_stretch, see native.h. */
+/* What the text defines: a fp3_fast_stretch or, of a program with neighbours, a fp3_fast_around_fn; see native.h. */
 #define FP3_FAST_NAME "fp3_stretch"
 
 /* FP3_E_SYSTEM: it could not be written. */

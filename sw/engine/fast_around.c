@@ -1,0 +1,101 @@
+/* fast_around.c - phases of the "fast" engine, each by all threads. */
+#include "fast_own.h"
+
+#include "words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What the threads share. */
+typedef struct {
+    fast *self;
+    const fp3_fast *program;
+    fp3_fast_group group;
+    uint32_t phase;
+    atomic_uint next; /* block */
+} sweep;
+
+void fp3_around_forget(group *g) {
+    for (int i = 0; i < FP3_LISTS_MAX; i++)
+        fp3_fast_pack_free(&g->lists[i]);
+    g->is_packed = 0;
+}
+
+static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
+        const fp3_list *l = &members->lists.lists[i];
+        const fp3_fast_given given = {l->is_all ? NULL : l->begin, l->other, l->field, l->fields,
+                                      l->objects};
+        status = fp3_fast_pack(g->program, &given, &g->lists[i], engine->def.error);
+    }
+    g->is_packed = !status;
+    return status;
+}
+
+static fp3_status need_halves(fp3_engine *engine, const group *g) {
+    fast *self = engine->self;
+    FP3_EACH_REGISTER (fp3_fast_doubled(g->program), reg)
+        if (!self->other_half[reg] &&
+            !(self->other_half[reg] = fp3_words_make(engine, engine->objects)))
+            return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return FP3_OK;
+}
+
+static void take_part(void *of, uint32_t number) {
+    sweep *s = of;
+    const uint32_t blocks = (s->group.objects + FP3_BLOCK - 1) / FP3_BLOCK;
+    for (uint32_t n = atomic_fetch_add(&s->next, 1); n < blocks; n = atomic_fetch_add(&s->next, 1)) {
+        const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
+        fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, first,
+                       left < FP3_BLOCK ? left : FP3_BLOCK);
+    }
+}
+
+static void make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
+                       uint32_t phase) {
+    fast *self = engine->self;
+    uint32_t *own[FP3_BANK_OBJECT_COUNT] = {0}, *next[FP3_BANK_OBJECT_COUNT] = {0};
+    fp3_fast_list lists[FP3_LISTS_MAX];
+    const uint64_t doubled = fp3_fast_doubled(g->program);
+    sweep s = {.self = self, .program = g->program, .phase = phase};
+    for (int i = 0; i < FP3_LISTS_MAX; i++)
+        lists[i] = g->lists[i].list;
+    for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
+        if (!self->column[reg])
+            continue;
+        own[reg] = self->column[reg] + members->first;
+        next[reg] = (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
+    }
+    const size_t number = (size_t)(members - engine->layout.groups);
+    s.group = (fp3_fast_group){own, next, &self->shared[number * engine->config->registers], lists,
+                               members->objects};
+    atomic_init(&s.next, 0);
+    if (engine->def.tasks)
+        engine->def.tasks(engine->def.tasks_user, take_part, &s, self->used);
+    else
+        fp3_threads_run(self->threads, take_part, &s, self->used);
+    FP3_EACH_REGISTER (doubled, reg) {
+        uint32_t *half = self->column[reg];
+        self->column[reg] = self->other_half[reg];
+        self->other_half[reg] = half;
+    }
+}
+
+fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
+    fast *self = engine->self;
+    group *g = &self->groups[0];
+    const fp3_members *members = &engine->layout.groups[0];
+    if (engine->layout.count > 1)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "engine 'fast' runs one group of objects that see each other");
+    fp3_status status = pack(engine, members, g);
+    if (!status)
+        status = need_halves(engine, g);
+    for (uint32_t step = 0; !status && step < steps; step++) {
+        for (uint32_t phase = 0; phase < fp3_fast_phases(g->program); phase++)
+            make_phase(engine, members, g, phase);
+        fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
+    }
+    return status;
+}

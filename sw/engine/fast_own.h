@@ -1,0 +1,64 @@
+/* fast_own.h - what the "fast" engine keeps: fp3_engine.self. */
+#ifndef FP3_ENGINE_FAST_OWN_H
+#define FP3_ENGINE_FAST_OWN_H
+
+#include "backend.h"
+
+#include "base/threads.h"
+#include "fast/around.h"
+#include "fast/plan.h"
+#include "fast/fast.h"
+
+#include <fp3/isa.h>
+#include <stdatomic.h>
+
+/* A program and its objects. */
+typedef struct {
+    fp3_fast *program;
+    uint8_t *is_ahead;
+    uint32_t *awake; /* by number, if it can sleep */
+    uint32_t awake_count;
+    fp3_fast_packed lists[FP3_LISTS_MAX]; /* of neighbours, as the executor needs them */
+    int is_packed;
+} group;
+
+/* What the threads share: block n is of the group whose blocks begin at or before it. */
+typedef struct {
+    fp3_engine *engine;
+    uint32_t steps;
+    uint64_t blocks;
+    atomic_uint_fast64_t next;
+} work;
+
+/* A thread's. */
+typedef struct {
+    fp3_fast_worker *worker; /* NULL until it is needed */
+    uint64_t block;          /* that it has in hand */
+    fp3_status status;
+    fp3_error error;
+} hand;
+
+typedef struct {
+    uint32_t *column[FP3_BANK_OBJECT_COUNT];
+    uint32_t *other_half[FP3_BANK_OBJECT_COUNT]; /* of words that neighbours read: what a phase writes */
+    uint32_t *status;
+    uint32_t
+        *slept_in; /* the number of the run in which an object fell asleep, or ASLEEP; 0: awake */
+    uint32_t runs; /* since the last list, from ASLEEP on */
+    int has_steps; /* the last run */
+    uint32_t *shared; /* of all groups */
+    group *groups;
+    uint32_t count;
+    fp3_threads *threads;
+    work work; /* of a run */
+    hand *hands;
+    uint32_t hand_count, used; /* all; those of the last run */
+} fast;
+
+/* Steps of programs with neighbours: all objects make a phase before any makes the next one. All groups have such a
+ * program, or this refuses. */
+fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps);
+/* The lists have changed. */
+void fp3_around_forget(group *g);
+
+#endif

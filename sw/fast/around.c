@@ -1,0 +1,297 @@
+/* around.c - see around.h. */
+#include "around.h"
+
+#include "block.h"
+#include "raised.h"
+
+#include <fp3/isa.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xmmintrin.h>
+
+/* ---- lists for vectors ---- */
+
+static uint32_t length(const fp3_fast_given *g, uint32_t object) {
+    return object >= g->objects ? 0
+           : g->begin           ? g->begin[object + 1] - g->begin[object]
+                                : g->objects - 1;
+}
+
+static uint32_t entry(const fp3_fast_given *g, uint32_t object, uint32_t turn) {
+    return g->begin ? g->other[g->begin[object] + turn] : turn + (turn >= object);
+}
+
+/* Turns of the vector that begins with this object. */
+static uint32_t turns_of(const fp3_fast_given *g, uint32_t first, unsigned lanes) {
+    uint32_t most = 0;
+    for (uint32_t i = first; i < first + lanes; i++)
+        most = length(g, i) > most ? length(g, i) : most;
+    return most;
+}
+
+typedef struct {
+    unsigned *turn;
+    int *base, *other, *from;
+    unsigned char *is_full;
+    float *field;
+} rows;
+
+static void pack_turn(const fp3_fast_given *g, uint32_t first, uint32_t turn, unsigned lanes,
+                      rows *r, size_t at) {
+    int *other = r->other + at * lanes, *from = r->from + at * lanes;
+    int living = 0, is_row = 1;
+    unsigned count = 0;
+    while (turn >= length(g, first + (unsigned)living))
+        living++;
+    for (unsigned i = 0; i < lanes; i++) {
+        const int has = turn < length(g, first + i);
+        from[i] = has ? (int)i : living;
+        count += (unsigned)has;
+    }
+    for (unsigned i = 0; i < lanes; i++) {
+        const uint32_t object = first + (unsigned)from[i];
+        other[i] = (int)entry(g, object, turn);
+        is_row &= other[i] == other[0] + (int)i;
+        for (uint32_t f = 0; f < g->fields; f++)
+            memcpy(&r->field[(at * g->fields + f) * lanes + i],
+                   &g->field[(size_t)(g->begin[object] + turn) * g->fields + f], sizeof(float));
+    }
+    r->is_full[at] = count == lanes;
+    r->base[at] = is_row && count == lanes ? other[0] : -1;
+}
+
+fp3_status fp3_fast_pack(const fp3_fast *fast, const fp3_fast_given *given, fp3_fast_packed *packed,
+                         fp3_error *error) {
+    const unsigned lanes = fast->sweep->lanes;
+    const uint32_t vectors = (given->objects + lanes - 1) / lanes;
+    size_t turns = 0;
+    for (uint32_t v = 0; v < vectors; v++)
+        turns += turns_of(given, v * lanes, lanes);
+    const size_t sizes[] = {(vectors + 1u) * sizeof(unsigned),
+                            turns * sizeof(int),
+                            turns * lanes * sizeof(int),
+                            turns * lanes * sizeof(int),
+                            turns,
+                            turns * lanes * given->fields * sizeof(float)};
+    for (int i = 0; i < 6; i++) {
+        packed->memory[i] = aligned_alloc(64, (sizes[i] + 64) / 64 * 64);
+        if (!packed->memory[i])
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    void **m = packed->memory;
+    rows r = {m[0], m[1], m[2], m[3], m[4], m[5]};
+    size_t at = 0;
+    for (uint32_t v = 0; v < vectors; v++) {
+        const uint32_t most = turns_of(given, v * lanes, lanes);
+        r.turn[v] = (unsigned)at;
+        for (uint32_t turn = 0; turn < most; turn++)
+            pack_turn(given, v * lanes, turn, lanes, &r, at++);
+    }
+    r.turn[vectors] = (unsigned)at;
+    packed->list = (fp3_fast_list){r.turn, r.base,    r.other, r.from,
+                                   r.is_full, r.field, given->fields};
+    return FP3_OK;
+}
+
+void fp3_fast_pack_free(fp3_fast_packed *packed) {
+    for (int i = 0; i < 6; i++)
+        free(packed->memory[i]);
+    *packed = (fp3_fast_packed){0};
+}
+
+/* ---- a program ---- */
+
+uint32_t fp3_fast_phases(const fp3_fast *fast) {
+    return fast->plan.around.is_any ? fast->plan.around.phases : 0;
+}
+
+uint64_t fp3_fast_doubled(const fp3_fast *fast) {
+    return fast->plan.around.published & fast->plan.stored;
+}
+
+/* ---- interpreted ---- */
+
+typedef struct {
+    const fp3_fast *fast;
+    const fp3_fast_group *group;
+    fp3_fast_worker *worker;
+    fp3_fast_lanes *lanes;
+    uint32_t first; /* object of lane 0 */
+    fp3_fast_run run;
+} interpreter;
+
+static void run_words(const interpreter *in, fp3_fast_lanes *lanes, uint32_t first, uint32_t end) {
+    const fp3_fast_place place = fp3_fast_place_of(lanes, &in->run, in->fast);
+    if (first < end)
+        in->fast->sweep->run_words(&in->fast->plan, &place, first, end);
+}
+
+/* A word of the neighbours of these lanes, or a field. which: lanes of the block. */
+static void look(const interpreter *in, const fp3_fast_list *list, const fp3_instruction *word,
+                 uint32_t turn, uint32_t field, const uint32_t *which, fp3_fast_lanes *to) {
+    const unsigned wide = in->fast->sweep->lanes;
+    for (uint32_t i = 0; i < to->count; i++) {
+        const uint32_t lane = which[i], vector = (in->first + lane) / wide;
+        const size_t at = list->turn[vector] + turn, n = (in->first + lane) % wide;
+        if (word->op == FP3_OP_LDN)
+            memcpy(&to->rows[word->d][i],
+                   &in->group->own[word->a][list->other[at * wide + n]], sizeof(float));
+        else
+            to->rows[word->d][i] = list->field[(at * list->fields + field) * wide + n];
+    }
+    fp3_fast_fill(to, UINT64_C(1) << word->d, 0);
+}
+
+static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t turn,
+                     const uint32_t *which, fp3_fast_lanes *lanes) {
+    const fp3_fast_list *list = &in->group->lists[loop->list];
+    uint32_t field = 0;
+    for (uint32_t pc = loop->first; pc < loop->end; pc++) {
+        const fp3_instruction *word = &in->fast->plan.code[pc].in;
+        if (word->op == FP3_OP_LDN || word->op == FP3_OP_LDL) {
+            look(in, list, word, turn, field, which, lanes);
+            field += word->op == FP3_OP_LDL;
+        } else {
+            run_words(in, lanes, pc, pc + 1);
+        }
+    }
+}
+
+/* The lanes that have a neighbour for this turn. */
+static uint32_t find_living(const interpreter *in, const fp3_fast_list *list, uint32_t turn,
+                            uint32_t *which) {
+    const unsigned wide = in->fast->sweep->lanes;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < in->lanes->count; i++) {
+        const uint32_t vector = (in->first + i) / wide, n = (in->first + i) % wide;
+        const size_t at = list->turn[vector] + turn;
+        if (at < list->turn[vector + 1] && list->from[at * wide + n] == (int)n)
+            which[count++] = i;
+    }
+    return count;
+}
+
+/* Where only some have a neighbour these are taken aside, so that nothing is computed, and no flag raised, for the
+ * others. */
+static void run_loop(const interpreter *in, const fp3_fast_loop *loop) {
+    fp3_fast_lanes *all = in->lanes, *some = &in->worker->aside;
+    const uint64_t taken = loop->outside | loop->kept;
+    uint32_t which[FP3_BLOCK], count;
+    for (uint32_t turn = 0;
+         (count = find_living(in, &in->group->lists[loop->list], turn, which)) > 0; turn++) {
+        if (count == all->count) {
+            run_body(in, loop, turn, which, all);
+            continue;
+        }
+        some->count = count;
+        FP3_EACH_REGISTER (taken, reg)
+            for (uint32_t i = 0; i < count; i++)
+                some->rows[reg][i] = all->rows[reg][which[i]];
+        fp3_fast_fill(some, taken, 0);
+        run_body(in, loop, turn, which, some);
+        FP3_EACH_REGISTER (loop->kept, reg)
+            for (uint32_t i = 0; i < count; i++)
+                all->rows[reg][which[i]] = some->rows[reg][i];
+    }
+    fp3_fast_fill(all, loop->kept, 0);
+}
+
+static void point(const interpreter *in, uint32_t *const *columns, uint64_t set) {
+    FP3_EACH_REGISTER (set, reg)
+        in->lanes->records[reg] = in->lanes->own[reg];
+    FP3_EACH_REGISTER (set, reg)
+        memcpy(in->lanes->own[reg], columns[reg] + in->first, in->lanes->count * sizeof(uint32_t));
+    fp3_fast_fill(in->lanes, 0, set);
+}
+
+static void write_back(const interpreter *in, uint64_t set) {
+    FP3_EACH_REGISTER (set, reg)
+        memcpy(in->group->next[reg] + in->first, in->lanes->own[reg],
+               in->lanes->count * sizeof(uint32_t));
+}
+
+static void interpret(const interpreter *in, uint32_t phase) {
+    const fp3_fast_plan *plan = &in->fast->plan;
+    uint64_t read = 0, stored = 0;
+    for (uint32_t pc = plan->phase[phase]; pc < plan->phase[phase + 1]; pc++) {
+        const fp3_instruction *word = &plan->code[pc].in;
+        read |= word->op == FP3_OP_LD ? UINT64_C(1) << word->d : 0;
+        stored |= word->op == FP3_OP_ST ? UINT64_C(1) << word->d : 0;
+    }
+    FP3_EACH_REGISTER (read | stored, reg)
+        in->lanes->records[reg] = in->lanes->own[reg];
+    point(in, in->group->own, read);
+    for (uint32_t pc = plan->phase[phase], loop; pc < plan->phase[phase + 1]; pc++) {
+        if (plan->code[pc].in.op == FP3_OP_PHASE)
+            break;
+        for (loop = 0; loop < plan->loop_count && plan->loops[loop].first != pc + 1; loop++)
+            ;
+        if (plan->code[pc].in.op != FP3_OP_EACH) {
+            run_words(in, in->lanes, pc, pc + 1);
+            continue;
+        }
+        run_loop(in, &plan->loops[loop]);
+        pc = plan->loops[loop].end;
+    }
+    write_back(in, stored);
+}
+
+/* ---- native ---- */
+
+/* Vectors that are whole are worked on in place. The last one, if it is not, is copied, and filled with its last object. */
+static void run_native(const interpreter *in, uint32_t phase) {
+    const unsigned wide = in->fast->sweep->lanes;
+    const uint32_t count = in->lanes->count, whole = count / wide, first = in->first / wide;
+    const float *own[FP3_BANK_OBJECT_COUNT], *seen[FP3_BANK_OBJECT_COUNT];
+    float *next[FP3_BANK_OBJECT_COUNT];
+    const fp3_fast_plan *plan = &in->fast->plan;
+    fp3_fast_around a = {.own = own,
+                         .next = next,
+                         .seen = seen,
+                         .constants = (const int *)in->group->constants,
+                         .table = in->fast->table,
+                         .lists = in->group->lists};
+    FP3_EACH_REGISTER (plan->read | plan->stored, reg) {
+        own[reg] = seen[reg] = (const float *)(const void *)in->group->own[reg];
+        next[reg] = (float *)(void *)in->group->next[reg];
+    }
+    if (whole)
+        in->fast->native.around(&a, phase, first, first + whole);
+    if (count == whole * wide)
+        return;
+    fp3_fast_lanes *rest = in->lanes;
+    const uint32_t from = in->first + whole * wide, left = count - whole * wide;
+    rest->count = left;
+    FP3_EACH_REGISTER (plan->read | plan->stored, reg) {
+        memcpy(rest->rows[reg], in->group->own[reg] + from, left * sizeof(float));
+        memcpy(rest->own[reg], in->group->next[reg] + from, left * sizeof(float));
+        own[reg] = rest->rows[reg];
+        next[reg] = rest->own[reg];
+    }
+    fp3_fast_fill(rest, plan->read | plan->stored, 0);
+    a.bias = first + whole;
+    in->fast->native.around(&a, phase, first + whole, first + whole + 1);
+    FP3_EACH_REGISTER (plan->stored, reg)
+        memcpy(in->group->next[reg] + from, rest->own[reg], left * sizeof(float));
+}
+
+void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_group *group,
+                    uint32_t phase, uint32_t first, uint32_t count) {
+    const uint32_t callers = _mm_getcsr();
+    interpreter in = {.fast = fast,
+                      .group = group,
+                      .worker = worker,
+                      .lanes = &worker->now,
+                      .first = first,
+                      .run = {.constants = group->constants}};
+    worker->now.count = count;
+    fp3_fast_wake(&worker->now);
+    fp3_fast_wake(&worker->aside);
+    _mm_setcsr(0x1f80u | (fast->plan.config->nearest ? 0 : 0x6000u)); /* all masked; truncation */
+    if (fast->native.library)
+        run_native(&in, phase);
+    else
+        interpret(&in, phase);
+    worker->confirmed |= fp3_fast_raised(0);
+    _mm_setcsr(callers);
+}
