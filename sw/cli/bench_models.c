@@ -134,6 +134,8 @@ static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_pr
     fp3_progress_resume(progress);
     fp3_status status = fp3_model_load(path, &model, report, error);
     if (!status)
+        status = fp3_model_check_alone(model, error);
+    if (!status)
         status = fp3_measure_model(model, &with, &m, error);
     fp3_progress_pause(progress);
     if (!status)

@@ -484,6 +484,8 @@ int fp3_cmd_compare(int argc, char **argv) {
     fp3_status status = check_files(&o, &error);
     if (!status)
         status = fp3_model_load(o.model, &model, &text, &error);
+    if (!status)
+        status = fp3_model_check_alone(model, &error);
     comparison k = {.o = &o, .model = model, .rows = json_array(), .left_out = json_array()};
     if (!status) {
         k.progress = fp3_progress_begin("compare", NULL);

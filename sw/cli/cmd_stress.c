@@ -85,6 +85,8 @@ static fp3_status stress_file(const options *o, const fp3_stress_options *how, c
     const char *const *names = o->integrator_count ? how->integrators : usual;
     fp3_model *model = NULL;
     fp3_status status = fp3_model_load(path, &model, report, error);
+    if (!status)
+        status = fp3_model_check_alone(model, error);
     for (unsigned i = 0; !status && names[i]; i++)
         status = fp3_stress_model(how, model, names[i], verdicts, error);
     fp3_model_free(&model);

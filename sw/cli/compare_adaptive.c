@@ -389,6 +389,8 @@ fp3_status fp3_compare_adaptive(const fp3_compare_adaptive_def *def, const char 
     k->rows = rows;
     fp3_status status = fp3_model_load(path, &k->model, &report, error);
     if (!status)
+        status = fp3_model_check_alone(k->model, error);
+    if (!status)
         status = compare(k, error);
     free(report);
     fp3_model_free(&k->model);

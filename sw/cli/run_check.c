@@ -307,7 +307,9 @@ fp3_status fp3_run_check_make(const fp3_run_checked *run, fp3_run_check **check,
     c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
     c->objects = fp3_engine_objects(run->engine);
     fp3_error why = {.text = ""};
-    const fp3_status status = make(c, &why);
+    fp3_status status = fp3_model_check_alone(c->model, &why);
+    if (!status)
+        status = make(c, &why);
     if (!status)
         return FP3_OK;
     fp3_run_check_free(check);

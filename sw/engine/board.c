@@ -185,6 +185,7 @@ fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config,
 
 const fp3_backend fp3_backend_board = {
     .name = "board",
+    .check = fp3_driver_check,
     .open = board_open,
     .close = board_close,
     .load = board_load,

@@ -40,6 +40,8 @@ typedef struct {
 
 /* Opens the log and checks that the hardware is the configuration. */
 fp3_status fp3_driver_open(fp3_engine *engine);
+/* See fp3_backend.check: the hardware has no neighbours yet. */
+fp3_status fp3_driver_check(fp3_engine *engine, const fp3_members *group);
 /* Also after an open that failed, and of an engine whose driver is {0}. */
 void fp3_driver_close(fp3_engine *engine);
 

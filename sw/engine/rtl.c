@@ -159,6 +159,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
 
 const fp3_backend fp3_backend_rtl = {
     .name = "rtl",
+    .check = fp3_driver_check,
     .open = rtl_open,
     .close = rtl_close,
     .load = fp3_memory_load,

@@ -1,6 +1,7 @@
 /* model.c - models that have been read. */
 #include <fp3/model.h>
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +30,15 @@ void fp3_model_free(fp3_model **model) {
     free(m->doc);
     free(m);
     *model = NULL;
+}
+
+fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error) {
+    if (!model->relation_count)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "objects of model '%s' see each other ('%s', line %" PRIu32
+                    "), and this is for objects by themselves",
+                    model->name, model->relations[0].name, model->relations[0].line);
 }
 
 static uint32_t find(const fp3_quantity *quantities, uint32_t count, const char *name) {

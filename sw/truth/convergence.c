@@ -131,6 +131,10 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
 fp3_status fp3_ladder_open(const fp3_model *model, double span, uint64_t most_steps,
                            fp3_ladder **ladder, fp3_error *error) {
     FP3_HOST;
+    *ladder = NULL;
+    const fp3_status alone = fp3_model_check_alone(model, error);
+    if (alone)
+        return alone;
     *ladder = calloc(1, sizeof **ladder);
     if (!*ladder)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");

@@ -132,8 +132,11 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%" PRIu64 " steps of equations with t: FP32 counts to %d",
                         steps[count - 1], FP3_STEPS_LIMIT);
+    fp3_status status = fp3_model_check_alone(b->model, error);
+    if (status)
+        return status;
     double *start = calloc(b->variable_count + 1u, sizeof *start);
-    fp3_status status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_before_start(b, params, initial, h, 1, start, error);
     for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)

@@ -319,13 +319,18 @@ fp3_status fp3_model_truths(const fp3_model *model, const double *params, const 
                             const double *times, size_t count, double *states, double *sizes,
                             fp3_error *error) {
     FP3_HOST;
-    const fp3_status status = check_times(times, count, error);
+    fp3_status status = fp3_model_check_alone(model, error);
+    if (!status)
+        status = check_times(times, count, error);
     return status ? status : look(model, params, initial, times, count, states, sizes, NULL, error);
 }
 
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error) {
     FP3_HOST;
+    const fp3_status alone = fp3_model_check_alone(model, error);
+    if (alone)
+        return alone;
     if (t != 0)
         return look(model, params, initial, &t, 1, states, NULL, NULL, error);
     const fp3_status status = check_arguments(model, params, initial, t, error);
@@ -341,7 +346,9 @@ fp3_status fp3_path_open(const fp3_model *model, const double *params, const dou
     for (int i = 0; i < CHECKS; i++)
         times[i] = end * (i + UNEVEN) / CHECKS;
     times[CHECKS] = end;
-    fp3_status status = check_times(times, CHECKS + 1, error);
+    fp3_status status = fp3_model_check_alone(model, error);
+    if (!status)
+        status = check_times(times, CHECKS + 1, error);
     if (!status)
         status = look(model, params, initial, times, CHECKS + 1, NULL, sizes, path, error);
     if (status)

@@ -67,6 +67,9 @@ static fp3_status check(const tuner *k) {
     if (!def->program->model)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "expected a model: no other program has integrators");
+    const fp3_status alone = fp3_model_check_alone(k->model, k->error);
+    if (alone)
+        return alone;
     if (fp3_model_adapted(k->model) != FP3_NONE)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "expected a model with fixed steps: the tuner adapts it itself");

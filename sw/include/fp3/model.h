@@ -204,6 +204,11 @@ void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *
 int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
                    double *states, double *values);
 
+/* FP3_E_PROGRAM: objects of this model see others, so what becomes of one cannot be computed by itself:
+ * expressions of neighbours are NaN in fp3_model_evaluate. The message names the relation and its
+ * line. */
+fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
+
 /* The index of the state or param of this name, or FP3_NONE. */
 uint32_t fp3_model_state(const fp3_model *model, const char *name);
 uint32_t fp3_model_param(const fp3_model *model, const char *name);
