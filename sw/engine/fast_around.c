@@ -52,6 +52,19 @@ static void take_part(void *of, uint32_t number) {
     }
 }
 
+static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
+    const fast *self = engine->self;
+    const uint32_t *words[FP3_BANK_OBJECT_COUNT];
+    int is_new = 0;
+    for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
+        words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
+    const fp3_status status = fp3_lists_follow(&members->lists, members->objects, words, 1, &is_new,
+                                               engine->def.error);
+    if (is_new)
+        fp3_around_forget(g);
+    return status ? status : pack(engine, members, g);
+}
+
 static void make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
                        uint32_t phase) {
     fast *self = engine->self;
@@ -85,16 +98,17 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fast *self = engine->self;
     group *g = &self->groups[0];
-    const fp3_members *members = &engine->layout.groups[0];
+    fp3_members *members = &engine->layout.groups[0];
     if (engine->layout.count > 1)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "engine 'fast' runs one group of objects that see each other");
-    fp3_status status = pack(engine, members, g);
-    if (!status)
-        status = need_halves(engine, g);
+    fp3_status status = need_halves(engine, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
-        for (uint32_t phase = 0; phase < fp3_fast_phases(g->program); phase++)
-            make_phase(engine, members, g, phase);
+        for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
+            status = follow(engine, members, g);
+            if (!status)
+                make_phase(engine, members, g, phase);
+        }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
     return status;

@@ -320,6 +320,19 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
     return pc + 1;
 }
 
+/* When a phase begins: lists of those that are near. */
+static fp3_status begin_phase(round_of *r) {
+    const fp3_engine *engine = r->engine;
+    const isa *self = engine->self;
+    fp3_members *group = &r->engine->layout.groups[r->group];
+    const uint32_t *words[FP3_BANK_OBJECT_COUNT];
+    int is_new;
+    for (uint32_t reg = 0; reg < engine->config->registers; reg++)
+        words[reg] = &self->store[(size_t)group->first * engine->config->registers + reg];
+    return fp3_lists_follow(&group->lists, group->objects, words, engine->config->registers,
+                            &is_new, engine->def.error);
+}
+
 /* All visits of a round. Where nothing interleaves a run is one round. */
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
@@ -333,6 +346,12 @@ static fp3_status make_round(round_of *r) {
         const fp3_decoded *word = &program->decoded[pc];
         if (pc == program->step)
             begin_step(r);
+        if (members(r)->lists.shape.is_any &&
+            (pc == program->step || program->decoded[pc - 1].in.op == FP3_OP_PHASE)) {
+            const fp3_status status = begin_phase(r);
+            if (status)
+                return status;
+        }
         if (!is_legal(engine->config, word))
             return fp3_engine_illegal(r->engine, r->group, pc);
         if (limit && self->executed >= limit)

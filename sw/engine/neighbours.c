@@ -6,6 +6,7 @@
 #include "origin.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,8 +21,9 @@ static void forget(fp3_list *list) {
     free(list->begin);
     free(list->other);
     free(list->field);
+    fp3_near_close(&list->near);
     list->begin = list->other = list->field = NULL;
-    list->is_there = list->is_all = 0;
+    list->is_there = list->is_all = list->is_near = 0;
 }
 
 void fp3_lists_close(fp3_lists *lists) {
@@ -61,13 +63,48 @@ static fp3_status take(const fp3_neighbours *from, fp3_list *to, fp3_error *erro
     return FP3_OK;
 }
 
+static void take_near(const fp3_near_rule *rule, fp3_list *to) {
+    forget(to);
+    to->near = (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
+    memcpy(to->near.regs, rule->regs, sizeof rule->regs);
+    to->is_there = to->is_near = 1;
+}
+
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
         const fp3_list *list = &from->lists[i];
         const fp3_neighbours given = {list->begin, list->other, (const float *)(void *)list->field};
-        if (list->is_there)
+        if (list->is_near)
+            take_near(&list->near, &to->lists[i]);
+        else if (list->is_there)
             status = take(&given, &to->lists[i], error);
+    }
+    return status;
+}
+
+fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
+                            size_t stride, int *is_new, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    *is_new = 0;
+    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
+        fp3_list *list = &lists->lists[i];
+        fp3_where_they_are now = {.stride = stride, .objects = objects, .dimensions = list->near.dimensions};
+        uint32_t astray, *begin, *other;
+        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
+            now.position[k] = words[list->near.regs[k]];
+        if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
+            continue;
+        if (astray != UINT32_MAX)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "the position of object %" PRIu32 " is infinite or NaN, so nobody can be near it",
+                            astray);
+        status = fp3_near_make(&list->near, &now, &begin, &other, error);
+        free(list->begin);
+        free(list->other);
+        list->begin = begin;
+        list->other = other;
+        *is_new = 1;
     }
     return status;
 }
@@ -95,8 +132,7 @@ static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const 
     return FP3_OK;
 }
 
-fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
-                                     const fp3_neighbours *neighbours) {
+static fp3_status find_list(fp3_engine *engine, size_t group, const char *name, fp3_list **list) {
     fp3_status status = fp3_engine_check_range(engine, "group", group, 1, engine->layout.count);
     if (!status)
         status = fp3_engine_check_loaded(engine);
@@ -111,7 +147,61 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
     if (!s || i == lists->shape.list_count)
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                         "the program has no list of neighbours '%s'", name);
-    fp3_list *list = &lists->lists[i];
+    *list = &lists->lists[i];
+    return FP3_OK;
+}
+
+/* The list is another one. */
+static fp3_status changed(fp3_engine *engine, size_t group, const fp3_list *list) {
+    engine->origin->is_complete = 0;
+    return engine->backend->connect
+               ? engine->backend->connect(engine, &engine->layout.groups[group], list)
+               : FP3_OK;
+}
+
+static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *list,
+                             const char *name, const fp3_near *near, uint32_t *regs) {
+    const fp3_image *image = engine->layout.groups[group].image;
+    fp3_error *error = engine->def.error;
+    if (list->fields || near->dimensions < 1 || near->dimensions > FP3_NEAR_DIMENSIONS)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        list->fields ? "list '%s': entries have fields, so each has to be given"
+                                     : "list '%s': a position has 1 to 3 components",
+                        name);
+    if (!(near->reach > 0 && near->reach < HUGE_VAL && near->skin >= 0 && near->skin < HUGE_VAL))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "list '%s': reach %g, skin %g: expected a reach above 0 and a skin of 0 or more",
+                        name, near->reach, near->skin);
+    for (uint32_t k = 0; k < near->dimensions; k++) {
+        const fp3_symbol *s =
+            fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
+        if (!s)
+            return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': the program has no state '%s'", name,
+                            near->position[k]);
+        regs[k] = s->index;
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
+                               const fp3_near *near) {
+    fp3_near_rule rule = {.dimensions = near->dimensions, .reach = near->reach, .skin = near->skin};
+    fp3_list *list = NULL;
+    fp3_status status = find_list(engine, group, name, &list);
+    if (!status)
+        status = check_near(engine, group, list, name, near, rule.regs);
+    if (status)
+        return status;
+    take_near(&rule, list);
+    return changed(engine, group, list);
+}
+
+fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
+                                     const fp3_neighbours *neighbours) {
+    fp3_list *list = NULL;
+    fp3_status status = find_list(engine, group, name, &list);
+    if (status)
+        return status;
     if (neighbours->begin)
         status = check_entries(engine, list, name, neighbours);
     else if (list->fields)
@@ -119,10 +209,7 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
                           "list '%s': entries have fields, so each has to be given", name);
     if (!status)
         status = take(neighbours, list, engine->def.error);
-    if (!status && engine->backend->connect)
-        status = engine->backend->connect(engine, &engine->layout.groups[group], list);
-    engine->origin->is_complete = 0;
-    return status;
+    return status ? status : changed(engine, group, list);
 }
 
 fp3_status fp3_engine_check_neighbours(fp3_engine *engine) {

@@ -3,6 +3,7 @@
 #define FP3_ENGINE_NEIGHBOURS_H
 
 #include "image/neighbours.h"
+#include "near.h"
 
 #include <fp3/engine.h>
 
@@ -11,6 +12,8 @@ typedef struct {
     uint32_t reg, fields; /* as of fp3_list_shape */
     int is_there;         /* the host has given it */
     int is_all;           /* all other objects, in the order of their numbers */
+    int is_near;          /* those within a distance: the list is made as objects move */
+    fp3_near_rule near;
     uint32_t objects;
     uint32_t *begin; /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */
     uint32_t *other; /* of each entry: a number in the group */
@@ -29,6 +32,12 @@ void fp3_lists_close(fp3_lists *lists);
 fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
 /* FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
+
+/* At the beginning of a phase: makes the lists of those that are near again, where they are stale. Words of the
+ * group's objects: words[register] is that of the first one, NULL: there is none. *is_new: some were made.
+ * FP3_E_PROGRAM: a position is not finite; FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
+fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
+                            size_t stride, int *is_new, fp3_error *error);
 
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];

@@ -392,6 +392,22 @@ typedef struct {
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
+/* Those that are near: in a phase, all others whose distance is below reach when it begins. */
+typedef struct {
+    const char *position[3]; /* states, the components of the position */
+    uint32_t dimensions;     /* how many of them */
+    double reach;            /* above 0 */
+    /* How much farther lists reach, so that they last until an object has moved by half of it; 0: they
+     * are made in each phase. It changes no bit. */
+    double skin;
+} fp3_near;
+
+/* Lets the engine make a list, and make it again before a pair could be missed. The program must leave
+ * out by itself those that are not nearer than reach, since lists may have some of them. A run ends with
+ * FP3_E_PROGRAM where a position is not finite. FP3_E_ARGUMENT: as above. */
+fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
+                               const fp3_near *near);
+
 /* ---- runs of adaptive steps (fp3/compile.h) ---- */
 
 #define FP3_ADAPTIVE_ATTEMPTS 1000000u /* the default limit */

@@ -1,0 +1,40 @@
+/* near.h - lists of those that are near: made on a grid with a skin, and made again before one could be missed.
+ *
+ * A list has all pairs that are nearer than reach + skin. As long as nobody has moved by more than half the skin
+ * since it was made, it has all that are nearer than reach.
+ */
+#ifndef FP3_ENGINE_NEAR_H
+#define FP3_ENGINE_NEAR_H
+
+#include <fp3/status.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define FP3_NEAR_DIMENSIONS 3
+
+/* Positions of objects: component k of object i is position[k][i * stride]. */
+typedef struct {
+    const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
+    size_t stride;
+    uint32_t objects, dimensions;
+} fp3_where_they_are;
+
+typedef struct {
+    uint32_t regs[FP3_NEAR_DIMENSIONS]; /* of the position */
+    uint32_t dimensions;
+    double reach, skin;
+    double *made[FP3_NEAR_DIMENSIONS]; /* where each object was when the list was made; NULL: there is none */
+    uint64_t lists;                    /* how many were made */
+} fp3_near_rule;
+
+/* Whether the list has to be made again. *astray: an object whose position is not finite, if there is one; else
+ * UINT32_MAX. */
+int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray);
+
+/* Makes the list: *begin and *other as in fp3_neighbours, which the caller frees. Neighbours are in the order of their
+ * numbers. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31 entries. */
+fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
+                         uint32_t **other, fp3_error *error);
+void fp3_near_close(fp3_near_rule *rule);
+
+#endif
