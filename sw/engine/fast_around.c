@@ -45,7 +45,8 @@ static fp3_status need_halves(fp3_engine *engine, const group *g) {
 static void take_part(void *of, uint32_t number) {
     sweep *s = of;
     const uint32_t blocks = (s->group.objects + FP3_BLOCK - 1) / FP3_BLOCK;
-    for (uint32_t n = atomic_fetch_add(&s->next, 1); n < blocks; n = atomic_fetch_add(&s->next, 1)) {
+    for (uint32_t n = atomic_fetch_add(&s->next, 1); n < blocks;
+         n = atomic_fetch_add(&s->next, 1)) {
         const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
         fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, first,
                        left < FP3_BLOCK ? left : FP3_BLOCK);
@@ -58,8 +59,8 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     int is_new = 0;
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
-    const fp3_status status = fp3_lists_follow(&members->lists, members->objects, words, 1, &is_new,
-                                               engine->def.error);
+    const fp3_status status =
+        fp3_lists_follow(&members->lists, members->objects, words, 1, &is_new, engine->def.error);
     if (is_new)
         fp3_around_forget(g);
     return status ? status : pack(engine, members, g);
@@ -78,7 +79,8 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
         if (!self->column[reg])
             continue;
         own[reg] = self->column[reg] + members->first;
-        next[reg] = (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
+        next[reg] =
+            (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
     }
     const size_t number = (size_t)(members - engine->layout.groups);
     s.group = (fp3_fast_group){own, next, &self->shared[number * engine->config->registers], lists,

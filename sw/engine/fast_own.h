@@ -6,8 +6,8 @@
 
 #include "base/threads.h"
 #include "fast/around.h"
-#include "fast/plan.h"
 #include "fast/fast.h"
+#include "fast/plan.h"
 
 #include <fp3/isa.h>
 #include <stdatomic.h>
@@ -40,7 +40,8 @@ typedef struct {
 
 typedef struct {
     uint32_t *column[FP3_BANK_OBJECT_COUNT];
-    uint32_t *other_half[FP3_BANK_OBJECT_COUNT]; /* of words that neighbours read: what a phase writes */
+    uint32_t
+        *other_half[FP3_BANK_OBJECT_COUNT]; /* of words that neighbours read: what a phase writes */
     uint32_t *status;
     uint32_t
         *slept_in; /* the number of the run in which an object fell asleep, or ASLEEP; 0: awake */

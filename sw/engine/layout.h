@@ -6,8 +6,8 @@
 #ifndef FP3_LAYOUT_H
 #define FP3_LAYOUT_H
 
+#include "lists.h"
 #include "machine/placement.h"
-#include "neighbours.h"
 
 #include <fp3/engine.h>
 #include <image/visit.h>

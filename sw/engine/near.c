@@ -86,7 +86,8 @@ static fp3_status sort(grid *g, fp3_error *error) {
     if (!g->cell || !g->order || !g->first)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < objects; i++) {
-        g->cell[i] = (column(g, 2, i) * g->cells[1] + column(g, 1, i)) * g->cells[0] + column(g, 0, i);
+        g->cell[i] =
+            (column(g, 2, i) * g->cells[1] + column(g, 1, i)) * g->cells[0] + column(g, 0, i);
         g->first[g->cell[i] + 2]++;
     }
     for (size_t c = 2; c < cells + 2; c++)
@@ -156,10 +157,11 @@ static fp3_status fill(const grid *g, uint32_t **begin, uint32_t **other, fp3_er
         (*begin)[i] = (uint32_t)entries;
         entries += find(g, i, NULL);
         if (entries > INT32_MAX)
-            return fp3_fail(error, FP3_E_LIMIT,
-                            "a list of those that are near has more than 2147483647 entries: object %" PRIu32
-                            " of %" PRIu32 " is too much, or the reach is too long",
-                            i, objects);
+            return fp3_fail(
+                error, FP3_E_LIMIT,
+                "a list of those that are near has more than 2147483647 entries: object %" PRIu32
+                " of %" PRIu32 " is too much, or the reach is too long",
+                i, objects);
     }
     (*begin)[objects] = (uint32_t)entries;
     *other = malloc(((size_t)entries + 1) * sizeof **other);

@@ -23,8 +23,9 @@ typedef struct {
     uint32_t regs[FP3_NEAR_DIMENSIONS]; /* of the position */
     uint32_t dimensions;
     double reach, skin;
-    double *made[FP3_NEAR_DIMENSIONS]; /* where each object was when the list was made; NULL: there is none */
-    uint64_t lists;                    /* how many were made */
+    double *made
+        [FP3_NEAR_DIMENSIONS]; /* where each object was when the list was made; NULL: there is none */
+    uint64_t lists;            /* how many were made */
 } fp3_near_rule;
 
 /* Whether the list has to be made again. *astray: an object whose position is not finite, if there is one; else

@@ -1,115 +1,9 @@
-/* neighbours.c - lists of neighbours: checked, copied, kept until the next load. */
-#include "neighbours.h"
-
-#include "backend.h"
+/* neighbours.c - lists of neighbours as the caller gives them: checked. */
 #include "checks.h"
 #include "origin.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists *lists) {
-    *lists = (fp3_lists){.shape = *shape};
-    for (uint32_t i = 0; i < shape->list_count; i++)
-        lists->lists[i] = (fp3_list){
-            .reg = shape->lists[i].reg, .fields = shape->lists[i].fields, .objects = objects};
-}
-
-static void forget(fp3_list *list) {
-    free(list->begin);
-    free(list->other);
-    free(list->field);
-    fp3_near_close(&list->near);
-    list->begin = list->other = list->field = NULL;
-    list->is_there = list->is_all = list->is_near = 0;
-}
-
-void fp3_lists_close(fp3_lists *lists) {
-    for (uint32_t i = 0; i < lists->shape.list_count; i++)
-        forget(&lists->lists[i]);
-    lists->shape = (fp3_neighbourhood){0};
-}
-
-fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg) {
-    fp3_list *list = lists->lists;
-    while (list->reg != reg)
-        list++;
-    return list;
-}
-
-static uint32_t *copied(const void *words, size_t count) {
-    uint32_t *copy = malloc((count + 1) * sizeof *copy);
-    if (copy && count)
-        memcpy(copy, words, count * sizeof *copy);
-    return copy;
-}
-
-static fp3_status take(const fp3_neighbours *from, fp3_list *to, fp3_error *error) {
-    const size_t entries = from->begin ? from->begin[to->objects] : 0;
-    fp3_list made = *to;
-    made.is_there = 1;
-    made.is_all = !from->begin;
-    made.begin = made.is_all ? NULL : copied(from->begin, to->objects + (size_t)1);
-    made.other = made.is_all ? NULL : copied(from->other, entries);
-    made.field = made.is_all ? NULL : copied(from->fields, entries * to->fields);
-    if (!made.is_all && (!made.begin || !made.other || !made.field)) {
-        forget(&made);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    }
-    forget(to);
-    *to = made;
-    return FP3_OK;
-}
-
-static void take_near(const fp3_near_rule *rule, fp3_list *to) {
-    forget(to);
-    to->near = (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
-    memcpy(to->near.regs, rule->regs, sizeof rule->regs);
-    to->is_there = to->is_near = 1;
-}
-
-fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
-        const fp3_list *list = &from->lists[i];
-        const fp3_neighbours given = {list->begin, list->other, (const float *)(void *)list->field};
-        if (list->is_near)
-            take_near(&list->near, &to->lists[i]);
-        else if (list->is_there)
-            status = take(&given, &to->lists[i], error);
-    }
-    return status;
-}
-
-fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            size_t stride, int *is_new, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    *is_new = 0;
-    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
-        fp3_list *list = &lists->lists[i];
-        fp3_where_they_are now = {.stride = stride, .objects = objects, .dimensions = list->near.dimensions};
-        uint32_t astray, *begin, *other;
-        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
-            now.position[k] = words[list->near.regs[k]];
-        if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
-            continue;
-        if (astray != UINT32_MAX)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "the position of object %" PRIu32 " is infinite or NaN, so nobody can be near it",
-                            astray);
-        status = fp3_near_make(&list->near, &now, &begin, &other, error);
-        free(list->begin);
-        free(list->other);
-        list->begin = begin;
-        list->other = other;
-        *is_new = 1;
-    }
-    return status;
-}
-
-/* ---- what the caller gives ---- */
 
 static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const char *name,
                                 const fp3_neighbours *n) {
@@ -169,12 +63,12 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
                                      : "list '%s': a position has 1 to 3 components",
                         name);
     if (!(near->reach > 0 && near->reach < HUGE_VAL && near->skin >= 0 && near->skin < HUGE_VAL))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "list '%s': reach %g, skin %g: expected a reach above 0 and a skin of 0 or more",
-                        name, near->reach, near->skin);
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "list '%s': reach %g, skin %g: expected a reach above 0 and a skin of 0 or more", name,
+            near->reach, near->skin);
     for (uint32_t k = 0; k < near->dimensions; k++) {
-        const fp3_symbol *s =
-            fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
+        const fp3_symbol *s = fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
         if (!s)
             return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': the program has no state '%s'", name,
                             near->position[k]);
@@ -192,7 +86,7 @@ fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *nam
         status = check_near(engine, group, list, name, near, rule.regs);
     if (status)
         return status;
-    take_near(&rule, list);
+    fp3_list_take_near(list, &rule);
     return changed(engine, group, list);
 }
 
@@ -208,7 +102,7 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "list '%s': entries have fields, so each has to be given", name);
     if (!status)
-        status = take(neighbours, list, engine->def.error);
+        status = fp3_list_take(list, neighbours, engine->def.error);
     return status ? status : changed(engine, group, list);
 }
 

@@ -88,8 +88,8 @@ fp3_status fp3_fast_pack(const fp3_fast *fast, const fp3_fast_given *given, fp3_
             pack_turn(given, v * lanes, turn, lanes, &r, at++);
     }
     r.turn[vectors] = (unsigned)at;
-    packed->list = (fp3_fast_list){r.turn, r.base,    r.other, r.from,
-                                   r.is_full, r.field, given->fields};
+    packed->list =
+        (fp3_fast_list){r.turn, r.base, r.other, r.from, r.is_full, r.field, given->fields};
     return FP3_OK;
 }
 
@@ -134,8 +134,8 @@ static void look(const interpreter *in, const fp3_fast_list *list, const fp3_ins
         const uint32_t lane = which[i], vector = (in->first + lane) / wide;
         const size_t at = list->turn[vector] + turn, n = (in->first + lane) % wide;
         if (word->op == FP3_OP_LDN)
-            memcpy(&to->rows[word->d][i],
-                   &in->group->own[word->a][list->other[at * wide + n]], sizeof(float));
+            memcpy(&to->rows[word->d][i], &in->group->own[word->a][list->other[at * wide + n]],
+                   sizeof(float));
         else
             to->rows[word->d][i] = list->field[(at * list->fields + field) * wide + n];
     }

@@ -79,7 +79,8 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     fp3_status status = read_wish(&w, error);
     if (!status)
-        status = fp3_fast_plan_make(def->config, def->code, def->states, def->around, &f->plan, error);
+        status =
+            fp3_fast_plan_make(def->config, def->code, def->states, def->around, &f->plan, error);
     f->sweep = fp3_sweep_choose(def->config, w.most);
     if (!status && def->native && !def->is_interpreted && !w.is_interpreted)
         status = open_file(f, def->native, error);

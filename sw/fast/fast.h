@@ -28,11 +28,11 @@
 typedef struct {
     const fp3_config *config; /* these four must outlive the program */
     const fp3_code *code;
-    const uint8_t *is_ahead; /* of each word: it works for the step that follows */
-    uint64_t states;         /* registers whose values must be finite */
+    const uint8_t *is_ahead;         /* of each word: it works for the step that follows */
+    uint64_t states;                 /* registers whose values must be finite */
     const fp3_neighbourhood *around; /* what it reads of other objects */
-    int is_interpreted;      /* 1: no native code is made */
-    int is_without_compiler; /* 1: ... but for what the cache has */
+    int is_interpreted;              /* 1: no native code is made */
+    int is_without_compiler;         /* 1: ... but for what the cache has */
     const char *native; /* a file of fp3_fast_write_native that must have the program, or NULL */
 } fp3_fast_def;
 

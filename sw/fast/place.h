@@ -25,21 +25,23 @@ typedef struct {
  * one does, and nothing of it counts. */
 typedef struct {
     const unsigned *turn; /* of each vector: its first turn; one more behind the last */
-    const int *base;      /* of each turn: the neighbours are base, base + 1 ..; -1: those of `other` */
-    const int *other;     /* of each lane of each turn */
-    const int *from;      /* likewise; the lane itself if it has a neighbour */
+    const int *base;  /* of each turn: the neighbours are base, base + 1 ..; -1: those of `other` */
+    const int *other; /* of each lane of each turn */
+    const int *from;  /* likewise; the lane itself if it has a neighbour */
     const unsigned char *is_full; /* of each turn: every lane has one */
-    const float *field;   /* of each turn, its fields one after the other: a vector of each */
+    const float *field; /* of each turn, its fields one after the other: a vector of each */
     unsigned fields;
 } fp3_fast_list;
 
 /* A phase of objects that see each other. */
 typedef struct {
-    const float *const *own;  /* [64]: columns of the objects, to be loaded; the first object is first in the list */
-    float *const *next;       /* [64]: likewise, to be stored */
-    const float *const *seen; /* [64]: columns of all objects of the group, as neighbours see them */
-    const int *constants;     /* [64] */
-    const int *table;         /* fp3_estimates */
+    const float *const *
+        own; /* [64]: columns of the objects, to be loaded; the first object is first in the list */
+    float *const *next; /* [64]: likewise, to be stored */
+    const float *const
+        *seen;            /* [64]: columns of all objects of the group, as neighbours see them */
+    const int *constants; /* [64] */
+    const int *table;     /* fp3_estimates */
     const fp3_fast_list *lists;
     unsigned bias; /* vector `bias` of the lists is the first of the columns */
 } fp3_fast_around;

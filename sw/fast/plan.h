@@ -41,9 +41,10 @@ typedef struct {
 
 /* A loop over neighbours. */
 typedef struct {
-    uint32_t first, end;    /* of the instructions within */
-    uint32_t list;          /* number of the list */
-    uint64_t outside, kept; /* registers that it reads as they were before; that something reads after it */
+    uint32_t first, end; /* of the instructions within */
+    uint32_t list;       /* number of the list */
+    uint64_t outside,
+        kept; /* registers that it reads as they were before; that something reads after it */
 } fp3_fast_loop;
 
 typedef struct {
@@ -57,17 +58,19 @@ typedef struct {
     uint64_t written;      /* registers that an arithmetic operation writes */
     uint64_t constants;    /* shared constants that are read */
     uint64_t read, stored; /* record words: by ld and lds; by st */
-    fp3_neighbourhood around;   /* with neighbours: of these parts only the step part has instructions */
+    fp3_neighbourhood
+        around; /* with neighbours: of these parts only the step part has instructions */
     fp3_fast_loop *loops;
     uint32_t loop_count;
-    uint32_t *phase; /* where each phase begins, and where the last one ends */
-    int sleeps, slept;     /* there is a sleep; the register of sleep and lds, or -1 */
+    uint32_t *phase;   /* where each phase begins, and where the last one ends */
+    int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
 } fp3_fast_plan;
 
 /* states: registers that are looked at after each step. *plan is freed by the caller. FP3_E_PROGRAM: a word is no instruction that the configuration has, or an
  * lds stands behind something else than loads. */
 fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, uint64_t states,
-                              const fp3_neighbourhood *around, fp3_fast_plan *plan, fp3_error *error);
+                              const fp3_neighbourhood *around, fp3_fast_plan *plan,
+                              fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_fast_plan_free(fp3_fast_plan *plan);
 

@@ -430,4 +430,5 @@ static int is_any_astray(const float *row, unsigned count) {
     return is_any != 0;
 }
 
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run, run_tiny, watch, run_words, is_any_astray};
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run,          run_tiny,
+                             watch,     run_words,      is_any_astray};

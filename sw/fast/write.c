@@ -221,8 +221,9 @@ static unsigned beside_of(const fp3_fast_plan *plan) {
 }
 
 static void stretch(writer *w) {
-    fprintf(w->to, "void " FP3_FAST_NAME
-                   "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
+    fprintf(w->to,
+            "void " FP3_FAST_NAME
+            "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
     declare(w);
     fprintf(w->to, "    unsigned long j = 0;\n");
     /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for four. */
@@ -239,8 +240,9 @@ enum { OUTSIDE = 0, WITHIN = 1 };
 
 static void declare_around(const writer *w) {
     const fp3_fast_plan *plan = w->plan;
-    fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
-                   "    fp3_i lanes;\n    for (int i = 0; i < FP3_LANES; i++)\n        lanes[i] = i;\n");
+    fprintf(w->to,
+            "    const int *const table = p->table;\n    (void)table;\n"
+            "    fp3_i lanes;\n    for (int i = 0; i < FP3_LANES; i++)\n        lanes[i] = i;\n");
     FP3_EACH_REGISTER (plan->constants, k)
         fprintf(w->to,
                 "    const fp3_v k%" PRIu32 " = (fp3_v)fp3_all(p->constants[%" PRIu32
@@ -253,9 +255,8 @@ static void declare_around(const writer *w) {
                 "];\n    (void)o%" PRIu32 ";\n    (void)s%" PRIu32 ";\n",
                 reg, reg, reg, reg, reg, reg);
     FP3_EACH_REGISTER (plan->stored, reg)
-        fprintf(w->to,
-                "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->next[%" PRIu32 "];\n", reg,
-                reg);
+        fprintf(w->to, "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->next[%" PRIu32 "];\n",
+                reg, reg);
 }
 
 static void of_neighbour(const writer *w, const fp3_instruction *in) {
@@ -273,25 +274,27 @@ static void loop_around(const writer *w, const fp3_fast_loop *l) {
     uint64_t named = l->outside | l->kept;
     for (uint32_t pc = l->first; pc < l->end; pc++)
         named |= (uint64_t)1 << plan->code[pc].in.d;
-    fprintf(w->to,
-            "        for (unsigned t = p->lists[%" PRIu32 "].turn[j]; t < p->lists[%" PRIu32
-            "].turn[j + 1]; t++) {\n"
-            "            const fp3_fast_list *const l = &p->lists[%" PRIu32 "];\n"
-            "            const int base = l->base[t], is_full = l->is_full[t];\n"
-            "            const fp3_i other = ((const fp3_i *)l->other)[t];\n"
-            "            const fp3_i from = ((const fp3_i *)l->from)[t];\n"
-            "            const fp3_v *field = (const fp3_v *)l->field + (unsigned long)t * l->fields;\n"
-            "            (void)base, (void)other, (void)field;\n",
-            l->list, l->list, l->list);
+    fprintf(
+        w->to,
+        "        for (unsigned t = p->lists[%" PRIu32 "].turn[j]; t < p->lists[%" PRIu32
+        "].turn[j + 1]; t++) {\n"
+        "            const fp3_fast_list *const l = &p->lists[%" PRIu32 "];\n"
+        "            const int base = l->base[t], is_full = l->is_full[t];\n"
+        "            const fp3_i other = ((const fp3_i *)l->other)[t];\n"
+        "            const fp3_i from = ((const fp3_i *)l->from)[t];\n"
+        "            const fp3_v *field = (const fp3_v *)l->field + (unsigned long)t * l->fields;\n"
+        "            (void)base, (void)other, (void)field;\n",
+        l->list, l->list, l->list);
     FP3_EACH_REGISTER (named, reg)
         fprintf(w->to,
-                (l->outside | l->kept) >> reg & 1
-                    ? "            fp3_v r%" PRIu32 "_1 = r%" PRIu32 "_0;\n"
-                    : "            fp3_v r%" PRIu32 "_1;\n",
+                (l->outside | l->kept) >> reg & 1 ? "            fp3_v r%" PRIu32 "_1 = r%" PRIu32
+                                                    "_0;\n"
+                                                  : "            fp3_v r%" PRIu32 "_1;\n",
                 reg, reg);
     fprintf(w->to, "            if (!is_full) {\n");
     FP3_EACH_REGISTER (l->outside | l->kept, reg)
-        fprintf(w->to, "                r%" PRIu32 "_1 = fp3_from(r%" PRIu32 "_0, from);\n", reg, reg);
+        fprintf(w->to, "                r%" PRIu32 "_1 = fp3_from(r%" PRIu32 "_0, from);\n", reg,
+                reg);
     fprintf(w->to, "            }\n");
     for (uint32_t pc = l->first; pc < l->end; pc++) {
         const fp3_fast_word *p = &plan->code[pc];
@@ -302,8 +305,8 @@ static void loop_around(const writer *w, const fp3_fast_loop *l) {
     }
     FP3_EACH_REGISTER (l->kept, reg)
         fprintf(w->to,
-                "            r%" PRIu32 "_0 = is_full ? r%" PRIu32 "_1 : fp3_choose(from == lanes, r%" PRIu32
-                "_1, r%" PRIu32 "_0);\n",
+                "            r%" PRIu32 "_0 = is_full ? r%" PRIu32
+                "_1 : fp3_choose(from == lanes, r%" PRIu32 "_1, r%" PRIu32 "_0);\n",
                 reg, reg, reg, reg);
     fprintf(w->to, "        }\n");
 }
@@ -320,7 +323,9 @@ static void store_next(const writer *w, const fp3_fast_word *p) {
 static void phase(const writer *w, uint32_t number) {
     const fp3_fast_plan *plan = w->plan;
     uint32_t next = 0;
-    fprintf(w->to, "    if (phase == %" PRIu32 ")\n    for (unsigned long j = first; j < end; j++) {\n", number);
+    fprintf(w->to,
+            "    if (phase == %" PRIu32 ")\n    for (unsigned long j = first; j < end; j++) {\n",
+            number);
     FP3_EACH_REGISTER (registers_of(plan), reg)
         fprintf(w->to, "        fp3_v r%" PRIu32 "_0;\n", reg);
     for (uint32_t pc = plan->phase[number]; pc < plan->phase[number + 1]; pc++) {

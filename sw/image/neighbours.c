@@ -132,7 +132,7 @@ fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *fou
         return fp3_fail(
             error, FP3_E_PROGRAM,
             "word r%" PRIu32 " is read by neighbours: each phase stores it, or none does", reg);
-    return status;
+    return FP3_OK;
 }
 
 uint32_t fp3_neighbourhood_end(const fp3_decoded *decoded, uint32_t each) {

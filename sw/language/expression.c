@@ -8,9 +8,9 @@
 #include "function.h"
 #include "keyword.h"
 #include "meaning.h"
+#include "neighbour.h"
 #include "number.h"
 #include "range.h"
-#include "relation.h"
 #include "symbol.h"
 #include "vector.h"
 
@@ -72,6 +72,25 @@ static ode_value terms(ode_parser *p, fp3_token at, const ode_function *f) {
     return nothing;
 }
 
+static ode_value over_neighbours(ode_parser *p, fp3_token sum) {
+    ode_neighbours n;
+    return fp3_ode_neighbours_open(p, sum, &n) ? fp3_ode_neighbours_close(p, &n, expression(p))
+                                               : nothing;
+}
+
+/* "o.x" */
+static ode_value of_neighbour(ode_parser *p, fp3_token name, const fp3_relation *r) {
+    unsigned start, size;
+    fp3_token part;
+    if (!fp3_ode_neighbours_part(p, name, &part))
+        return nothing;
+    const ode_quantity *field = fp3_ode_field(p, r, part);
+    if (field)
+        return fp3_ode_neighbours_field(p, name, field);
+    const ode_symbol *s = fp3_ode_part(p, part, &start, &size);
+    return s ? fp3_ode_neighbours_value(p, part, r, s, start, size) : nothing;
+}
+
 /* "? a : b", or ", a, b)" of select, whose condition begins at expression `from`. A condition of numbers is
  * decided here and now, and then only one choice counts. */
 static ode_value choice(ode_parser *p, fp3_token at, ode_value condition, uint32_t from,
@@ -98,7 +117,7 @@ static ode_value arguments(ode_parser *p, fp3_token name, const ode_function *f)
     assert(f->arguments <= ODE_ARGUMENTS);
     if (fp3_ode_at_neighbours(p)) {
         if (f->op == FP3_EXPR_ADD && f->rule == ODE_OF_TERMS)
-            return fp3_ode_over_neighbours(p, name);
+            return over_neighbours(p, name);
         fp3_ode_lost_at(&p->in, name, "sum, which goes over neighbours");
         return nothing;
     }
@@ -156,7 +175,7 @@ static ode_value named(ode_parser *p) {
     }
     const ode_symbol *other = fp3_ode_find(p, name);
     if (other && other->class == ODE_NEIGHBOUR)
-        return fp3_ode_of_neighbour(p, name, other);
+        return of_neighbour(p, name, &p->relations[other->first]);
     const ode_symbol *s = fp3_ode_part(p, name, &start, &size);
     if (!s)
         return nothing;
@@ -377,8 +396,6 @@ static ode_value expression(ode_parser *p) {
     leave(p);
     return value;
 }
-
-ode_value fp3_ode_inner(ode_parser *p) { return expression(p); }
 
 ode_value fp3_ode_expression(ode_parser *p, ode_context context) {
     p->context = context;

@@ -7,9 +7,6 @@
 
 ode_value fp3_ode_expression(ode_parser *p, ode_context context);
 
-/* One within another, of the same context. */
-ode_value fp3_ode_inner(ode_parser *p);
-
 /* Reads a whole number made of numbers and indices. 0 after an error, and where it is skipped: *number is
  * unchanged. */
 int fp3_ode_whole(ode_parser *p, long *number);

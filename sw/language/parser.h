@@ -6,12 +6,13 @@
  *     function           the table of functions, which are made of those operations
  *     symbol             what names stand for
  *     meaning            what they stand for in an expression
+ *     neighbour          what an expression says of neighbours
  *     range              names for whole numbers, and what is read again for each of them
  *     expression         from tokens to operations
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
- *     relation           how objects see others, and sums over them
+ *     relation           how objects see others
  *     event              `when`, what happens at the end of a step
  *     statement          what each statement says
  *     finish             what only the end of the source can tell

@@ -1,4 +1,4 @@
-/* relation.c - relations are declared, and a sum over neighbours is one expression whose term is read once. */
+/* relation.c - relations are declared; where they may not be used. */
 #include "relation.h"
 
 #include <stdlib.h>
@@ -7,11 +7,8 @@
 #include "constant.h"
 #include "dimension_check.h"
 #include "expression.h"
-#include "meaning.h"
+#include "neighbour.h"
 #include "symbol.h"
-#include "vector.h"
-
-static const ode_value nothing = {0};
 
 /* ---- declarations ---- */
 
@@ -36,13 +33,6 @@ static char *copied(ode_parser *p, const char *text) {
     return copy;
 }
 
-static const ode_quantity *field_of(const ode_parser *p, const fp3_relation *r, fp3_token name) {
-    for (uint32_t i = r->first_field; i < r->first_field + r->field_count; i++)
-        if (fp3_token_is(name, p->fields[i].quantity.name))
-            return &p->fields[i];
-    return NULL;
-}
-
 /* "k = 10 [N/m]" */
 static void field(ode_parser *p, fp3_relation *r) {
     const fp3_token name = p->in.next;
@@ -53,7 +43,7 @@ static void field(ode_parser *p, fp3_relation *r) {
     }
     fp3_ode_advance(&p->in);
     const int is_new = fp3_ode_is_new_name(p, name, 1);
-    if (is_new && field_of(p, r, name))
+    if (is_new && fp3_ode_field(p, r, name))
         fp3_ode_wrong(&p->in, name, "a new name (this relation has such a field)");
     fp3_ode_expect(&p->in, "=", "'=' and the value of links that do not say it");
     fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant);
@@ -142,107 +132,6 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
     if (is_new)
         fp3_ode_declare(p, name, ODE_RELATION, p->relation_count, (ode_value){.size = 1});
     p->relations[p->relation_count++] = made;
-}
-
-/* ---- neighbours ---- */
-
-static const ode_symbol *relation_named(ode_parser *p, fp3_token name) {
-    const ode_symbol *s = name.kind == FP3_TOKEN_NAME ? fp3_ode_find(p, name) : NULL;
-    return s && s->class == ODE_RELATION ? s : NULL;
-}
-
-int fp3_ode_at_neighbours(ode_parser *p) {
-    ode_lexer ahead = p->in.lexer;
-    if (!fp3_ode_at_range(p))
-        return 0;
-    fp3_ode_next(&ahead);
-    return relation_named(p, fp3_ode_next(&ahead)) != NULL;
-}
-
-/* The square of the distance to the neighbour is below that of the reach. */
-static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
-    const ode_value theirs =
-        fp3_ode_leaves(p, at, FP3_EXPR_OTHER_STATE, r->position, r->dimensions);
-    const ode_value own = fp3_ode_leaves(p, at, FP3_EXPR_STATE, r->position, r->dimensions);
-    const ode_value way = fp3_ode_binary(p, at, FP3_EXPR_SUB, theirs, own);
-    const ode_value far = {1, {(uint16_t)r->reach}};
-    const ode_value square = r->dimensions > 1 ? fp3_ode_dot(p, at, way, way)
-                                               : fp3_ode_binary(p, at, FP3_EXPR_MUL, way, way);
-    return fp3_ode_binary(p, at, FP3_EXPR_LESS, square,
-                          fp3_ode_binary(p, at, FP3_EXPR_MUL, far, far));
-}
-
-/* What is added up of a neighbour that may be farther than the reach: the term, or -0, which changes no sum. */
-static ode_value where_near(ode_parser *p, fp3_token at, const fp3_relation *r, ode_value term) {
-    const ode_value near = is_near(p, at, r);
-    ode_value none = {.size = term.size};
-    for (unsigned i = 0; i < term.size; i++)
-        none.expr[i] = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, -0.0).expr[0];
-    return fp3_ode_select(p, at, near, term, none);
-}
-
-ode_value fp3_ode_over_neighbours(ode_parser *p, fp3_token sum) {
-    const fp3_token name = p->in.next;
-    fp3_ode_advance(&p->in);
-    fp3_ode_expect(&p->in, "in", "in");
-    const ode_symbol *s = relation_named(p, p->in.next);
-    const uint32_t relation = s ? s->first : 0;
-    fp3_ode_advance(&p->in);
-    fp3_ode_expect(&p->in, ":", "':' and what is added up for each neighbour");
-    if (p->is_in_sum || p->context != ODE_IN_EQUATION) {
-        fp3_ode_lost_at(&p->in, sum,
-                        p->is_in_sum ? "a term without another sum over neighbours"
-                                     : "a sum over neighbours in an equation only");
-        return nothing;
-    }
-    const int is_new = fp3_ode_is_new_name(p, name, 1);
-    const uint32_t symbol =
-        is_new ? fp3_ode_declare(p, name, ODE_NEIGHBOUR, relation, (ode_value){.size = 1})
-               : FP3_NONE;
-    p->is_in_sum = 1;
-    ode_value term = fp3_ode_inner(p);
-    p->is_in_sum = 0;
-    if (is_new)
-        fp3_ode_undeclare(p, symbol);
-    const fp3_relation *r = &p->relations[relation];
-    if (!term.size || p->in.is_lost || (r->kind == FP3_NEAR && r->reach == FP3_NONE))
-        return nothing;
-    if (r->kind == FP3_NEAR)
-        term = where_near(p, sum, r, term);
-    return fp3_ode_total(p, sum, relation, term);
-}
-
-ode_value fp3_ode_of_neighbour(ode_parser *p, fp3_token name, const ode_symbol *neighbour) {
-    const fp3_relation *r = &p->relations[neighbour->first];
-    const char *dot = memchr(name.text, '.', name.length);
-    unsigned start = 0, size = 0;
-    if (!dot) {
-        fp3_ode_lost_at(&p->in, name, "a state, param or field of the neighbour, as in %.*s.x",
-                        (int)name.length, name.text);
-        return nothing;
-    }
-    fp3_token part = name;
-    part.length -= (size_t)(dot + 1 - name.text);
-    part.location.column += (unsigned)(dot + 1 - name.text);
-    part.text = dot + 1;
-    const ode_quantity *of_link = field_of(p, r, part);
-    if (of_link)
-        return fp3_ode_leaf(p, name, FP3_EXPR_FIELD, (uint32_t)(of_link - p->fields), 0);
-    const ode_symbol *s = fp3_ode_part(p, part, &start, &size);
-    if (!s)
-        return nothing;
-    if (s->class != ODE_STATE && s->class != ODE_PARAM) {
-        fp3_ode_wrong(&p->in, part, "a state, a param or a field of '%s'", r->name);
-        return nothing;
-    }
-    const int is_shared = s->class == ODE_PARAM && p->params[s->first].quantity.is_shared;
-    if (s->class == ODE_PARAM && !is_shared) /* a word of the record: a param of the program */
-        fp3_ode_leaves(p, name, FP3_EXPR_PARAM, s->first + start, size);
-    return fp3_ode_leaves(p, name,
-                          s->class == ODE_STATE ? FP3_EXPR_OTHER_STATE
-                          : is_shared           ? FP3_EXPR_PARAM
-                                                : FP3_EXPR_OTHER_PARAM,
-                          s->first + start, size);
 }
 
 /* ---- what has no neighbours ---- */

@@ -75,8 +75,9 @@ def test_words_are_those_of_isa_toml(assemble, root):
     seed = 4
     choose = random.Random(seed)
     lines, expected = [], []
+    alone = [op for op in isa["op"] if op.get("needs") != "neighbours"]  # those have an order: tests/world
     for _ in range(500):
-        op = choose.choice(isa["op"])
+        op = choose.choice(alone)
         word, text = op["code"] << isa["field"]["op"][1], []
         for letter in op["operands"]:
             bank = isa["bank"]["object" if letter == "d" else choose.choice(["object", "shared"])]

@@ -114,7 +114,7 @@ MISTAKES = [
     ("registers.toml", "invalid = [4, 4]", "invalid = [5, 4]", "register 'flags' must have a bit for each exception"),
     ("registers.toml", 'needs = ["store_words"]', 'needs = ["store"]', "'record' needs, shows or holds 'store', which is no key"),
     ("registers.toml", 'shows = ["registers", "registers", "contexts"]', 'shows = ["registers", "contexts"]', "'shows' must have a key for each field"),
-    ("registers.toml", "shows = [0]", 'shows = ["zero"]', "'features_more' needs, shows or holds 'zero', which is no key"),
+    ("registers.toml", 'shows = ["more"]', 'shows = ["zero"]', "'features' needs, shows or holds 'zero', which is no key"),
     ("registers.toml", "range = [3, 6]", "range = [3, 8]", "register 'record': range [3, 8] is empty, or its field has no room for it"),
     ("registers.toml", "range = [3, 6]", "range = [4, 6]", "register 'record': it is reset to 3, which is not in its range"),
     ("registers.toml", "range = [3, 6]", "range = [3]", "register 'record': range must be [least, most], not [3]"),

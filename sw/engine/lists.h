@@ -1,6 +1,6 @@
-/* neighbours.h - the lists of neighbours of a group's objects, which its program's loops go through. */
-#ifndef FP3_ENGINE_NEIGHBOURS_H
-#define FP3_ENGINE_NEIGHBOURS_H
+/* lists.h - the lists of neighbours of a group's objects, which its program's loops go through. */
+#ifndef FP3_ENGINE_LISTS_H
+#define FP3_ENGINE_LISTS_H
 
 #include "image/neighbours.h"
 #include "near.h"
@@ -30,6 +30,9 @@ void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists 
 void fp3_lists_close(fp3_lists *lists);
 /* The list of register reg, which there is. */
 fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
+/* Makes a list what the host gives, or the one of those that are near. FP3_E_SYSTEM: out of memory; it is as it was. */
+fp3_status fp3_list_take(fp3_list *list, const fp3_neighbours *from, fp3_error *error);
+void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
 /* FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
 

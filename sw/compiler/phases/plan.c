@@ -1,0 +1,363 @@
+/* plan.c - see plan.h. */
+#include "plan.h"
+
+#include <stdlib.h>
+
+static fp3_status no_memory(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+uint32_t *fp3_cut_filled(size_t count) {
+    uint32_t *list = malloc((count + 1) * sizeof *list);
+    for (size_t i = 0; list && i <= count; i++)
+        list[i] = FP3_NONE;
+    return list;
+}
+
+int fp3_cut_is_neighbours(uint32_t op) {
+    return op == NODE_OTHER_STATE || op == NODE_OTHER_PARAM || op == NODE_FIELD;
+}
+
+/* Operands that are nodes. */
+unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[3]) {
+    const dag_node *n = fp3_cut_node(c, node);
+    unsigned count = 0;
+    if (fp3_dag_is_leaf(c->g, node) || fp3_cut_is_neighbours(n->op))
+        return 0;
+    if (n->op == NODE_TOTAL) {
+        list[0] = n->a;
+        return 1;
+    }
+    for (int i = 0; i < 3; i++)
+        if (fp3_dag_operand(c->g, node, i) != FP3_NONE)
+            list[count++] = fp3_dag_operand(c->g, node, i);
+    return count;
+}
+
+static uint32_t phase_of(const fp3_cut_plan *c, uint32_t node) {
+    return c->when[node] / FP3_CUT_SLOTS;
+}
+
+/* The first slot in which straight code can read it. */
+static uint32_t ready(const fp3_cut_plan *c, uint32_t node) {
+    return c->when[node] + (fp3_cut_node(c, node)->op == NODE_TOTAL);
+}
+
+/* ---- when ---- */
+
+static int is_start(const fp3_cut_plan *c, uint32_t node, uint32_t state) {
+    return fp3_cut_node(c, node)->op == NODE_VARIABLE &&
+           fp3_cut_node(c, node)->a == fp3_step_find(c->step, ROLE_STATE, state);
+}
+
+/* Whether neighbours can see at this place in this phase what they have to. */
+static int fits(const fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+    for (uint32_t i = 0; i < c->step->sight.count; i++) {
+        const fp3_seen *s = &c->step->sight.list[i];
+        const uint32_t there = c->shown[phase * c->states + s->state];
+        const int is_there = phase == 0 ? is_start(c, s->node, s->state)
+                                        : is_start(c, s->node, s->state) ||
+                                              ready(c, s->node) / FP3_CUT_SLOTS < phase;
+        if (s->place == place && (!is_there || (there != FP3_NONE && there != s->node)))
+            return 0;
+    }
+    return 1;
+}
+
+static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+    for (uint32_t i = 0; i < c->step->sight.count; i++) {
+        const fp3_seen *s = &c->step->sight.list[i];
+        if (s->place == place) {
+            c->shown[phase * c->states + s->state] = s->node;
+            c->published |= UINT64_C(1) << s->state;
+        }
+    }
+}
+
+static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
+    for (uint32_t i = 0; i < c->g->count; i++) {
+        uint32_t list[3];
+        const unsigned count = fp3_cut_operands(c, i, list);
+        c->is_body[i] = (char)fp3_cut_is_neighbours(fp3_cut_node(c, i)->op);
+        for (unsigned k = 0; k < count; k++) {
+            const uint32_t then = c->is_body[list[k]] ? c->when[list[k]] : ready(c, list[k]);
+            c->when[i] = then > c->when[i] ? then : c->when[i];
+            c->is_body[i] |= c->is_body[list[k]];
+        }
+        if (fp3_cut_node(c, i)->op != NODE_TOTAL)
+            continue;
+        uint32_t phase = c->when[i] / FP3_CUT_SLOTS;
+        while (phase < FP3_CUT_PHASES && !fits(c, fp3_cut_node(c, i)->c, phase))
+            phase++;
+        if (phase == FP3_CUT_PHASES || (c->when[i] | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
+            return fp3_fail(
+                error, FP3_E_LIMIT,
+                "a step has more than %u phases, or sums of sums of neighbours deeper than %u",
+                FP3_CUT_PHASES, FP3_CUT_SLOTS / 2 - 1);
+        show(c, fp3_cut_node(c, i)->c, phase);
+        if (phase * FP3_CUT_SLOTS > c->when[i])
+            c->when[i] = phase * FP3_CUT_SLOTS;
+        c->when[i] |= 1;
+        c->is_body[i] = 0;
+    }
+    return FP3_OK;
+}
+
+static void need(const fp3_cut_plan *c, uint32_t node) {
+    if (node != FP3_NONE)
+        c->is_needed[node] = 1;
+}
+
+static void find_needed(fp3_cut_plan *c) {
+    for (uint32_t i = 0; i < c->own; i++)
+        need(c, c->step->variables[i].next);
+    for (uint32_t i = c->g->count; i-- > 0;) {
+        uint32_t list[3];
+        const unsigned count = c->is_needed[i] ? fp3_cut_operands(c, i, list) : 0;
+        for (unsigned k = 0; k < count; k++)
+            need(c, list[k]);
+        for (uint32_t k = 0;
+             count && fp3_cut_node(c, i)->op == NODE_TOTAL && k < c->step->sight.count; k++)
+            if (c->step->sight.list[k].place == fp3_cut_node(c, i)->c)
+                need(c, c->step->sight.list[k].node); /* it comes before the sum */
+    }
+    c->phase_count = 1;
+    for (uint32_t i = 0; i < c->g->count; i++) {
+        if (!c->is_needed[i] || c->is_body[i])
+            continue;
+        const uint32_t then = ready(c, i), phase = then / FP3_CUT_SLOTS;
+        if (phase + 1 > c->phase_count)
+            c->phase_count = phase + 1;
+        if (then % FP3_CUT_SLOTS > c->slots[phase])
+            c->slots[phase] = then % FP3_CUT_SLOTS;
+    }
+}
+
+/* ---- where ---- */
+
+uint32_t fp3_cut_variable(fp3_cut_plan *c, role role, uint32_t state) {
+    if (c->step->variable_count >= 2 * FP3_STATES_MAX || !fp3_step_add(c->step, role, state)) {
+        c->has_failed = 1;
+        return 0;
+    }
+    return c->step->variable_count - 1;
+}
+
+static uint32_t *held(const fp3_cut_plan *c, uint32_t phase, uint32_t variable) {
+    return &c->held[phase * c->own + variable];
+}
+
+static uint32_t state_of(const fp3_cut_plan *c, uint32_t variable) {
+    return c->step->variables[variable].role == ROLE_STATE ? c->step->variables[variable].state
+                                                           : FP3_NONE;
+}
+
+static int is_published(const fp3_cut_plan *c, uint32_t variable) {
+    const uint32_t state = state_of(c, variable);
+    return state != FP3_NONE && (c->published >> state & 1);
+}
+
+/* The last phase in which something reads the variable as it was when the step began. */
+static uint32_t last_use(const fp3_cut_plan *c, uint32_t variable) {
+    uint32_t last = 0;
+    const uint32_t start = fp3_dag_find(c->g, NODE_VARIABLE, variable, FP3_NONE, FP3_NONE);
+    for (uint32_t i = 0; start != FP3_NONE && i < c->g->count; i++) {
+        uint32_t list[3];
+        const unsigned count = c->is_needed[i] && !c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
+        for (unsigned k = 0; k < count; k++)
+            if ((list[k] == start || c->is_body[list[k]]) && phase_of(c, i) > last)
+                last =
+                    phase_of(c, i); /* of what is in a loop nothing is known here: it may read it */
+    }
+    return last;
+}
+
+/* What each variable fp3_cut_holds in each phase. A published state fp3_cut_holds what neighbours see; every other variable its
+ * old value until nobody reads that any more. */
+static void find_held(fp3_cut_plan *c) {
+    const uint32_t phases = c->phase_count;
+    for (uint32_t v = 0; v < c->own; v++) {
+        uint32_t now = fp3_dag_find(c->g, NODE_VARIABLE, v, FP3_NONE, FP3_NONE);
+        const uint32_t next = c->step->variables[v].next;
+        const uint32_t ends = is_published(c, v) || next == FP3_NONE ? phases : last_use(c, v);
+        for (uint32_t p = 0; p < phases; p++) {
+            if (is_published(c, v) && p > 0 && c->shown[p * c->states + state_of(c, v)] != FP3_NONE)
+                now = c->shown[p * c->states + state_of(c, v)];
+            if (!is_published(c, v) && next != FP3_NONE && p > ends &&
+                ready(c, next) / FP3_CUT_SLOTS < p)
+                now = next;
+            *held(c, p, v) = now;
+        }
+    }
+}
+
+/* The variable that fp3_cut_holds it in this phase, or FP3_NONE. */
+uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
+    for (uint32_t v = 0; v < c->own; v++)
+        if (*held(c, phase, v) == node)
+            return v;
+    return FP3_NONE;
+}
+
+/* It is read at this time. If it is from another section, and no variable fp3_cut_holds it there, one has to keep it. */
+static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
+    const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
+    const int is_here = op != NODE_VARIABLE && op != NODE_TOTAL && c->when[node] == when;
+    if (op == NODE_KNOWN || is_here || fp3_cut_holds(c, node, phase) != FP3_NONE)
+        return;
+    c->is_held[node] = 1;
+    if (when > c->until[node])
+        c->until[node] = when;
+}
+
+/* What the loop of a sum reads from outside. */
+static void use_outside(fp3_cut_plan *c, uint32_t total) {
+    const uint32_t term = fp3_cut_node(c, total)->a;
+    char *is_in = calloc(c->g->count + 1u, 1);
+    if (!is_in) {
+        c->has_failed = 1;
+        return;
+    }
+    is_in[term] = 1;
+    for (uint32_t i = term + 1; i-- > 0;) {
+        uint32_t list[3];
+        if (is_in[i] && !c->is_body[i] && !fp3_cut_is_neighbours(fp3_cut_node(c, i)->op))
+            use(c, i, c->when[total]);
+        const unsigned count = is_in[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
+        for (unsigned k = 0; k < count; k++)
+            is_in[list[k]] = 1;
+    }
+    free(is_in);
+}
+
+/* Which node a variable fp3_cut_gets at the end of a phase; FP3_NONE: it keeps what it has. */
+uint32_t fp3_cut_gets(const fp3_cut_plan *c, uint32_t phase, uint32_t variable) {
+    const uint32_t now = *held(c, phase, variable);
+    const uint32_t next = phase + 1 < c->phase_count ? *held(c, phase + 1, variable)
+                                                     : c->step->variables[variable].next;
+    return next == now ? FP3_NONE : next;
+}
+
+static uint32_t end_of(const fp3_cut_plan *c, uint32_t phase) {
+    return phase * FP3_CUT_SLOTS + c->slots[phase];
+}
+
+static void find_uses(fp3_cut_plan *c) {
+    for (uint32_t i = 0; i < c->g->count; i++) {
+        uint32_t list[3];
+        if (!c->is_needed[i] || c->is_body[i])
+            continue;
+        if (fp3_cut_node(c, i)->op == NODE_TOTAL) {
+            c->is_held[i] = 1; /* its sum grows there */
+            if (c->when[i] > c->until[i])
+                c->until[i] = c->when[i];
+            use_outside(c, i);
+            continue;
+        }
+        const unsigned count = fp3_cut_operands(c, i, list);
+        for (unsigned k = 0; k < count; k++)
+            use(c, list[k], c->when[i]);
+    }
+    for (uint32_t p = 0; p < c->phase_count; p++)
+        for (uint32_t v = 0; v < c->own; v++)
+            if (fp3_cut_gets(c, p, v) != FP3_NONE)
+                use(c, fp3_cut_gets(c, p, v), end_of(c, p));
+}
+
+/* The section that writes the variable which keeps a node: a sum begins before its loop, and what a variable held when the
+ * step began is copied at the end of the first phase. */
+static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
+    return fp3_cut_node(c, node)->op == NODE_TOTAL      ? c->when[node] - 1
+           : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)
+                                                        : c->when[node];
+}
+
+int fp3_cut_is_taken(const fp3_cut_plan *c, uint32_t variable, uint32_t from, uint32_t to) {
+    for (uint32_t i = 0; i < c->g->count; i++)
+        if (c->is_held[i] && c->holder[i] == variable && written(c, i) < to && from < c->until[i])
+            return 1;
+    return 0;
+}
+
+uint32_t fp3_cut_pool(fp3_cut_plan *c) {
+    if (c->pool_count == 2 * FP3_STATES_MAX) {
+        c->has_failed = 1;
+        return 0;
+    }
+    return c->pool[c->pool_count++] = fp3_cut_variable(c, ROLE_CARRIED, FP3_NONE);
+}
+
+/* A variable that keeps nothing from the end of one section to the end of another. */
+static uint32_t free_one(fp3_cut_plan *c, uint32_t from, uint32_t to) {
+    uint32_t n = 0;
+    while (n < c->pool_count && fp3_cut_is_taken(c, c->pool[n], from, to))
+        n++;
+    return n < c->pool_count ? c->pool[n] : fp3_cut_pool(c);
+}
+
+static void find_holders(fp3_cut_plan *c) {
+    for (uint32_t when = 0; when < FP3_CUT_PHASES * FP3_CUT_SLOTS; when++)
+        for (uint32_t i = 0; !c->has_failed && i < c->g->count; i++)
+            if (c->is_held[i] && written(c, i) == when)
+                c->holder[i] = free_one(c, when, c->until[i]);
+}
+
+/* Params of neighbours are words of their records, so they are params of the program. */
+static void know_params(fp3_cut_plan *c) {
+    const fp3_model *model = c->step->model;
+    for (uint32_t i = 0; i < c->g->count; i++) {
+        uint32_t e = 0;
+        if (!c->is_needed[i] || fp3_cut_node(c, i)->op != NODE_OTHER_PARAM)
+            continue;
+        while (model->exprs[e].op != FP3_EXPR_PARAM ||
+               model->exprs[e].index != fp3_cut_node(c, i)->a)
+            e++; /* the language has made one beside that of the neighbour */
+        fp3_known_model(&c->step->known, e);
+    }
+}
+
+/* ---- the interface ---- */
+
+static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
+    const fp3_status status = find_when(c, error);
+    if (status)
+        return status;
+    find_needed(c);
+    know_params(c);
+    c->held = fp3_cut_filled((size_t)c->phase_count * c->own);
+    if (!c->held)
+        return no_memory(error);
+    find_held(c);
+    find_uses(c);
+    find_holders(c);
+    return FP3_OK;
+}
+
+fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
+    c->g = &c->step->values;
+    c->minus_zero = fp3_dag_number(&c->step->values, -0.0);
+    const size_t nodes = c->g->count;
+    c->states = c->step->model->state_count;
+    c->own = c->step->variable_count;
+    c->when = calloc(nodes + 1, sizeof *c->when);
+    c->is_body = calloc(nodes + 1, 1);
+    c->is_needed = calloc(nodes + 1, 1);
+    c->is_held = calloc(nodes + 1, 1);
+    c->holder = fp3_cut_filled(nodes);
+    c->until = calloc(nodes + 1, sizeof *c->until);
+    c->shown = fp3_cut_filled((size_t)FP3_CUT_PHASES * c->states);
+    return c->when && c->is_body && c->is_needed && c->is_held && c->holder && c->until && c->shown
+               ? make(c, error)
+               : no_memory(error);
+}
+
+void fp3_cut_plan_close(fp3_cut_plan *c) {
+    free(c->when);
+    free(c->is_body);
+    free(c->is_needed);
+    free(c->is_held);
+    free(c->holder);
+    free(c->until);
+    free(c->shown);
+    free(c->held);
+}

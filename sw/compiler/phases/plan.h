@@ -1,0 +1,60 @@
+/* plan.h - when each value of a step is computed, and which variable keeps it until it is used.
+ *
+ * `when` of a node is phase * SLOTS + slot. Straight code has even slots, loops have odd ones.
+ */
+#ifndef FP3_PHASES_PLAN_H
+#define FP3_PHASES_PLAN_H
+
+#include "compiler/step/step.h"
+
+#define FP3_CUT_SLOTS 16u
+#define FP3_CUT_PHASES 64u
+
+typedef struct {
+    fp3_step *step;
+    const dag *g;
+    uint64_t published; /* states of the model that neighbours read */
+    uint32_t phase_count;
+    uint32_t states;
+    /* Of each node: */
+    uint32_t *when; /* of one in a loop: of what it reads from outside */
+    char *is_body;  /* it depends on a neighbour */
+    char *is_needed;
+    char *is_held;    /* a variable keeps it from its section on: */
+    uint32_t *holder; /* ... this one */
+    uint32_t *until;  /* ... up to this `when`, of the last section that reads it */
+    uint32_t
+        *shown;     /* [phase * states + state]: node that neighbours see; FP3_NONE: nobody looks */
+    uint32_t *held; /* [phase * own + variable]: node whose value it has, from begin to end */
+    uint32_t own;   /* variables that the step had before */
+    uint32_t slots[FP3_CUT_PHASES];                /* the last slot of each phase, an even one */
+    uint32_t minus_zero;                           /* node of the step */
+    uint32_t pool[2 * FP3_STATES_MAX], pool_count; /* the variables that keep nodes */
+    int has_failed;
+} fp3_cut_plan;
+
+/* Fills the plan, whose step is given. FP3_E_LIMIT: too many phases.
+ * The caller closes, after a failure too. */
+fp3_status fp3_cut_plan_make(fp3_cut_plan *plan, fp3_error *error);
+void fp3_cut_plan_close(fp3_cut_plan *plan);
+
+/* Whether it is a leaf of a neighbour. */
+int fp3_cut_is_neighbours(uint32_t op);
+/* Operands that are nodes. */
+unsigned fp3_cut_operands(const fp3_cut_plan *plan, uint32_t node, uint32_t list[3]);
+/* The variable that holds a node in this phase because it is its own; or FP3_NONE. */
+uint32_t fp3_cut_holds(const fp3_cut_plan *plan, uint32_t node, uint32_t phase);
+/* Which node a variable of the step gets at the end of a phase; FP3_NONE: it keeps what it has. */
+uint32_t fp3_cut_gets(const fp3_cut_plan *plan, uint32_t phase, uint32_t variable);
+/* Whether the variable keeps something at some time between the end of one section and the end of another. */
+int fp3_cut_is_taken(const fp3_cut_plan *plan, uint32_t variable, uint32_t from, uint32_t to);
+/* One more; its index. */
+uint32_t fp3_cut_variable(fp3_cut_plan *plan, role role, uint32_t state);
+uint32_t fp3_cut_pool(fp3_cut_plan *plan);
+uint32_t *fp3_cut_filled(size_t count);
+
+static inline const dag_node *fp3_cut_node(const fp3_cut_plan *plan, uint32_t node) {
+    return &plan->g->nodes[node];
+}
+
+#endif

@@ -1,0 +1,108 @@
+/* lists.c - lists of neighbours: copied, kept until the next load, made again as objects move. */
+#include "lists.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists *lists) {
+    *lists = (fp3_lists){.shape = *shape};
+    for (uint32_t i = 0; i < shape->list_count; i++)
+        lists->lists[i] = (fp3_list){
+            .reg = shape->lists[i].reg, .fields = shape->lists[i].fields, .objects = objects};
+}
+
+static void forget(fp3_list *list) {
+    free(list->begin);
+    free(list->other);
+    free(list->field);
+    fp3_near_close(&list->near);
+    list->begin = list->other = list->field = NULL;
+    list->is_there = list->is_all = list->is_near = 0;
+}
+
+void fp3_lists_close(fp3_lists *lists) {
+    for (uint32_t i = 0; i < lists->shape.list_count; i++)
+        forget(&lists->lists[i]);
+    lists->shape = (fp3_neighbourhood){0};
+}
+
+fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg) {
+    fp3_list *list = lists->lists;
+    while (list->reg != reg)
+        list++;
+    return list;
+}
+
+static uint32_t *copied(const void *words, size_t count) {
+    uint32_t *copy = malloc((count + 1) * sizeof *copy);
+    if (copy && count)
+        memcpy(copy, words, count * sizeof *copy);
+    return copy;
+}
+
+fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *error) {
+    const size_t entries = from->begin ? from->begin[to->objects] : 0;
+    fp3_list made = *to;
+    made.is_there = 1;
+    made.is_all = !from->begin;
+    made.begin = made.is_all ? NULL : copied(from->begin, to->objects + (size_t)1);
+    made.other = made.is_all ? NULL : copied(from->other, entries);
+    made.field = made.is_all ? NULL : copied(from->fields, entries * to->fields);
+    if (!made.is_all && (!made.begin || !made.other || !made.field)) {
+        forget(&made);
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    forget(to);
+    *to = made;
+    return FP3_OK;
+}
+
+void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
+    forget(to);
+    to->near =
+        (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
+    memcpy(to->near.regs, rule->regs, sizeof rule->regs);
+    to->is_there = to->is_near = 1;
+}
+
+fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
+        const fp3_list *list = &from->lists[i];
+        const fp3_neighbours given = {list->begin, list->other, (const float *)(void *)list->field};
+        if (list->is_near)
+            fp3_list_take_near(&to->lists[i], &list->near);
+        else if (list->is_there)
+            status = fp3_list_take(&to->lists[i], &given, error);
+    }
+    return status;
+}
+
+fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
+                            size_t stride, int *is_new, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    *is_new = 0;
+    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
+        fp3_list *list = &lists->lists[i];
+        fp3_where_they_are now = {
+            .stride = stride, .objects = objects, .dimensions = list->near.dimensions};
+        uint32_t astray, *begin, *other;
+        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
+            now.position[k] = words[list->near.regs[k]];
+        if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
+            continue;
+        if (astray != UINT32_MAX)
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "the position of object %" PRIu32
+                            " is infinite or NaN, so nobody can be near it",
+                            astray);
+        status = fp3_near_make(&list->near, &now, &begin, &other, error);
+        free(list->begin);
+        free(list->other);
+        list->begin = begin;
+        list->other = other;
+        *is_new = 1;
+    }
+    return status;
+}

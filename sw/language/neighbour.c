@@ -1,0 +1,119 @@
+/* neighbour.c - a sum over neighbours is one expression, whose term is read once. */
+#include "neighbour.h"
+
+#include <string.h>
+
+#include "meaning.h"
+#include "range.h"
+#include "symbol.h"
+#include "vector.h"
+
+const ode_quantity *fp3_ode_field(const ode_parser *p, const fp3_relation *r, fp3_token name) {
+    for (uint32_t i = r->first_field; i < r->first_field + r->field_count; i++)
+        if (fp3_token_is(name, p->fields[i].quantity.name))
+            return &p->fields[i];
+    return NULL;
+}
+
+static const ode_symbol *relation_named(ode_parser *p, fp3_token name) {
+    const ode_symbol *s = name.kind == FP3_TOKEN_NAME ? fp3_ode_find(p, name) : NULL;
+    return s && s->class == ODE_RELATION ? s : NULL;
+}
+
+int fp3_ode_at_neighbours(ode_parser *p) {
+    ode_lexer ahead = p->in.lexer;
+    if (!fp3_ode_at_range(p))
+        return 0;
+    fp3_ode_next(&ahead);
+    return relation_named(p, fp3_ode_next(&ahead)) != NULL;
+}
+
+/* The square of the distance to the neighbour is below that of the reach. */
+static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
+    const ode_value theirs =
+        fp3_ode_leaves(p, at, FP3_EXPR_OTHER_STATE, r->position, r->dimensions);
+    const ode_value own = fp3_ode_leaves(p, at, FP3_EXPR_STATE, r->position, r->dimensions);
+    const ode_value way = fp3_ode_binary(p, at, FP3_EXPR_SUB, theirs, own);
+    const ode_value far = {1, {(uint16_t)r->reach}};
+    const ode_value square = r->dimensions > 1 ? fp3_ode_dot(p, at, way, way)
+                                               : fp3_ode_binary(p, at, FP3_EXPR_MUL, way, way);
+    return fp3_ode_binary(p, at, FP3_EXPR_LESS, square,
+                          fp3_ode_binary(p, at, FP3_EXPR_MUL, far, far));
+}
+
+/* What is added up of a neighbour that may be farther than the reach: the term, or -0, which changes no sum. */
+static ode_value where_near(ode_parser *p, fp3_token at, const fp3_relation *r, ode_value term) {
+    const ode_value near = is_near(p, at, r);
+    ode_value none = {.size = term.size};
+    for (unsigned i = 0; i < term.size; i++)
+        none.expr[i] = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, -0.0).expr[0];
+    return fp3_ode_select(p, at, near, term, none);
+}
+
+int fp3_ode_neighbours_open(ode_parser *p, fp3_token sum, ode_neighbours *n) {
+    const fp3_token name = p->in.next;
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, "in", "in");
+    const ode_symbol *s = relation_named(p, p->in.next);
+    *n = (ode_neighbours){.sum = sum, .relation = s ? s->first : 0, .symbol = FP3_NONE};
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, ":", "':' and what is added up for each neighbour");
+    if (p->is_in_sum || p->context != ODE_IN_EQUATION) {
+        fp3_ode_lost_at(&p->in, sum,
+                        p->is_in_sum ? "a term without another sum over neighbours"
+                                     : "a sum over neighbours in an equation only");
+        return 0;
+    }
+    if (fp3_ode_is_new_name(p, name, 1))
+        n->symbol = fp3_ode_declare(p, name, ODE_NEIGHBOUR, n->relation, (ode_value){.size = 1});
+    p->is_in_sum = 1;
+    return 1;
+}
+
+ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term) {
+    static const ode_value nothing = {0};
+    const fp3_relation *r = &p->relations[n->relation];
+    p->is_in_sum = 0;
+    if (n->symbol != FP3_NONE)
+        fp3_ode_undeclare(p, n->symbol);
+    if (!term.size || p->in.is_lost || (r->kind == FP3_NEAR && r->reach == FP3_NONE))
+        return nothing;
+    if (r->kind == FP3_NEAR)
+        term = where_near(p, n->sum, r, term);
+    return fp3_ode_total(p, n->sum, n->relation, term);
+}
+
+int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part) {
+    const char *dot = memchr(name.text, '.', name.length);
+    if (!dot) {
+        fp3_ode_lost_at(&p->in, name, "a state, param or field of the neighbour, as in %.*s.x",
+                        (int)name.length, name.text);
+        return 0;
+    }
+    *part = name;
+    part->length -= (size_t)(dot + 1 - name.text);
+    part->location.column += (unsigned)(dot + 1 - name.text);
+    part->text = dot + 1;
+    return 1;
+}
+
+ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, const ode_quantity *field) {
+    return fp3_ode_leaf(p, name, FP3_EXPR_FIELD, (uint32_t)(field - p->fields), 0);
+}
+
+ode_value fp3_ode_neighbours_value(ode_parser *p, fp3_token name, const fp3_relation *r,
+                                   const ode_symbol *s, unsigned start, unsigned size) {
+    static const ode_value nothing = {0};
+    if (s->class != ODE_STATE && s->class != ODE_PARAM) {
+        fp3_ode_wrong(&p->in, name, "a state, a param or a field of '%s'", r->name);
+        return nothing;
+    }
+    const int is_shared = s->class == ODE_PARAM && p->params[s->first].quantity.is_shared;
+    if (s->class == ODE_PARAM && !is_shared) /* a word of the record: a param of the program */
+        fp3_ode_leaves(p, name, FP3_EXPR_PARAM, s->first + start, size);
+    return fp3_ode_leaves(p, name,
+                          s->class == ODE_STATE ? FP3_EXPR_OTHER_STATE
+                          : is_shared           ? FP3_EXPR_PARAM
+                                                : FP3_EXPR_OTHER_PARAM,
+                          s->first + start, size);
+}

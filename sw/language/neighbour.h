@@ -1,0 +1,31 @@
+/* neighbour.h - what an expression says of the neighbours of an object. expression.h reads the expressions within. */
+#ifndef FP3_ODE_NEIGHBOUR_H
+#define FP3_ODE_NEIGHBOUR_H
+
+#include "parser.h"
+
+/* The field of this name that the links of a relation have, or NULL. */
+const ode_quantity *fp3_ode_field(const ode_parser *p, const fp3_relation *relation,
+                                  fp3_token name);
+
+/* A sum over neighbours. */
+typedef struct {
+    fp3_token sum;
+    uint32_t relation, symbol; /* symbol: FP3_NONE: its name cannot be one */
+} ode_neighbours;
+
+/* Whether "o in springs" is next, with the name of a relation. */
+int fp3_ode_at_neighbours(ode_parser *p);
+/* Reads it, up to where the term begins; 0 after an error. sum: the token of the function. */
+int fp3_ode_neighbours_open(ode_parser *p, fp3_token sum, ode_neighbours *n);
+/* The sum of this term. */
+ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term);
+
+/* Of "o.x", where o is a neighbour, the part x; 0 after an error. */
+int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part);
+/* What it stands for: a field of the link, or what another symbol is of the neighbour. */
+ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, const ode_quantity *field);
+ode_value fp3_ode_neighbours_value(ode_parser *p, fp3_token name, const fp3_relation *relation,
+                                   const ode_symbol *symbol, unsigned start, unsigned size);
+
+#endif

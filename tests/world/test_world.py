@@ -1,0 +1,370 @@
+"""Objects that see each other: the same words on every engine, the equations' own solution, and what is refused."""
+
+import itertools
+import subprocess
+
+import numpy
+import pytest
+
+CHAIN = """
+param m = 2 [kg]
+state x = 0 [m]
+state v = 0 [m/s]
+links springs(k = 100 [N/m], rest = 0.5 [m])
+step 0.01 [s]
+F = sum(o in springs: o.k*(o.x - x - o.rest))
+x' = v
+v' = F/m
+"""
+CLOTH = """
+param w = 1000 [1/kg] "inverse of the mass"
+shared mg[3] = (0, -0.00981, 0) [N]
+shared c = 0.003 [N*s/m]
+state x[3] = (0, 0, 0) [m]
+state v[3] = (0, 0, 0) [m/s]
+links springs(k = 10 [N/m], rest = 0.1 [m])
+step 0.001 [s]
+F = sum(o in springs: o.k*(1 - o.rest/norm(o.x - x))*(o.x - x) + c*(o.v - v))
+x' = v
+v' = w*(F + mg)
+"""
+STARS = """
+param m = 1
+shared soft = 0.05
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+all others
+step 0.01
+a = sum(o in others: o.m/(dot(o.x - x, o.x - x) + soft^2)^1.5*(o.x - x))
+x' = v
+v' = a
+"""
+BALLS = """
+shared R = 0.05 [m]
+shared stiff = 100 [N/m]
+shared damp = 0.05 [N*s/m]
+param m = 0.01 [kg]
+state x[3] = (0, 0, 0) [m]
+state v[3] = (0, 0, 0) [m/s]
+near touch(x, 2*R)
+step 0.001 [s]
+F = sum(o in touch: stiff*(norm(o.x - x) - 2*R)/norm(o.x - x)*(o.x - x) + damp*(o.v - v))
+x' = v
+v' = F/m
+"""
+# Two relations in one equation, and a sum in the term's factor: two loops of a phase, one after the other.
+MIXED = """
+param m = 1
+state x = 0
+state v = 0
+links ties(k = 1)
+all others
+step 0.01
+p = sum(o in others: (o.x - x)/(1 + (o.x - x)^2))
+F = sum(o in ties: o.k*(o.x - x)*(1 + p))
+x' = v
+v' = F/m + 0.1*p
+"""
+
+
+@pytest.fixture(scope="module")
+def script(build, tmp_path_factory):
+    """What the lines of a script print, on an engine."""
+    def script(model, lines, engine="isa", integrator="leapfrog", arithmetic="plain", threads=1, status=0):
+        path = tmp_path_factory.mktemp("world") / "model.ode"
+        path.write_text(model)
+        done = subprocess.run([build / "tests/world_script", engine, str(threads), path, integrator, arithmetic], input="\n".join(lines) + "\n",
+                              capture_output=True, text=True, timeout=120)
+        assert (done.returncode, done.stderr) == (status, ""), done.stdout + done.stderr
+        return done.stdout.splitlines()
+    return script
+
+
+def floats(line):
+    return numpy.array([int(word, 16) for word in line.split()], dtype=numpy.uint32).view(numpy.float32).astype(float)
+
+
+def row(kind, name, values):
+    return f"{kind} {name} " + " ".join(repr(float(numpy.float32(value))) for value in values)
+
+
+def grid(n):
+    """A cloth of n x n: positions a little off their places, and both entries of each link."""
+    random = numpy.random.default_rng(7)
+    at = numpy.array([(0.1 * (i % n), 0.1 * (i // n), 0) for i in range(n * n)]) + 0.004 * random.standard_normal((n * n, 3))
+    links = []
+    for i in range(n * n):
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1), (2, 0), (-2, 0), (0, 2), (0, -2)):
+            x, y = i % n + dx, i // n + dy
+            if 0 <= x < n and 0 <= y < n:
+                links.append((i, y * n + x, 10, numpy.float32(0.1 * numpy.hypot(dx, dy))))
+    return at, links
+
+
+def cloth(n):
+    at, links = grid(n)
+    w = [0 if i in (0, n - 1) else 1000 for i in range(n * n)]
+    return [f"objects {n * n}", row("param", "w", w), *(row("state", f"x_{'xyz'[k]}", at[:, k]) for k in range(3)),
+            *(f"links springs {a} {b} {k} {float(rest)!r}" for a, b, k, rest in links)]
+
+
+def chain(n):
+    ends = [(i, i + 1) for i in range(n - 1)]
+    return [f"objects {n}", row("state", "x", [0.5 * i + 0.03 * (i * 7 % 5) for i in range(n)]), row("param", "over_m", [1 + 0.1 * (i % 3) for i in range(n)]),
+            *(f"links springs {a} {b} 100 {0.5 if b > a else -0.5}" for pair in ends for a, b in (pair, pair[::-1]))]
+
+
+def stars(n):
+    random = numpy.random.default_rng(3)
+    at, speed = random.uniform(-1, 1, (n, 2)), 0.1 * random.standard_normal((n, 2))
+    return [f"objects {n}", row("param", "m", random.uniform(0.01, 0.1, n)), *(row("state", f"x_{'xy'[k]}", at[:, k]) for k in range(2)),
+            *(row("state", f"v_{'xy'[k]}", speed[:, k]) for k in range(2)), "all others"]
+
+
+def balls(n, skin=0.02):
+    random = numpy.random.default_rng(5)
+    at = numpy.array(list(itertools.islice(itertools.product(range(8), repeat=3), n))) * 0.095 + 0.002 * random.standard_normal((n, 3))
+    return [f"objects {n}", *(row("state", f"x_{'xyz'[k]}", at[:, k]) for k in range(3)), f"near touch 0.1 {skin} x_x x_y x_z"]
+
+
+def mixed(n):
+    return [f"objects {n}", row("state", "x", [0.3 * i + 0.01 * (i * i % 7) for i in range(n)]), "all others",
+            *(f"links ties {i} {(i + k) % n} {1 + 0.1 * k}" for i in range(n) for k in range(1, 1 + i % 4))]
+
+
+WORLDS = {"chain": (CHAIN, chain(21), "x v"), "cloth": (CLOTH, cloth(9), "x_x x_y x_z v_x v_y v_z"), "stars": (STARS, stars(37), "x_x x_y v_x v_y"),
+          "balls": (BALLS, balls(75), "x_x x_y x_z v_x v_y v_z"), "mixed": (MIXED, mixed(19), "x v")}
+
+
+@pytest.mark.parametrize("integrator, arithmetic", [("euler", "plain"), ("leapfrog", "plain"), ("heun", "plain"), ("rk4", "plain"), ("verlet", "plain"),
+                                                    ("rk4", "compensated"), ("leapfrog", "compensated")])
+@pytest.mark.parametrize("name", WORLDS)
+def test_engines_have_the_same_words(script, name, integrator, arithmetic):
+    model, lines, states = WORLDS[name]
+    lines = [*lines, "run 7", "run 16", f"print {states}", "failure"]
+    wanted = script(model, lines, "isa", integrator, arithmetic)
+    assert len(set(wanted[0].split())) > 5 and wanted[-1] == "none", wanted
+    for engine, threads in (("fast", 1), ("fast", 3), ("interpreter", 1)):
+        assert script(model, lines, engine, integrator, arithmetic, threads) == wanted, (engine, threads)
+
+
+@pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3"])
+def test_lesser_processors_have_the_same_words(script, monkeypatch, kind):
+    for name in ("cloth", "balls"):
+        model, lines, states = WORLDS[name]
+        lines = [*lines, "run 20", f"print {states}"]
+        wanted = script(model, lines)
+        monkeypatch.setenv("FP3_FAST", kind)
+        assert script(model, lines, "fast") == wanted
+        monkeypatch.delenv("FP3_FAST")
+
+
+# ---- the equations themselves, in double ----
+
+def of_cloth(n):
+    at, links = grid(n)
+    w = numpy.array([0 if i in (0, n - 1) else 1000 for i in range(n * n)], dtype=float)[:, None]
+    a, b = (numpy.array([link[k] for link in links]) for k in range(2))
+    k, rest = (numpy.array([float(link[j]) for link in links])[:, None] for j in (2, 3))
+
+    def slope(x, v):
+        way, total = x[b] - x[a], numpy.zeros_like(x)
+        numpy.add.at(total, a, k * (1 - rest / numpy.linalg.norm(way, axis=1)[:, None]) * way + 0.003 * (v[b] - v[a]))
+        return w * (total + numpy.array([0, -0.00981, 0]))
+    return at.astype(numpy.float32).astype(float), numpy.zeros_like(at), slope
+
+
+def of_stars(n):
+    random = numpy.random.default_rng(3)
+    at, speed = random.uniform(-1, 1, (n, 2)), 0.1 * random.standard_normal((n, 2))
+    m = random.uniform(0.01, 0.1, n)
+
+    def slope(x, v):
+        way = x[None] - x[:, None]
+        return ((m[None] / ((way ** 2).sum(2) + 0.05 ** 2) ** 1.5)[..., None] * way).sum(1)
+    return at, speed, slope
+
+
+def of_balls(n):
+    lines = balls(n)
+    at = numpy.array([[float(word) for word in line.split()[2:]] for line in lines[1:4]]).T
+
+    def slope(x, v):
+        way = x[None] - x[:, None]
+        far = numpy.sqrt((way ** 2).sum(2)) + numpy.eye(n)
+        touch = ((far < 0.1) & ~numpy.eye(n, dtype=bool))[..., None]
+        return (touch * (100 * ((far - 0.1) / far)[..., None] * way + 0.05 * (v[None] - v[:, None]))).sum(1) / 0.01
+    return at, numpy.zeros_like(at), slope
+
+
+def rk4(x, v, slope, h, steps):
+    for _ in range(steps):
+        k1, l1 = v, slope(x, v)
+        k2, l2 = v + h / 2 * l1, slope(x + h / 2 * k1, v + h / 2 * l1)
+        k3, l3 = v + h / 2 * l2, slope(x + h / 2 * k2, v + h / 2 * l2)
+        k4, l4 = v + h * l3, slope(x + h * k3, v + h * l3)
+        x, v = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4), v + h / 6 * (l1 + 2 * l2 + 2 * l3 + l4)
+    return x, v
+
+
+@pytest.mark.parametrize("name, model, lines, reference, h, dimensions",
+                         [("cloth", CLOTH, cloth(9), of_cloth(9), 0.001, 3), ("stars", STARS, stars(37), of_stars(37), 0.01, 2),
+                          ("balls", BALLS, balls(75), of_balls(75), 0.001, 3)])
+def test_rk4_is_that_of_the_whole_system(script, name, model, lines, reference, h, dimensions):
+    states = " ".join(f"{q}_{'xyz'[k]}" for q in "xv" for k in range(dimensions))
+    found = numpy.array([floats(line) for line in script(model, [*lines, "run 40", f"print {states}"], "fast", "rk4")]).T
+    x, v = rk4(*reference, h, 40)
+    assert abs(found[:, :dimensions] - x).max() < 4e-6 * max(1, abs(x).max())
+    assert abs(found[:, dimensions:] - v).max() < 1e-4 * max(1, abs(v).max())
+
+
+def test_forces_of_a_pair_are_exact_negatives(script):
+    """Masses are equal, so all speeds of two add up to 0, in every bit; of many to what rounding leaves."""
+    lines = ["objects 2", "state x 0.1 0.9", "state v 0.25 -0.25", "links springs 0 1 37 0.3", "links springs 1 0 37 -0.3", "run 500", "print v"]
+    for integrator in ("leapfrog", "rk4"):
+        a, b = floats(script(CHAIN, lines, "fast", integrator)[0])
+        assert a == -b != 0
+    n = 60
+    found = [floats(line) for line in script(BALLS, [*balls(n), "run 200", "print v_x v_y v_z"], "fast")]
+    for speed in found:
+        assert abs(speed.sum()) < n * 200 * 2 ** -24 * abs(speed).max()
+
+
+def test_skins_and_lists_change_no_bit(script):
+    """Also against all pairs, of which the condition leaves out the same ones."""
+    wanted = script(BALLS, [*balls(75), "run 60", "print x_x x_y x_z v_x"])
+    for skin, engine in itertools.product((0, 1e-4, 0.3, 5), ("fast", "isa")):
+        assert script(BALLS, [*balls(75, skin), "run 60", "print x_x x_y x_z v_x"], engine) == wanted, skin
+    everyone = [*balls(75)[:-1], "all touch", "run 60", "print x_x x_y x_z v_x"]
+    assert script(BALLS, everyone, "fast") == wanted
+
+
+def test_runs_may_be_split(script):
+    for name, (model, lines, states) in WORLDS.items():
+        whole = script(model, [*lines, "run 12", f"print {states}"], "fast")
+        assert script(model, [*lines, *["run 1"] * 5, "run 7", f"print {states}"], "fast") == whole, name
+
+
+def test_who_fails_is_found(script):
+    lines = ["objects 5", "state x 0 1 2 3 4", "links springs 1 3 1e38 -1e3", "run 9", "failure"]
+    for engine in ("isa", "fast", "interpreter"):
+        assert script(CHAIN, lines, engine) == ["object 1 in step 1: overflow"]
+
+
+# ---- what is refused ----
+
+@pytest.mark.parametrize("lines, message", [
+    (["run 1"], "error the list of neighbours 'springs' has not been given"),
+    (["links springs 1 1 1 1", "run 1"], "error list 'springs': object 1 has the neighbour 1, expected another one of the group's 3 objects"),
+    (["links springs 0 3 1 1", "run 1"], "error list 'springs': object 0 has the neighbour 3, expected another one of the group's 3 objects"),
+    (["all springs", "run 1"], "error list 'springs': entries have fields, so each has to be given"),
+    (["near springs 1 0 x", "run 1"], "error list 'springs': entries have fields, so each has to be given"),
+    (["all spring", "run 1"], "error the program has no list of neighbours 'spring'"),
+    (["all x", "run 1"], "error the program has no list of neighbours 'x'")])
+def test_lists_are_checked(script, lines, message):
+    for engine in ("isa", "fast"):
+        assert script(CHAIN, ["objects 3", *lines], engine, status=2) == [message]
+
+
+def test_nobody_is_near_a_nan(script):
+    for value, engine in itertools.product(("nan", "inf"), ("isa", "fast", "interpreter")):
+        said = script(BALLS, ["objects 3", f"state x_y 0 0 {value}", "near touch 0.1 0.02 x_x x_y x_z", "run 1"], engine, status=2)
+        assert said == ["error the position of object 2 is infinite or NaN, so nobody can be near it"]
+    for near in ("0 0", "-1 0", "1 -1", "nan 0", "1 inf"):
+        said = script(BALLS, ["objects 3", f"near touch {near} x_x x_y x_z", "run 1"], status=2)
+        assert said[0].startswith("error list 'touch': reach ") and said[0].endswith("expected a reach above 0 and a skin of 0 or more")
+    assert script(BALLS, ["objects 3", "near touch 1 0 x_x R", "run 1"], status=2) == ["error list 'touch': the program has no state 'R'"]
+
+
+@pytest.fixture
+def compile_(fp3, tmp_path):
+    def compile_(text, *options, config="world"):
+        path = tmp_path / "m.ode"
+        path.write_text(text)
+        done = subprocess.run([fp3, "compile", path, "-c", config, *options], capture_output=True, text=True, timeout=60)
+        return done.returncode, done.stderr.replace(f"{tmp_path}/", "").splitlines()
+    return compile_
+
+
+HEAD = "state x = 0 [m]\nstate y[2] = (0, 0)\nparam q = 1\nshared r = 1 [m]\nlinks ties(k = 1 [1/s])\nnear around(x, r)\nall others\nstep 1 [s]\ny' = (0, 0)/1\n"
+
+
+@pytest.mark.parametrize("line, place, expected", [
+    ("x' = sum(o in ties: o.k*(o.x - x) + sum(p in ties: p.k*p.x))", "10:37", "found 'sum', expected a term without another sum over neighbours"),
+    ("x' = sum(o in ties: o.k*o)", "10:25", "found 'o', expected a state, param or field of the neighbour, as in o.x"),
+    ("x' = sum(o in ties: o.k*o.z)", "10:27", "found 'z', expected a name that is defined above"),
+    ("x' = sum(o in ties: o.k*o.x*o.y.z)", "10:31", "found 'y.z', expected a component .x or .y of it"),
+    ("x' = max(o in ties: o.k*o.x)", "10:6", "found 'max', expected sum, which goes over neighbours"),
+    ("x' = sum(o in others: o.k*o.x)", "10:25", "found 'k', expected a name that is defined above"),
+    ("x' = sum(o in ties: o.x)", "10:1", "expected"),
+    ("x' = sum(x in ties: 1 [1/s])", "10:10", "expected a new name (line 1 declares this one)"),
+    ("a = sum(o in ties: o.k*o.x)\nx' = a\nwhen a > 1: x = 0*a", "12:1", "expected an event without a sum over neighbours"),
+    ("x' = 0*x*sum(o in ties: o.k)\ninvariant e = sum(o in others: q)", "11:15", "found 'sum', expected a sum over neighbours in an equation only"),
+    ("near x(x, r)\nx' = 0*x", "10:6", "expected a new name (line 1 declares this one)"),
+    ("near w(x, q)\nx' = 0*x", "10:11", "expected a distance in the unit of 'x', of numbers and shared params"),
+    ("near w(q, r)\nx' = 0*x", "10:8", "expected the position: a state, a number or a vector of 2 or 3"),
+    ("near w\nx' = 0*x", "10:7", "expected '(', the position and how far it reaches, as in near touch(x, 0.2)"),
+    ("links w(k 1)\nx' = 0*x", "10:11", "expected '=' and the value of links that do not say it"),
+    ("links\nx' = 0*x", "10:6", "expected a name, as in links springs")])
+def test_the_language_says_what_it_expects(compile_, line, place, expected):
+    code, said = compile_(HEAD + line + "\n")
+    assert code == 2 and said[0].startswith(f"m.ode:{place}: error: ") and expected in said[0], said
+
+
+@pytest.mark.parametrize("options, expected", [
+    (("-i", "ros2"), "a linearly implicit integrator needs derivatives of sums over neighbours"),
+    (("--double-single",), "double-single has no sums over neighbours"),
+    (("--tolerance", "1e-3"), "adaptive steps: objects that see each other make their steps together")])
+def test_what_does_not_go_with_neighbours(compile_, options, expected):
+    code, said = compile_(CHAIN, *options)
+    assert code == 2 and expected in said[0], said
+
+
+def test_other_configurations_say_where_it_is(compile_):
+    code, said = compile_(CHAIN, config="many_full")
+    assert code == 2 and said[0] == "m.ode:5:1: error: 'springs' needs `neighbours`, which configuration 'many_full' does not have; it is in 'world'"
+
+
+@pytest.mark.parametrize("command", [("bench",), ("compare",), ("stress",), ("tune", "--tolerance", "1e-3", "-c", "world")])
+def test_commands_for_one_object_refuse(fp3, tmp_path, command):
+    (tmp_path / "chain.ode").write_text(CHAIN)
+    done = subprocess.run([fp3, command[0], "chain.ode", *command[1:]], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "objects of model 'chain' see each other ('springs', line 5), and this is for objects by themselves" in done.stderr
+
+
+# ---- programs written by hand ----
+
+ASSEMBLY = """.state x
+.temp list d
+step:
+    ld x
+    ld list
+{body}
+"""
+
+
+@pytest.mark.parametrize("body, expected", [
+    ("each list\n ldn d, x\n add x, x, d", "the program ends within a loop over neighbours"),
+    ("ldn d, x\n st x", "code word 2: 'next', 'ldn' and 'ldl' belong in a loop, behind 'each'"),
+    ("each list\n each list\n next\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
+    ("each list\n phase\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
+    ("st x\n each list\n ldn d, x\n next", "code word 4: a phase loads all words before it stores any"),
+    ("each list\n ldn d, x\n st x\n next", "code word 4: a loop over neighbours stores nothing"),
+    ("each list\n ldn d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),
+    ("each list\n ldl d\n next\n each list\n next\n st x", "code word 6: two loops over one list read different numbers of fields"),
+    ("each list\n next\n st x\nlast:\n add x, x, x", "a program with neighbours has a step part alone, no first and no last part")])
+def test_programs_that_cannot_be(fp3, tmp_path, body, expected):
+    (tmp_path / "p.s").write_text(ASSEMBLY.format(body=body))
+    done = subprocess.run([fp3, "asm", "p.s", "-o", "p.fp3"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and expected in done.stderr, done.stderr
+
+
+def test_assembly_is_read_again(fp3, tmp_path):
+    """The compiler's text, an image, and the text of the image are one program."""
+    (tmp_path / "chain.ode").write_text(CHAIN)
+    for command in (["compile", "chain.ode", "-c", "world", "-i", "rk4", "-o", "a.s", "--image", "a.fp3"], ["asm", "a.s", "-o", "b.fp3"], ["dis", "b.fp3", "-o", "c.s"],
+                    ["asm", "c.s", "-o", "c.fp3"]):
+        subprocess.run([fp3, *command], cwd=tmp_path, check=True, timeout=60)
+    a, b, c = ((tmp_path / f"{name}.fp3").read_bytes() for name in "abc")
+    assert b == c and len(a) == len(b)
+    assert {"each", "next", "ldn", "ldl", "phase"} < {line.split()[0] for line in (tmp_path / "c.s").read_text().splitlines() if line.startswith(" ")}
