@@ -141,7 +141,7 @@ static void check_events(ode_parser *p, const ode_event *events, uint32_t count,
     for (uint32_t i = 0; i < count; i++) {
         const ode_event *e = &events[i];
         int has = (e->condition != FP3_NONE && has_sum[e->condition]) ||
-                  (e->unless != FP3_NONE && has_sum[e->unless]);
+                  (e->armed != FP3_NONE && has_sum[e->armed]);
         for (uint32_t k = e->first; k < e->first + e->count; k++)
             has |= p->assignments[k].to.expr != FP3_NONE && has_sum[p->assignments[k].to.expr];
         if (has)
