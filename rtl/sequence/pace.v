@@ -2,7 +2,8 @@
 //
 // Purpose   The pause rule, which stands for busy flags. If a sweep of m contexts follows one of n
 //           without an idle cycle, and one of the two sets contains the other, a context that is in
-//           both issues again after min(n, m) cycles or more. A pause adds what is missing to GAP.
+//           both issues again after min(n, m) cycles or more. So it does where the second are contexts
+//           0 .. m - 1, as at the beginning of a batch: none of them comes earlier than before. A pause adds what is missing to GAP.
 //
 //           A pause of 3, GAP = 5:    A0 A1  .  .  .  B0 B1      n = m = 2: B0 issues 5 cycles after A0
 //
@@ -13,7 +14,8 @@
 // Hazard    mask_i stays while valid_i is high. take_i ends it: valid_i is low in the next cycle.
 //           take_i comes with may_o if the mask has a context (a sweep begins), else with known_o
 //           (nothing issues).
-//           Of two sweeps in a row, one has all contexts of the other; empty masks do not count.
+//           Of two sweeps in a row, one has all contexts of the other, or the second are the lowest
+//           ones; empty masks do not count.
 //           start_i comes with valid_i low, when nothing has issued for GAP cycles.
 //
 //     cycle     0     1     2     3     4     5     6
@@ -102,8 +104,8 @@ module pace #(
             if (take_i && !(|mask_i ? may_o : known_o)) begin
                 $display("%m: a sweep is taken before it may begin"); $stop;
             end
-            if (sweeps && |swept_q && |(mask_i & ~swept_q) && |(swept_q & ~mask_i)) begin
-                $display("%m: neither of the contexts %b and %b contains the other", swept_q, mask_i); $stop;
+            if (sweeps && |swept_q && |(mask_i & ~swept_q) && |(swept_q & ~mask_i) && |(mask_i & (mask_i + 1'b1))) begin
+                $display("%m: neither of the contexts %b and %b contains the other, nor are the latter the lowest", swept_q, mask_i); $stop;
             end
             if (start_i && (busy_i || valid_i || idle_q < GAP_32[15:0])) begin
                 $display("%m: a start with a mask, or %0d cycles after an issue, %0d are needed", idle_q, GAP); $stop;

@@ -26,6 +26,8 @@ def test_the_host_port_answers_everything(build, tmp_path):
 @pytest.mark.smoke
 def test_schedulers_run_programs_of_their_own(build, tmp_path):
     assert ", 0 failed" in start(build / "tests/different_programs", cwd=tmp_path)
+    # A batch begins whose contexts are not among those that were awake in the one before, and a program without a last part.
+    assert ", 0 failed" in start(build / "tests/different_programs", "307", "1", cwd=tmp_path)
 
 
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):

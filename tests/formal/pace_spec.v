@@ -74,7 +74,8 @@ module pace_spec #(
         assume (!take_i || (|mask_i ? may : known));
         assume (!take_i || !(stopped_q || stop_i || rst_i || start_i));
         assume (!(take_i && |mask_i && |sweep_q) || (mask_i & ~sweep_q) == {CONTEXTS{1'b0}}
-                                                 || (sweep_q & ~mask_i) == {CONTEXTS{1'b0}});
+                                                 || (sweep_q & ~mask_i) == {CONTEXTS{1'b0}}
+                                                 || (mask_i & (mask_i + 1'b1)) == {CONTEXTS{1'b0}});
         assume (!start_i || (!busy && !valid_i && age_q >= GAP_W));
     end
 
