@@ -196,3 +196,14 @@ fp3_status fp3_path_check_private(const char *path, char real[PATH_MAX], fp3_err
     }
     return status ? status : check_level(real, error);
 }
+
+char *fp3_path_beside(const char *file, const char *name) {
+    const char *slash = strrchr(file, '/');
+    const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash + 1 - file);
+    char *made = malloc(folder + strlen(name) + 1);
+    if (made) {
+        memcpy(made, file, folder);
+        strcpy(made + folder, name);
+    }
+    return made;
+}

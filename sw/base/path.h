@@ -14,6 +14,9 @@ int fp3_path_stream(const char *path, int is_output);
  * caller frees it. NULL: errno says why. */
 char *fp3_path_resolve(const char *path);
 
+/* A name in a file, from where that file is; the caller frees it. NULL: out of memory. */
+char *fp3_path_beside(const char *file, const char *name);
+
 /* Two paths with equal ids are one file: device and inode of a file, or of the directory of a file
  * that does not exist yet, with its name. */
 typedef struct {

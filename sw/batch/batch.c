@@ -4,6 +4,7 @@
 #include "base/host.h"
 #include "engine/inside.h"
 #include "fields.h"
+#include "relations.h"
 #include "truth/start.h"
 
 #include "machine/placement.h"
@@ -14,7 +15,7 @@
 #include <string.h>
 
 #define COOKIE (0x46420000u + (uint32_t)sizeof(fp3_batch_def))
-#define CONFIG "many_full"
+#define CONFIG "many_full" /* of objects that do not see each other */
 
 struct fp3_batch {
     fp3_program *program; /* NULL: def.compiled is the caller's */
@@ -22,6 +23,9 @@ struct fp3_batch {
     const fp3_image *image;
     fp3_engine *engine;
     fp3_fields *fields;
+    fp3_relations relations;
+    const char *config;
+    int is_reach_new; /* a shared param was written, of which reaches may be made */
     fp3_error *error;
     size_t objects, used; /* all; the first of them, which make steps */
     uint64_t since;       /* steps with this h */
@@ -32,7 +36,7 @@ struct fp3_batch {
 fp3_batch_def fp3_batch_default(void) {
     fp3_batch_def def = {
         .cookie = COOKIE, .objects = 1, .engine = "fast", .compile = fp3_compile_default()};
-    def.compile.config = CONFIG;
+    def.compile.config = NULL;
     return def;
 }
 
@@ -45,13 +49,16 @@ static fp3_status open_program(const fp3_batch_def *def, fp3_batch *b) {
     if (def->adaptive)
         how.adaptive = *def->adaptive;
     how.compile = def->compile;
+    how.alone = CONFIG;
     const int sources = (def->model != NULL) + (def->text != NULL) + (def->compiled != NULL);
     if (sources != 1)
         return fp3_fail(def->error, FP3_E_ARGUMENT,
                         "%d of model, text and compiled are given: expected one", sources);
     b->compiled = def->compiled;
     if (def->compiled) {
+        const int sees_others = fp3_start_model(def->compiled)->relation_count > 0;
         b->image = def->compiled->image;
+        b->config = def->compile.config ? def->compile.config : sees_others ? FP3_WORLD : CONFIG;
         return FP3_OK;
     }
     const fp3_status status =
@@ -62,13 +69,16 @@ static fp3_status open_program(const fp3_batch_def *def, fp3_batch *b) {
         return status;
     b->compiled = b->program->compiled;
     b->image = b->program->image;
+    b->config = how.compile.config ? how.compile.config : b->program->config;
+    if (!b->config)
+        b->config = CONFIG;
     return FP3_OK;
 }
 
 static fp3_status open_engine(const fp3_batch_def *def, const fp3_config *config, fp3_batch *b) {
     fp3_engine_def how = fp3_engine_default();
     how.engine = def->engine;
-    how.config = def->compile.config;
+    how.config = b->config;
     how.objects = (uint32_t)def->objects;
     how.threads = def->threads;
     how.native = def->native;
@@ -101,6 +111,10 @@ static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_b
                                 .compiled = b->compiled,
                                 .h = b->h};
     status = fp3_fields_open(&all, &b->fields, def->error);
+    b->relations = (fp3_relations){.to = all, .skin = def->skin};
+    b->is_reach_new = 1;
+    if (!status)
+        status = fp3_relations_load(&b->relations, def->error);
     return status || def->h == 0 ? status : fp3_batch_set(b, FP3_NAME_STEP, def->h);
 }
 
@@ -131,6 +145,7 @@ void fp3_batch_close(fp3_batch **batch) {
     if (!b)
         return;
     fp3_fields_close(&b->fields);
+    fp3_linked_free(&b->relations.linked);
     fp3_engine_close(&b->engine);
     fp3_program_close(&b->program);
     free(b);
@@ -146,6 +161,7 @@ const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch) { return batch->c
 fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
     FP3_HOST;
     const fp3_status status = fp3_fields_set(b->fields, name, value, b->error);
+    b->is_reach_new = 1;
     if (status || strcmp(name, FP3_NAME_STEP) != 0)
         return status;
     b->before = fp3_batch_time(b);
@@ -190,11 +206,47 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
     return fp3_fields_write_rows(b->fields, first, count, params, initial, b->error);
 }
 
+/* ---- what objects see of others ---- */
+
+fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *links) {
+    FP3_HOST;
+    fp3_relations one = b->relations; /* with these links alone */
+    one.linked = NULL;
+    fp3_status status = fp3_linked_put(&one.linked, relation, links, 0, NULL, b->error);
+    if (!status)
+        status = fp3_relations_link(&one, b->error);
+    if (!status)
+        status = fp3_linked_put(&b->relations.linked, relation, links, 0, NULL, b->error);
+    fp3_linked_free(&one.linked);
+    return status;
+}
+
+/* Those near follow the shared params that their reach is made of. */
+static fp3_status settle_reach(fp3_batch *b) {
+    const fp3_model *model = b->compiled ? fp3_start_model(b->compiled) : NULL;
+    if (!b->is_reach_new || !model || !model->relation_count)
+        return FP3_OK;
+    double *params = calloc(model->param_count + 1u, sizeof *params);
+    fp3_status status = params ? FP3_OK : fp3_fail(b->error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; !status && i < model->param_count; i++)
+        if (model->params[i].is_shared)
+            status = fp3_fields_get(b->fields, model->params[i].name, &params[i], b->error);
+    if (!status)
+        status = fp3_relations_reach(&b->relations, params, b->error);
+    free(params);
+    b->is_reach_new = status != FP3_OK;
+    return status;
+}
+
 /* ---- steps ---- */
 
 fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     FP3_HOST;
     fp3_status status = fp3_fields_settle(b->fields, b->error);
+    if (!status)
+        status = settle_reach(b);
+    if (!status)
+        status = fp3_relations_check(&b->relations, "fp3_batch_link gives them", b->error);
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
         status = fp3_engine_wake(b->engine, 0, b->used);
     if (!status && b->used)
@@ -209,6 +261,10 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
 fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
     if (count > b->objects)
         return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
+    if (count < b->objects && fp3_relations_are(&b->relations))
+        return fp3_fail(b->error, FP3_E_ARGUMENT,
+                        "%zu of %zu objects: objects that see each other all make steps", count,
+                        b->objects);
     b->used = count;
     fp3_engine_use(b->engine, count);
     return FP3_OK;
@@ -225,7 +281,8 @@ fp3_status fp3_batch_restart(fp3_batch *b) {
     fp3_fields_restart(b->fields);
     b->before = 0;
     b->since = 0;
-    return FP3_OK;
+    b->is_reach_new = 1;
+    return fp3_relations_load(&b->relations, b->error);
 }
 
 fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE]) {

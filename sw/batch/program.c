@@ -8,10 +8,15 @@
 #include <strings.h>
 
 #include "base/file.h"
+#include "image/neighbours.h"
+#include "relations.h"
 #include "text/report.h"
 
 fp3_program_def fp3_program_default(void) {
-    return (fp3_program_def){.adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
+    fp3_program_def def = {.adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
+    def.alone = def.compile.config;
+    def.compile.config = NULL;
+    return def;
 }
 
 static int ends(const char *path, const char *end) {
@@ -74,8 +79,12 @@ static fp3_status compile(const char *text, size_t size, const char *name,
         status = fp3_integrator_find(integrator, &program->integrator, error);
     if (status)
         return status;
-    status =
-        fp3_compile(program->model, program->integrator, &def->compile, &program->compiled, &why);
+    fp3_compile_def how = def->compile;
+    program->sees_others = program->model->relation_count > 0;
+    if (!how.config)
+        how.config = program->sees_others ? FP3_WORLD : def->alone;
+    program->config = how.config;
+    status = fp3_compile(program->model, program->integrator, &how, &program->compiled, &why);
     if (status)
         return tell(name, text, size, status, &why, report, error);
     program->image = program->compiled->image;
@@ -114,6 +123,14 @@ fp3_status fp3_program_read(const char *text, size_t size, const char *name,
                      program, said, report);
 }
 
+static fp3_status look_for_others(fp3_program *program, fp3_error *error) {
+    fp3_neighbourhood found;
+    const fp3_status status = fp3_neighbourhood_find(program->image, &found, error);
+    program->sees_others = !status && found.is_any;
+    program->config = program->sees_others ? FP3_WORLD : NULL;
+    return status;
+}
+
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error) {
     char *said = NULL;
@@ -127,6 +144,8 @@ fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_pr
         status = assemble(path, *program, &said, error);
     else
         status = fp3_image_load(path, &(*program)->image, error);
+    if (!status && !(*program)->compiled)
+        status = look_for_others(*program, error);
     return hand_over(status, program, said, report);
 }
 

@@ -8,9 +8,11 @@
 
 #include "adaptive_image.h"
 #include "values.h"
+#include "values_own.h"
 
 #include "base/host.h"
 #include "batch/field.h"
+#include "batch/relations.h"
 #include "text/number.h"
 
 #include <assert.h>
@@ -297,6 +299,25 @@ fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *para
     return status;
 }
 
+/* ---- what objects see of others ---- */
+
+/* model_params: of one object; NULL: of an image. */
+static fp3_status relate(const fp3_program *program, const fp3_params *params,
+                         const fp3_apply_to *to, const double *model_params, fp3_error *error) {
+    static const char how[] = "links = (...) of a scene or --links of fp3 run gives them";
+    fp3_relations r = {.to = {.engine = to->engine,
+                              .group = to->group,
+                              .first = to->first,
+                              .objects = to->objects,
+                              .image = program->image,
+                              .compiled = program->compiled},
+                       .linked = params->linked};
+    fp3_status status = fp3_relations_load(&r, error);
+    if (!status && model_params)
+        status = fp3_relations_reach(&r, model_params, error);
+    return status ? status : fp3_relations_check(&r, how, error);
+}
+
 /* Columns of BLOCK values. What objects share is that of the first. */
 static fp3_status write_inputs(const fp3_compiled *c, const fp3_apply_to *to, size_t first,
                                size_t count, const float *columns) {
@@ -330,6 +351,8 @@ static fp3_status apply_model(const fp3_program *program, const fp3_params *para
         if (!status)
             status = write_inputs(program->compiled, to, first, count, columns);
     }
+    if (!status)
+        status = relate(program, params, to, of.params, error);
     fp3_object_values_free(&of);
     free(columns);
     return status;
@@ -337,8 +360,10 @@ static fp3_status apply_model(const fp3_program *program, const fp3_params *para
 
 fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const fp3_apply_to *to,
                      fp3_error *error) {
-    return program->model ? apply_model(program, params, to, error)
-                          : apply_image(program->image, params, to, error);
+    if (program->model)
+        return apply_model(program, params, to, error);
+    const fp3_status status = apply_image(program->image, params, to, error);
+    return status ? status : relate(program, params, to, NULL, error);
 }
 
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,

@@ -12,6 +12,10 @@ fp3_status fp3_values_read(fp3_params *params, const fp3_settings *s, const conf
 fp3_status fp3_values_spread(fp3_params *params, const fp3_settings *s,
                              const config_setting_t *from);
 
+/* A value of its own for each of `count` objects, which is copied. path, line: where it was given, or NULL. */
+fp3_status fp3_values_column(fp3_params *params, const char *name, const double *column,
+                             size_t count, const char *path, unsigned line, fp3_error *error);
+
 /* Where messages about values point that no file has set. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_values_place(fp3_params *params, const char *path, unsigned line, fp3_error *error);
 /* FP3_E_ARGUMENT, "path:line: ..." with the place where the value was set, if there is one. */
@@ -32,6 +36,7 @@ typedef struct {
     const char *name, *formula;
     double first, last;
     int is_spread;
+    int is_column; /* each object has its own; first and last say nothing */
 } fp3_value_look;
 /* By number, in the order in which the names were first given; 0: there are no more. */
 int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look);

@@ -55,7 +55,7 @@ int main(int argc, char **argv) {
     fp3_error error;
     fp3_program *program = NULL;
     fp3_program_def how = fp3_program_default();
-    how.compile.config = fp3_batch_default().compile.config;
+    how.compile.config = "many_full";
     if (argc != 4 || fp3_program_open(argv[1], &how, &program, NULL, &error))
         return 2;
     for (int i = 0; i < 2; i++) {

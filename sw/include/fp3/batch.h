@@ -52,8 +52,8 @@ typedef struct {
     size_t objects; /* 1 (default) to 2^25: the most that are ever used, see fp3_batch_use */
 
     /* The next three apply to a model that is not compiled yet. integrator: a built-in table or a
-     * file; NULL (default): rk4, or cash_karp if adaptive. compile: the default of its config is
-     * "many_full". */
+     * file; NULL (default): rk4, or cash_karp if adaptive. compile: its config is NULL by
+     * default: "many_full", or "world" if objects see each other. */
     const char *integrator;
     const fp3_adaptive_def *adaptive; /* each object chooses its steps; NULL (default): all are h */
     fp3_compile_def compile;          /* arithmetic, passes, observed states */
@@ -72,6 +72,9 @@ typedef struct {
     fp3_tasks_fn *tasks;
     void *tasks_user;
     fp3_allocator allocator;
+    /* Of objects that see those near: how much farther their lists go, as a share of the reach, so that they last
+     * until an object has moved by half of it. 0 (default): 0.3. It changes no bit. */
+    double skin;
     fp3_error *error; /* receives the message when a call of this batch fails; or NULL */
 } fp3_batch_def;
 
@@ -108,17 +111,29 @@ fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t nam
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values);
 
+/* ---- links (docs/relations.md) ----
+ *
+ * Objects see all others, and those that are near, without being told. Reaches follow the shared params that they
+ * are made of.
+ */
+
+/* Links of the relation of this name, which replace those before; they are copied. Before the first step, and at
+ * any time later. An image has lists of neighbours instead, by the names of their registers; those near, too, have
+ * to be given. FP3_E_ARGUMENT: there is no such relation or field, a link does not join two objects, or a field
+ * is not finite; the links are then those before. */
+fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
+
 /* ---- steps ---- */
 
 /* All objects make this number of steps. With adaptive steps, each makes at most this number of
- * attempts until it reaches `until`. FP3_E_ARGUMENT: a computed value is not finite, or is not 0
+ * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is not finite, or is not 0
  * but outside the range of FP32 ("object 3: 1/m is inf"); nothing was executed. Other errors are
  * those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
  * keep what they hold, may be written and read, and go on from there when they are used again. Each
  * object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT: there are
- * not that many objects. */
+ * not that many objects, or objects see each other and these are not all. */
 fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);

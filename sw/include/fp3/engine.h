@@ -392,6 +392,18 @@ typedef struct {
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
+/* Links of a model's relation: each joins two objects of a group, and both get an entry, in the order of the
+ * links. fp3_batch_link (fp3/batch.h) and fp3_params_link (fp3/program.h) take them. */
+typedef struct {
+    size_t count;
+    const uint32_t *a, *b; /* of each link: its objects, counted in their group */
+    /* Columns of fields, one number for each link, by the fields' names. A field without a column has the
+     * model's default. An image has no names and no defaults: columns are in the order in which it reads them. */
+    const char *const *names;
+    const float *const *fields;
+    size_t field_count;
+} fp3_links;
+
 /* Those that are near: in a phase, all others whose distance is below reach when it begins. */
 typedef struct {
     const char *position[3]; /* states, the components of the position */

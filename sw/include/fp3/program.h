@@ -53,6 +53,16 @@ fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *er
 /* Like fp3_params_set, but with a number. */
 fp3_status fp3_params_put(fp3_params *params, const char *name, double value, fp3_error *error);
 
+/* Links of the relation of this name, which replace earlier ones; they are copied. fp3_program_load says what
+ * is wrong with them, but FP3_E_ARGUMENT: a field is not finite. */
+fp3_status fp3_params_link(fp3_params *params, const char *relation, const fp3_links *links,
+                           fp3_error *error);
+/* Likewise from a file, with "relation=file.csv": a head "a,b,field,..." and a line for each link
+ * (docs/scenes.md). most: how many objects there are; 0: not known yet. *objects: one more than the highest number
+ * of an object, 0 without links. Messages begin with the path, the line and the column. */
+fp3_status fp3_params_link_file(fp3_params *params, const char *text, size_t most, size_t *objects,
+                                fp3_error *error);
+
 size_t fp3_params_count(const fp3_params *params);
 int fp3_params_has(const fp3_params *params, const char *name);
 /* Gets a value; that of the first object if it is spread. FP3_E_ARGUMENT: there is no such value,
@@ -68,10 +78,12 @@ typedef struct {
     int is_model;           /* treat the program as a model, whatever its name */
     int is_adaptive;        /* adapt the model (fp3/compile.h) with `adaptive` */
     fp3_adaptive_def adaptive;
+    /* Its config may be NULL, the default: "world" if objects see each other, else `alone`. */
     fp3_compile_def compile;
+    const char *alone; /* default "single_full" */
 } fp3_program_def;
 
-/* Fixed steps, fp3_adaptive_default() and fp3_compile_default(). */
+/* Fixed steps, fp3_adaptive_default(), and fp3_compile_default() without a config. */
 fp3_program_def fp3_program_default(void);
 
 /* Read it, never change it. Everything that it points to belongs to it. */
@@ -80,6 +92,10 @@ typedef struct {
     fp3_compiled *compiled; /* this and the next two: NULL unless the program is a model */
     fp3_model *model;
     fp3_integrator *integrator;
+    /* What a model was compiled for. Of another program "world" if its objects see each other, else NULL: it
+     * does not say. */
+    const char *config;
+    int sees_others; /* its objects see each other (docs/relations.md) */
 } fp3_program;
 
 /* Whether the name ends in .ode, in upper or lower case. */
@@ -104,7 +120,9 @@ void fp3_program_close(fp3_program **program);
  * params names states, params and shared constants of the program. For a model it names the model's
  * states, its params and h, which all have defaults. So do the register that `sleep` writes (awake)
  * and `steps`, if the program counts them (0). An object starts at time steps * h.
- * FP3_E_ARGUMENT: a value is missing, out of range, or for something that the program does not
+ * Objects see all others, and those that are near, without being told. Links must be given for each relation of
+ * links, and for each list of an image: fp3_params_link.
+ * FP3_E_ARGUMENT: a value or links are missing, out of range, or for something that the program does not
  * have. After a failure the program may be loaded, and some of the values written. If the engine
  * refuses something, the message is in the error of the engine's definition, not in error. params
  * may not be NULL. */
@@ -171,7 +189,7 @@ typedef struct {
 } fp3_scene;
 
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. Defaults
- * of the file: engine "rtl", steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are adaptive), visit 0.
+ * of the file: engine "rtl", or "fast" with a configuration for objects that see each other, steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are adaptive), visit 0.
  * The caller closes *scene, which is NULL on failure. Messages begin with the path and the line of
  * the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,

@@ -1,0 +1,51 @@
+/* table.h - numbers in columns with names, from a file of values with commas between them.
+ *
+ *     fp3_table points;
+ *     fp3_status status = fp3_table_read("points.csv", &points, error);
+ *     ... points.number[column * points.rows + row] ...
+ *     fp3_table_close(&points);
+ *
+ * The first line is the head: names. Blanks around values, empty lines and lines that begin with # say nothing.
+ */
+#ifndef FP3_ARRANGE_TABLE_H
+#define FP3_ARRANGE_TABLE_H
+
+#include <fp3/engine.h>
+#include <fp3/image.h>
+
+typedef struct {
+    char *path;
+    char (*names)[FP3_NAME_SIZE];
+    size_t columns, rows;
+    double *number;         /* column by column; all are finite */
+    unsigned *line, *where; /* of each row; of each value its column in the line, row by row */
+    unsigned head;          /* the line of the head */
+} fp3_table;
+
+/* FP3_E_ARGUMENT, with "path:line:column: found ..., expected ...". The caller closes *table, after a failure too. */
+fp3_status fp3_table_read(const char *path, fp3_table *table, fp3_error *error);
+void fp3_table_close(fp3_table *table);
+
+/* FP3_E_ARGUMENT at a value of the table. */
+__attribute__((format(printf, 5, 6))) fp3_status fp3_table_wrong(const fp3_table *table, size_t row,
+                                                                 size_t column, fp3_error *error,
+                                                                 const char *format, ...);
+
+/* A table of links, with the columns a, b and fields; its memory besides the table's. */
+typedef struct {
+    fp3_links links;
+    uint32_t *ends; /* all a, then all b */
+    float *words;
+    const char **names;
+    const float **fields;
+    size_t objects; /* one more than the highest number of an object; 0: no links */
+} fp3_table_links;
+
+/* most: how many objects there are; 0: not known. The table must outlive *made, which the caller frees, after a
+ * failure too. FP3_E_ARGUMENT: the first columns are not a and b, an object that there is not, a link of an object
+ * with itself, a field outside of FP32. */
+fp3_status fp3_table_link(const fp3_table *table, size_t most, fp3_table_links *made,
+                          fp3_error *error);
+void fp3_table_links_free(fp3_table_links *made);
+
+#endif

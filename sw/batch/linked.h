@@ -1,0 +1,26 @@
+/* linked.h - links that are kept, by the names of their relations. */
+#ifndef FP3_BATCH_LINKED_H
+#define FP3_BATCH_LINKED_H
+
+#include <fp3/engine.h>
+#include <fp3/image.h>
+
+typedef struct fp3_linked {
+    struct fp3_linked *next;
+    char relation[FP3_NAME_SIZE];
+    fp3_links links; /* a NaN in a column: the model's default */
+    char *place;     /* where they were given, for messages: "cloth.scene:12"; NULL: nowhere */
+} fp3_linked;
+
+/* Copies them to the list, as the only ones of the relation or behind others. place may be NULL. FP3_E_ARGUMENT: a
+ * name is none, or a field is not finite; the list is then as it was. */
+fp3_status fp3_linked_put(fp3_linked **list, const char *relation, const fp3_links *links,
+                          int is_more, const char *place, fp3_error *error);
+/* All of another list. */
+fp3_status fp3_linked_copy(const fp3_linked *from, fp3_linked **list, fp3_error *error);
+/* NULL: there are none. */
+const fp3_linked *fp3_linked_find(const fp3_linked *list, const char *relation);
+/* Leaves NULL, which may be freed as well. */
+void fp3_linked_free(fp3_linked **list);
+
+#endif

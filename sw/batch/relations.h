@@ -1,0 +1,38 @@
+/* relations.h - what objects of a program see of others: links as they are given, all and those near by themselves.
+ *
+ *     fp3_relations r = {.to = ..., .linked = links};
+ *     if (fp3_relations_load(&r, error) || fp3_relations_reach(&r, params, error) ||
+ *         fp3_relations_check(&r, "fp3_batch_link gives them", error)) ...
+ */
+#ifndef FP3_BATCH_RELATIONS_H
+#define FP3_BATCH_RELATIONS_H
+
+#include "field.h"
+#include "linked.h"
+
+#define FP3_WORLD                                                                                  \
+    "world" /* the configuration for objects that see each other, unless another is named */
+#define FP3_NEAR_SKIN 0.3 /* of the reach: how much farther lists of those near go */
+
+typedef struct {
+    fp3_fields_def to;               /* the program is loaded */
+    fp3_linked *linked;              /* by relation of the model, or by list of the image */
+    double skin;                     /* of the reach; 0: FP3_NEAR_SKIN */
+    double reach[FP3_RELATIONS_MAX]; /* of the model's relations, that the engine knows; 0: none */
+} fp3_relations;
+
+/* After a load: gives the engine all links, and lists of all others. FP3_E_ARGUMENT: links of what is no relation of
+ * links; objects or fields that there are not. If the engine refuses something, the message is where its definition
+ * says. */
+fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error);
+/* The links alone. */
+fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error);
+/* Whether the program has any. */
+int fp3_relations_are(const fp3_relations *r);
+/* Gives the engine the reach of those near, where params, as many as the model has, make it another one. Nothing of
+ * an image. */
+fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error *error);
+/* FP3_E_ARGUMENT: a list is missing. how: what gives it, for the message. */
+fp3_status fp3_relations_check(const fp3_relations *r, const char *how, fp3_error *error);
+
+#endif

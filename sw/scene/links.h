@@ -1,0 +1,14 @@
+/* links.h - links of objects, from settings and files to the values of a program. */
+#ifndef FP3_SCENE_LINKS_H
+#define FP3_SCENE_LINKS_H
+
+#include "arrange/grid.h"
+#include "settings/settings.h"
+
+#include <fp3/program.h>
+
+/* The setting `links` of a group whose number of objects is known. grid: NULL: it has none. */
+fp3_status fp3_links_read(const fp3_settings *s, const config_setting_t *from, const fp3_grid *grid,
+                          const fp3_scene_group *group);
+
+#endif
