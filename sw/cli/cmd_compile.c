@@ -52,7 +52,9 @@ static const struct argp_option table[] = {
      "Where objects end (default: the model's span). Without --tolerance: fixed steps, cut at "
      "events",
      0},
-    {"config", 'c', "NAME", 0, "The configuration to schedule for (default single_full)", 0},
+    {"config", 'c', "NAME", 0,
+     "The configuration to schedule for (default single_full, world where objects see each other)",
+     0},
     {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
     {"double-single", KEY_DOUBLE, NULL, 0,
      "States and all arithmetic as sums of two floats, 48 bits", 0},
@@ -268,17 +270,17 @@ static fp3_status write_values(const options *o, const fp3_program *program, fp3
 }
 
 /* Nothing is executed, so the program need not be compiled twice. */
-static fp3_status write_native(const options *o, const fp3_compiled *c, fp3_error *error) {
+static fp3_status write_native(const options *o, const fp3_program *program, fp3_error *error) {
     fp3_engine *engine = NULL;
     fp3_engine_def def = fp3_engine_default();
     def.engine = "fast";
-    def.config = o->def.compile.config;
+    def.config = program->config;
     def.objects = 1;
     def.is_interpreted = 1;
     def.error = error;
     fp3_status status = fp3_engine_open(&def, &engine);
     if (!status)
-        status = fp3_engine_load(engine, c->image);
+        status = fp3_engine_load(engine, program->image);
     if (!status)
         status = fp3_engine_write_native(engine, o->assembly);
     fp3_engine_close(&engine);
@@ -293,7 +295,7 @@ static fp3_status write_outputs(const options *o, const fp3_program *program, fp
     if (!status && o->image)
         status = fp3_image_save(c->image, o->image, error);
     if (!status && o->is_native)
-        status = write_native(o, c, error);
+        status = write_native(o, program, error);
     else if (!status && o->assembly)
         status = fp3_file_write(o->assembly, c->assembly, strlen(c->assembly), error);
     if (!status && o->wants_report)

@@ -206,6 +206,18 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
     return status;
 }
 
+/* As many objects as are linked, if nothing says how many. */
+static fp3_status read_links(fp3_run_options *o, fp3_engine_def *def, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < o->link_count; i++) {
+        size_t objects = 0;
+        status = fp3_params_link_file(o->values.params, o->links[i], o->objects, &objects, error);
+        if (objects > def->objects)
+            def->objects = (uint32_t)objects;
+    }
+    return status;
+}
+
 static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *error) {
     fp3_program_def how = o->how;
     fp3_engine_def def = fp3_engine_default();
@@ -215,14 +227,18 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
         if (status)
             return status;
     }
-    def.config = o->config ? o->config : o->is_model ? how.compile.config : def.config;
     how.is_model = o->is_model;
-    how.compile.config = def.config;
+    how.compile.config = o->config;
     how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
-    fp3_status status = define(o, &def, error);
+    fp3_status status = read_links(o, &def, error);
     status = status ? status : fp3_run_adaptive_maxstep(&how, o->values.params, error);
     status = status ? status : fp3_program_open(o->program, &how, &program, report, error);
+    if (!status) {
+        def.config = o->config ? o->config : program->config ? program->config : def.config;
+        def.engine = program->sees_others ? "fast" : def.engine;
+        status = define(o, &def, error);
+    }
     if (!status && !o->has_steps && fp3_adaptive_is(program->image))
         o->steps = FP3_ADAPTIVE_ATTEMPTS;
     if (!status)

@@ -4,6 +4,8 @@
 #include "arguments.h"
 #include "run_adaptive.h"
 
+#include <string.h>
+
 enum {
     KEY_SET = 256,
     KEY_PARAMS,
@@ -32,12 +34,16 @@ enum {
     KEY_UNTIL,
     KEY_DOUBLE,
     KEY_CHECK,
-    KEY_STRICT
+    KEY_STRICT,
+    KEY_LINKS
 };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0,
-     "Configuration (default: single, for a model single_full; with --port that of the board)", 0},
+     "Configuration (default: single, for a model single_full, world where objects see each other; "
+     "with --port that "
+     "of the board)",
+     0},
     {"model", KEY_MODEL, NULL, 0, "PROGRAM is a model, whatever its name", 0},
     {"integrator", 'i', "NAME", 0,
      "Of a model: a built-in table, or a file (default: " FP3_FIXED_INTEGRATOR ", with "
@@ -54,7 +60,9 @@ static const struct argp_option table[] = {
      "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
     {"engine", 'e', "ENGINE", 0,
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, "
-     "fast, native code for many objects, which counts no cycles, or board, hardware behind --port",
+     "fast, native code for many objects, which counts no cycles (default where objects see each "
+     "other), or board, "
+     "hardware behind --port",
      0},
     {"port", KEY_PORT, "DEV", 0,
      "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints", 0},
@@ -66,7 +74,10 @@ static const struct argp_option table[] = {
      "How often the step part runs (default: 1; with --times until the last of them; with "
      "--tolerance 1000000, and objects end before)",
      0},
-    {"objects", 'o', "N", 0, "How many (default: all contexts of the configuration full)", 0},
+    {"objects", 'o', "N", 0,
+     "How many (default: all contexts of the configuration full; with --links those that are "
+     "linked)",
+     0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
     {"params", KEY_PARAMS, "FILE", 0,
@@ -75,6 +86,11 @@ static const struct argp_option table[] = {
      "One such value; replaces what was given before it; may be repeated", 0},
     {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
      "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated", 0},
+    {"links", KEY_LINKS, "NAME=FILE", 0,
+     "Links of a model's relation NAME, or the list NAME of a program: a CSV file with the columns "
+     "a, b (objects, "
+     "from 0) and fields; may be repeated",
+     0},
     {"scene", KEY_SCENE, "FILE", 0,
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
      "--steps and --visit replace what it says",
@@ -144,6 +160,8 @@ static void check(fp3_run_options *o, struct argp_state *state) {
         argp_error(state, "--scene: the scene says how many objects there are, not --objects");
     if (o->scene && fp3_params_count(o->values.params))
         argp_error(state, "--scene: values are in the scene, not in --params, --set or --spread");
+    if (o->scene && o->link_count)
+        argp_error(state, "--scene: links are in the scene, not in --links");
     if (o->scene && o->on.kanata)
         argp_error(state, "--kanata: a log is of one program, not of a scene");
     fp3_run_engine_check(&o->on, state);
@@ -153,6 +171,17 @@ static void check(fp3_run_options *o, struct argp_state *state) {
                    "for each snapshot");
     fp3_run_record_check(&o->record, state);
     fp3_run_check_check(&o->check, o->is_model, o->values.params, state);
+}
+
+/* They are read when it is known how many objects there are. */
+static void add_links(fp3_run_options *o, const char *text, struct argp_state *state) {
+    const char *equals = strchr(text, '=');
+    if (!equals)
+        argp_error(state, "--links: found '%s', expected NAME=FILE", text);
+    if (o->link_count == FP3_RELATIONS_MAX)
+        argp_error(state, "--links: expected at most %d", FP3_RELATIONS_MAX);
+    fp3_files_read(&o->files, "--links", equals + 1);
+    o->links[o->link_count++] = text;
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -255,6 +284,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_PARAMS:
         fp3_files_read(&o->files, "--params", text);
         fp3_run_values_load(&o->values, state, text);
+        break;
+    case KEY_LINKS:
+        add_links(o, text, state);
         break;
     case KEY_SPREAD:
         fp3_run_values_spread(&o->values, state, text);

@@ -17,6 +17,8 @@ typedef struct {
     fp3_run_engine on;
     int all, has_steps, is_model, allows_failures;
     fp3_run_values values;
+    const char *links[FP3_RELATIONS_MAX]; /* relation=file */
+    size_t link_count;
     fp3_run_record record;
     fp3_run_check_def check;
     fp3_recording *recording; /* while it runs; else NULL */

@@ -104,6 +104,13 @@ static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *
             status = need_state(e, program, e->model->exprs[i].index, error);
         if (!status && e->model->exprs[i].op == FP3_EXPR_TIME)
             status = need_time(e, program, error);
+        if (!status && e->model->exprs[i].op == FP3_EXPR_TOTAL)
+            return fp3_fail(
+                error, FP3_E_ARGUMENT,
+                "'%s' is added up in line %u of the model, and a recording looks at each "
+                "object by itself",
+                e->model->relations[e->model->exprs[i].index].name,
+                (unsigned)e->model->exprs[i].line);
     }
     return status;
 }
