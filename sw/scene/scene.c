@@ -25,8 +25,6 @@ fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scen
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_scene_read(s, config, error);
-    if (!status && !s->engine && !(s->engine = strdup("rtl")))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (status)
         fp3_scene_close(scene);
     return status;

@@ -2,6 +2,9 @@
 #include "scene_read.h"
 
 #include "adaptive.h"
+#include "arranged.h"
+#include "base/path.h"
+#include "batch/relations.h"
 #include "engine/inside.h"
 #include "lifetime.h"
 #include "machine/config.h"
@@ -35,18 +38,6 @@ static char *copy(const char *text, size_t size) {
 
 static fp3_status no_memory(const reader *r) {
     return fp3_fail(r->error, FP3_E_SYSTEM, "out of memory");
-}
-
-/* A name in the file, from where the file is. */
-static char *beside(const char *path, const char *name) {
-    const char *slash = strrchr(path, '/');
-    const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash + 1 - path);
-    char *made = malloc(folder + strlen(name) + 1);
-    if (made) {
-        memcpy(made, path, folder);
-        strcpy(made + folder, name);
-    }
-    return made;
 }
 
 /* ---- settings ---- */
@@ -86,7 +77,7 @@ static fp3_status read_integrator(const reader *r, const config_setting_t *from,
         return status;
     const size_t size = strlen(name);
     const int is_file = strchr(name, '/') || (size > 4 && strcmp(name + size - 4, ".cfg") == 0);
-    *to = is_file ? beside(r->path, name) : copy(name, size);
+    *to = is_file ? fp3_path_beside(r->path, name) : copy(name, size);
     free(name);
     if (*to && is_file)
         *file = strdup(*to);
@@ -165,7 +156,7 @@ static fp3_status read_program(const reader *r, const config_setting_t *from, fp
     fp3_status status = fp3_setting_text(&r->in, setting, "program", &name);
     if (status)
         return status;
-    to->path = beside(r->path, name);
+    to->path = fp3_path_beside(r->path, name);
     if (!to->path)
         return no_memory(r);
     if (!fp3_program_is_named(to->path))
@@ -183,7 +174,7 @@ static fp3_status read_params_file(const reader *r, const config_setting_t *from
     fp3_status status = read_text(r, from, "params", &name);
     if (status || !name)
         return status;
-    to->params_file = beside(r->path, name);
+    to->params_file = fp3_path_beside(r->path, name);
     fp3_error why = {.text = ""};
     status = to->params_file ? fp3_params_load(to->params, to->params_file, &why) : no_memory(r);
     if (status && why.text[0])
@@ -229,17 +220,23 @@ static fp3_status read_params(const reader *r, const config_setting_t *from, fp3
 
 /* ---- the file ---- */
 
-static fp3_status read_objects(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
+static fp3_status read_objects(const reader *r, const config_setting_t *from,
+                               fp3_arranged *arranged, fp3_scene_group *to) {
     uint64_t objects = 0;
-    fp3_status status = read_count(r, from, "objects", 1, &objects);
+    fp3_status status = fp3_arranged_read(&r->in, from, arranged, &objects);
+    if (!status)
+        status = read_count(r, from, "objects", 1, &objects);
     if (status)
         return status;
     if (!objects)
         return missing(r, from, "the number of objects of this group");
-    const uint64_t room =
-        fp3_engine_room(r->scene->engine ? r->scene->engine : "rtl", r->machine->name);
+    const config_setting_t *at = config_setting_get_member(from, "objects");
+    const uint64_t room = fp3_engine_room(r->scene->engine, r->machine->name);
     if (objects > room - r->scene->objects)
-        return fp3_setting_wrong(&r->in, config_setting_get_member(from, "objects"),
+        return fp3_setting_wrong(&r->in,
+                                 at                  ? at
+                                 : arranged->grid_at ? arranged->grid_at
+                                                     : arranged->points_at,
                                  "objects: found %" PRIu64 ", expected at most %" PRIu64
                                  "%s: configuration '%s' has room for %" PRIu64 " object%s",
                                  objects, room - r->scene->objects,
@@ -264,23 +261,29 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 }
 
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
-    static const char *const names[] = {"program", "integrator", "compensated", "double_single",
-                                        "folded",  "tolerance",  "until",       "absolute",
-                                        "maxstep", "objects",    "params",      "set",
-                                        "spread",  "born",       "gone",        NULL};
+    static const char *const names[] = {
+        "program",  "integrator", "compensated", "double_single", "folded", "tolerance", "until",
+        "absolute", "maxstep",    "objects",     "params",        "set",    "spread",    "born",
+        "gone",     "grid",       "random",      "points",        "links",  "only",      NULL};
+    fp3_arranged arranged = {.grid_at = NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
         return missing(r, from, "a group, { program = ...; objects = ...; ... }");
     fp3_status status = fp3_setting_keys(&r->in, from, "a group", names);
     if (!status)
-        status = read_objects(r, from, to);
+        status = read_objects(r, from, &arranged, to);
     if (!status)
         status = fp3_lifetime_read(&r->in, from, to);
     if (!status)
         status = check_lives(r, from, to);
     if (!status)
         status = read_program(r, from, to);
-    return status ? status : read_params(r, from, to);
+    if (!status)
+        status = read_params(r, from, to);
+    if (!status)
+        status = fp3_arranged_apply(&r->in, from, &arranged, to);
+    fp3_arranged_close(&arranged);
+    return status;
 }
 
 /* Before any program is opened: many groups take long. */
@@ -335,6 +338,25 @@ static fp3_status check_h(const reader *r) {
     return r->h_at ? fp3_setting_wrong(&r->in, r->h_at, "no program has an 'h'") : FP3_OK;
 }
 
+/* Whether objects of the first group's model do. A model that cannot be read says why where it is compiled. */
+static int sees_others(const reader *r) {
+    const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
+    const config_setting_t *group = list ? config_setting_get_elem(list, 0) : NULL;
+    const config_setting_t *at = group && config_setting_is_group(group)
+                                     ? config_setting_get_member(group, "program")
+                                     : NULL;
+    const char *name = at ? config_setting_get_string(at) : NULL;
+    char *path = name && fp3_program_is_model(name) ? fp3_path_beside(r->path, name) : NULL;
+    char *report = NULL;
+    fp3_model *model = NULL;
+    fp3_error why;
+    const int is = path && (fp3_model_load(path, &model, &report, &why) || model->relation_count);
+    fp3_model_free(&model);
+    free(report);
+    free(path);
+    return is;
+}
+
 /* What replaces the file's is the caller's own mistake, if it is one: it has no line. */
 static fp3_status read_config(reader *r) {
     fp3_scene *scene = r->scene;
@@ -348,6 +370,11 @@ static fp3_status read_config(reader *r) {
     }
     if (status)
         return status;
+    if (!scene->config && sees_others(r)) {
+        scene->config = strdup(FP3_WORLD);
+        if (!scene->config)
+            return no_memory(r);
+    }
     if (!scene->config)
         return missing(r, r->in.root, "config = \"...\"");
     status = fp3_config_choose(scene->config, &r->machine, &why);
@@ -359,6 +386,10 @@ static fp3_status read_config(reader *r) {
 static fp3_status read_engine(const reader *r) {
     fp3_error why;
     fp3_status status = read_text(r, r->in.root, "engine", &r->scene->engine);
+    if (!status && !r->scene->engine) {
+        r->scene->engine = strdup(r->machine->neighbours ? "fast" : "rtl");
+        return r->scene->engine ? FP3_OK : no_memory(r);
+    }
     if (!status && r->scene->engine && fp3_engine_check_name(r->scene->engine, &why))
         status = fp3_setting_wrong(&r->in, config_setting_get_member(r->in.root, "engine"),
                                    "engine: %s", why.text);
