@@ -41,22 +41,24 @@ refuse(const fp3_linked *l, fp3_error *error, const char *format, ...) {
 /* ---- fields ---- */
 
 /* The fields that equations read, a bit each: the words of an entry. */
-static uint64_t fields_read(const fp3_model *model) {
-    uint64_t fields = 0;
+static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_error *error) {
     char *is_needed = calloc(model->expr_count + 1u, 1);
-    for (uint32_t i = 0; is_needed && i < model->state_count; i++)
+    *fields = 0;
+    if (!is_needed)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < model->state_count; i++)
         if (model->states[i].derivative != FP3_NONE)
             is_needed[model->states[i].derivative] = 1;
-    for (uint32_t i = model->expr_count; is_needed && i-- > 0;) {
+    for (uint32_t i = model->expr_count; i-- > 0;) {
         const fp3_expr *e = &model->exprs[i];
         for (int k = 0; is_needed[i] && k < 3; k++)
             if (e->operand[k] != FP3_NONE)
                 is_needed[e->operand[k]] = 1;
         if (is_needed[i] && e->op == FP3_EXPR_FIELD)
-            fields |= UINT64_C(1) << e->index;
+            *fields |= UINT64_C(1) << e->index;
     }
     free(is_needed);
-    return fields;
+    return FP3_OK;
 }
 
 /* Where the words of an entry come from. */
@@ -93,8 +95,11 @@ static fp3_status check_names(const fp3_linked *l, const fp3_model *model, const
 static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
                                    const fp3_model *model, const fp3_relation *of,
                                    source sources[FIELDS_MAX], fp3_error *error) {
-    const uint64_t read = fields_read(model);
+    uint64_t read;
     uint32_t count = 0;
+    const fp3_status status = fields_read(model, &read, error);
+    if (status)
+        return status;
     for (uint32_t k = of->first_field; k < of->first_field + of->field_count; k++) {
         const size_t i = column_named(&l->links, model->fields[k].name);
         source made = {i < l->links.field_count ? l->links.fields[i] : NULL, 0};

@@ -192,6 +192,8 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
         fp3_files_read(&files, "program", scene->groups[i].path);
         fp3_files_read(&files, "integrator", scene->groups[i].integrator_file);
         fp3_files_read(&files, "params", scene->groups[i].params_file);
+        for (size_t k = 0; k < scene->groups[i].file_count; k++)
+            fp3_files_read(&files, "points or links", scene->groups[i].files[k]);
         fp3_files_write(&files, "--bus-log", o->on.bus_log);
         fp3_files_write(&files, "--output", o->record.def.path);
         fp3_files_write(&files, "--plot", o->record.def.plot);

@@ -358,11 +358,26 @@ static fp3_status apply_model(const fp3_program *program, const fp3_params *para
     return status;
 }
 
+/* Of one object alone, the first is meant. */
+static fp3_status check_columns(const fp3_params *params, const fp3_apply_to *to,
+                                fp3_error *error) {
+    fp3_value_look look;
+    for (size_t i = 0; to->objects > 1 && fp3_values_look(params, i, &look); i++)
+        if (look.objects && look.objects != to->objects)
+            return fp3_value_wrong(params, look.name, error,
+                                   "'%s' has values of %zu objects, and there are %zu", look.name,
+                                   look.objects, to->objects);
+    return FP3_OK;
+}
+
 fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const fp3_apply_to *to,
                      fp3_error *error) {
+    fp3_status status = check_columns(params, to, error);
+    if (status)
+        return status;
     if (program->model)
         return apply_model(program, params, to, error);
-    const fp3_status status = apply_image(program->image, params, to, error);
+    status = apply_image(program->image, params, to, error);
     return status ? status : relate(program, params, to, NULL, error);
 }
 

@@ -330,8 +330,10 @@ static fp3_status place(const fp3_settings *s, fp3_arranged *a, const fp3_scene_
 }
 
 fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from, fp3_arranged *a,
-                              const fp3_scene_group *group) {
+                              fp3_scene_group *group) {
     fp3_status status = place(s, a, group);
+    if (!status && a->points_at)
+        status = fp3_links_note(group, a->points.path, s->error);
     if (!status)
         status = fp3_links_read(s, from, a->grid_at ? &a->grid : NULL, group);
     return status ? status : fp3_only_read(s, from, group);

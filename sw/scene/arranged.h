@@ -24,6 +24,6 @@ void fp3_arranged_close(fp3_arranged *arranged);
 /* Places the objects, links them, and gives some of them other values. The group has its program, its number of objects
  * and all other values. */
 fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from,
-                              fp3_arranged *arranged, const fp3_scene_group *group);
+                              fp3_arranged *arranged, fp3_scene_group *group);
 
 #endif

@@ -87,6 +87,16 @@ static fp3_status read_kinds(const fp3_settings *s, const config_setting_t *at, 
     return status;
 }
 
+fp3_status fp3_links_note(fp3_scene_group *group, const char *path, fp3_error *error) {
+    char **files = realloc(group->files, (group->file_count + 1) * sizeof *files);
+    if (files)
+        group->files = files;
+    if (!files || !(files[group->file_count] = strdup(path)))
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    group->file_count++;
+    return FP3_OK;
+}
+
 /* ---- one block ---- */
 
 /* The relation of this name in the model; NULL: an image has lists alone, whose names the load checks. */
@@ -177,7 +187,7 @@ static fp3_status put_grid(const fp3_settings *s, const config_setting_t *from,
 }
 
 static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
-                           const char *relation, size_t objects, columns *c, fp3_params *params) {
+                           const char *relation, columns *c, fp3_scene_group *group) {
     const config_setting_t *at = config_setting_get_member(from, "file");
     const char *name = NULL;
     fp3_table table = {0};
@@ -194,11 +204,13 @@ static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
     status =
         path ? fp3_table_read(path, &table, &why) : fp3_fail(&why, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = fp3_table_link(&table, objects, &made, &why);
+        status = fp3_table_link(&table, group->objects, &made, &why);
     if (status)
         fp3_fail_at(s->error, status, s->name, fp3_setting_line(at), 0, "%s", why.text);
     else
-        status = put(s, from, relation, made.links, path, c, params);
+        status = put(s, from, relation, made.links, path, c, group->params);
+    if (!status)
+        status = fp3_links_note(group, path, s->error);
     fp3_table_links_free(&made);
     fp3_table_close(&table);
     free(path);
@@ -206,7 +218,7 @@ static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
 }
 
 static fp3_status read_block(const fp3_settings *s, const config_setting_t *from,
-                             const fp3_grid *grid, const fp3_scene_group *group) {
+                             const fp3_grid *grid, fp3_scene_group *group) {
     static const char *const names[] = {"relation", "grid", "file", "rest", "set", NULL};
     const fp3_model *model = group->program->model;
     const fp3_relation *of = NULL;
@@ -232,14 +244,14 @@ static fp3_status read_block(const fp3_settings *s, const config_setting_t *from
     if (!status && has_grid)
         status = put_grid(s, from, relation, grid, &c, group->params);
     else if (!status)
-        status = put_file(s, from, relation, group->objects, &c, group->params);
+        status = put_file(s, from, relation, &c, group);
     for (size_t i = 0; i < c.made_count; i++)
         free(c.made[i]);
     return status;
 }
 
 fp3_status fp3_links_read(const fp3_settings *s, const config_setting_t *from, const fp3_grid *grid,
-                          const fp3_scene_group *group) {
+                          fp3_scene_group *group) {
     const config_setting_t *at = config_setting_get_member(from, "links");
     fp3_status status = FP3_OK;
     if (!at)

@@ -9,6 +9,9 @@
 
 /* The setting `links` of a group whose number of objects is known. grid: NULL: it has none. */
 fp3_status fp3_links_read(const fp3_settings *s, const config_setting_t *from, const fp3_grid *grid,
-                          const fp3_scene_group *group);
+                          fp3_scene_group *group);
+
+/* Notes that a file was read for the group. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_links_note(fp3_scene_group *group, const char *path, fp3_error *error);
 
 #endif

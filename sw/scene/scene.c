@@ -38,6 +38,9 @@ void fp3_scene_close(fp3_scene **scene) {
         free(s->groups[i].path);
         free(s->groups[i].integrator_file);
         free(s->groups[i].params_file);
+        for (size_t k = 0; k < s->groups[i].file_count; k++)
+            free(s->groups[i].files[k]);
+        free(s->groups[i].files);
         fp3_program_close(&s->groups[i].program);
         fp3_params_free(&s->groups[i].params);
     }

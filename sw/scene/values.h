@@ -36,7 +36,8 @@ typedef struct {
     const char *name, *formula;
     double first, last;
     int is_spread;
-    int is_column; /* each object has its own; first and last say nothing */
+    size_t
+        objects; /* that have each a value of its own, so that first and last say nothing; 0: none has */
 } fp3_value_look;
 /* By number, in the order in which the names were first given; 0: there are no more. */
 int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look);

@@ -24,8 +24,8 @@ int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *loo
     if (number >= params->count)
         return 0;
     const fp3_value *v = &params->list[number];
-    *look =
-        (fp3_value_look){v->name, v->formula, v->value, v->last, v->is_spread, v->column != NULL};
+    *look = (fp3_value_look){v->name, v->formula,   v->value,
+                             v->last, v->is_spread, v->column ? v->count : 0};
     return 1;
 }
 

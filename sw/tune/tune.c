@@ -4,6 +4,7 @@
 
 #include "base/host.h"
 #include "machine/config.h"
+#include "scene/values.h"
 
 #include <fp3/compile.h>
 #include <gsl/gsl_qrng.h>
@@ -70,6 +71,13 @@ static fp3_status check(const tuner *k) {
     const fp3_status alone = fp3_model_check_alone(k->model, k->error);
     if (alone)
         return alone;
+    fp3_value_look look;
+    for (size_t i = 0; fp3_values_look(def->params, i, &look); i++)
+        if (look.objects)
+            return fp3_fail(k->error, FP3_E_ARGUMENT,
+                            "'%s' has a value of its own for each object: the tuner takes numbers "
+                            "and ranges",
+                            look.name);
     if (fp3_model_adapted(k->model) != FP3_NONE)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "expected a model with fixed steps: the tuner adapts it itself");

@@ -259,3 +259,30 @@ def test_what_fp3_run_refuses(start, folder):
         done = start(*arguments)
         assert done.returncode in (1, 2) and expected in done.stderr, (arguments, done.stderr)
     assert not (folder / "o.csv").exists()
+
+
+def test_an_input_is_not_overwritten(start, folder):
+    (folder / "p.csv").write_text("u\n0.1\n0.2\n")
+    (folder / "l.csv").write_text("a,b\n0,1\n")
+    (folder / "x.scene").write_text(CHAIN.format('points = "p.csv"; links = { relation = "springs"; file = "l.csv"; };'))
+    for name in ("p.csv", "l.csv"):
+        before = (folder / name).read_text()
+        done = start("--scene", "x.scene", "--output", name)
+        assert done.returncode == 2 and f"--output {name} would overwrite points or links" in done.stderr
+        assert (folder / name).read_text() == before
+    assert start("--scene", "x.scene", "--output", "o.csv").returncode == 0
+    done = start("chain.ode", "--links", "springs=l.csv", "--output", "l.csv")
+    assert done.returncode == 2 and "--output l.csv would overwrite --links l.csv" in done.stderr
+
+
+def test_objects_that_do_not_see_each_other_are_placed_too(root, fp3, record, folder):
+    """On a machine of old, with its lifetimes; and the tuner takes no values of each object."""
+    (folder / "ship.ode").write_text((root / "programs/ship.ode").read_text())
+    (folder / "p.csv").write_text("v,T\n1,2e5\n2,2.5e5\n3,3e5\n")
+    text = 'config = "many_full"; steps = 3;\ngroups = ( { program = "ship.ode"; points = "p.csv"; gone = 2; only = { objects = 1; set = { s = 5; }; }; } );\n'
+    rows = record(text, "-e", "isa")
+    assert [one["v"] for one in rows[0]] == [1, 2, 3] and [one["s"] for one in rows[0]] == [0, 5, 0]
+    assert rows == record(text)
+    (folder / "x.scene").write_text(text.replace("gone = 2; ", ""))
+    done = subprocess.run([fp3, "tune", "x.scene", "--tolerance", "1e-3"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 2 and "has a value of its own for each object" in done.stderr, done.stderr

@@ -10,8 +10,8 @@ def test_promises_are_kept(root, build):
 
 
 def test_the_cloth_of_the_examples(root, build, tmp_path):
-    """In at most 25 lines: it hangs, the corner that was farthest from the two held ones below their middle and its own row as low."""
-    assert len((root / "examples/cloth.c").read_text().splitlines()) <= 25
+    """In at most 35 lines: it hangs, the corner that was farthest from the two held ones below their middle and its own row as low."""
+    assert len((root / "examples/cloth.c").read_text().splitlines()) <= 35
     shutil.copy(root / "programs/world/cloth.ode", tmp_path)
     library = build / "lib/libfp3.so.0"
     sanitize = ["-fsanitize=address,undefined"] if build.name == "build-san" else []

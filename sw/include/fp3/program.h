@@ -169,6 +169,8 @@ typedef struct {
 typedef struct {
     char *path;                          /* of the program */
     char *integrator_file, *params_file; /* NULL if none was read */
+    char **files;                        /* of points and links that were read */
+    size_t file_count;
     fp3_program *program;
     /* The values in the file. More may be set before fp3_scene_load. */
     fp3_params *params;
