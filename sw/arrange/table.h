@@ -5,7 +5,7 @@
  *     ... points.number[column * points.rows + row] ...
  *     fp3_table_close(&points);
  *
- * The first line is the head: names. Blanks around values, empty lines and lines that begin with # say nothing.
+ * The first line is the head: names. Blanks around values, empty lines and lines that begin with # are ignored.
  */
 #ifndef FP3_ARRANGE_TABLE_H
 #define FP3_ARRANGE_TABLE_H

@@ -1,9 +1,9 @@
 /* cmd_compile.c - fp3 compile: a model and an integrator to assembly. */
 #include "arguments.h"
 #include "cli.h"
+#include "files.h"
 #include "image/neighbours.h"
 #include "machine/operation.h"
-#include "files.h"
 #include "progress.h"
 #include "run_adaptive.h"
 
@@ -245,7 +245,7 @@ static void report(const fp3_compiled *c) {
         printf("cycles per object-step  not known beforehand: schedulers share units\n");
     if (!around.is_any)
         printf("bound                   %.6g (issue and units %.6g, longest path %.6g)\n", c->bound,
-           c->bound_issue, c->bound_path);
+               c->bound_issue, c->bound_path);
     printf("object registers        %" PRIu32 "\n", c->registers);
     printf("shared constants        %" PRIu32 "\n", c->constants);
     printf("executed ahead, copies  %" PRIu32 ", %" PRIu32 "\n", c->ahead, c->copies);

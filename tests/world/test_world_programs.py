@@ -73,7 +73,7 @@ def test_balls_at_rest_press_the_floor_with_their_weight(record):
     assert abs(walls) < 1e-2 and min(one["x_y"] for one in last) > 0
 
 
-def energy(bodies, m, G=39.478417):
+def energy(bodies, m, G=39.478418):
     place = [tuple(one["x_" + axis] for axis in "xyz") for one in bodies]
     motion = sum(m[i] * sum(one["v_" + axis] ** 2 for axis in "xyz") / 2 for i, one in enumerate(bodies))
     return motion - sum(G * m[i] * m[j] / math.dist(place[i], place[j]) for i in range(len(m)) for j in range(i))

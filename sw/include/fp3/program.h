@@ -191,7 +191,9 @@ typedef struct {
 } fp3_scene;
 
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. Defaults
- * of the file: engine "rtl", or "fast" with a configuration for objects that see each other, steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are adaptive), visit 0.
+ * of the file: config "world" if objects of the first group's model see each other; engine "rtl", or
+ * "fast" with a configuration for such objects; steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are
+ * adaptive); visit 0.
  * The caller closes *scene, which is NULL on failure. Messages begin with the path and the line of
  * the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
