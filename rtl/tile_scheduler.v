@@ -45,7 +45,7 @@ module tile_scheduler #(
 `include "host/lane_host.vh"
 
     // The host -------------------------------------------------------------------------------
-    wire                 start, stop, running, illegal, program_write, access, host_write;
+    wire                 start, stop, running, illegal, half, program_write, access, host_write;
     wire [31:0]          host_wdata, word;
     wire [`SETTINGS_W-1:0] settings;
     wire [`EVENTS_W-1:0]   events;
@@ -59,7 +59,7 @@ module tile_scheduler #(
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
-        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .flags_i(flags), .events_i(events),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
@@ -97,7 +97,7 @@ module tile_scheduler #(
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .settings_i(settings),
-        .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc),
+        .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc), .half_o(half),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
         .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
@@ -136,7 +136,7 @@ module tile_scheduler #(
     // The last group has no next one; sequencer hears the rest of its report.
     wire unused = &{resets[GROUPS], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
                     accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
-                    report_count, report_valid, report_asleep, report_batch, report_context};
+                    report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
     // What was granted TO_END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
@@ -146,7 +146,7 @@ module tile_scheduler #(
             `RETIRE_FIELDS
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
-                                  retire_batch, retire_context, retire_register};
+                                  retire_batch, retire_context, retire_register, retire_around};
             delay #(.W(1), .N(TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin

@@ -15,6 +15,10 @@ parameter integer ROW_W      = STORE_W - 3,
 parameter integer LANE_W     = LANES > 1 ? $clog2(LANES) : 1,
 parameter integer REG_W      = CONTEXT_W + REGISTER_W,
 parameter integer BANK_W     = REG_W - 1,
+// Of the length of a list of neighbours.
+parameter integer LENGTH_W   = 12,
+// Of the bundle AROUND (lane/around.vh).
+parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
 // Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.
 parameter integer STREAMS    = DUAL + 1,
 // What fp_value does: VALUES, CHOICE_W

@@ -40,7 +40,12 @@ module decode #(
     assign to_sleep  = SLEEP != 0 && op == OP_SLEEP;
     assign st        = INTERLEAVE != 0 && op == OP_ST;
     assign lds       = INTERLEAVE != 0 && SLEEP != 0 && op == OP_LDS;
-    assign to_memory = st || lds || (INTERLEAVE != 0 && op == OP_LD);
+    assign each      = NEIGHBOURS != 0 && op == OP_EACH;
+    assign next      = NEIGHBOURS != 0 && op == OP_NEXT;
+    assign ldn       = NEIGHBOURS != 0 && op == OP_LDN;
+    assign ldl       = NEIGHBOURS != 0 && op == OP_LDL;
+    assign phase     = NEIGHBOURS != 0 && op == OP_PHASE;
+    assign to_memory = st || lds || each || next || ldn || ldl || (INTERLEAVE != 0 && op == OP_LD);
 
     // An index fits if shifting out the bits that the register file has leaves nothing.
     wire in_range = ((field_d      >> REGISTER_W) == 6'd0)
@@ -49,7 +54,7 @@ module decode #(
                  && ((field_c[5:0] >> REGISTER_W) == 6'd0);
     wire extra    = (!has_a(op) && field_a != 7'd0) || (!has_b(op) && field_b != 7'd0)
                  || (!has_c(op) && field_c != 7'd0);
-    assign legal  = in_range && !extra && banked && (to_add || to_mul || to_chain || to_sleep || to_memory);
+    assign legal  = in_range && !extra && banked && (to_add || to_mul || to_chain || to_sleep || to_memory || phase);
 
     // Sums and products apart: each writes its bank, and reads at most one register of each; of what is scaled
     // only b is, which then is none of the sums.

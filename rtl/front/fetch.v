@@ -10,7 +10,7 @@
 // Latency   3: the first word is on word_o three cycles after start_i, then one per cycle
 //           in which advance_i is high.
 //           skip_i ends the steps of this visit early: it may come at any time, and takes effect at the
-//           end of a step.
+//           end of a step. jump_i drops what was fetched and not taken; advance_i is low with it.
 // Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and
 //           not taken.
 `default_nettype none
@@ -33,6 +33,11 @@ module fetch #(
     input  wire              skip_i,    // no more steps
     input  wire              more_i,    // another visit follows this one
     output wire              again_o,   // it begins
+    // With NEIGHBOURS: it goes on elsewhere (loops), and not by itself at a visit's end
+    input  wire              jump_i,
+    input  wire              jump_on_i,     // 0: nowhere
+    input  wire              jump_begins_i, // the next visit begins
+    input  wire [PROGRAM_W-1:0] jump_pc_i,  // also where a run begins
     // To decode
     input  wire              advance_i,
     output wire              valid_o,
@@ -68,14 +73,18 @@ module fetch #(
         {zero_over, zero_ends}   <= {step_end_q == {PROGRAM_W{1'b0}}, end_q == {PROGRAM_W{1'b0}}};
         before_step_end_q        <= step_end_q - 1'b1;
         before_end_q             <= end_q - 1'b1;
-        if (anew)                       {steps_over, ends} <= {zero_over, zero_ends};
+        if (anew || jump)               {steps_over, ends} <= NEIGHBOURS != 0 ? {from == step_end_q, from == end_q} : {zero_over, zero_ends};
         else if (advance_i && active_q) {steps_over, ends} <= again ? {again_over, again_ends}
                                                                     : {pc_q == before_step_end_q, pc_q == before_end_q};
     end
     wire [31:0] fewer = steps_q - 1'b1;
     wire one        = steps_q == (pending_q ? 32'd3 : 32'd2);   // the next is the last
     wire again      = steps_over && !none_q && !skip_i;
-    wire anew       = start_i || (advance_i && active_q && ends && !again && more_i);
+    wire jump       = NEIGHBOURS != 0 && jump_i;
+    wire turns      = NEIGHBOURS == 0 && more_i;                // by itself
+    wire anew       = start_i || (advance_i && active_q && ends && !again && turns) || (jump && jump_begins_i);
+    wire [PROGRAM_W-1:0] from = NEIGHBOURS != 0 ? jump_pc_i : {PROGRAM_W{1'b0}};
+    wire unused     = &{jump_on_i, jump_begins_i, jump_pc_i, more_i};
     assign again_o  = anew && !start_i;
 
     always @(posedge clk_i) begin
@@ -86,9 +95,13 @@ module fetch #(
 
     always @(posedge clk_i)
         if (anew) begin
-            pc_q     <= {PROGRAM_W{1'b0}};
+            pc_q     <= from;
             none_q   <= steps_i == 32'd1;
             begins_q <= 1'b1;
+            lasts_q  <= 1'b0;
+        end else if (jump) begin
+            pc_q     <= from;
+            begins_q <= 1'b0;
             lasts_q  <= 1'b0;
         end else if (advance_i && active_q) begin
             pc_q     <= again ? step : pc_q + 1'b1;
@@ -113,8 +126,12 @@ module fetch #(
             valid_2q <= 1'b0;
         end else if (start_i) begin
             active_q <= 1'b1;
+        end else if (jump) begin
+            active_q <= jump_on_i;
+            valid_1q <= 1'b0;
+            valid_2q <= 1'b0;
         end else if (advance_i) begin
-            active_q <= active_q && (again || !ends || more_i);
+            active_q <= active_q && (again || !ends || turns);
             valid_1q <= active_q;
             valid_2q <= valid_1q;
         end
@@ -136,7 +153,7 @@ module fetch #(
     reg                 held_q, stop_q;
     reg [PROGRAM_W+31+4:0] shown_q;
     always @(posedge clk_i) begin
-        held_q  <= valid_o && !advance_i && !stop_i && !rst_i;
+        held_q  <= valid_o && !advance_i && !stop_i && !jump && !rst_i;
         stop_q  <= stop_i && !rst_i;
         shown_q <= {pc_o, word_o, marks_2q};
         if (!rst_i && held_q && (!valid_o || {pc_o, word_o, marks_2q} != shown_q)) begin

@@ -35,6 +35,7 @@ rtl/lane/lane_report.v
 rtl/lane/lane_result.v
 rtl/lane/lane_status.v
 rtl/lane/lane_store.v
+rtl/lane/lists.v
 rtl/lane/visits.v
 rtl/lane/visits_in_order.v
 rtl/lib/cut.v
@@ -50,6 +51,7 @@ rtl/sequence/batch.v
 rtl/sequence/dual_pace.v
 rtl/sequence/dual_turn.v
 rtl/sequence/issue.v
+rtl/sequence/loops.v
 rtl/sequence/one_stream.v
 rtl/sequence/pace.v
 rtl/sequence/rounds.v

@@ -3,25 +3,28 @@
 // verilator lint_off UNUSEDPARAM
 
 // Registers.
-localparam [15:0] ADDR_ID            = 16'h0000;
-localparam [15:0] ADDR_SHAPE         = 16'h0004;
-localparam [15:0] ADDR_MEMORY        = 16'h0008;
-localparam [15:0] ADDR_FEATURES      = 16'h000c;
-localparam [15:0] ADDR_CONTROL       = 16'h0010;
-localparam [15:0] ADDR_STATUS        = 16'h0014;
-localparam [15:0] ADDR_RECORD        = 16'h0018;
-localparam [15:0] ADDR_FAULT         = 16'h001c;
-localparam [15:0] ADDR_STEPS         = 16'h0020;
-localparam [15:0] ADDR_STEP          = 16'h0024;
-localparam [15:0] ADDR_LAST          = 16'h0028;
-localparam [15:0] ADDR_SIZE          = 16'h002c;
-localparam [15:0] ADDR_ARRAY         = 16'h0030;
-localparam [15:0] ADDR_STORE         = 16'h0034;
-localparam [15:0] ADDR_VISIT         = 16'h0038;
-localparam [15:0] ADDR_CLOCK         = 16'h003c;
-localparam [15:0] ADDR_FLAGS         = 16'h0040;
-localparam [15:0] ADDR_INTERRUPT     = 16'h0044;
-localparam [15:0] ADDR_FEATURES_MORE = 16'h0048;
+localparam [15:0] ADDR_ID             = 16'h0000;
+localparam [15:0] ADDR_SHAPE          = 16'h0004;
+localparam [15:0] ADDR_MEMORY         = 16'h0008;
+localparam [15:0] ADDR_FEATURES       = 16'h000c;
+localparam [15:0] ADDR_CONTROL        = 16'h0010;
+localparam [15:0] ADDR_STATUS         = 16'h0014;
+localparam [15:0] ADDR_RECORD         = 16'h0018;
+localparam [15:0] ADDR_FAULT          = 16'h001c;
+localparam [15:0] ADDR_STEPS          = 16'h0020;
+localparam [15:0] ADDR_STEP           = 16'h0024;
+localparam [15:0] ADDR_LAST           = 16'h0028;
+localparam [15:0] ADDR_SIZE           = 16'h002c;
+localparam [15:0] ADDR_ARRAY          = 16'h0030;
+localparam [15:0] ADDR_STORE          = 16'h0034;
+localparam [15:0] ADDR_VISIT          = 16'h0038;
+localparam [15:0] ADDR_CLOCK          = 16'h003c;
+localparam [15:0] ADDR_FLAGS          = 16'h0040;
+localparam [15:0] ADDR_INTERRUPT      = 16'h0044;
+localparam [15:0] ADDR_FEATURES_MORE  = 16'h0048;
+localparam [15:0] ADDR_PUBLISHED      = 16'h004c;
+localparam [15:0] ADDR_PUBLISHED_MORE = 16'h0050;
+localparam [15:0] ADDR_HALF           = 16'h0054;
 
 // Fields of registers.
 localparam ID_REVISION_HI              = 7;
@@ -104,6 +107,12 @@ localparam INTERRUPT_ENDED_HI          = 1;
 localparam INTERRUPT_ENDED_LO          = 1;
 localparam FEATURES_MORE_NEIGHBOURS_HI = 0;
 localparam FEATURES_MORE_NEIGHBOURS_LO = 0;
+localparam HALF_UPPER_HI               = 0;
+localparam HALF_UPPER_LO               = 0;
+localparam OBJECTS_PLACE_HI            = 19;
+localparam OBJECTS_PLACE_LO            = 0;
+localparam OBJECTS_LENGTH_HI           = 31;
+localparam OBJECTS_LENGTH_LO           = 20;
 localparam STATUS_FLAGS_HI             = 4;
 localparam STATUS_FLAGS_LO             = 0;
 localparam STATUS_STEP_HI              = 31;

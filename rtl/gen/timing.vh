@@ -9,6 +9,7 @@ parameter integer TIMING_DUAL_END    = 4,  // likewise where a sum and a product
 parameter integer TIMING_WRITE       = 1,  // from a result to its write
 parameter integer TIMING_GAP         = 5,  // from an issue to the next issue of the same context, beyond the latency
 parameter integer TIMING_ACCESS      = 5,  // from the host's access of a lane's word to the word, beyond a cycle for each group of lanes
+parameter integer TIMING_LIST        = 8,  // from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes
 parameter integer TIMING_SETTLE      = 14, // from the last issue of a round to the last report, beyond the latency and a cycle for each lane
 parameter integer TIMING_RESET       = 2,  // how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one
 parameter integer TIMING_BUS         = 8,  // from the handshake of a read to its response, beyond the memory that is read

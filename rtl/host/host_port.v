@@ -42,6 +42,7 @@ module host_port #(
     input  wire                   running_i,
     input  wire                   illegal_i,
     input  wire [PROGRAM_W-1:0]   illegal_pc_i,
+    input  wire                   half_i,                 // of the store: it has the published words
     input  wire [4:0]             flags_i,                // raised in this cycle
     input  wire [`EVENTS_W-1:0]   events_i,
     // Its memories
@@ -120,11 +121,14 @@ module host_port #(
     genvar r;
     generate
         for (r = 0; r < RANGES; r = r + 1) begin : g_range
-            localparam [31:0] LEAST = RANGE_LEAST[32*r +: 32], MOST = RANGE_MOST[32*r +: 32], OF = RANGE_OF[32*r +: 32];
+            localparam [31:0] LEAST = RANGE_LEAST[32*r +: 32], MOST = RANGE_MOST[32*r +: 32], OF = RANGE_OF[32*r +: 32] & IS_SETTING;
             localparam W = $clog2(MOST + 1);
             always @(posedge clk_i) begin
                 ranged_q[r] <= req_write_i && OF[register];
+                // Where all words of W bits are in the range there is nothing to compare.
+                // verilator lint_off CMPCONST
                 fits_q[r]   <= (req_wdata_i >> W) == 32'd0 && req_wdata_i[W-1:0] - LEAST[W-1:0] <= MOST[W-1:0] - LEAST[W-1:0];
+                // verilator lint_on CMPCONST
             end
         end
     endgenerate
@@ -162,6 +166,7 @@ module host_port #(
         words[8*ADDR_STATUS + STATUS_STOPPED_LO +: 1]   = stopped_q && !busy;
         words[8*ADDR_FAULT +: PROGRAM_W]                = fault_q;
         words[8*ADDR_FLAGS +: 5]                        = flags_q;
+        if (NEIGHBOURS != 0) words[8*ADDR_HALF + HALF_UPPER_LO +: 1] = half_i;
         words[8*ADDR_INTERRUPT + INTERRUPT_ENABLE_LO +: 1] = irq_enable_q;
         words[8*ADDR_INTERRUPT + INTERRUPT_ENDED_LO +: 1]  = ended_q;
     end

@@ -5,20 +5,22 @@
 //     choice, subtract            of the arithmetic: gen/choices.vh; z - x * y
 //     twice, half, one, zero      y is 2, 1/2 or 1 instead of a register; z is -0
 //     st, lasts                   a store; in the last part of a visit
+//     each, first                 a loop over neighbours begins: y is where the list is; the first of these
+//     upper                       of a published word: it is stored in the upper half
 //     record                      a record of the store has 8 << record words
 //     context, register           whose register is stored
 //     x, y, z                     the operands: {context, register}; constants are one context more
 //     row                         the store's row of the context's object, without SLEEP
 //
 // zero and z are about the instruction of Z_LATE cycles ago.
-`define ISSUE_W (CHOICE_W + 9 + 4*REG_W + ROW_W)
+`define ISSUE_W (CHOICE_W + 12 + 4*REG_W + ROW_W)
 `define ISSUE_FIELDS \
     wire [CHOICE_W-1:0] issue_choice; \
-    wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts; \
+    wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper; \
     wire [1:0] issue_record; \
     wire [CONTEXT_W-1:0] issue_context; \
     wire [REGISTER_W-1:0] issue_register; \
     wire [REG_W-1:0] issue_x, issue_y, issue_z; \
     wire [ROW_W-1:0] issue_row;
-`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, \
+`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, \
     issue_record, issue_context, issue_register, issue_x, issue_y, issue_z, issue_row}

@@ -60,6 +60,7 @@ module lane #(
     wire [REG_W-1:0]     constant_register;
     wire [4:0]           scale_flags;           // W: of what a sum's operand was scaled with
     wire [ROW_W:0]       count;
+    wire [LENGTH_W-1:0]  longest;
     wire                 sleeps, batch, asleep, loads;
     wire [CONTEXT_W-1:0] context_number;
     generate
@@ -73,6 +74,7 @@ module lane #(
                 other_q    <= loads ? word : data_i;
             end
             assign {constant, constant_register, other} = {constant_q, {CONTEXT_W-1{1'b1}}, register_q, 1'b0, other_q};   // of both banks
+            assign longest = {LENGTH_W{1'b0}};
             assign {sleeps, batch, asleep, context_number} = {CONTEXT_W+3{1'b0}};
             dual_operands #(.CONFIG(CONFIG)) u_operands (.clk_i(clk_i),
                 .write_i(writes), .write_register_i(registers), .write_value_i(values),
@@ -90,9 +92,9 @@ module lane #(
                 .write_i(writes), .write_register_i(registers), .write_value_i(values),
                 .issue_i(issue_i), .operands_o(operands_o), .stored_o(st_value_i3), .less_o(less));
             lane_end #(.CONFIG(CONFIG)) u_end (.clk_i(clk_i), .rst_i(rst_i), .issue_i(issue_i), .retire_i(retire_i),
-                .access_i(access_i), .mine_i(mine), .data_i(data_i), .less_i(less), .word_i(word),
+                .access_i(access_i), .mine_i(mine), .data_i(data_i), .less_i(less), .word_i(word), .stored_i3_i(st_value_i3),
                 .move_o(move), .end_o(ends), .load_o(loads),
-                .count_o(count), .sleeps_o(sleeps), .batch_o(batch), .context_o(context_number), .asleep_o(asleep));
+                .count_o(count), .longest_o(longest), .sleeps_o(sleeps), .batch_o(batch), .context_o(context_number), .asleep_o(asleep));
         end
     endgenerate
 
@@ -129,7 +131,7 @@ module lane #(
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
         .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
-        .count_i(count), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
+        .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
         .valid_i(sleeps), .batch_i(batch), .context_i(context_number),
         .mine_i(mine), .space_i(access_space), .stored_i(word), .status_i(status), .report_o(report_o));
     wire unused = &`MOVE;

@@ -24,11 +24,13 @@ module lane_end #(
     // W: what sleep compares, what lds loads
     input  wire                 less_i,
     input  wire [31:0]          word_i,
+    input  wire [31:0]          stored_i3_i,    // cycle 3: the register that `each` names
     output wire [`MOVE_W-1:0]   move_o,
     output wire [`END_W-1:0]    end_o,
     output wire                 load_o,         // W: what is not arithmetic is a loaded word
     // Report
     output wire [ROW_W:0]       count_o,        // objects that are visited
+    output wire [LENGTH_W-1:0]  longest_o,      // list of neighbours
     output wire                 sleeps_o,       // W: whether an object sleeps is news ...
     output wire                 batch_o,
     output wire [CONTEXT_W-1:0] context_o,
@@ -48,22 +50,25 @@ module lane_end #(
     wire unused_fields = &{`ISSUE, `ACCESS, data_i};
 
     // Of the instruction, later
+    wire finds;                                 // W-6: an entry of a list is loaded, for no register
+    wire [REGISTER_W-1:0] register_w3, register_w0;
     wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
-    wire [REGISTER_W-1:0] register_w0;
-    delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
+    delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && (retire_load || finds)), .q_o(move_load));
     wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
     delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
     delay #(.W(CONTEXT_W), .N(3)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
     delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));
-    delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(move_load_register));
-    delay #(.W(REGISTER_W), .N(3)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_register), .q_o(register_w0));
+    delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
+    delay #(.W(REGISTER_W), .N(3)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
     delay #(.W(9), .N(TIMING_END)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({retire_valid, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
     // Whose turn it is -----------------------------------------------------------------------------
     wire executed, absent, sleeps;
+    wire executes, missing, ended;              // as if there were no loops
+    wire [ROW_W-1:0] own_row_w3;
     wire host_count = mine_i && access_write && access_space == HOST_AWAKE;
     generate
         if (SLEEP != 0) begin : g_sleep
@@ -71,24 +76,53 @@ module lane_end #(
             always @(posedge clk_i) nonzero_q <= |word_i;
             visits #(.CONFIG(CONFIG)) u_visits (
                 .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
-                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(move_load_row), .row_late_o(end_row),
+                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(own_row_w3), .row_late_o(end_row),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
                 .lasts_i(lasts_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
-                .less_i(less_i), .executed_o(executed), .absent_o(absent), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep_o),
+                .less_i(less_i), .executed_o(executes), .absent_o(missing), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep_o),
                 .st_context_i(issue_context), .st_row_o(move_st_row), .st_absent_o(move_st_absent), .st_asleep_o(move_st_asleep),
                 .host_clear_i(host_count), .host_wake_i(mine_i && access_write && access_space == HOST_WAKE),
                 .host_row_i(data_i[ROW_W-1:0]), .count_o(count_o));
             wire unused = &{issue_row, retire_row};
         end else begin : g_order
             visits_in_order #(.CONFIG(CONFIG)) u_visits (
-                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(move_load_row), .row_late_o(end_row),
-                .valid_i(valid_w0), .executed_o(executed), .absent_o(absent),
+                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(own_row_w3), .row_late_o(end_row),
+                .valid_i(valid_w0), .executed_o(executes), .absent_o(missing),
                 .st_row_i(issue_row), .st_row_o(move_st_row), .st_absent_o(move_st_absent),
                 .host_count_i(host_count), .host_data_i(data_i[ROW_W:0]), .count_o(count_o));
             assign {sleeps, asleep_o, move_st_asleep} = 3'b000;
             wire unused = &{issue_context, retire_round, take_w4, context_w4, context_w1, begins_w0, ends_w0, lasts_w0, less_i, word_i};
         end
     endgenerate
+
+    // What it does with neighbours: what is loaded, and for whom nothing is executed -----------------
+    generate
+        if (NEIGHBOURS != 0) begin : g_lists
+            `AROUND_FIELDS
+            assign `AROUND = retire_around;
+            assign finds   = around_entry;
+            wire unused_around = &`AROUND;
+            wire                  of_other;
+            wire [ROW_W-1:0]      other_row;
+            wire [REGISTER_W-1:0] number;
+            lists #(.CONFIG(CONFIG)) u_lists (.clk_i(clk_i), .rst_i(rst_i),
+                .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent), .word_i3(stored_i3_i),
+                .longest_o(longest_o), .valid_i(retire_valid), .retire_context_i(retire_context), .around_i(retire_around),
+                .of_list_o(move_load_place), .place_o(move_place), .of_other_o(of_other), .row_o(other_row), .number_o(number),
+                .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
+            assign move_load_row      = of_other ? other_row : own_row_w3;
+            assign move_load_register = of_other ? number : register_w3;
+        end else begin : g_no_lists
+            assign {finds, ended, move_load_place, move_load_upper} = 4'd0;
+            assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
+            assign move_load_row      = own_row_w3;
+            assign move_load_register = register_w3;
+            wire unused_lists = &{stored_i3_i, retire_around};
+        end
+    endgenerate
+    assign executed      = executes && !ended;
+    assign absent        = missing || ended;
+    assign move_st_upper = issue_upper;
 
     assign end_valid      = valid_w0;
     assign end_absent     = absent;

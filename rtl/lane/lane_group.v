@@ -77,6 +77,6 @@ module lane_group #(
         {flags_q, valid_q} <= {report_flags, report_valid} & {6{!rst_q}};
         {answer_q, asleep_q, batch_q, context_q} <= {report_answer, report_asleep, report_batch, report_context};
     end
-    assign report_o = `REPORT_OF(report_count, flags_q, answer_q, valid_q, asleep_q, batch_q, context_q);
+    assign report_o = `REPORT_OF(report_count, report_longest, flags_q, answer_q, valid_q, asleep_q, batch_q, context_q);
 endmodule
 `default_nettype wire

@@ -22,7 +22,7 @@ module lane_operands #(
     input  wire [31:0]            write_value_i,
     input  wire [`ISSUE_W-1:0]    issue_i,        // cycle 0
     output wire [`OPERANDS_W-1:0] operands_o,     // cycle 3
-    output wire [31:0]            stored_o,       // likewise: of a store
+    output wire [31:0]            stored_o,       // likewise: of a store, or of `each`
     output wire                   less_o          // with the result: |y| < x
 );
 `include "gen/isa.vh"
@@ -30,7 +30,7 @@ module lane_operands #(
     `OPERANDS_FIELDS
     assign `ISSUE     = issue_i;
     assign operands_o = `OPERANDS;
-    wire unused = &{issue_st, issue_lasts, issue_record, issue_context, issue_register, issue_row};
+    wire unused = &{issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_record, issue_context, issue_register, issue_row};
 
     wire [31:0] x_i2, y_i2, z_i2;
     ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),

@@ -7,6 +7,7 @@
 //           cycles.
 // Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds everything drains,
 //           and within a round no object loads what another stores (checked).
+//           Published words are loaded from one half of the store and stored in the other, whose rows are then as many.
 //           The host accesses words when no instruction is in the lane (checked there).
 //
 //     cycle    0      2                    3         4        5
@@ -31,10 +32,10 @@ module lane_store #(
 );
     `MOVE_FIELDS
     assign `MOVE = move_i;
-    wire                  st_i2, lasts_i2;
+    wire                  st_i2, lasts_i2, upper_i2;
     wire [REGISTER_W-1:0] register_i2;
-    delay #(.W(2+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_lasts, move_register}),
-        .q_o({st_i2, lasts_i2, register_i2}));
+    delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_lasts, move_st_upper, move_register}),
+        .q_o({st_i2, lasts_i2, upper_i2, register_i2}));
 
     wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record;
     wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record;
@@ -43,11 +44,12 @@ module lane_store #(
     reg  [31:0]        write_word_q;
     always @(posedge clk_i) begin
         st_q            <= !rst_i && st_i2 && !move_st_absent && !(move_st_asleep && !lasts_i2);
-        st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2};
+        st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
         write_q         <= !rst_i && (st_q || host_write_i);
         write_address_q <= host_i ? host_address_i : st_address_q;
         write_word_q    <= host_i ? host_word_i : value_i3_i;
-        read_address_q  <= host_i ? host_address_i : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register};
+        read_address_q  <= host_i ? host_address_i : move_load_place ? move_place
+                         : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register} | {move_load_upper, {STORE_W-1{1'b0}}};
     end
     ram_registered #(.ADDR_W(STORE_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
         .write_addr_i(write_address_q), .write_value_i(write_word_q),

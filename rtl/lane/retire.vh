@@ -9,12 +9,14 @@
 //     batch                       two batches in a row differ in it
 //     context, register           whose register is written
 //     row                         the store's row of the context's object, without SLEEP
-`define RETIRE_W (10 + REG_W + ROW_W)
+//     around                      lane/around.vh
+`define RETIRE_W (10 + REG_W + ROW_W + AROUND_W)
 `define RETIRE_FIELDS \
     wire retire_round, retire_valid, retire_begins, retire_ends, retire_lasts; \
     wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch; \
     wire [CONTEXT_W-1:0] retire_context; \
     wire [REGISTER_W-1:0] retire_register; \
-    wire [ROW_W-1:0] retire_row;
+    wire [ROW_W-1:0] retire_row; \
+    wire [AROUND_W-1:0] retire_around;
 `define RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
-    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register, retire_row}
+    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register, retire_row, retire_around}

@@ -15,6 +15,7 @@
 `include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "front/marks.vh"
+`include "lane/around.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 module issue #(
@@ -34,6 +35,7 @@ module issue #(
     input  wire [CONTEXTS-1:0]         current_i,     // one context
     input  wire [`DECODED_W-1:0]       decoded_i,
     input  wire [`MARKS_W-1:0]         marks_i,
+    input  wire [AROUND_W-1:0]        around_i,
     // Units
     output wire                        adds_o,        // the instruction needs the adder
     output wire                        muls_o,
@@ -53,6 +55,7 @@ module issue #(
     `RETIRE_FIELDS
     assign `DECODED = decoded_i;
     assign `MARKS   = marks_i;
+    wire unused_decoded = &{ldn, ldl, phase};
     wire valued     = choice != CHOICE_NONE;
     wire arithmetic = to_add || to_mul || to_chain;
     assign adds_o   = to_add || to_chain;
@@ -61,6 +64,8 @@ module issue #(
 
     reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, lasts_q;
     reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, half_q;
+    reg                  each_q;
+    reg [AROUND_W-1:0]  around_q;
     reg [CHOICE_W-1:0]   choice_q;
     reg [CONTEXTS-1:0]   current_q;
     reg [REGISTER_W-1:0] d_q;
@@ -68,16 +73,18 @@ module issue #(
     always @(posedge clk_i) begin
         {valid_q, first_q} <= {issue_i, issue_i && first_i} & {2{!rst_i}};
         {lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q}
-            <= {lds, to_sleep, to_memory && !st, arithmetic, st, subtract}
+            <= {lds, to_sleep, to_memory && !st && !each && !next, arithmetic, st, subtract}
              & {6{issue_i && legal && !rst_i}};
         {begins_q, ends_q, newstep_q, lasts_q} <= {begins, ends, newstep, lasts};
+        each_q   <= each && issue_i && legal && !rst_i;
+        around_q <= around_i;
         {batch_q, current_q, choice_q} <= {batch_i, current_i, choice};
         {twice_q, half_q}  <= {twice, half};
         one_q  <= to_add && !valued;        // a sum is z +/- x * 1
         zero_q <= to_mul;                  // a product -0 + x * y
         d_q    <= d;
         x_q    <= b;
-        y_q    <= st ? {1'b0, d} : a;
+        y_q    <= st || each ? {1'b0, d} : a;
         z_q    <= to_chain || valued ? c : a;
     end
 
@@ -117,6 +124,18 @@ module issue #(
     assign issue_one      = one_q;
     assign issue_st       = st_q;
     assign issue_lasts    = lasts_q;
+    assign issue_each     = each_q;
+    assign issue_first    = each_q && first_q;
+    generate
+        if (NEIGHBOURS != 0) begin : g_around
+            `AROUND_FIELDS
+            assign `AROUND     = around_q;
+            assign issue_upper = around_half;
+            wire unused_around = &`AROUND;
+        end else begin : g_no_around
+            assign issue_upper = 1'b0;
+        end
+    endgenerate
     `SETTINGS_FIELDS
     assign `SETTINGS      = settings_i;
     assign issue_record   = setting_record;
@@ -141,6 +160,7 @@ module issue #(
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
     assign retire_row        = row;
+    assign retire_around     = around_q;
     delay #(.W(`RETIRE_W), .N(TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     assign valid_o   = valid_q;
     assign context_o = issue_context;

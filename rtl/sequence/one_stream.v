@@ -14,6 +14,7 @@
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
+`include "lane/around.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 module one_stream #(
@@ -36,6 +37,7 @@ module one_stream #(
     input  wire [PROGRAM_W-1:0]  pc_i,
     input  wire [31:0]           word_i,
     input  wire [CONTEXTS-1:0]   mask_i,        // for which contexts
+    input  wire [AROUND_W-1:0]  around_i,
     input  wire                  batch_i,       // two batches in a row differ in it
     output wire                  known_o,       // all that it waits for but others is known
     output wire                  load_o,        // its sweep begins in the next cycle
@@ -70,11 +72,13 @@ module one_stream #(
     reg                  first_q, batch_q;
     reg [`DECODED_W-1:0] decoded_q;
     reg [`MARKS_W-1:0]   marks_q;
+    reg [AROUND_W-1:0]  around_q;
     reg [PROGRAM_W-1:0]  pc_q, pc_late_q;
     reg [31:0]           word_q, word_late_q;
     always @(posedge clk_i) begin
         if (load_o) begin
             {decoded_q, marks_q, batch_q, pc_q, word_q} <= {decoded_i, marks_i, batch_i, pc_i, word_i};
+            around_q <= around_i;
             first_q <= 1'b1;
         end else if (issue) first_q <= 1'b0;
         {pc_late_q, word_late_q} <= {pc_q, word_q};
@@ -86,7 +90,7 @@ module one_stream #(
     issue #(.CONFIG(CONFIG)) u_issue (.clk_i(clk_i), .rst_i(rst_i),
         .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
         .issue_i(issue), .first_i(first_q), .batch_i(batch_q), .current_i(current),
-        .decoded_i(decoded_q), .marks_i(marks_q),
+        .decoded_i(decoded_q), .marks_i(marks_q), .around_i(around_q),
         .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),
         .valid_o(issued_valid), .context_o(context_number));
     assign {adds_o, muls_o, last_o} = {busy && adds, busy && muls, last};

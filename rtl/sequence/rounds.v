@@ -33,10 +33,12 @@ module rounds #(
     input  wire [ROW_W:0] count_i,     // objects to be visited
     input  wire           issuing_i,   // something is left to issue
     input  wire           storing_i,   // a last part has begun
+    input  wire           partial_i,   // the step has phases left: the next round goes on with it
     // Rounds
     output wire           open_o,      // one begins
     output wire           begin_o,     // likewise, and is not aborted: fetch begins
     output wire           round_o,    // one has begun
+    output wire           closed_o,    // it has come to its end
     output wire           abort_o,     // drop everything
     output wire [31:0]    steps_o,     // of this round
     output wire [31:0]    base_o,      // the number of the last step before it
@@ -57,7 +59,7 @@ module rounds #(
     // need not be done in PLAN.
     reg                 none_left_q, all_q;
     reg                 no_visit_q, high_more_q, high_same_q, low_more_q;
-    wire                over = aborted_q || none_left_q || count_i == {ROW_W+1{1'b0}};
+    wire                over = aborted_q || (none_left_q && !partial_i) || count_i == {ROW_W+1{1'b0}};
 
     reg                 stopping_q, stop_q;
     wire                stopping = running_o && !stop_q && (stop_i || stopping_q);
@@ -84,11 +86,11 @@ module rounds #(
     always @(posedge clk_i) begin
         settle_q <= state_q == WAIT ? settle_q - 1'b1 : SETTLE[SETTLE_W-1:0];
         if (start_i) {left_q, base_q, steps_q} <= {setting_steps, setting_clock, 32'd0};
-        else if (state_q == PLAN) begin
+        else if (state_q == PLAN && !partial_i) begin
             steps_q <= all_q ? left_q : setting_visit;
             base_q  <= base_q + steps_q;
         end else if (round_o) left_q <= rest_q;
-        if (open_o) rest_q <= left_q - steps_q;
+        if (open_o) rest_q <= partial_i ? left_q : left_q - steps_q;
         end_q  <= base_q + steps_q;
         none_left_q <= left_q == 32'd0;
         no_visit_q  <= setting_visit == 32'd0;
@@ -101,6 +103,7 @@ module rounds #(
     assign open_o    = state_q == OPEN;
     assign begin_o   = open_o && !aborted_q;
     assign round_o   = state_q == RUN;
+    assign closed_o  = round_o && !issuing_i && !abort_o && !aborted_q;
     assign abort_o   = stop_q || illegal_i;
     assign {steps_o, base_o, end_o} = {steps_q, base_q, end_q};
 

@@ -31,6 +31,7 @@ module sequencer #(
     output wire                 running_o,
     output wire                 illegal_o,      // the word at illegal_pc_o ends the run
     output wire [PROGRAM_W-1:0] illegal_pc_o,
+    output wire                 half_o,         // of the store: it has the published words
     // The host writes the program
     input  wire                 program_write_i,
     input  wire [PROGRAM_W-1:0] program_addr_i,
@@ -52,12 +53,12 @@ module sequencer #(
     `REPORT_FIELDS
     assign `REPORT = report_i;
 
-    wire        open, starts, in_round, issuing, storing, abort;
+    wire        open, starts, in_round, issuing, storing, abort, closed, partial;
     wire [31:0] steps, base, end_step;
     reg         illegal_q;
     rounds #(.CONFIG(CONFIG)) u_rounds (.clk_i(clk_i), .rst_i(rst_i),
         .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .settings_i(settings_i),
-        .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing),
+        .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing), .partial_i(partial), .closed_o(closed),
         .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base), .end_o(end_step));
 
     // Fetch and decode ---------------------------------------------------------------------------
@@ -68,10 +69,13 @@ module sequencer #(
     wire                  ready, fetched, fetch_empty, again, more, skip;
     wire [PROGRAM_W-1:0]  fetch_pc;
     wire [31:0]           fetch_word;
+    wire                  hold, drop, jump, jump_on, jump_begins;
+    wire [PROGRAM_W-1:0]  jump_pc;
     fetch #(.CONFIG(CONFIG)) u_fetch (.clk_i(clk_i), .rst_i(rst_i),
         .write_i(program_write_i), .write_addr_i(program_addr_i), .write_word_i(program_word_i),
         .start_i(starts), .stop_i(abort), .settings_i(settings_i), .steps_i(steps),
         .skip_i(skip), .more_i(more), .again_o(again),
+        .jump_i(jump), .jump_on_i(jump_on), .jump_begins_i(jump_begins), .jump_pc_i(jump_pc),
         .advance_i(ready), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
         .marks_o(marks), .empty_o(fetch_empty));
     decode #(.CONFIG(CONFIG)) u_decode (.word_i(fetch_word), .decoded_o(decoded));
@@ -91,6 +95,8 @@ module sequencer #(
     reg                      lasts_q;                   // in the last part
     reg [PROGRAM_W-1:0]      pc_q;
     reg [31:0]               word_q;
+    wire [AROUND_W-1:0]     around;
+    reg  [AROUND_W-1:0]     around_q;
     reg [CONTEXTS-1:0]       mask_q;
     reg [ROW_W-1:0]          row_q, next_row_q;         // of context 0; of the next batch's
     wire                     known, load, busy;
@@ -98,13 +104,14 @@ module sequencer #(
     wire                     take  = load || (known && drops_q);
     `DECODED_FIELDS
     assign `DECODED = decoded_q;
-    assign ready    = !valid_q;        // a sweep is long enough for a cycle without one
+    assign ready    = !valid_q && !hold;                // a sweep is long enough for a cycle without one
     always @(posedge clk_i) begin
         if (rst_i || abort || take) valid_q <= 1'b0;
-        else if (ready)             valid_q <= fetched;
+        else if (ready)             valid_q <= fetched && !drop;
         if (ready) begin
             {decoded_q, marks_q, lasts_q} <= {decoded, marks, lasts};
             {pc_q, word_q, mask_q}        <= {fetch_pc, fetch_word, mask};
+            around_q                      <= around;
         end
         if (open) next_row_q <= {ROW_W{1'b0}};
         else if (ready && fetched && begins) begin
@@ -119,6 +126,23 @@ module sequencer #(
     end
     assign {illegal_o, illegal_pc_o} = {illegal_q, pc_q};
 
+    // Where the program goes on in which objects see each other --------------------------------------
+    generate
+        if (NEIGHBOURS != 0) begin : g_loops
+            loops #(.CONFIG(CONFIG)) u_loops (.clk_i(clk_i), .rst_i(rst_i),
+                .start_i(start_i || abort), .settings_i(settings_i), .round_end_i(closed),
+                .take_i(ready && fetched), .decoded_i(decoded), .pc_i(fetch_pc), .ends_i(ends), .more_i(more),
+                .drop_o(drop), .around_o(around), .hold_o(hold), .still_i(!valid_q && !busy), .longest_i(report_longest),
+                .jump_o(jump), .jump_on_o(jump_on), .jump_begins_o(jump_begins), .jump_pc_o(jump_pc),
+                .partial_o(partial), .half_o(half_o));
+        end else begin : g_no_loops
+            assign {hold, drop, jump, jump_on, jump_begins, partial, half_o} = 7'd0;
+            assign jump_pc = {PROGRAM_W{1'b0}};
+            assign around  = {AROUND_W{1'b0}};
+            wire unused_loops = &{closed, report_longest};
+        end
+    endgenerate
+
     // What is under way -----------------------------------------------------------------------------
     wire [4:0] kinds;                  // that issue: memory, sleep, chain, mul, add
     wire       retired, paired, issued_late;
@@ -131,12 +155,12 @@ module sequencer #(
                 .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign {adds_o, muls_o, last_o, step_o} = 35'd0;       // nobody shares, and nobody asks for the number of the step
-            wire unused_one = &{base, end_step, batch, marks_q};
+            wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one
             one_stream #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
                 .open_i(open), .abort_i(abort), .settings_i(settings_i), .base_i(base), .end_i(end_step),
                 .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q), .pc_i(pc_q), .word_i(word_q),
-                .mask_i(mask_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
+                .mask_i(mask_q), .around_i(around_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
                 .kinds_o(kinds), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .issued_o(issued_o));
@@ -147,7 +171,7 @@ module sequencer #(
     delay #(.W(1), .N(TIMING_TOLD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
     reg under_lasts_q;                 // the last that was taken is in a last part
     always @(posedge clk_i) if (load) under_lasts_q <= lasts_q;
-    assign issuing = !fetch_empty || valid_q || busy;
+    assign issuing = !fetch_empty || valid_q || busy || jump;
     assign storing = (valid_q && lasts_q) || (busy && under_lasts_q);
     wire unused = &{`DECODED, `MARKS, report_flags, report_answer};      // the streams'; the host's
 

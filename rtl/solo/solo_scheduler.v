@@ -79,6 +79,7 @@ module solo_scheduler #(
         .start_i(start_i), .stop_i(stop_i || illegal_o),
         .settings_i(settings_i), .steps_i(setting_steps),
         .skip_i(1'b0), .more_i(1'b0), .again_o(unused_fetch[4]),
+        .jump_i(1'b0), .jump_on_i(1'b0), .jump_begins_i(1'b0), .jump_pc_i({PROGRAM_W{1'b0}}),
         .advance_i(advance), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
         .marks_o(unused_fetch[3:0]),
         .empty_o(fetch_empty));
@@ -102,7 +103,7 @@ module solo_scheduler #(
 
     `DECODED_FIELDS
     assign `DECODED = decoded_q;
-    wire unused_fields = &{to_sleep, to_memory, st, lds, twice, half};      // for many objects
+    wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, phase, twice, half};      // for many objects
 
     // What fp_value makes reaches the adder where a product would.
     wire valued = choice != CHOICE_NONE;

@@ -4,25 +4,28 @@
 /* clang-format off */
 
 /* Byte addresses of 32-bit words. */
-#define FP3_ADDR_ID            0x0000u
-#define FP3_ADDR_SHAPE         0x0004u
-#define FP3_ADDR_MEMORY        0x0008u
-#define FP3_ADDR_FEATURES      0x000cu
-#define FP3_ADDR_CONTROL       0x0010u
-#define FP3_ADDR_STATUS        0x0014u
-#define FP3_ADDR_RECORD        0x0018u
-#define FP3_ADDR_FAULT         0x001cu
-#define FP3_ADDR_STEPS         0x0020u
-#define FP3_ADDR_STEP          0x0024u
-#define FP3_ADDR_LAST          0x0028u
-#define FP3_ADDR_SIZE          0x002cu
-#define FP3_ADDR_ARRAY         0x0030u
-#define FP3_ADDR_STORE         0x0034u
-#define FP3_ADDR_VISIT         0x0038u
-#define FP3_ADDR_CLOCK         0x003cu
-#define FP3_ADDR_FLAGS         0x0040u
-#define FP3_ADDR_INTERRUPT     0x0044u
-#define FP3_ADDR_FEATURES_MORE 0x0048u
+#define FP3_ADDR_ID             0x0000u
+#define FP3_ADDR_SHAPE          0x0004u
+#define FP3_ADDR_MEMORY         0x0008u
+#define FP3_ADDR_FEATURES       0x000cu
+#define FP3_ADDR_CONTROL        0x0010u
+#define FP3_ADDR_STATUS         0x0014u
+#define FP3_ADDR_RECORD         0x0018u
+#define FP3_ADDR_FAULT          0x001cu
+#define FP3_ADDR_STEPS          0x0020u
+#define FP3_ADDR_STEP           0x0024u
+#define FP3_ADDR_LAST           0x0028u
+#define FP3_ADDR_SIZE           0x002cu
+#define FP3_ADDR_ARRAY          0x0030u
+#define FP3_ADDR_STORE          0x0034u
+#define FP3_ADDR_VISIT          0x0038u
+#define FP3_ADDR_CLOCK          0x003cu
+#define FP3_ADDR_FLAGS          0x0040u
+#define FP3_ADDR_INTERRUPT      0x0044u
+#define FP3_ADDR_FEATURES_MORE  0x0048u
+#define FP3_ADDR_PUBLISHED      0x004cu
+#define FP3_ADDR_PUBLISHED_MORE 0x0050u
+#define FP3_ADDR_HALF           0x0054u
 
 /* Fields of registers. */
 #define FP3_ID_REVISION_HI              7
@@ -105,6 +108,12 @@
 #define FP3_INTERRUPT_ENDED_LO          1
 #define FP3_FEATURES_MORE_NEIGHBOURS_HI 0
 #define FP3_FEATURES_MORE_NEIGHBOURS_LO 0
+#define FP3_HALF_UPPER_HI               0
+#define FP3_HALF_UPPER_LO               0
+#define FP3_OBJECTS_PLACE_HI            19
+#define FP3_OBJECTS_PLACE_LO            0
+#define FP3_OBJECTS_LENGTH_HI           31
+#define FP3_OBJECTS_LENGTH_LO           20
 #define FP3_STATUS_FLAGS_HI             4
 #define FP3_STATUS_FLAGS_LO             0
 #define FP3_STATUS_STEP_HI              31

@@ -87,7 +87,7 @@ static uint32_t status_words(const fp3_config *c) {
 
 /* ---- what may be done with an address, and when ---- */
 
-enum { READ = 1, WRITE = 2, IDLE_ONLY = 4, IDLE_WRITE = 8, STORE_ONLY = 16 };
+enum { READ = 1, WRITE = 2, IDLE_ONLY = 4, IDLE_WRITE = 8, STORE_ONLY = 16, AROUND_ONLY = 32 };
 
 static int access_to_register(const fp3_config *c, uint32_t address) {
     static const struct {
@@ -108,6 +108,9 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_VISIT, READ | WRITE | IDLE_WRITE | STORE_ONLY},
                      {FP3_ADDR_CLOCK, READ | WRITE | IDLE_WRITE | STORE_ONLY},
                      {FP3_ADDR_RECORD, READ | WRITE | IDLE_WRITE | STORE_ONLY},
+                     {FP3_ADDR_PUBLISHED, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
+                     {FP3_ADDR_PUBLISHED_MORE, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
+                     {FP3_ADDR_HALF, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
                      {FP3_ADDR_STEPS, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_STEP, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_LAST, READ | WRITE | IDLE_WRITE},
@@ -118,7 +121,10 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
     };
     for (size_t i = 0; i < sizeof registers / sizeof *registers; i++)
         if (registers[i].address == address)
-            return !(registers[i].access & STORE_ONLY) || c->interleave ? registers[i].access : 0;
+            return (!(registers[i].access & STORE_ONLY) || c->interleave) &&
+                           (!(registers[i].access & AROUND_ONLY) || c->neighbours)
+                       ? registers[i].access
+                       : 0;
     return 0;
 }
 

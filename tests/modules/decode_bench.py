@@ -13,14 +13,20 @@ import cocotb
 from cocotb.triggers import Timer
 
 ISA = tomllib.loads(Path(os.environ["FP3_ISA"]).read_text())
-KEYS = {"interleave": 0, "dual": 0, "chain": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, **json.loads(os.environ["FP3_KEYS"])}
+KEYS = {"interleave": 0, "dual": 0, "chain": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0,
+        **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
-SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "twice", "half")
+SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "phase", "twice", "half")
+MORE = 31                                                  # as op: the code is 128 and field c
 
 
 def field(word, name):
     high, low = ISA["field"][name]
     return word >> low & (2 << high - low) - 1
+
+
+def code_of(word):
+    return 128 + field(word, "c") if field(word, "op") == MORE else field(word, "op")
 
 
 def mixes(row, d, a, b):
@@ -34,8 +40,9 @@ def mixes(row, d, a, b):
 
 def expected(word):
     """What a word asks for; None: it is illegal."""
-    row = ROWS.get(field(word, "op"))
+    row = ROWS.get(code_of(word))
     d, a, b, c = (field(word, name) for name in "dabc")
+    c = 0 if field(word, "op") == MORE else c
     if row is None or "needs" in row and not KEYS[row["needs"]]:
         return None
     if any(value and name not in row["operands"] for name, value in zip("abc", (a, b, c))) or \
@@ -45,8 +52,9 @@ def expected(word):
         return None
     name, path = row["name"], row["path"]
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"])), "to_mul": int(path == ["multiplier"]),
-            "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"]),
+            "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
             "subtract": int(name in ("sub", "msub", "subh", "subt")), "st": int(name == "st"), "lds": int(name == "lds"),
+            **{other: int(name == other) for other in ("each", "next", "ldn", "ldl", "phase")},
             "twice": int(name in ("addt", "subt")), "half": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and
                                                                 path[0] != "value"})}
@@ -69,13 +77,15 @@ async def decode_says_what_is_legal(dut):
     chance = random.Random(1)
     legal = set()
     for _ in range(int(os.environ["FP3_WORDS"])):
-        code = chance.randrange(32)
-        row, word = ROWS.get(code), code << ISA["field"]["op"][1]
+        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(8)))
+        row, word = ROWS.get(code), min(code, MORE) << ISA["field"]["op"][1]
         for name in "dabc":
             if row and name not in row["operands"] and chance.random() < 0.95:
                 continue
             register = chance.randrange(KEYS["registers"] + (chance.random() < 0.05))
             word |= (register | (64 if name != "d" and chance.random() < 0.4 else 0)) << ISA["field"][name][1]
+        if code >= 128:
+            word = word & ~127 | code - 128
         dut.word_i.value = word
         await Timer(1, "ns")
         want = expected(word)

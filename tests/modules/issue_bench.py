@@ -44,7 +44,7 @@ class Bench:
     async def start(self):
         dut = self.dut
         cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-        for name in ("open_i", "issue_i", "first_i", "batch_i", "current_i", "decoded_i", "marks_i", "base_i", "end_i"):
+        for name in ("open_i", "issue_i", "first_i", "batch_i", "current_i", "decoded_i", "marks_i", "around_i", "base_i", "end_i"):
             getattr(dut, name).value = 0
         dut.settings_i.value, dut.rst_i.value = self.record, 1         # the record is its lowest bits
         for _ in range(self.result + self.z_late + 8):

@@ -19,14 +19,14 @@ async def reports(dut, cycles, seed):
     told, before = collections.deque(maxlen=5), collections.deque(maxlen=5)
     for cycle in range(cycles):
         dut.rst_i.value = int(cycle < 6)
-        now = {"count_i": chance.randrange(1 << len(dut.count_i)), "flags_i": chance.choice((0, 1 << chance.randrange(5))),
+        now = {"count_i": chance.randrange(1 << len(dut.count_i)), "longest_i": chance.randrange(1 << len(dut.longest_i)), "flags_i": chance.choice((0, 1 << chance.randrange(5))),
                "valid_i": int(cycle > 8 and chance.random() < 0.5), "batch_i": chance.randrange(2), "context_i": chance.randrange(1 << len(dut.context_i)),
                "asleep_i": chance.randrange(2), "mine_i": int(chance.random() < 0.3), "space_i": chance.randrange(4),
                "stored_i": chance.getrandbits(32), "status_i": chance.getrandbits(32)}
         told.appendleft(now)
         asked = len(told) > 3 and told[3]["mine_i"]        # the answers of lanes that are not asked are 0
         news = told[2] if len(told) > 2 else dict.fromkeys(now, 0)
-        before.appendleft({"count": chance.randrange(1 << len(dut.count_i)), "flags": chance.choice((0, 1 << chance.randrange(5))),
+        before.appendleft({"count": chance.randrange(1 << len(dut.count_i)), "longest": chance.randrange(1 << len(dut.longest_i)), "flags": chance.choice((0, 1 << chance.randrange(5))),
                            "answer": 0 if asked else chance.choice((0, chance.getrandbits(32))), "asleep": chance.randrange(2),
                            "valid": news["valid_i"], "batch": news["batch_i"], "context": news["context_i"]})
         for name, value in now.items():
@@ -52,6 +52,7 @@ async def lane_report_is_asleep_only_where_every_lane_is(dut):
 async def lane_report_has_the_largest_count_and_all_flags(dut):
     async for told, before, got in reports(dut, 200, 2):
         assert got["count"] == max(before[1]["count"], told[1]["count_i"])
+        assert got["longest"] == max(before[1]["longest"], told[1]["longest_i"])
         assert got["flags"] == before[0]["flags"] | told[0]["flags_i"]
 
 

@@ -11,32 +11,35 @@ HIGH = 0x10000
 
 
 def settings(dut, steps, visit, clock):
-    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, the first in the low bits."""
-    index = (len(dut.settings_i) - 2 - 3 * 32) // 3
+    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, what neighbours need, the first in the low bits."""
+    index = (len(dut.settings_i) - 2 - 5 * 32 - 1) // 3
     return steps << 2 | visit << 34 + 3 * index | clock << 66 + 3 * index
 
 
 class Run:
     """A run, and the sequencer around rounds: what is left to issue, and the last part of a visit."""
 
-    def __init__(self, dut, chance, steps, visit, clock):
+    def __init__(self, dut, chance, steps, visit, clock, phases):
         self.dut, self.chance = dut, chance
         self.steps, self.visit, self.clock = steps, visit, clock
         self.left, self.base = steps, clock                # steps of rounds to come; the last step before them
         self.rounds, self.aborted = 0, False
         self.asked, self.due = False, False                # a stop waits for the end of a last part; it comes in this cycle
+        self.closes = False                                # nothing is left to issue, as of this cycle
         self.issue, self.store = 0, 0                      # cycles left; of these in a last part
         self.rest = 0                                      # cycles since the last issue
+        self.phases, self.phase = phases, 0                # of a step; that the round before ended, if it was not the last
+        self.size = 0
         self.shown = {}
         self.count = chance.choice((1, 1, 5))
 
     def ends(self):
-        return self.aborted or self.left == 0 or self.count == 0
+        return self.aborted or (self.left == 0 and self.phase == 0) or self.count == 0
 
     def inputs(self, stop=0, illegal=0):
         dut = self.dut
         now = {"stop_i": stop, "illegal_i": illegal, "count_i": self.count, "issuing_i": int(self.issue > 0),
-               "storing_i": int(0 < self.issue <= self.store)}
+               "storing_i": int(0 < self.issue <= self.store), "partial_i": int(self.phase > 0)}
         for name, value in now.items():
             if self.shown.get(name) != value:
                 getattr(dut, name).value = value
@@ -51,12 +54,17 @@ class Run:
         self.due = self.asked and not storing
         opens, aborts = dut.open_o.value == 1, dut.abort_o.value == 1
         assert dut.begin_o.value == int(opens and not self.aborted), "fetch begins though the run is aborted, or does not begin"
+        assert bool(dut.closed_o.value) == (self.closes and not self.aborted and not aborts), "a round ends unseen, or one that was aborted"
+        self.closes = False
         if opens:
             size = self.left if self.visit == 0 or self.visit > self.left else self.visit
+            if self.phase:                                 # the step goes on
+                size, self.left, self.base = self.size, self.left + self.size, (self.base - self.size) % WORD
             assert self.rest >= settle + 2, f"a round opens {self.rest} cycles after the last issue"
             assert size and self.count
             assert (dut.steps_o.value.integer, dut.base_o.value.integer) == (size, self.base), (self.steps, self.visit, self.left)
             begins = not self.aborted and not aborts
+            self.size = size
             self.left, self.base, self.rounds = self.left - size, (self.base + size) % WORD, self.rounds + 1
             self.issue = self.chance.randrange(1, 30) if begins else 0
             self.store = self.chance.randrange(self.issue + 1)
@@ -64,16 +72,18 @@ class Run:
             if self.issue == 1:
                 assert dut.end_o.value == self.base
             self.issue = 0 if aborts else self.issue - 1
-            if self.issue == 0 and self.chance.random() < 0.1:
+            if self.issue == 0 and not aborts:
+                self.phase, self.closes = (self.phase + 1) % self.phases, True
+            if self.issue == 0 and self.phase == 0 and self.chance.random() < 0.1:
                 self.count = 0                             # the last object falls asleep
         self.rest = 0 if self.issue or opens else self.rest + 1
         self.aborted = self.aborted or aborts
 
 
-async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None):
+async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None, phases=1):
     """To its end; returns the number of rounds. Hangs are seen."""
     settle = int(dut.SETTLE.value)
-    this = Run(dut, chance, steps, visit, clock)
+    this = Run(dut, chance, steps, visit, clock, phases)
     dut.settings_i.value, dut.start_i.value = settings(dut, steps, visit, clock), 1
     this.inputs()
     await RisingEdge(dut.clk_i)
@@ -96,7 +106,7 @@ async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None):
 
 async def reset(dut):
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "settings_i"):
+    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "partial_i", "settings_i"):
         getattr(dut, name).value = 0
     dut.rst_i.value = 1
     for _ in range(3):
@@ -153,3 +163,16 @@ async def rounds_starts_again_after_a_stop(dut):
     for _ in range(5):
         await run(dut, chance, 6, 2, 0, stop_at=chance.randrange(100))
         await run(dut, chance, 6, 2, 0)
+
+
+@cocotb.test()
+async def rounds_goes_on_with_a_step_of_several_phases(dut):
+    chance, rounds = await reset(dut), 0
+    for phases in (2, 3, 5):
+        for _ in range(8):
+            steps = chance.randrange(1, 5)
+            made = await run(dut, chance, steps, 1, chance.randrange(WORD), phases=phases)
+            assert made % phases == 0
+            rounds = max(rounds, made)
+            await run(dut, chance, steps, 1, 0, stop_at=chance.randrange(200), phases=phases)
+    assert rounds >= 15

@@ -21,7 +21,7 @@ BUGS = {
         Bug("a visit of as many steps as there are is none", "rounds.v", "no_visit_q || high_more_q", "no_visit_q && high_more_q"),
         Bug("the clock stands still", "rounds.v", "base_q  <= base_q + steps_q;", "base_q  <= base_q;"),
         Bug("the last step of a round is that of the one before", "rounds.v", "end_q  <= base_q + steps_q;", "end_q  <= base_q;"),
-        Bug("who sleeps is visited", "rounds.v", "over = aborted_q || none_left_q || count_i == {ROW_W+1{1'b0}}", "over = aborted_q || none_left_q"),
+        Bug("who sleeps is visited", "rounds.v", "(none_left_q && !partial_i) || count_i == {ROW_W+1{1'b0}}", "(none_left_q && !partial_i)"),
         Bug("no rest", "rounds.v", "settle_q - 1'b1 : SETTLE[SETTLE_W-1:0]", "settle_q - 1'b1 : SETTLE[SETTLE_W-1:0] - 1'b1"),
     ],
     "rounds_visits_beyond_65536_steps": [
@@ -38,6 +38,12 @@ BUGS = {
     ],
     "rounds_starts_again_after_a_stop": [
         Bug("an abort outlives its run", "rounds.v", "running_o && (aborted_q || abort_o)", "(aborted_q || abort_o)"),
+    ],
+    "rounds_goes_on_with_a_step_of_several_phases": [
+        Bug("a step is over after a phase", "rounds.v", "(none_left_q && !partial_i)", "none_left_q"),
+        Bug("each phase is a step", "rounds.v", "rest_q <= partial_i ? left_q : left_q - steps_q", "rest_q <= left_q - steps_q"),
+        Bug("the clock goes on in a step", "rounds.v", "state_q == PLAN && !partial_i", "state_q == PLAN"),
+        Bug("an aborted phase counts", "rounds.v", "!issuing_i && !abort_o && !aborted_q", "!issuing_i"),
     ],
     "visits_visits_each_object_once_a_round": [
         Bug("an object is taken twice", "visits.v", "head_q  <= head_q + {{ROW_W-1{1'b0}}, take}", "head_q  <= head_q + {{ROW_W-1{1'b0}}, take && left_q[0]}"),
@@ -84,11 +90,11 @@ BUGS = {
     ],
     "issue_names_operands_and_ends_of_each_instruction": [
         Bug("a constant is the object's register", "issue.v", "{x_q[REGISTER_W] ? SHARED : issue_context, x_q", "{issue_context, x_q"),
-        Bug("a store of another register", "issue.v", "y_q    <= st ? {1'b0, d} : a;", "y_q    <= a;"),
+        Bug("a store of another register", "issue.v", "y_q    <= st || each ? {1'b0, d} : a;", "y_q    <= a;"),
         Bug("a chain adds what it multiplies", "issue.v", "z_q    <= to_chain || valued ? c : a;", "z_q    <= valued ? c : a;"),
         Bug("a value is multiplied with one", "issue.v", "to_add && !valued", "to_add"),
         Bug("a product is added to a register", "issue.v", "zero_q <= to_mul;", "zero_q <= 1'b0;"),
-        Bug("a store writes a register", "issue.v", "to_memory && !st, arithmetic", "to_memory, arithmetic"),
+        Bug("a store writes a register", "issue.v", "to_memory && !st && !each", "to_memory && !each"),
         Bug("z is told too soon", "issue.v", ".N(Z_LATE)) u_z", ".N(Z_LATE - 1)) u_z"),
         Bug("the end is told a cycle late", "issue.v", ".N(TO_END)) u_retire", ".N(TO_END + 1)) u_retire"),
         Bug("first and last are mixed up", "issue.v", "assign retire_begins     = begins_q", "assign retire_begins     = ends_q"),

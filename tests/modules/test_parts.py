@@ -24,7 +24,7 @@ class Part(NamedTuple):
 
 
 def decode(keys, words):
-    known = dict.fromkeys(("interleave", "dual", "chain", "scale", "select", "estimate", "round", "sleep"), 0)
+    known = dict.fromkeys(("interleave", "dual", "chain", "scale", "select", "estimate", "round", "sleep", "neighbours"), 0)
     return Part("decode", "decode", {key.upper(): value for key, value in {**known, **keys}.items()},
                 {"FP3_KEYS": json.dumps(keys), "FP3_WORDS": words})
 
@@ -44,6 +44,7 @@ PARTS = {
     "decode, dual": decode(DUAL, 6000),
     "decode, everything for one object in turn": decode(FULL, 4000),
     "decode, as little as can be": decode(PLAIN, 2000),
+    "decode, neighbours": decode({"registers": 32, "interleave": 1, "neighbours": 1}, 3000),
     "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
     "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, DUAL=1),
     "tile, sums and products at once": tile("tile_steps_each_object_of_each_batch", DUAL=1, CONTEXTS=9, ADD_LATENCY=1, MUL_LATENCY=1, STORE_WORDS=256),
