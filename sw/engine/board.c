@@ -4,6 +4,7 @@
 #include "memory.h"
 #include "read_ahead.h"
 #include "session.h"
+#include "store_lists.h"
 
 #include "serial/frame.h"
 #include "serial/link.h"
@@ -185,7 +186,7 @@ fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config,
 
 const fp3_backend fp3_backend_board = {
     .name = "board",
-    .check = fp3_driver_check,
+    .check = fp3_store_lists_check,
     .open = board_open,
     .close = board_close,
     .load = board_load,

@@ -154,14 +154,6 @@ fp3_status fp3_driver_open(fp3_engine *engine) {
     return status ? status : fp3_identity_check(engine->config, words, engine->def.error);
 }
 
-fp3_status fp3_driver_check(fp3_engine *engine, const fp3_members *group) {
-    if (!group->lists.shape.is_any)
-        return FP3_OK;
-    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                    "engine '%s' has no objects that see each other yet: isa and fast have",
-                    engine->backend->name);
-}
-
 void fp3_driver_close(fp3_engine *engine) {
     fp3_driver *self = engine->self;
     fp3_driver_note(engine, 'e', self->lines, 0); /* without it the log is refused */

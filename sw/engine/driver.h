@@ -34,14 +34,13 @@ typedef struct {
     fp3_output *output; /* NULL unless there is a bus log ... */
     FILE *log;          /* ... and its stream */
     uint32_t lines;     /* that it has */
+    int is_upper;       /* the upper half of the store has the published words: only within a run */
     uint32_t queued;    /* writes that the hardware has not got yet: where, and what */
     uint32_t where[FP3_QUEUE_WORDS], what[FP3_QUEUE_WORDS];
 } fp3_driver;
 
 /* Opens the log and checks that the hardware is the configuration. */
 fp3_status fp3_driver_open(fp3_engine *engine);
-/* See fp3_backend.check: the hardware has no neighbours yet. */
-fp3_status fp3_driver_check(fp3_engine *engine, const fp3_members *group);
 /* Also after an open that failed, and of an engine whose driver is {0}. */
 void fp3_driver_close(fp3_engine *engine);
 

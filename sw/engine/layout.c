@@ -51,7 +51,10 @@ static uint32_t record_of(const fp3_members *group, const fp3_config *config) {
         log2 = FP3_RECORD_LOG2;
     while (config->interleave && rows << log2 > config->store_words)
         log2--;
-    return log2;
+    if (!group->lists.shape.is_any || !group->visit)
+        return log2;
+    /* Lists of neighbours take what records do not need. */
+    return group->visit->log2 < FP3_RECORD_LOG2 ? FP3_RECORD_LOG2 : group->visit->log2;
 }
 
 static void settle(fp3_layout *layout, const fp3_config *config, const uint32_t *group_of) {
@@ -118,6 +121,10 @@ fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, s
     const uint32_t i = (uint32_t)object - group->first, column = i % group->columns;
     return (fp3_where){group->schedulers[column / config->lanes], column % config->lanes,
                        i / group->columns};
+}
+
+uint64_t fp3_layout_published(const fp3_members *group) {
+    return group->lists.shape.is_any ? group->lists.shape.published & group->visit->stored : 0;
 }
 
 uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config,

@@ -60,6 +60,8 @@ int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b);
 
 const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object);
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object);
+/* Words of a record that neighbours read and some phase stores: bit r is word r. */
+uint64_t fp3_layout_published(const fp3_members *group);
 /* The inverse. */
 uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config, const fp3_where *where);
 /* How many objects a lane of a scheduler has, and a scheduler. */

@@ -52,10 +52,13 @@ static fp3_where where(const fp3_engine *engine, size_t object) {
 }
 
 static uint32_t cell_address(const fp3_engine *engine, size_t object, uint32_t reg) {
+    const fp3_driver *self = engine->self;
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
     const fp3_where at = where(engine, object);
-    const uint32_t record = at.row << fp3_layout_group_of(&engine->layout, object)->log2;
+    const uint32_t record = at.row << group->log2, store = engine->config->store_words;
+    const int is_upper = self->is_upper && fp3_layout_published(group) >> reg & 1;
     return in_space(at.scheduler, FP3_SPACE_OBJECTS,
-                    at.lane * engine->config->store_words + record + reg);
+                    at.lane * store + record + reg + (is_upper ? store / 2 : 0));
 }
 
 static uint32_t status_address(const fp3_engine *engine, size_t object) {
@@ -135,4 +138,8 @@ fp3_status fp3_memory_list(fp3_engine *engine) {
                 engine, fp3_driver_of(at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane), at.row);
     }
     return status;
+}
+
+fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t word, uint32_t data) {
+    return fp3_driver_put(engine, in_space(0, FP3_SPACE_OBJECTS, word), data);
 }

@@ -8,6 +8,7 @@
 #include "in_flight.h"
 #include "memory.h"
 #include "session.h"
+#include "store_lists.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -159,7 +160,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
 
 const fp3_backend fp3_backend_rtl = {
     .name = "rtl",
-    .check = fp3_driver_check,
+    .check = fp3_store_lists_check,
     .open = rtl_open,
     .close = rtl_close,
     .load = fp3_memory_load,

@@ -2,6 +2,7 @@
 #include "session.h"
 
 #include "driver.h"
+#include "store_lists.h"
 
 #include "gen/registers.h"
 #include <inttypes.h>
@@ -14,16 +15,25 @@
 #define FIELD(word, field)                                                                         \
     (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
 
-static fp3_status start(fp3_engine *engine, uint32_t steps) {
+/* What the hardware does between a start and an end. */
+typedef struct {
+    uint32_t steps, visit, clock;
+    uint64_t limit; /* of its cycles; 0: there is none */
+    int has_half;   /* the register `half` is there, and says where to begin */
+} part;
+
+static fp3_status start(fp3_engine *engine, const part *p) {
+    const fp3_driver *self = engine->self;
     const struct {
         uint32_t address, data;
-    } list[] = {{FP3_ADDR_VISIT, engine->def.visit},
-                {FP3_ADDR_CLOCK, engine->clock},
-                {FP3_ADDR_STEPS, steps},
+    } list[] = {{FP3_ADDR_HALF, (uint32_t)self->is_upper},
+                {FP3_ADDR_VISIT, p->visit},
+                {FP3_ADDR_CLOCK, p->clock},
+                {FP3_ADDR_STEPS, p->steps},
                 {FP3_ADDR_CONTROL, BIT(CONTROL_START)}};
     fp3_status status = FP3_OK;
-    for (size_t i = engine->config->interleave ? 0 : 2; !status && i < sizeof list / sizeof *list;
-         i++) {
+    size_t i = p->has_half ? 0 : engine->config->interleave ? 1 : 3;
+    for (; !status && i < sizeof list / sizeof *list; i++) {
         if (list[i].address == FP3_ADDR_CONTROL)
             status =
                 fp3_driver_flush(engine); /* it does not start if a word before it is refused */
@@ -64,8 +74,8 @@ static fp3_status stop(fp3_engine *engine, uint32_t *outcome) {
     return status;
 }
 
-static fp3_status wait_or_stop(fp3_engine *engine) {
-    const uint64_t limit = engine->def.cycle_limit ? engine->def.cycle_limit : UINT64_MAX;
+static fp3_status wait_or_stop(fp3_engine *engine, uint64_t most) {
+    const uint64_t limit = most ? most : UINT64_MAX;
     uint32_t outcome = 0;
     fp3_status status = wait_until_idle(engine, limit, UINT32_MAX, &outcome);
     if (!status && FIELD(outcome, STATUS_RUNNING))
@@ -154,13 +164,13 @@ static fp3_status ask_schedulers(fp3_engine *engine, fp3_stats *stats, uint32_t 
     return status;
 }
 
-fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+static fp3_status run_part(fp3_engine *engine, const part *p, fp3_stats *stats) {
     uint32_t all = 0, illegal = 0, word = 0, flags = 0;
-    fp3_status status = start(engine, steps);
+    fp3_status status = start(engine, p);
     if (!status)
         status = fp3_driver_save_log(engine);
     if (!status)
-        status = wait_or_stop(engine);
+        status = wait_or_stop(engine, p->limit);
     if (!status)
         status = ask_schedulers(engine, stats, &all, &illegal, &word);
     if (!status)
@@ -177,6 +187,48 @@ fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
         return fp3_engine_illegal(engine, group, word);
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
                     "the hardware says that word %" PRIu32 " is illegal: there is none", word);
+}
+
+/* Adds those of the part before to these. */
+static void add_counters(fp3_engine *engine, uint64_t *sums) {
+    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+        engine->counters[0][i] = sums[i] += engine->counters[0][i];
+}
+
+/* Objects that see each other: a visit is a step, and lists that follow the objects do so after each. */
+static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    const uint64_t limit = engine->def.cycle_limit;
+    const uint32_t at_once = fp3_store_lists_is_near(engine) ? 1 : steps;
+    uint64_t sums[FP3_COUNTER_COUNT] = {0};
+    fp3_store_lists lists;
+    fp3_status status = fp3_store_lists_begin(engine, &lists);
+    for (uint32_t made = 0; !status && made < steps; made += at_once) {
+        const uint64_t cycles = sums[FP3_COUNTER_CYCLES];
+        status = fp3_store_lists_follow(engine, &lists);
+        if (!status && limit && cycles >= limit)
+            status = fp3_engine_limit(engine);
+        if (status)
+            break;
+        status = run_part(engine,
+                          &(part){at_once, 1, engine->clock + made, limit ? limit - cycles : 0, 1},
+                          stats);
+        add_counters(engine, sums);
+        const fp3_status looked = fp3_store_lists_look(engine);
+        status = status ? status : looked;
+    }
+    const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
+    const fp3_status ended = fp3_store_lists_end(engine, &lists);
+    if (status && engine->def.error)
+        *engine->def.error = why;
+    return status ? status : ended;
+}
+
+fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    if (steps && engine->layout.groups[0].lists.shape.is_any)
+        return run_around(engine, steps, stats);
+    return run_part(engine,
+                    &(part){steps, engine->def.visit, engine->clock, engine->def.cycle_limit, 0},
+                    stats);
 }
 
 fp3_status fp3_session_stop(fp3_engine *engine) {

@@ -86,6 +86,15 @@ static void choose(const fp3_image *image, fp3_visit *v) {
     v->stored = outside | (v->loaded & written);
 }
 
+/* Words of a record that neighbours read. */
+static uint64_t read_by_others(const fp3_image *image) {
+    uint64_t found = 0;
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (image->decoded[i].of && image->decoded[i].in.op == FP3_OP_LDN)
+            found |= BIT(image->decoded[i].in.a & (FP3_BANK_OBJECT_COUNT - 1));
+    return found;
+}
+
 static uint32_t lowest(uint64_t set) {
     uint32_t reg = 0;
     while (reg < FP3_BANK_OBJECT_COUNT - 1 && !(set & BIT(reg)))
@@ -146,6 +155,7 @@ fp3_status fp3_visit_make(const fp3_image *image, fp3_visit **visit, fp3_error *
     v->kept = v->loaded | v->stored | named(image, FP3_CLASSES_HOST);
     if (v->slept >= 0)
         v->kept |= BIT(v->slept);
+    v->kept |= read_by_others(image);
     while (v->kept >> (BIT(v->log2) - 1) >> 1)
         v->log2++;
     /* A visit has a load and a store at least. A store that nothing asks for stores what was

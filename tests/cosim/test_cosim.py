@@ -30,6 +30,14 @@ def test_schedulers_run_programs_of_their_own(build, tmp_path):
     assert ", 0 failed" in start(build / "tests/different_programs", "307", "1", cwd=tmp_path)
 
 
+@pytest.mark.smoke
+def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long):
+    """Lists and starts by chance, once (ten times)."""
+    for seed in range(1, 11 if long else 2):
+        out = start(build / "tests/neighbours", str(seed), cwd=tmp_path)
+        assert re.fullmatch(r"\d{3,} runs, 0 failed\n", out), out
+
+
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):
     """Every seventh operand, so that the next ones in a row differ in all three; or every one, as of the fast engine always."""
     out = start(build / "tests/chosen_values", "1" if long else "7", cwd=tmp_path)

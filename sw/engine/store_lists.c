@@ -1,0 +1,264 @@
+/* store_lists.c - see store_lists.h. */
+#include "store_lists.h"
+
+#include "driver.h"
+#include "memory.h"
+
+#include "gen/registers.h"
+#include <inttypes.h>
+#include <stdlib.h>
+
+#define BIT(reg) (UINT64_C(1) << (reg))
+#define MOST_NEIGHBOURS ((1u << (FP3_OBJECTS_LENGTH_HI - FP3_OBJECTS_LENGTH_LO + 1)) - 1)
+
+/* A scheduler has one program, so there is one group where the hardware has neighbours. */
+static fp3_members *group_of(const fp3_engine *engine) { return &engine->layout.groups[0]; }
+
+int fp3_store_lists_is_near(const fp3_engine *engine) {
+    const fp3_lists *lists = &group_of(engine)->lists;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++)
+        if (lists->lists[i].is_near)
+            return 1;
+    return 0;
+}
+
+/* ---- what the hardware cannot run ---- */
+
+static fp3_status refuse(fp3_engine *engine, const char *what) {
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM, "engine '%s': %s", engine->backend->name,
+                    what);
+}
+
+/* The hardware finds a list by its register: each phase loads it before it loops, and leaves it alone. */
+static fp3_status check_lists(fp3_engine *engine, const fp3_code *program) {
+    uint64_t loaded = 0;
+    for (uint32_t i = 0; i < program->count; i++) {
+        const fp3_decoded *word = &program->decoded[i];
+        if (!word->of)
+            continue;
+        if (word->in.op == FP3_OP_EACH && !(loaded & BIT(word->in.d)))
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "engine '%s': word %" PRIu32 ": the register r%" PRIu32
+                            " of a list is not loaded in this phase, or overwritten",
+                            engine->backend->name, i, word->in.d);
+        if (word->in.op == FP3_OP_PHASE)
+            loaded = 0;
+        else if (word->in.op == FP3_OP_LD)
+            loaded |= BIT(word->in.d);
+        else if (word->of->writes != FP3_WRITES_NEVER)
+            loaded &= ~BIT(word->in.d);
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
+    const uint32_t half = engine->config->store_words / 2;
+    if (!group->lists.shape.is_any)
+        return FP3_OK;
+    if (fp3_config_schedulers(engine->config) != 1 || engine->config->lanes != 1)
+        return refuse(
+            engine,
+            "objects that see each other need a configuration of one scheduler with one lane");
+    if (group->visit->loads_in_front || group->visit->stores_behind)
+        return refuse(engine, "a program with neighbours needs loads and stores of its own");
+    if ((uint64_t)group->objects << group->log2 > half)
+        return fp3_fail(
+            engine->def.error, FP3_E_PROGRAM,
+            "engine '%s': objects that see each other have half of the store: room for %" PRIu32
+            " objects of %u words, not for %" PRIu32,
+            engine->backend->name, half >> group->log2, 1u << group->log2, group->objects);
+    return check_lists(engine, &group->program);
+}
+
+/* ---- lists in the store: behind the records of either half ---- */
+
+typedef struct {
+    fp3_engine *engine;
+    uint32_t next[2], end[2];
+} room;
+
+static room room_of(fp3_engine *engine) {
+    const fp3_members *group = group_of(engine);
+    const uint32_t half = engine->config->store_words / 2, records = group->objects << group->log2;
+    return (room){engine, {records, half + records}, {half, 2 * half}};
+}
+
+/* Of a list's words, where the first is; UINT32_MAX: there is no room. */
+static uint32_t take(room *r, uint32_t words) {
+    for (int i = 0; i < 2; i++)
+        if (r->end[i] - r->next[i] >= words) {
+            const uint32_t place = r->next[i];
+            r->next[i] += words;
+            return place;
+        }
+    return UINT32_MAX;
+}
+
+static fp3_status write_entries(room *r, const fp3_list *list, uint32_t object, uint32_t place) {
+    const uint32_t length = fp3_list_length(list, object);
+    fp3_status status = FP3_OK;
+    for (uint32_t turn = 0; !status && turn < length; turn++) {
+        status = fp3_memory_put_word(r->engine, place++, fp3_list_entry(list, object, turn));
+        for (uint32_t k = 0; !status && k < list->fields; k++) {
+            const size_t entry = list->begin[object] + turn;
+            status = fp3_memory_put_word(r->engine, place++, list->field[entry * list->fields + k]);
+        }
+    }
+    return status;
+}
+
+static fp3_status write_list(room *r, const fp3_list *list) {
+    fp3_engine *engine = r->engine;
+    const fp3_members *group = group_of(engine);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < list->objects; i++) {
+        const uint32_t length = fp3_list_length(list, i), words = length * (1 + list->fields);
+        if (length > MOST_NEIGHBOURS)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "engine '%s': object %" PRIu32 " has %" PRIu32
+                            " neighbours in a list, at most %u are possible",
+                            engine->backend->name, i, length, MOST_NEIGHBOURS);
+        const uint32_t place = take(r, words);
+        if (place == UINT32_MAX)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "engine '%s': the store of configuration '%s' has no room for the "
+                            "neighbours of object %" PRIu32 " of %" PRIu32 ": its %" PRIu32
+                            " words are full",
+                            engine->backend->name, engine->config->name, i, list->objects,
+                            engine->config->store_words);
+        status = write_entries(r, list, i, place);
+        if (!status)
+            status = fp3_memory_put_word(engine, (i << group->log2) + list->reg,
+                                         length << FP3_OBJECTS_LENGTH_LO |
+                                             place << FP3_OBJECTS_PLACE_LO);
+    }
+    return status;
+}
+
+static fp3_status write_lists(fp3_engine *engine) {
+    const fp3_lists *lists = &group_of(engine)->lists;
+    room r = room_of(engine);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++)
+        status = write_list(&r, &lists->lists[i]);
+    return status;
+}
+
+/* ---- a run ---- */
+
+static fp3_cells cells_of(const fp3_members *group, uint32_t reg) {
+    return (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->objects};
+}
+
+static fp3_status set_published(fp3_engine *engine) {
+    const uint64_t published = fp3_layout_published(group_of(engine));
+    fp3_status status =
+        fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_PUBLISHED), (uint32_t)published);
+    return status ? status
+                  : fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_PUBLISHED_MORE),
+                                   (uint32_t)(published >> 32));
+}
+
+fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
+    const fp3_members *group = group_of(engine);
+    const uint32_t count = group->lists.shape.list_count;
+    fp3_status status = FP3_OK;
+    *lists = (fp3_store_lists){0};
+    if (group->lists.shape.phases > 1 && fp3_store_lists_is_near(engine))
+        return refuse(engine, "lists of those that are near need a step of one phase: with "
+                              "several, lists would follow "
+                              "the objects in the middle of a step");
+    lists->words = malloc(group->objects * sizeof *lists->words);
+    lists->saved = malloc(((size_t)count * group->objects + 1) * sizeof *lists->saved);
+    if (!lists->words || !lists->saved) {
+        free(lists->saved);
+        lists->saved = NULL;
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    }
+    for (uint32_t i = 0; !status && i < count; i++)
+        status = fp3_memory_read(engine, cells_of(group, group->lists.lists[i].reg),
+                                 lists->saved + (size_t)i * group->objects);
+    if (status) { /* nothing to put back */
+        free(lists->saved);
+        lists->saved = NULL;
+    }
+    return status ? status : set_published(engine);
+}
+
+/* The positions of all objects, for the lists that follow them. */
+static fp3_status follow(fp3_engine *engine, int *is_new) {
+    fp3_members *group = group_of(engine);
+    const uint32_t *words[FP3_BANK_OBJECT_COUNT] = {NULL};
+    uint32_t *all = NULL;
+    uint64_t regs = 0;
+    uint32_t count = 0;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
+        for (uint32_t k = 0; k < group->lists.lists[i].near.dimensions; k++)
+            regs |= BIT(group->lists.lists[i].near.regs[k]);
+    for (uint64_t left = regs; left; left &= left - 1)
+        count++;
+    if (!(all = malloc(((size_t)count * group->objects + 1) * sizeof *all)))
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    uint32_t *next = all;
+    for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
+        if (regs & BIT(reg)) {
+            status = fp3_memory_read(engine, cells_of(group, reg), next);
+            words[reg] = next;
+            next += group->objects;
+        }
+    if (!status)
+        status =
+            fp3_lists_follow(&group->lists, group->objects, words, 1, is_new, engine->def.error);
+    free(all);
+    return status;
+}
+
+fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists) {
+    int is_new = 0;
+    fp3_status status = fp3_store_lists_is_near(engine) ? follow(engine, &is_new) : FP3_OK;
+    if (!status && (is_new || !lists->is_written))
+        status = write_lists(engine);
+    lists->is_written = !status;
+    return status;
+}
+
+fp3_status fp3_store_lists_look(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
+    uint32_t half = 0;
+    const fp3_status status =
+        fp3_driver_get(engine, fp3_driver_of_all(engine, FP3_ADDR_HALF), &half);
+    self->is_upper = (int)(half & 1);
+    return status;
+}
+
+/* Published words to the lower half. */
+static fp3_status lower(fp3_engine *engine, uint32_t *words) {
+    fp3_driver *self = engine->self;
+    const fp3_members *group = group_of(engine);
+    const uint64_t published = fp3_layout_published(group);
+    fp3_status status = FP3_OK;
+    for (uint32_t reg = 0; !status && self->is_upper && reg < FP3_BANK_OBJECT_COUNT; reg++) {
+        if (!(published & BIT(reg)))
+            continue;
+        status = fp3_memory_read(engine, cells_of(group, reg), words);
+        self->is_upper = 0;
+        if (!status)
+            status = fp3_memory_write(engine, cells_of(group, reg), words);
+        self->is_upper = 1;
+    }
+    self->is_upper = 0;
+    return status;
+}
+
+fp3_status fp3_store_lists_end(fp3_engine *engine, fp3_store_lists *lists) {
+    const fp3_members *group = group_of(engine);
+    fp3_status status = lists->saved ? lower(engine, lists->words) : FP3_OK;
+    for (uint32_t i = 0; !status && lists->saved && i < group->lists.shape.list_count; i++)
+        status = fp3_memory_write(engine, cells_of(group, group->lists.lists[i].reg),
+                                  lists->saved + (size_t)i * group->objects);
+    free(lists->saved);
+    free(lists->words);
+    *lists = (fp3_store_lists){0};
+    return status;
+}

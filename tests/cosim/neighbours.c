@@ -1,0 +1,416 @@
+/* neighbours.c - objects that see each other, on the simulated hardware of configuration `world` against the isa engine.
+ *
+ *     neighbours [SEED]
+ *
+ * Chains, cloths, bodies that attract each other and balls that touch, with integrators of one phase and of several; as many
+ * objects as one context, some, all and several batches take; random links, so that lists end at different turns, and of
+ * some objects, batches or all are empty. Every word of every record must be that of the isa engine, also those of lists'
+ * registers, and the flags; a run of several steps is several runs. The hardware's cycles are those that the program's
+ * words, the lists and isa/timing.toml say. Programs by hand: what a model does not make. What does not fit is refused.
+ */
+#include "chance.h"
+#include "engine/inside.h"
+
+#include "gen/timing.h"
+#include <fp3/compile.h>
+#include <fp3/isa.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OBJECTS_MAX = 64, LINKS_MAX = 6, FIELDS_MAX = 2 };
+
+static unsigned failed, runs;
+static fp3_error error;
+
+#define FAIL(...)                                                                                  \
+    do {                                                                                           \
+        if (failed++ < 10) {                                                                       \
+            printf("FAIL line %d: ", __LINE__);                                                    \
+            printf(__VA_ARGS__);                                                                   \
+            putchar('\n');                                                                         \
+        }                                                                                          \
+    } while (0)
+
+static void told(fp3_status status) {
+    if (!status)
+        return;
+    printf("FAIL: %s\n", error.text);
+    exit(1);
+}
+
+static const char chain[] = "model chain \"masses on a line\"\n"
+                            "param m = 1 [kg]\n"
+                            "state x = 0 [m]\n"
+                            "state v = 0 [m/s]\n"
+                            "links springs(k = 100 [N/m], rest = 0.5 [m])\n"
+                            "step 0.01 [s]\n"
+                            "F = sum(o in springs: o.k*(o.x - x - o.rest))\n"
+                            "x' = v\n"
+                            "v' = F/m\n";
+static const char cloth[] = "model cloth \"masses and springs\"\n"
+                            "param m = 0.001 [kg]\n"
+                            "shared g[3] = (0, -9.81, 0) [m/s^2]\n"
+                            "state x[3] = (0, 0, 0) [m]\n"
+                            "state v[3] = (0, 0, 0) [m/s]\n"
+                            "links springs(k = 10 [N/m], rest = 0.1 [m])\n"
+                            "step 0.001 [s]\n"
+                            "F = sum(o in springs: o.k*(1 - o.rest/norm(o.x - x))*(o.x - x))\n"
+                            "x' = v\n"
+                            "v' = F/m + g\n";
+static const char gravity[] = "model gravity \"bodies that attract each other\"\n"
+                              "param m = 1 [kg]\n"
+                              "shared G = 1 [m^3/kg/s^2]\n"
+                              "shared eps = 0.01 [m^2]\n"
+                              "shared L = 1 [m]\n"
+                              "state x[2] = (0, 0) [m]\n"
+                              "state v[2] = (0, 0) [m/s]\n"
+                              "all others\n"
+                              "step 0.001 [s]\n"
+                              "q = sum(o in others: G*o.m/(norm(o.x - x)^2 + eps)*(o.x - x))\n"
+                              "x' = v\n"
+                              "v' = q/L\n";
+/* Two lists, one of them of those that are near. */
+static const char balls[] =
+    "model balls \"balls that push each other, some of them linked\"\n"
+    "shared R = 0.05 [m]\n"
+    "shared stiff = 100 [N/m]\n"
+    "param m = 0.01 [kg]\n"
+    "state x[3] = (0, 0, 0) [m]\n"
+    "state v[3] = (0, 0, 0) [m/s]\n"
+    "near touch(x, 2*R)\n"
+    "links springs(k = 10 [N/m])\n"
+    "step 0.001 [s]\n"
+    "F = sum(o in touch: (stiff*(norm(o.x - x) - 2*R)/norm(o.x - x))*(o.x - x))\n"
+    "T = sum(o in springs: o.k*(o.x - x))\n"
+    "x' = v\n"
+    "v' = (F + T)/m\n";
+
+typedef struct {
+    const char *text, *integrator;
+    fp3_model *model;
+    fp3_compiled *program;
+} subject;
+
+static void open_subject(subject *s) {
+    fp3_integrator *integrator;
+    fp3_compile_def def = fp3_compile_default();
+    char *report = NULL;
+    def.config = "world";
+    if (fp3_model_read(s->text, strlen(s->text), "model", &s->model, &report, &error)) {
+        printf("FAIL: %s\n", report ? report : error.text);
+        exit(1);
+    }
+    told(fp3_integrator_find(s->integrator, &integrator, &error));
+    told(fp3_compile(s->model, integrator, &def, &s->program, &error));
+    fp3_integrator_free(&integrator);
+}
+
+static void close_subject(subject *s) {
+    fp3_compiled_free(&s->program);
+    fp3_model_free(&s->model);
+}
+
+/* ---- an engine of each kind, with the same in both ---- */
+
+typedef struct {
+    fp3_engine *isa, *rtl;
+    const fp3_image *image;
+    uint32_t objects;
+} both;
+
+static fp3_engine *open_engine(const char *name, uint32_t objects, uint64_t limit) {
+    fp3_engine *engine;
+    fp3_engine_def def = fp3_engine_default();
+    def.engine = name;
+    def.config = "world";
+    def.objects = objects;
+    def.error = &error;
+    def.cycle_limit = limit;
+    told(fp3_engine_open(&def, &engine));
+    return engine;
+}
+
+static both open_both(const fp3_image *image, uint32_t objects) {
+    both b = {open_engine("isa", objects, 0), open_engine("rtl", objects, 0), image, objects};
+    told(fp3_engine_load(b.isa, image));
+    told(fp3_engine_load(b.rtl, image));
+    return b;
+}
+
+static void close_both(both *b) {
+    fp3_engine_close(&b->isa);
+    fp3_engine_close(&b->rtl);
+}
+
+static void write_both(const both *b, uint32_t reg, const float *values) {
+    told(fp3_engine_write(b->isa, 0, b->objects, reg, values));
+    told(fp3_engine_write(b->rtl, 0, b->objects, reg, values));
+}
+
+static fp3_members *group_of(const fp3_engine *engine) {
+    return &fp3_engine_layout(engine)->groups[0];
+}
+
+static uint32_t words_of(const both *b) { return 1u << group_of(b->rtl)->log2; }
+
+static void compare(const both *b, const char *what, const char *how) {
+    float isa[OBJECTS_MAX], rtl[OBJECTS_MAX];
+    for (uint32_t reg = 0; reg < words_of(b); reg++) {
+        told(fp3_engine_read(b->isa, 0, b->objects, reg, isa));
+        told(fp3_engine_read(b->rtl, 0, b->objects, reg, rtl));
+        for (uint32_t i = 0; i < b->objects; i++)
+            if (memcmp(&isa[i], &rtl[i], sizeof isa[i]) != 0)
+                FAIL("%s, %s: object %" PRIu32 " of %" PRIu32 ", word %" PRIu32 ": isa %g, rtl %g",
+                     what, how, i, b->objects, reg, (double)isa[i], (double)rtl[i]);
+    }
+}
+
+/* ---- what a run of the hardware takes ---- */
+
+/* Issues of a round: sweeps follow each other, and two that have a context in common are GAP cycles apart. */
+typedef struct {
+    uint64_t start; /* of the sweep before */
+    uint32_t count; /* ... its contexts; 0: there is none */
+    uint32_t gap;
+} issues;
+
+static void sweep(issues *s, uint32_t count, uint32_t late) {
+    const uint32_t fewer = s->count < count ? s->count : count;
+    const uint64_t soonest =
+        s->start + s->count + (s->count && fewer < s->gap ? s->gap - fewer : 0);
+    s->start = soonest > s->start + late ? soonest : s->start + late;
+    s->count = count;
+}
+
+static uint32_t longest(const fp3_list *list, uint32_t first, uint32_t count) {
+    uint32_t most = 0;
+    for (uint32_t i = first; i < first + count; i++)
+        most = fp3_list_length(list, i) > most ? fp3_list_length(list, i) : most;
+    return most;
+}
+
+/* Of one batch, words begin .. end of the program. */
+static void issue_batch(fp3_engine *engine, issues *s, uint32_t begin, uint32_t end, uint32_t first,
+                        uint32_t count) {
+    fp3_members *group = group_of(engine);
+    const fp3_decoded *program = group->program.decoded;
+    uint32_t late = 0, turn = 0, turns = 0, loop = 0;
+    for (uint32_t pc = begin; pc < end; pc++) {
+        const uint32_t op = program[pc].in.op;
+        if (op == FP3_OP_NEXT && ++turn == turns) {
+            late += late > 0; /* nothing stands in the loop */
+            continue;
+        }
+        sweep(s, count, late);
+        late = 0;
+        if (op == FP3_OP_NEXT)
+            pc = loop;
+        if (op != FP3_OP_EACH)
+            continue;
+        turns = longest(fp3_lists_of(&group->lists, program[pc].in.d), first, count);
+        turn = 0;
+        loop = pc;
+        /* The length is waited for; words up to `next` are dropped where it is 0. */
+        late = count + FP3_TIMING_LIST + 11;
+        for (uint32_t dropped = pc; !turns && program[pc].in.op != FP3_OP_NEXT; pc++)
+            late = count + FP3_TIMING_LIST + 11 + (pc + 1 - dropped);
+    }
+}
+
+static uint64_t cycles_of(fp3_engine *engine, uint32_t steps) {
+    const fp3_config *config = fp3_engine_config(engine);
+    const fp3_members *group = group_of(engine);
+    const fp3_code *program = &group->program;
+    const uint32_t latency = config->add_latency + config->mul_latency;
+    const uint32_t settle = latency + config->lanes + FP3_TIMING_SETTLE;
+    uint64_t cycles = 0;
+    for (uint32_t begin = 0, end; begin < program->count; begin = end + 1) {
+        issues s = {0, 0, latency + FP3_TIMING_GAP};
+        for (end = begin; end < program->count && program->decoded[end].in.op != FP3_OP_PHASE;)
+            end++;
+        for (uint32_t first = 0; first < group->objects; first += config->contexts) {
+            const uint32_t left = group->objects - first;
+            issue_batch(engine, &s, begin, end, first,
+                        left < config->contexts ? left : config->contexts);
+        }
+        /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */
+        cycles += s.start + (end < program->count && s.count < 2 ? 2 : s.count) + settle +
+                  FP3_TIMING_ROUND;
+    }
+    return steps * cycles + settle + FP3_TIMING_RUN;
+}
+
+static void run_both(const both *b, uint32_t steps, const char *what, const char *how) {
+    fp3_stats isa, rtl;
+    told(fp3_engine_run(b->isa, steps, &isa));
+    told(fp3_engine_run(b->rtl, steps, &rtl));
+    runs++;
+    if (isa.flags != rtl.flags)
+        FAIL("%s, %s: flags %" PRIx32 " and %" PRIx32, what, how, isa.flags, rtl.flags);
+    if (isa.object_steps != rtl.object_steps)
+        FAIL("%s, %s: object-steps", what, how);
+    compare(b, what, how);
+    const fp3_lists *lists = &group_of(b->rtl)->lists;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++)
+        if (lists->lists[i].is_near)
+            return; /* each step is a run, with lists of its own */
+    if (rtl.counter[FP3_COUNTER_CYCLES] != cycles_of(b->rtl, steps))
+        FAIL("%s, %s: %" PRIu32 " objects, %" PRIu32 " steps: %" PRIu64
+             " cycles, expected %" PRIu64,
+             what, how, b->objects, steps, rtl.counter[FP3_COUNTER_CYCLES],
+             cycles_of(b->rtl, steps));
+}
+
+/* ---- lists ---- */
+
+typedef struct {
+    uint32_t begin[OBJECTS_MAX + 1], other[OBJECTS_MAX * LINKS_MAX];
+    float fields[OBJECTS_MAX * LINKS_MAX * FIELDS_MAX];
+} links;
+
+static void link_some(chance *c, uint32_t objects, uint32_t most, uint32_t fields, links *l) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < objects; i++) {
+        l->begin[i] = count;
+        for (uint32_t k = objects > 1 ? below(c, most + 1) : 0; k > 0; k--) {
+            l->other[count] = (i + 1 + below(c, objects - 1)) % objects;
+            for (uint32_t f = 0; f < fields; f++)
+                l->fields[count * fields + f] = f == 0 ? 5.0f + (float)below(c, 100) : 0.1f;
+            count++;
+        }
+    }
+    l->begin[objects] = count;
+}
+
+static void give_lists(chance *c, const both *b, const fp3_model *model, uint32_t most) {
+    links l;
+    for (unsigned i = 0; i < model->relation_count; i++) {
+        const char *name = model->relations[i].name;
+        const fp3_near near = {{"x_x", "x_y", "x_z"}, 3, 0.1, 0.03};
+        const fp3_neighbours some = {l.begin, l.other, l.fields}, all = {NULL, NULL, NULL};
+        const int is_near = model->relations[i].kind == FP3_NEAR;
+        const fp3_neighbours *given = model->relations[i].kind == FP3_LINKS ? &some : &all;
+        const fp3_image *image = b->image;
+        const fp3_list *list =
+            fp3_lists_of(&group_of(b->isa)->lists, fp3_image_find(image, name, ~0u)->index);
+        link_some(c, b->objects, most, list->fields, &l);
+        told(is_near ? fp3_engine_set_near(b->isa, 0, name, &near)
+                     : fp3_engine_set_neighbours(b->isa, 0, name, given));
+        told(is_near ? fp3_engine_set_near(b->rtl, 0, name, &near)
+                     : fp3_engine_set_neighbours(b->rtl, 0, name, given));
+    }
+}
+
+/* ---- models ---- */
+
+static void fill(chance *c, const both *b, const subject *s) {
+    const fp3_compiled *program = s->program;
+    double params[64], states[64];
+    float inputs[64], column[OBJECTS_MAX];
+    for (unsigned i = 0; i < s->model->param_count; i++)
+        params[i] = s->model->params[i].value;
+    for (unsigned i = 0; i < s->model->state_count; i++)
+        states[i] = s->model->states[i].value;
+    told(fp3_compiled_inputs(program, params, states, s->model->step, inputs, &error));
+    for (unsigned i = 0; i < program->input_count; i++) {
+        told(fp3_engine_set(b->isa, program->inputs[i].name, inputs[i]));
+        told(fp3_engine_set(b->rtl, program->inputs[i].name, inputs[i]));
+    }
+    for (unsigned i = 0; i < s->model->state_count; i++) {
+        const char *name = s->model->states[i].name;
+        for (uint32_t k = 0; k < b->objects; k++)
+            column[k] = name[0] == 'x' ? 0.25f * (float)(next64(c) >> 40) / 16777216.0f : 0.0f;
+        write_both(b, fp3_image_find(b->image, name, ~0u)->index, column);
+    }
+    for (uint32_t i = 0; i < group_of(b->isa)->lists.shape.list_count; i++) {
+        for (uint32_t k = 0; k < b->objects; k++)
+            column[k] = (float)(k + i); /* a word like any other */
+        write_both(b, group_of(b->isa)->lists.lists[i].reg, column);
+    }
+}
+
+static void check_subject(chance *c, const char *text, const char *integrator) {
+    static const uint32_t counts[] = {1, 2, 7, 23, 24, 25, 53};
+    subject s = {text, integrator, NULL, NULL};
+    open_subject(&s);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        both b = open_both(s.program->image, counts[i]);
+        fill(c, &b, &s);
+        give_lists(c, &b, s.model, i % 3 ? LINKS_MAX : 1);
+        run_both(&b, 1, s.model->name, integrator);
+        run_both(&b, 2, s.model->name, integrator);
+        give_lists(c, &b, s.model, 2);
+        run_both(&b, 1, s.model->name, integrator);
+        give_lists(c, &b, s.model, 0);
+        run_both(&b, 1, s.model->name, integrator);
+        close_both(&b);
+    }
+    close_subject(&s);
+}
+
+/* ---- programs by hand ---- */
+
+static const struct {
+    const char *text, *list;
+    uint32_t fields;
+} by_hand[] = {
+    /* A loop without a word, one with a field alone, and a word that nobody stores. */
+    {"s.state a\n.state b\n.param p\n.temp l\nstep:\nld l\nld a\nld b\neach l\nnext\neach l\nldn "
+     "b, p\nadd a, a, b\nnext\nst a\nst b\n",
+     "l", 0},
+    /* Both phases store what neighbours read; one of them is a copy. */
+    {"s.state a\n.state b\n.temp l\n.temp t\nstep:\nld l\nld a\neach l\nldl t\nldn b, a\nmadd a, "
+     "b, t, a\nnext\nst a\nphase\nld a\nld b\nld l\neach l\nldl t\n"
+     "ldn t, a\nadd b, b, t\nnext\nst a\nst b\n",
+     "l", 1},
+    /* The program ends with a loop, so nothing but the phase before it stores. */
+    {"s.state a\n.temp l\n.temp t\nstep:\nld l\nld a\nadd a, a, a\nst a\nphase\nld a\nld l\nst "
+     "a\nphase\nld l\nld a\nst a\n",
+     NULL, 0},
+};
+
+static void check_by_hand(chance *c) {
+    for (size_t i = 0; i < sizeof by_hand / sizeof *by_hand; i++) {
+        fp3_assembly *made = NULL;
+        links l;
+        float column[OBJECTS_MAX];
+        told(fp3_assemble(by_hand[i].text + 1, strlen(by_hand[i].text + 1), "hand.s", &made,
+                          &error));
+        for (uint32_t objects = 1; objects <= 50; objects += 7) {
+            both b = open_both(made->image, objects);
+            const fp3_neighbours some = {l.begin, l.other, l.fields};
+            for (uint32_t reg = 0; reg < words_of(&b); reg++) {
+                for (uint32_t k = 0; k < objects; k++)
+                    column[k] = (float)below(c, 1000) / 64;
+                write_both(&b, reg, column);
+            }
+            link_some(c, objects, 3, by_hand[i].fields, &l);
+            if (by_hand[i].list) {
+                told(fp3_engine_set_neighbours(b.isa, 0, by_hand[i].list, &some));
+                told(fp3_engine_set_neighbours(b.rtl, 0, by_hand[i].list, &some));
+            }
+            run_both(&b, 3, "by hand", "one");
+            run_both(&b, 2, "by hand", "two");
+            close_both(&b);
+        }
+        fp3_assembly_free(&made);
+    }
+}
+
+int main(int argc, char **argv) {
+    chance c = {.state = argc > 1 ? strtoull(argv[1], NULL, 0) : 1};
+    check_subject(&c, chain, "euler");
+    check_subject(&c, chain, "leapfrog");
+    check_subject(&c, chain, "rk4");
+    check_subject(&c, cloth, "leapfrog");
+    check_subject(&c, cloth, "rk4");
+    check_subject(&c, gravity, "euler");
+    check_subject(&c, gravity, "leapfrog");
+    check_subject(&c, gravity, "rk4");
+    check_subject(&c, balls, "euler");
+    check_by_hand(&c);
+    printf("%u runs, %u failed\n", runs, failed);
+    return failed != 0;
+}
