@@ -387,8 +387,9 @@ typedef struct {
 } fp3_neighbours;
 
 /* Gives a list, which is copied; name is that of its register. It holds until the next load; a run
- * needs all lists of its programs. FP3_E_ARGUMENT: no such group or list; an entry is no other object
- * of the group; nothing is loaded. The list is then as it was. */
+ * needs all lists of its programs. On "rtl" they are in the object store, behind the records: a run ends
+ * with FP3_E_PROGRAM where there is no room for them. FP3_E_ARGUMENT: no such group or list; an entry is
+ * no other object of the group; nothing is loaded. The list is then as it was. */
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
