@@ -178,28 +178,44 @@ static void put_section(maker *m, uint32_t i) {
         put_word(m, FP3_OP_NEXT, 0, 0);
 }
 
-/* Registers that lines first .. end-1 read before they write them, and those that they write. */
-static void find_use(const maker *m, uint32_t first, uint32_t end, uint64_t *reads,
-                     uint64_t *writes) {
-    *reads = *writes = 0;
-    for (uint32_t i = first; i < end; i++) {
+typedef struct {
+    uint32_t first, end;    /* its lines, without loads and stores */
+    uint64_t reads, writes; /* registers that it reads before it writes them; that it writes, ... */
+    uint64_t surely;        /* ... also where an object has no neighbours */
+    uint64_t after;         /* registers that a later phase reads before it writes them */
+} phase;
+
+static void find_use(const maker *m, phase *p) {
+    int is_in_loop = 0;
+    for (uint32_t i = p->first; i < p->end; i++) {
         const fp3_line *l = &m->lines[i];
+        is_in_loop = l->op == FP3_OP_EACH || (is_in_loop && l->op != FP3_OP_NEXT);
         const fp3_operation *of = fp3_operation_find(l->op);
         for (const char *letter = of->operands; *letter; letter++) {
             const uint32_t r = *letter == 'd' ? l->d : l->operand[*letter - 'a'];
             const int is_read = *letter == 'd' ? l->op == FP3_OP_EACH : l->op != FP3_OP_LDN;
-            if (is_read && r < FP3_BANK_SHARED_BASE && !(*writes & BIT(r)))
-                *reads |= BIT(r);
+            if (is_read && r < FP3_BANK_SHARED_BASE && !(p->writes & BIT(r)))
+                p->reads |= BIT(r);
         }
-        if (of->writes == FP3_WRITES_ALWAYS)
-            *writes |= BIT(l->d);
+        if (of->writes == FP3_WRITES_ALWAYS) {
+            p->writes |= BIT(l->d);
+            p->surely |= is_in_loop ? 0 : BIT(l->d);
+        }
     }
 }
 
-typedef struct {
-    uint32_t first, end; /* its lines, without loads and stores */
-    uint64_t reads, writes;
-} phase;
+/* The phases of a step follow each other, and the first one of the next step the last. */
+static void find_after(phase *phases, uint32_t count) {
+    for (int is_new = 1; is_new;) {
+        is_new = 0;
+        for (uint32_t i = count; i-- > 0;) {
+            const phase *next = &phases[(i + 1) % count];
+            const uint64_t after = next->reads | (next->after & ~next->surely);
+            is_new |= phases[i].after != after;
+            phases[i].after = after;
+        }
+    }
+}
 
 /* Registers of states, which the host reads, and words that neighbours see. */
 static uint64_t lasting(const maker *m, uint64_t *published) {
@@ -217,14 +233,12 @@ static uint64_t lasting(const maker *m, uint64_t *published) {
 }
 
 static void put_phases(maker *m, const fp3_line *lines, const phase *phases) {
-    uint64_t published, varying = 0, reads = 0;
+    uint64_t published, varying = 0;
     const uint64_t states = lasting(m, &published);
-    for (uint32_t p = 0; p < m->cut.phase_count; p++) {
+    for (uint32_t p = 0; p < m->cut.phase_count; p++)
         varying |= published & phases[p].writes;
-        reads |= phases[p].reads;
-    }
     for (uint32_t p = 0; p < m->cut.phase_count; p++) {
-        const uint64_t stored = (phases[p].writes & (states | reads)) | varying;
+        const uint64_t stored = (phases[p].writes & (states | phases[p].after)) | varying;
         const uint64_t loaded = phases[p].reads | (varying & ~phases[p].writes);
         for (uint32_t r = 0; r < FP3_BANK_OBJECT_COUNT; r++)
             if (loaded & BIT(r))
@@ -249,8 +263,9 @@ static fp3_status make_lines(maker *m, fp3_error *error) {
             put_section(m, i);
         phases[p].end = m->line_count;
         if (!m->has_failed)
-            find_use(m, phases[p].first, phases[p].end, &phases[p].reads, &phases[p].writes);
+            find_use(m, &phases[p]);
     }
+    find_after(phases, m->cut.phase_count);
     fp3_line *lines = m->lines;
     m->lines = NULL;
     m->line_count = m->line_room = 0;
