@@ -468,14 +468,13 @@ int fp3_cmd_compare(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "MODEL",
-        .doc =
-            "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
-            "instructions of a step, its cycles with many objects and with one, the measured "
-            "order, the smallest error that any time step reaches (`floor`: relative, the "
-            "root mean square over all states at 8 times; `largest`: that of the worst state, "
-            "after each step or at 1,024 times and more, as for fp3 tune), and the number of "
-            "words in which hardware, isa engine and equations differ. The exit code is 1 if any "
-            "differ, 3 if objects failed or have no reference; rows are printed in each case."};
+        .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
+               "instructions of a step, its cycles with many objects and with one, the order, the "
+               "smallest error that any time step reaches (`floor`: relative, the root mean square "
+               "over all states at 8 times; `largest`: that of the worst state, after each step or "
+               "at 1,024 times and more, as for fp3 tune), and the words in which hardware, isa "
+               "engine and equations differ. The exit code is 1 if any differ, 3 if objects failed "
+               "or have no reference; rows are printed in each case."};
     options o = {.most_steps = 131072};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;

@@ -251,7 +251,6 @@ def test_what_fp3_run_refuses(start, folder):
                                 (["chain.ode", "--links", "springs=l.csv", "-o", "2"], "l.csv:3:3: error: found object 2, expected a whole number from 0 to 1"),
                                 (["chain.ode", "--links", "touch=l.csv"], "l.csv: links of 'touch': the model has no relation 'touch'"),
                                 (["balls.ode", "-i", "euler", "--links", "touch=l.csv"], "the model finds the objects of 'touch' by itself"),
-                                (["chain.ode", "--links", "springs=l.csv", "-e", "rtl"], "engine 'rtl' has no objects that see each other yet"),
                                 (["chain.ode", "--links", "springs=l.csv", "-c", "many_full"], "'springs' needs `neighbours`"),
                                 (["--scene", "x.scene", "--links", "springs=l.csv"], "--scene: links are in the scene, not in --links"),
                                 (["cloth.ode", "-i", "euler", "--links", "springs=l.csv", "--observe", "F_x", "--output", "o.csv"],
