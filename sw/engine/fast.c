@@ -337,7 +337,7 @@ static fp3_status fast_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     for (uint32_t i = 0; i < self->count; i++)
         self->work.blocks += blocks_of(engine, i);
     fp3_status status = need_workers(engine, hands_for(engine));
-    if (!status && engine->layout.groups[0].lists.shape.is_any)
+    if (!status && fp3_around_is_any(engine))
         status = fp3_around_run(engine, steps);
     else if (!status && steps && engine->def.tasks)
         engine->def.tasks(engine->def.tasks_user, take_part, self, self->used);

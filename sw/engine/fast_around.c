@@ -1,6 +1,7 @@
 /* fast_around.c - phases of the "fast" engine, each by all threads. */
 #include "fast_own.h"
 
+#include "origin.h"
 #include "words.h"
 
 #include <stdlib.h>
@@ -97,6 +98,23 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
     }
 }
 
+int fp3_around_is_any(const fp3_engine *engine) {
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        if (engine->layout.groups[i].lists.shape.is_any)
+            return 1;
+    return 0;
+}
+
+/* A run that does not come to its end leaves objects as they were, as on the other engines. */
+static void undo(fp3_engine *engine) {
+    fast *self = engine->self;
+    const fp3_origin *o = engine->origin;
+    for (size_t reg = 0; reg < engine->config->registers; reg++)
+        for (uint32_t i = 0; self->column[reg] && i < engine->objects; i++)
+            if (o->began[i] >> reg & 1)
+                self->column[reg][i] = o->registers[reg * engine->objects + i];
+}
+
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fast *self = engine->self;
     group *g = &self->groups[0];
@@ -113,5 +131,7 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
         }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
+    if (status)
+        undo(engine);
     return status;
 }

@@ -56,6 +56,8 @@ typedef struct {
     uint32_t hand_count, used; /* all; those of the last run */
 } fast;
 
+/* Whether the objects of some group see each other. */
+int fp3_around_is_any(const fp3_engine *engine);
 /* Steps of programs with neighbours: all objects make a phase before any makes the next one. All groups have such a
  * program, or this refuses. */
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps);

@@ -245,6 +245,15 @@ def test_runs_may_be_split(script):
         assert script(model, [*lines, *["run 1"] * 5, "run 7", f"print {states}"], "fast") == whole, name
 
 
+def test_a_run_that_cannot_go_on_leaves_what_was_there(script):
+    """Two balls fly apart until a position is infinite: nobody can be near it."""
+    lines = ["objects 3", "state x_x 0 0.01 5", "state v_x 0 3e38 0", "shared stiff 0", "shared damp 0", "near touch 0.1 0.02 x_x x_y x_z", "run 2", "print x_x v_x"]
+    for engine in ("isa", "fast", "interpreter"):
+        before = script(BALLS, lines, engine, "euler")
+        assert script(BALLS, [*lines, "go 3000", "print x_x v_x"], engine, "euler") == [
+            *before, "error the position of object 1 is infinite or NaN, so nobody can be near it", *before]
+
+
 def test_who_fails_is_found(script):
     lines = ["objects 5", "state x 0 1 2 3 4", "links springs 1 3 1e38 -1e3", "run 9", "failure"]
     for engine in ("isa", "fast", "interpreter"):

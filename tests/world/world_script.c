@@ -8,7 +8,7 @@
  *     links NAME A B F1 F2 ...  one entry: object A has the neighbour B
  *     near NAME REACH SKIN X..  with the names of the position's states
  *     all NAME
- *     run STEPS
+ *     run STEPS                 go STEPS: an error is printed, and not the end
  *     print NAME ...            a line of bits for each state
  *     failure                   "none", or which
  */
@@ -201,6 +201,9 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
         need(w, fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){0}));
     } else if (strcmp(what, "run") == 0) {
         run(w, strtoull(name, NULL, 10));
+    } else if (strcmp(what, "go") == 0) {
+        if (fp3_engine_run(w->engine, strtoull(name, NULL, 10), NULL))
+            printf("error %s\n", w->error.text);
     } else if (strcmp(what, "failure") == 0) {
         say_failure(w);
     } else {
