@@ -12,13 +12,11 @@
 /* ---- lists for vectors ---- */
 
 static uint32_t length(const fp3_fast_given *g, uint32_t object) {
-    return object >= g->objects ? 0
-           : g->begin           ? g->begin[object + 1] - g->begin[object]
-                                : g->objects - 1;
+    return object >= g->objects ? 0 : g->begin[object + 1] - g->begin[object];
 }
 
 static uint32_t entry(const fp3_fast_given *g, uint32_t object, uint32_t turn) {
-    return g->begin ? g->other[g->begin[object] + turn] : turn + (turn >= object);
+    return g->other[g->begin[object] + turn];
 }
 
 /* Turns of the vector that begins with this object. */
@@ -62,6 +60,10 @@ static void pack_turn(const fp3_fast_given *g, uint32_t first, uint32_t turn, un
 
 fp3_status fp3_fast_pack(const fp3_fast *fast, const fp3_fast_given *given, fp3_fast_packed *packed,
                          fp3_error *error) {
+    if (!given->begin) {
+        packed->list = (fp3_fast_list){.objects = given->objects};
+        return FP3_OK;
+    }
     const unsigned lanes = fast->sweep->lanes;
     const uint32_t vectors = (given->objects + lanes - 1) / lanes;
     size_t turns = 0;
@@ -88,8 +90,14 @@ fp3_status fp3_fast_pack(const fp3_fast *fast, const fp3_fast_given *given, fp3_
             pack_turn(given, v * lanes, turn, lanes, &r, at++);
     }
     r.turn[vectors] = (unsigned)at;
-    packed->list =
-        (fp3_fast_list){r.turn, r.base, r.other, r.from, r.is_full, r.field, given->fields};
+    packed->list = (fp3_fast_list){.objects = given->objects,
+                                   .turn = r.turn,
+                                   .base = r.base,
+                                   .other = r.other,
+                                   .from = r.from,
+                                   .is_full = r.is_full,
+                                   .field = r.field,
+                                   .fields = given->fields};
     return FP3_OK;
 }
 
@@ -126,18 +134,31 @@ static void run_words(const interpreter *in, fp3_fast_lanes *lanes, uint32_t fir
         in->fast->sweep->run_words(&in->fast->plan, &place, first, end);
 }
 
+/* The neighbour of an object, in its vector, at a turn; *at: its lane in the list's rows. UINT32_MAX: it has none. */
+static uint32_t find(const interpreter *in, const fp3_fast_list *list, uint32_t turn, uint32_t lane,
+                     size_t *at) {
+    const uint32_t object = in->first + lane, wide = in->fast->sweep->lanes;
+    const uint32_t vector = object / wide, n = object % wide;
+    if (!list->turn)
+        return object == turn ? UINT32_MAX : turn;
+    *at = (size_t)list->turn[vector] + turn;
+    if (*at >= list->turn[vector + 1] || list->from[*at * wide + n] != (int)n)
+        return UINT32_MAX;
+    return (uint32_t)list->other[*at * wide + n];
+}
+
 /* A word of the neighbours of these lanes, or a field. which: lanes of the block. */
 static void look(const interpreter *in, const fp3_fast_list *list, const fp3_instruction *word,
                  uint32_t turn, uint32_t field, const uint32_t *which, fp3_fast_lanes *to) {
     const unsigned wide = in->fast->sweep->lanes;
     for (uint32_t i = 0; i < to->count; i++) {
-        const uint32_t lane = which[i], vector = (in->first + lane) / wide;
-        const size_t at = list->turn[vector] + turn, n = (in->first + lane) % wide;
+        size_t at = 0;
+        const uint32_t other = find(in, list, turn, which[i], &at);
         if (word->op == FP3_OP_LDN)
-            memcpy(&to->rows[word->d][i], &in->group->own[word->a][list->other[at * wide + n]],
-                   sizeof(float));
+            memcpy(&to->rows[word->d][i], &in->group->own[word->a][other], sizeof(float));
         else
-            to->rows[word->d][i] = list->field[(at * list->fields + field) * wide + n];
+            to->rows[word->d][i] =
+                list->field[(at * list->fields + field) * wide + (in->first + which[i]) % wide];
     }
     fp3_fast_fill(to, UINT64_C(1) << word->d, 0);
 }
@@ -160,15 +181,22 @@ static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t 
 /* The lanes that have a neighbour for this turn. */
 static uint32_t find_living(const interpreter *in, const fp3_fast_list *list, uint32_t turn,
                             uint32_t *which) {
-    const unsigned wide = in->fast->sweep->lanes;
     uint32_t count = 0;
-    for (uint32_t i = 0; i < in->lanes->count; i++) {
-        const uint32_t vector = (in->first + i) / wide, n = (in->first + i) % wide;
-        const size_t at = list->turn[vector] + turn;
-        if (at < list->turn[vector + 1] && list->from[at * wide + n] == (int)n)
+    size_t at;
+    for (uint32_t i = 0; i < in->lanes->count; i++)
+        if (find(in, list, turn, i, &at) != UINT32_MAX)
             which[count++] = i;
-    }
     return count;
+}
+
+/* Of the longest list in the block. */
+static uint32_t turns_in_block(const interpreter *in, const fp3_fast_list *list) {
+    const uint32_t wide = in->fast->sweep->lanes, first = in->first / wide;
+    const uint32_t vectors = (in->lanes->count + wide - 1) / wide;
+    uint32_t most = list->turn ? 0 : list->objects;
+    for (uint32_t v = first; list->turn && v < first + vectors; v++)
+        most = list->turn[v + 1] - list->turn[v] > most ? list->turn[v + 1] - list->turn[v] : most;
+    return most;
 }
 
 /* Where only some have a neighbour these are taken aside, so that nothing is computed, and no flag raised, for the
@@ -176,9 +204,13 @@ static uint32_t find_living(const interpreter *in, const fp3_fast_list *list, ui
 static void run_loop(const interpreter *in, const fp3_fast_loop *loop) {
     fp3_fast_lanes *all = in->lanes, *some = &in->worker->aside;
     const uint64_t taken = loop->outside | loop->kept;
-    uint32_t which[FP3_BLOCK], count;
-    for (uint32_t turn = 0;
-         (count = find_living(in, &in->group->lists[loop->list], turn, which)) > 0; turn++) {
+    const fp3_fast_list *list = &in->group->lists[loop->list];
+    const uint32_t turns = turns_in_block(in, list);
+    uint32_t which[FP3_BLOCK];
+    for (uint32_t turn = 0; turn < turns; turn++) {
+        const uint32_t count = find_living(in, list, turn, which);
+        if (count == 0)
+            continue;
         if (count == all->count) {
             run_body(in, loop, turn, which, all);
             continue;

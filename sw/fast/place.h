@@ -24,7 +24,9 @@ typedef struct {
  * each object of a vector; where an object has none, lane `from` of the vector stands in for it: it does what that
  * one does, and nothing of it counts. */
 typedef struct {
-    const unsigned *turn; /* of each vector: its first turn; one more behind the last */
+    unsigned objects;
+    const unsigned *
+        turn; /* of each vector: its first turn; one more behind the last. NULL: turn t of each vector is object t */
     const int *base;  /* of each turn: the neighbours are base, base + 1 ..; -1: those of `other` */
     const int *other; /* of each lane of each turn */
     const int *from;  /* likewise; the lane itself if it has a neighbour */

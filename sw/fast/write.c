@@ -261,30 +261,47 @@ static void declare_around(const writer *w) {
 
 static void of_neighbour(const writer *w, const fp3_instruction *in) {
     if (in->op == FP3_OP_LDN)
-        fprintf(w->to,
-                "            r%" PRIu32 "_1 = base >= 0 ? (fp3_v)*(const fp3_loose *)(s%" PRIu32
-                " + base) : (fp3_v)fp3_entry((const int *)s%" PRIu32 ", other);\n",
-                in->d, in->a, in->a);
+        fprintf(w->to, "            r%" PRIu32 "_1 = fp3_seen(s%" PRIu32 ", base, other, t);\n",
+                in->d, in->a);
     else
         fprintf(w->to, "            r%" PRIu32 "_1 = *field++;\n", in->d);
 }
+
+/* A word of neighbours that stand side by side, anywhere, or are one and the same. */
+static const char look[] =
+    "enum { FP3_ANYWHERE = -1, FP3_ONE_OBJECT = -2 };\n"
+    "FP3_OPERATION fp3_v fp3_seen(const float *seen, int base, fp3_i other, unsigned t) {\n"
+    "    if (base >= 0)\n        return (fp3_v)*(const fp3_loose *)(seen + base);\n"
+    "    if (base == FP3_ONE_OBJECT)\n        return (fp3_v)fp3_all(((const int *)seen)[t]);\n"
+    "    return (fp3_v)fp3_entry((const int *)seen, other);\n}\n";
+
+/* What a turn is: of a list, or object t for all but itself. Lanes behind the last object have what that one has. */
+static const char turn[] =
+    "            int base = FP3_ONE_OBJECT, is_full = t / FP3_LANES != j;\n"
+    "            fp3_i other = lanes, from = lanes;\n"
+    "            const fp3_v *field = (const fp3_v *)l->field + (unsigned long)t * l->fields;\n"
+    "            (void)base, (void)other, (void)field;\n"
+    "            if (l->turn) {\n"
+    "                base = l->base[t], is_full = l->is_full[t];\n"
+    "                other = ((const fp3_i *)l->other)[t], from = ((const fp3_i *)l->from)[t];\n"
+    "            } else if (!is_full) {\n"
+    "                const int last = (int)(l->objects - 1 - j * FP3_LANES), me = (int)(t % "
+    "FP3_LANES);\n"
+    "                const fp3_i own = ((lanes < last) & lanes) | (~(lanes < last) & last);\n"
+    "                if (last == 0)\n                    continue;\n"
+    "                from = ((own == me) & (me == 0)) | (~(own == me) & lanes);\n"
+    "            }\n";
 
 static void loop_around(const writer *w, const fp3_fast_loop *l) {
     const fp3_fast_plan *plan = w->plan;
     uint64_t named = l->outside | l->kept;
     for (uint32_t pc = l->first; pc < l->end; pc++)
         named |= (uint64_t)1 << plan->code[pc].in.d;
-    fprintf(
-        w->to,
-        "        for (unsigned t = p->lists[%" PRIu32 "].turn[j]; t < p->lists[%" PRIu32
-        "].turn[j + 1]; t++) {\n"
-        "            const fp3_fast_list *const l = &p->lists[%" PRIu32 "];\n"
-        "            const int base = l->base[t], is_full = l->is_full[t];\n"
-        "            const fp3_i other = ((const fp3_i *)l->other)[t];\n"
-        "            const fp3_i from = ((const fp3_i *)l->from)[t];\n"
-        "            const fp3_v *field = (const fp3_v *)l->field + (unsigned long)t * l->fields;\n"
-        "            (void)base, (void)other, (void)field;\n",
-        l->list, l->list, l->list);
+    fprintf(w->to,
+            "        {\n        const fp3_fast_list *const l = &p->lists[%" PRIu32 "];\n"
+            "        const unsigned turns = l->turn ? l->turn[j + 1] : l->objects;\n"
+            "        for (unsigned t = l->turn ? l->turn[j] : 0; t < turns; t++) {\n%s",
+            l->list, turn);
     FP3_EACH_REGISTER (named, reg)
         fprintf(w->to,
                 (l->outside | l->kept) >> reg & 1 ? "            fp3_v r%" PRIu32 "_1 = r%" PRIu32
@@ -308,7 +325,7 @@ static void loop_around(const writer *w, const fp3_fast_loop *l) {
                 "            r%" PRIu32 "_0 = is_full ? r%" PRIu32
                 "_1 : fp3_choose(from == lanes, r%" PRIu32 "_1, r%" PRIu32 "_0);\n",
                 reg, reg, reg, reg);
-    fprintf(w->to, "        }\n");
+    fprintf(w->to, "        }\n        }\n");
 }
 
 static void load_own(const writer *w, uint32_t d) {
@@ -346,6 +363,7 @@ static void phase(const writer *w, uint32_t number) {
 }
 
 static void phases(const writer *w) {
+    fprintf(w->to, "%s", look);
     fprintf(w->to, "void " FP3_FAST_NAME
                    "(const fp3_fast_around *p, unsigned phase, unsigned first, unsigned end) {\n");
     declare_around(w);

@@ -159,6 +159,30 @@ def test_lesser_processors_have_the_same_words(script, monkeypatch, kind):
         monkeypatch.delenv("FP3_FAST")
 
 
+@pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3", "x86-64-v4"])
+@pytest.mark.parametrize("n", [1, 2, 3, 16, 17, 33, 520])
+def test_all_others_of_any_number(script, monkeypatch, kind, n):
+    """Vectors that are not full, and in each of them the object that does not see itself."""
+    lines = [*stars(n), f"run {2 if n > 100 else 9}", "print x_x x_y v_x v_y", "failure"]
+    if n > 512:  # more than engine isa has room for
+        wanted = script(STARS, lines, "interpreter")
+    else:
+        wanted = script(STARS, lines)
+    monkeypatch.setenv("FP3_FAST", kind)
+    for engine, threads in (("fast", 1), ("fast", 2), ("interpreter", 1)):
+        assert script(STARS, lines, engine, threads=threads) == wanted, (engine, threads)
+
+
+def test_time_and_other_integrators(script):
+    """t in a term; stages that follow each other; many kicks and drifts."""
+    driven = STARS.replace("a = sum(", "a = cos(3*t)*sum(")
+    for integrator in ("rk4", "heun", "rkc8", "forest_ruth"):
+        lines = [*stars(9), "run 4", "run 5", "print x_x v_y"]
+        wanted = script(driven if integrator in ("rk4", "heun") else STARS, lines, "isa", integrator)
+        for engine in ("fast", "interpreter"):
+            assert script(driven if integrator in ("rk4", "heun") else STARS, lines, engine, integrator) == wanted, (integrator, engine)
+
+
 # ---- the equations themselves, in double ----
 
 def of_cloth(n):
@@ -322,6 +346,7 @@ def test_the_language_says_what_it_expects(compile_, line, place, expected):
 
 @pytest.mark.parametrize("options, expected", [
     (("-i", "ros2"), "a linearly implicit integrator needs derivatives of sums over neighbours"),
+    (("-i", "stoermer_verlet"), "an integrator that starts from the positions of two steps needs neighbours before the first"),
     (("--double-single",), "double-single has no sums over neighbours"),
     (("--tolerance", "1e-3"), "adaptive steps: objects that see each other make their steps together")])
 def test_what_does_not_go_with_neighbours(compile_, options, expected):
