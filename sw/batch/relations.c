@@ -67,8 +67,6 @@ typedef struct {
     float missing;       /* where the column has a NaN, or is missing */
 } source;
 
-enum { FIELDS_MAX = 64 };
-
 static size_t column_named(const fp3_links *links, const char *name) {
     size_t i = 0;
     while (i < links->field_count && strcmp(links->names[i], name) != 0)
@@ -94,7 +92,7 @@ static fp3_status check_names(const fp3_linked *l, const fp3_model *model, const
 
 static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
                                    const fp3_model *model, const fp3_relation *of,
-                                   source sources[FIELDS_MAX], fp3_error *error) {
+                                   source sources[FP3_FIELDS_MAX], fp3_error *error) {
     uint64_t read;
     uint32_t count = 0;
     const fp3_status status = fields_read(model, &read, error);
@@ -120,7 +118,7 @@ static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
 }
 
 static fp3_status sources_of_image(const fp3_linked *l, const fp3_list *list,
-                                   source sources[FIELDS_MAX], fp3_error *error) {
+                                   source sources[FP3_FIELDS_MAX], fp3_error *error) {
     if (l->links.field_count != list->fields)
         return refuse(l, error,
                       "found %zu columns of fields, expected %" PRIu32
@@ -188,7 +186,7 @@ static fp3_status link_one(const fp3_relations *r, const fp3_linked *l, fp3_erro
     const fp3_model *model = model_of(r);
     const fp3_list *list = list_named(r, l->relation);
     const fp3_relation *of = NULL;
-    source sources[FIELDS_MAX];
+    source sources[FP3_FIELDS_MAX];
     for (uint32_t i = 0; model && i < model->relation_count; i++)
         if (strcmp(model->relations[i].name, l->relation) == 0)
             of = &model->relations[i];
@@ -241,9 +239,10 @@ static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3
                      .skin = reach * (r->skin > 0 ? r->skin : FP3_NEAR_SKIN)};
     if (reach == r->reach[number] || !list_named(r, of->name))
         return FP3_OK;
-    if (!(reach > 0 && isfinite(reach)))
+    if (!(reach >= FP3_NEAR_LEAST && reach <= FP3_NEAR_MOST))
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "the reach of '%s' is %g, expected a distance above 0", of->name, reach);
+                        "the reach of '%s' is %g, expected a distance from 2^-50 to 2^63", of->name,
+                        reach);
     for (uint32_t k = 0; k < of->dimensions; k++)
         near.position[k] = model->states[of->position + k].name;
     const fp3_status status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);

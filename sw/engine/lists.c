@@ -43,9 +43,11 @@ static uint32_t *copied(const void *words, size_t count) {
 
 fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *error) {
     const size_t entries = from->begin ? from->begin[to->objects] : 0;
-    fp3_list made = *to;
-    made.is_there = 1;
-    made.is_all = !from->begin;
+    fp3_list made = {.reg = to->reg,
+                     .fields = to->fields,
+                     .objects = to->objects,
+                     .is_there = 1,
+                     .is_all = !from->begin};
     made.begin = made.is_all ? NULL : copied(from->begin, to->objects + (size_t)1);
     made.other = made.is_all ? NULL : copied(from->other, entries);
     made.field = made.is_all ? NULL : copied(from->fields, entries * to->fields);
@@ -103,6 +105,8 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
         list->begin = begin;
         list->other = other;
         *is_new = 1;
+        if (status) /* the list is none: the next run makes it, wherever objects are */
+            fp3_near_close(&list->near);
     }
     return status;
 }

@@ -106,7 +106,7 @@ static int is_near(const grid *g, uint32_t i, uint32_t j) {
     return way < g->far;
 }
 
-/* Calls with each cell around an object's: the objects order[*from .. *to). */
+/* The cells around an object's, and its own: from low to high along each axis. */
 typedef struct {
     uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
 } around;

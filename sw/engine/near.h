@@ -12,6 +12,11 @@
 
 #define FP3_NEAR_DIMENSIONS 3
 
+/* How far a list may reach. A program compares squares in FP32: below, a square could lose too many digits to
+ * underflow; above, it could overflow. */
+#define FP3_NEAR_LEAST 0x1p-50
+#define FP3_NEAR_MOST 0x1p63
+
 /* Positions of objects: component k of object i is position[k][i * stride]. */
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */

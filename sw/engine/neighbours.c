@@ -3,7 +3,6 @@
 #include "origin.h"
 
 #include <inttypes.h>
-#include <math.h>
 
 static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const char *name,
                                 const fp3_neighbours *n) {
@@ -11,6 +10,9 @@ static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const 
     if (n->begin[0] != 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': begin[0] is %" PRIu32 ", expected 0",
                         name, n->begin[0]);
+    if (n->begin[list->objects] && (!n->other || (list->fields && !n->fields)))
+        return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': entries without %s", name,
+                        n->other ? "their fields" : "their neighbours");
     for (uint32_t i = 0; i < list->objects; i++) {
         if (n->begin[i + 1] < n->begin[i])
             return fp3_fail(error, FP3_E_ARGUMENT,
@@ -62,11 +64,12 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
                         list->fields ? "list '%s': entries have fields, so each has to be given"
                                      : "list '%s': a position has 1 to 3 components",
                         name);
-    if (!(near->reach > 0 && near->reach < HUGE_VAL && near->skin >= 0 && near->skin < HUGE_VAL))
-        return fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "list '%s': reach %g, skin %g: expected a reach above 0 and a skin of 0 or more", name,
-            near->reach, near->skin);
+    if (!(near->reach >= FP3_NEAR_LEAST && near->reach <= FP3_NEAR_MOST && near->skin >= 0 &&
+          near->skin <= FP3_NEAR_MOST))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "list '%s': reach %g, skin %g: expected a reach from 2^-50 to 2^63 and a "
+                        "skin from 0 to 2^63",
+                        name, near->reach, near->skin);
     for (uint32_t k = 0; k < near->dimensions; k++) {
         const fp3_symbol *s = fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
         if (!s)

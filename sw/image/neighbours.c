@@ -85,8 +85,8 @@ static fp3_status visit_word(walk *w) {
                    ? FP3_OK
                    : refuse(w, "'ldn' reads a word of a record, not a shared constant");
     case FP3_OP_LDL:
-        w->fields++;
-        return FP3_OK;
+        return w->fields++ < FP3_FIELDS_MAX ? FP3_OK
+                                            : refuse(w, "an entry of a list has at most 64 fields");
     case FP3_OP_PHASE:
         return end_phase(w);
     case FP3_OP_ST:

@@ -10,6 +10,7 @@
 #include <fp3/image.h>
 
 #define FP3_LISTS_MAX 8
+#define FP3_FIELDS_MAX 64 /* of an entry, and of a model's relations */
 
 /* A list of neighbours that each object has. */
 typedef struct {
@@ -28,7 +29,7 @@ typedef struct {
 /* FP3_E_PROGRAM: a loop within a loop, or without its end; `ldn` or `ldl` outside of a loop; a phase within a loop;
  * a first or a last part; a store in a loop; a load behind a store of the same phase; a phase that
  * does not store a word which neighbours read and another phase stores; loops over one list with different
- * numbers of fields; more than FP3_LISTS_MAX lists; `sleep` beside all this. */
+ * numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of an entry; `sleep` beside all this. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 

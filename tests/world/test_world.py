@@ -127,6 +127,15 @@ def balls(n, skin=0.02):
     return [f"objects {n}", *(row("state", f"x_{'xyz'[k]}", at[:, k]) for k in range(3)), f"near touch 0.1 {skin} x_x x_y x_z"]
 
 
+def fliers(n, skin=0.02):
+    """Balls that do not touch at first, and fly 0.3 m in 60 steps: who is near whom is another matter every few steps."""
+    random = numpy.random.default_rng(6)
+    at = numpy.array(list(itertools.islice(itertools.product(range(5), repeat=3), n))) * 0.15 + 0.01 * random.standard_normal((n, 3))
+    speed = 3 * random.standard_normal((n, 3))
+    return [f"objects {n}", *(row("state", f"{q}_{'xyz'[k]}", of[:, k]) for q, of in (("x", at), ("v", speed)) for k in range(3)),
+            f"near touch 0.1 {skin} x_x x_y x_z"]
+
+
 def mixed(n):
     return [f"objects {n}", row("state", "x", [0.3 * i + 0.01 * (i * i % 7) for i in range(n)]), "all others",
             *(f"links ties {i} {(i + k) % n} {1 + 0.1 * k}" for i in range(n) for k in range(1, 1 + i % 4))]
@@ -255,12 +264,13 @@ def test_forces_of_a_pair_are_exact_negatives(script):
 
 
 def test_skins_and_lists_change_no_bit(script):
-    """Also against all pairs, of which the condition leaves out the same ones."""
-    wanted = script(BALLS, [*balls(75), "run 60", "print x_x x_y x_z v_x"])
-    for skin, engine in itertools.product((0, 1e-4, 0.3, 5), ("fast", "isa")):
-        assert script(BALLS, [*balls(75, skin), "run 60", "print x_x x_y x_z v_x"], engine) == wanted, skin
-    everyone = [*balls(75)[:-1], "all touch", "run 60", "print x_x x_y x_z v_x"]
-    assert script(BALLS, everyone, "fast") == wanted
+    """Nor do they beside all pairs, of which the condition leaves out the same ones."""
+    for start in (balls, fliers):
+        *before, near = start(75)
+        first, *_, wanted = (script(BALLS, [*before, "all touch", *run, "print x_x x_y x_z v_x"], "fast") for run in ((), ("run 60",)))
+        assert sum(abs(floats(a) - floats(b)).max() > 0.01 for a, b in zip(first, wanted)) == 4
+        for skin, engine in itertools.product((0, 1e-4, 0.02, 0.3, 5), ("fast", "isa")):
+            assert script(BALLS, [*start(75, skin), "run 60", "print x_x x_y x_z v_x"], engine) == wanted, (start, skin)
 
 
 def test_runs_may_be_split(script):
@@ -292,6 +302,8 @@ def test_who_fails_is_found(script):
     (["links springs 0 3 1 1", "run 1"], "error list 'springs': object 0 has the neighbour 3, expected another one of the group's 3 objects"),
     (["all springs", "run 1"], "error list 'springs': entries have fields, so each has to be given"),
     (["near springs 1 0 x", "run 1"], "error list 'springs': entries have fields, so each has to be given"),
+    (["without springs fields", "run 1"], "error list 'springs': entries without their fields"),
+    (["without springs neighbours", "run 1"], "error list 'springs': entries without their neighbours"),
     (["all spring", "run 1"], "error the program has no list of neighbours 'spring'"),
     (["all x", "run 1"], "error the program has no list of neighbours 'x'")])
 def test_lists_are_checked(script, lines, message):
@@ -303,10 +315,25 @@ def test_nobody_is_near_a_nan(script):
     for value, engine in itertools.product(("nan", "inf"), ("isa", "fast", "interpreter")):
         said = script(BALLS, ["objects 3", f"state x_y 0 0 {value}", "near touch 0.1 0.02 x_x x_y x_z", "run 1"], engine, status=2)
         assert said == ["error the position of object 2 is infinite or NaN, so nobody can be near it"]
-    for near in ("0 0", "-1 0", "1 -1", "nan 0", "1 inf"):
-        said = script(BALLS, ["objects 3", f"near touch {near} x_x x_y x_z", "run 1"], status=2)
-        assert said[0].startswith("error list 'touch': reach ") and said[0].endswith("expected a reach above 0 and a skin of 0 or more")
     assert script(BALLS, ["objects 3", "near touch 1 0 x_x R", "run 1"], status=2) == ["error list 'touch': the program has no state 'R'"]
+
+
+def test_a_reach_has_two_ends(script):
+    """Those in which the squares of distances are neither lost nor infinite in FP32."""
+    for near in ("0 0", "-1 0", "nan 0", "8.8e-16 0", "9.3e18 0", "inf 0", "1 -1", "1 nan", "1 9.3e18"):
+        said = script(BALLS, ["objects 3", f"near touch {near} x_x x_y x_z", "run 1"], status=2)
+        assert said[0].startswith("error list 'touch': reach ") and said[0].endswith("expected a reach from 2^-50 to 2^63 and a skin from 0 to 2^63")
+    for near in (f"{2**-50} {2**-50}", f"{2**63} {2**63}", "1 0"):
+        assert script(BALLS, ["objects 3", f"near touch {near} x_x x_y x_z", "run 1"]) == []
+
+
+def test_a_list_of_those_near_may_be_replaced(script):
+    """By all others and back, between runs: the bits are those of a list that is near from the first."""
+    *before, near = fliers(75)
+    parts = [[near, "run 20"], ["all touch", "run 20"], [near, "run 20"]]
+    for engine in ("isa", "fast"):
+        wanted = script(BALLS, [*before, near, "run 60", "print x_x v_x"], engine)
+        assert script(BALLS, [*before, *itertools.chain(*parts), "print x_x v_x"], engine) == wanted
 
 
 @pytest.fixture
@@ -386,6 +413,7 @@ step:
     ("each list\n ldn d, x\n st x\n next", "code word 4: a loop over neighbours stores nothing"),
     ("each list\n ldn d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),
     ("each list\n ldl d\n next\n each list\n next\n st x", "code word 6: two loops over one list read different numbers of fields"),
+    ("each list\n" + " ldl d\n" * 65 + " next\n st x", "code word 67: an entry of a list has at most 64 fields"),
     ("each list\n next\n st x\nlast:\n add x, x, x", "a program with neighbours has a step part alone, no first and no last part")])
 def test_programs_that_cannot_be(fp3, tmp_path, body, expected):
     (tmp_path / "p.s").write_text(ASSEMBLY.format(body=body))

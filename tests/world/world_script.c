@@ -137,6 +137,17 @@ static void give(world *w, const links *l) {
     free(fields);
 }
 
+/* One entry, of the last object, without all that belongs to it. */
+static void give_part(world *w, const char *name) {
+    const uint32_t other = 0;
+    const int has_other = strcmp(strtok(NULL, " \n"), "fields") == 0;
+    uint32_t *begin = calloc(w->objects + 1, sizeof *begin);
+    begin[w->objects] = 1;
+    need(w, fp3_engine_set_neighbours(w->engine, 0, name,
+                                      &(fp3_neighbours){begin, has_other ? &other : NULL, NULL}));
+    free(begin);
+}
+
 static void give_near(world *w, const char *name) {
     fp3_near near = {.reach = strtod(strtok(NULL, " \n"), NULL)};
     near.skin = strtod(strtok(NULL, " \n"), NULL);
@@ -195,6 +206,8 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
         need(w, fp3_engine_set(w->engine, name, strtof(strtok(NULL, " \n"), NULL)));
     } else if (strcmp(what, "links") == 0) {
         add_link(w, name);
+    } else if (strcmp(what, "without") == 0) {
+        give_part(w, name);
     } else if (strcmp(what, "near") == 0) {
         give_near(w, name);
     } else if (strcmp(what, "all") == 0) {

@@ -3,6 +3,7 @@
 
 #include "plan.h"
 
+#include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
 
@@ -56,8 +57,8 @@ static uint32_t put(builder *b, uint32_t node) {
 }
 
 static void write(builder *b, uint32_t variable, uint32_t node) {
-    if (b->s->next[variable] == FP3_NONE)
-        b->s->next[variable] = node;
+    assert(b->s->next[variable] == FP3_NONE);
+    b->s->next[variable] = node;
 }
 
 static fp3_status open_section(builder *b, fp3_cut_plan *c, fp3_cut *cut, uint32_t phase,

@@ -172,7 +172,7 @@ static uint32_t last_use(const fp3_cut_plan *c, uint32_t variable) {
     return last;
 }
 
-/* What each variable fp3_cut_holds in each phase. A published state fp3_cut_holds what neighbours see; every other variable its
+/* What each variable holds in each phase. A published state holds what neighbours see; every other variable its
  * old value until nobody reads that any more. */
 static void find_held(fp3_cut_plan *c) {
     const uint32_t phases = c->phase_count;
@@ -191,7 +191,7 @@ static void find_held(fp3_cut_plan *c) {
     }
 }
 
-/* The variable that fp3_cut_holds it in this phase, or FP3_NONE. */
+/* The variable that holds it in this phase, or FP3_NONE. */
 uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
     for (uint32_t v = 0; v < c->own; v++)
         if (*held(c, phase, v) == node)
@@ -199,7 +199,7 @@ uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
     return FP3_NONE;
 }
 
-/* It is read at this time. If it is from another section, and no variable fp3_cut_holds it there, one has to keep it. */
+/* It is read at this time. If it is from another section, and no variable holds it there, one has to keep it. */
 static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
     const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
     const int is_here = op != NODE_VARIABLE && op != NODE_TOTAL && c->when[node] == when;
@@ -230,7 +230,7 @@ static void use_outside(fp3_cut_plan *c, uint32_t total) {
     free(is_in);
 }
 
-/* Which node a variable fp3_cut_gets at the end of a phase; FP3_NONE: it keeps what it has. */
+/* Which node a variable gets at the end of a phase; FP3_NONE: it keeps what it has. */
 uint32_t fp3_cut_gets(const fp3_cut_plan *c, uint32_t phase, uint32_t variable) {
     const uint32_t now = *held(c, phase, variable);
     const uint32_t next = phase + 1 < c->phase_count ? *held(c, phase + 1, variable)

@@ -389,7 +389,7 @@ typedef struct {
 /* Gives a list, which is copied; name is that of its register. It holds until the next load; a run
  * needs all lists of its programs. On "rtl" they are in the object store, behind the records: a run ends
  * with FP3_E_PROGRAM where there is no room for them. FP3_E_ARGUMENT: no such group or list; an entry is
- * no other object of the group; nothing is loaded. The list is then as it was. */
+ * no other object of the group, or has no fields though the list has some; nothing is loaded. The list is then as it was. */
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
@@ -409,9 +409,9 @@ typedef struct {
 typedef struct {
     const char *position[3]; /* states, the components of the position */
     uint32_t dimensions;     /* how many of them */
-    double reach;            /* above 0 */
+    double reach;            /* 2^-50 to 2^63 */
     /* How much farther lists reach, so that they last until an object has moved by half of it; 0: they
-     * are made in each phase. It changes no bit. */
+     * are made in each phase. At most 2^63. It changes no bit. */
     double skin;
 } fp3_near;
 
