@@ -167,6 +167,31 @@ def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
     assert (said.split() == [str(bits) for bits in POWERS.values()]) == (bug is None), said
 
 
+ESTIMATE_BUGS = [
+    Bug("an exact entry is not reached", "sw/fast/lanes.h", "(fp3_i)y + 3", "(fp3_i)y - 3"),
+    Bug("an entry is passed", "sw/fast/lanes.h", "(fp3_i)y + 3", "(fp3_i)y + 48"),
+    Bug("no step of Newton's", "sw/fast/lanes.h", "fp3_cut(FP3_QUIET_FMA(y, off, y), fp3_all(~0x3fff))", "fp3_cut(y, fp3_all(~0x3fff))"),
+    Bug("inexact is raised", "sw/fast/lanes.h", "FP3_QUIETLY 8", "FP3_QUIETLY 4"),
+    Bug("the largest numbers are ordinary", "sw/fast/lanes.h", "252 << 23", "254 << 23"),
+    Bug("infinity is ordinary", "sw/fast/lanes.h", "253 << 23", "255 << 23"),
+]
+
+
+@pytest.mark.parametrize("kind, bug", [*((kind, None) for kind in KINDS), *(("x86-64-v4", bug) for bug in ESTIMATE_BUGS)],
+                         ids=lambda of: of.name if isinstance(of, Bug) else of or "as it is")
+def test_estimates(root, tmp_path, kind, bug):
+    """As they are, and wrong: without its table a processor with 16 lanes has to compute them exactly."""
+    if not has(kind):
+        pytest.skip("not on this processor")
+    text = (root / "sw/fast/lanes.h").read_text()
+    (tmp_path / "fast").mkdir()
+    (tmp_path / "fast/lanes.h").write_text(bug.put(text) if bug else text)
+    subprocess.run(["gcc", "-O1", f"-march={kind}", "-ffp-contract=off", "-frounding-math", "-Wno-psabi", f"-I{tmp_path}", f"-I{root}/sw", f"-I{root}/sw/include",
+                    root / "tests/fast/estimates.c", root / "sw/machine/estimate.c", "-o", tmp_path / "x"], check=True)
+    out = subprocess.run([tmp_path / "x"], capture_output=True, text=True, timeout=300)
+    assert (out.stdout == "0 wrong\n") == (bug is None), out.stdout
+
+
 def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):
     run("programs/ship.ode", "-c", "many_full", "--cycle-limit", 100, status=2)
     assert "no cycles" in run.stderr
