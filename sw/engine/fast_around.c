@@ -26,9 +26,14 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
         const fp3_list *l = &members->lists.lists[i];
-        const fp3_fast_given given = {l->is_all ? NULL : l->begin, l->other, l->field, l->fields,
-                                      l->objects};
-        status = fp3_fast_pack(g->program, &given, &g->lists[i], engine->def.error);
+        const fp3_fast_given given = {.begin = l->is_all ? NULL : l->begin,
+                                      .other = l->other,
+                                      .field = l->field,
+                                      .fields = l->fields,
+                                      .objects = l->objects,
+                                      .is_fixed = !l->is_near};
+        status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
+                               engine->def.error);
     }
     g->is_packed = !status;
     return status;
@@ -71,11 +76,8 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
                        uint32_t phase) {
     fast *self = engine->self;
     uint32_t *own[FP3_BANK_OBJECT_COUNT] = {0}, *next[FP3_BANK_OBJECT_COUNT] = {0};
-    fp3_fast_list lists[FP3_LISTS_MAX];
     const uint64_t doubled = fp3_fast_doubled(g->program);
     sweep s = {.self = self, .program = g->program, .phase = phase};
-    for (int i = 0; i < FP3_LISTS_MAX; i++)
-        lists[i] = g->lists[i].list;
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
         if (!self->column[reg])
             continue;
@@ -84,8 +86,8 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
             (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
     }
     const size_t number = (size_t)(members - engine->layout.groups);
-    s.group = (fp3_fast_group){own, next, &self->shared[number * engine->config->registers], lists,
-                               members->objects};
+    s.group = (fp3_fast_group){own, next, &self->shared[number * engine->config->registers],
+                               g->lists, members->objects};
     atomic_init(&s.next, 0);
     if (engine->def.tasks)
         engine->def.tasks(engine->def.tasks_user, take_part, &s, self->used);

@@ -9,105 +9,11 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-/* ---- lists for vectors ---- */
-
-static uint32_t length(const fp3_fast_given *g, uint32_t object) {
-    return object >= g->objects ? 0 : g->begin[object + 1] - g->begin[object];
-}
-
-static uint32_t entry(const fp3_fast_given *g, uint32_t object, uint32_t turn) {
-    return g->other[g->begin[object] + turn];
-}
-
-/* Turns of the vector that begins with this object. */
-static uint32_t turns_of(const fp3_fast_given *g, uint32_t first, unsigned lanes) {
-    uint32_t most = 0;
-    for (uint32_t i = first; i < first + lanes; i++)
-        most = length(g, i) > most ? length(g, i) : most;
-    return most;
-}
-
-typedef struct {
-    unsigned *turn;
-    int *base, *other, *from;
-    unsigned char *is_full;
-    float *field;
-} rows;
-
-static void pack_turn(const fp3_fast_given *g, uint32_t first, uint32_t turn, unsigned lanes,
-                      rows *r, size_t at) {
-    int *other = r->other + at * lanes, *from = r->from + at * lanes;
-    int living = 0, is_row = 1;
-    unsigned count = 0;
-    while (turn >= length(g, first + (unsigned)living))
-        living++;
-    for (unsigned i = 0; i < lanes; i++) {
-        const int has = turn < length(g, first + i);
-        from[i] = has ? (int)i : living;
-        count += (unsigned)has;
-    }
-    for (unsigned i = 0; i < lanes; i++) {
-        const uint32_t object = first + (unsigned)from[i];
-        other[i] = (int)entry(g, object, turn);
-        is_row &= other[i] == other[0] + (int)i;
-        for (uint32_t f = 0; f < g->fields; f++)
-            memcpy(&r->field[(at * g->fields + f) * lanes + i],
-                   &g->field[(size_t)(g->begin[object] + turn) * g->fields + f], sizeof(float));
-    }
-    r->is_full[at] = count == lanes;
-    r->base[at] = is_row && count == lanes ? other[0] : -1;
-}
-
-fp3_status fp3_fast_pack(const fp3_fast *fast, const fp3_fast_given *given, fp3_fast_packed *packed,
-                         fp3_error *error) {
-    if (!given->begin) {
-        packed->list = (fp3_fast_list){.objects = given->objects};
-        return FP3_OK;
-    }
-    const unsigned lanes = fast->sweep->lanes;
-    const uint32_t vectors = (given->objects + lanes - 1) / lanes;
-    size_t turns = 0;
-    for (uint32_t v = 0; v < vectors; v++)
-        turns += turns_of(given, v * lanes, lanes);
-    const size_t sizes[] = {(vectors + 1u) * sizeof(unsigned),
-                            turns * sizeof(int),
-                            turns * lanes * sizeof(int),
-                            turns * lanes * sizeof(int),
-                            turns,
-                            turns * lanes * given->fields * sizeof(float)};
-    for (int i = 0; i < 6; i++) {
-        packed->memory[i] = aligned_alloc(64, (sizes[i] + 64) / 64 * 64);
-        if (!packed->memory[i])
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    }
-    void **m = packed->memory;
-    rows r = {m[0], m[1], m[2], m[3], m[4], m[5]};
-    size_t at = 0;
-    for (uint32_t v = 0; v < vectors; v++) {
-        const uint32_t most = turns_of(given, v * lanes, lanes);
-        r.turn[v] = (unsigned)at;
-        for (uint32_t turn = 0; turn < most; turn++)
-            pack_turn(given, v * lanes, turn, lanes, &r, at++);
-    }
-    r.turn[vectors] = (unsigned)at;
-    packed->list = (fp3_fast_list){.objects = given->objects,
-                                   .turn = r.turn,
-                                   .base = r.base,
-                                   .other = r.other,
-                                   .from = r.from,
-                                   .is_full = r.is_full,
-                                   .field = r.field,
-                                   .fields = given->fields};
-    return FP3_OK;
-}
-
-void fp3_fast_pack_free(fp3_fast_packed *packed) {
-    for (int i = 0; i < 6; i++)
-        free(packed->memory[i]);
-    *packed = (fp3_fast_packed){0};
-}
-
 /* ---- a program ---- */
+
+unsigned fp3_fast_native_lanes(const fp3_fast *fast) {
+    return fast->native.library ? fast->sweep->lanes : 0;
+}
 
 uint32_t fp3_fast_phases(const fp3_fast *fast) {
     return fast->plan.around.is_any ? fast->plan.around.phases : 0;
@@ -134,38 +40,27 @@ static void run_words(const interpreter *in, fp3_fast_lanes *lanes, uint32_t fir
         in->fast->sweep->run_words(&in->fast->plan, &place, first, end);
 }
 
-/* The neighbour of an object, in its vector, at a turn; *at: its lane in the list's rows. UINT32_MAX: it has none. */
-static uint32_t find(const interpreter *in, const fp3_fast_list *list, uint32_t turn, uint32_t lane,
-                     size_t *at) {
-    const uint32_t object = in->first + lane, wide = in->fast->sweep->lanes;
-    const uint32_t vector = object / wide, n = object % wide;
-    if (!list->turn)
-        return object == turn ? UINT32_MAX : turn;
-    *at = (size_t)list->turn[vector] + turn;
-    if (*at >= list->turn[vector + 1] || list->from[*at * wide + n] != (int)n)
-        return UINT32_MAX;
-    return (uint32_t)list->other[*at * wide + n];
+/* Whether an object has a neighbour at this turn. */
+static int has(const fp3_fast_given *list, uint32_t object, uint32_t turn) {
+    return list->begin ? turn < list->begin[object + 1] - list->begin[object] : turn != object;
 }
 
 /* A word of the neighbours of these lanes, or a field. which: lanes of the block. */
-static void look(const interpreter *in, const fp3_fast_list *list, const fp3_instruction *word,
+static void look(const interpreter *in, const fp3_fast_given *list, const fp3_instruction *word,
                  uint32_t turn, uint32_t field, const uint32_t *which, fp3_fast_lanes *to) {
-    const unsigned wide = in->fast->sweep->lanes;
     for (uint32_t i = 0; i < to->count; i++) {
-        size_t at = 0;
-        const uint32_t other = find(in, list, turn, which[i], &at);
-        if (word->op == FP3_OP_LDN)
-            memcpy(&to->rows[word->d][i], &in->group->own[word->a][other], sizeof(float));
-        else
-            to->rows[word->d][i] =
-                list->field[(at * list->fields + field) * wide + (in->first + which[i]) % wide];
+        const size_t at = list->begin ? list->begin[in->first + which[i]] + (size_t)turn : 0;
+        const void *from = word->op == FP3_OP_LDL
+                               ? &list->field[at * list->fields + field]
+                               : &in->group->own[word->a][list->begin ? list->other[at] : turn];
+        memcpy(&to->rows[word->d][i], from, sizeof(float));
     }
     fp3_fast_fill(to, UINT64_C(1) << word->d, 0);
 }
 
 static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t turn,
                      const uint32_t *which, fp3_fast_lanes *lanes) {
-    const fp3_fast_list *list = &in->group->lists[loop->list];
+    const fp3_fast_given *list = &in->group->lists[loop->list].given;
     uint32_t field = 0;
     for (uint32_t pc = loop->first; pc < loop->end; pc++) {
         const fp3_instruction *word = &in->fast->plan.code[pc].in;
@@ -179,23 +74,21 @@ static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t 
 }
 
 /* The lanes that have a neighbour for this turn. */
-static uint32_t find_living(const interpreter *in, const fp3_fast_list *list, uint32_t turn,
+static uint32_t find_living(const interpreter *in, const fp3_fast_given *list, uint32_t turn,
                             uint32_t *which) {
     uint32_t count = 0;
-    size_t at;
     for (uint32_t i = 0; i < in->lanes->count; i++)
-        if (find(in, list, turn, i, &at) != UINT32_MAX)
+        if (has(list, in->first + i, turn))
             which[count++] = i;
     return count;
 }
 
 /* Of the longest list in the block. */
-static uint32_t turns_in_block(const interpreter *in, const fp3_fast_list *list) {
-    const uint32_t wide = in->fast->sweep->lanes, first = in->first / wide;
-    const uint32_t vectors = (in->lanes->count + wide - 1) / wide;
-    uint32_t most = list->turn ? 0 : list->objects;
-    for (uint32_t v = first; list->turn && v < first + vectors; v++)
-        most = list->turn[v + 1] - list->turn[v] > most ? list->turn[v + 1] - list->turn[v] : most;
+static uint32_t turns_in_block(const interpreter *in, const fp3_fast_given *list) {
+    uint32_t most = list->begin ? 0 : list->objects;
+    for (uint32_t i = in->first; list->begin && i < in->first + in->lanes->count; i++)
+        if (list->begin[i + 1] - list->begin[i] > most)
+            most = list->begin[i + 1] - list->begin[i];
     return most;
 }
 
@@ -204,7 +97,7 @@ static uint32_t turns_in_block(const interpreter *in, const fp3_fast_list *list)
 static void run_loop(const interpreter *in, const fp3_fast_loop *loop) {
     fp3_fast_lanes *all = in->lanes, *some = &in->worker->aside;
     const uint64_t taken = loop->outside | loop->kept;
-    const fp3_fast_list *list = &in->group->lists[loop->list];
+    const fp3_fast_given *list = &in->group->lists[loop->list].given;
     const uint32_t turns = turns_in_block(in, list);
     uint32_t which[FP3_BLOCK];
     for (uint32_t turn = 0; turn < turns; turn++) {
@@ -277,12 +170,15 @@ static void run_native(const interpreter *in, uint32_t phase) {
     const float *own[FP3_BANK_OBJECT_COUNT], *seen[FP3_BANK_OBJECT_COUNT];
     float *next[FP3_BANK_OBJECT_COUNT];
     const fp3_fast_plan *plan = &in->fast->plan;
+    fp3_fast_list lists[FP3_LISTS_MAX];
+    for (uint32_t i = 0; i < plan->around.list_count; i++)
+        lists[i] = in->group->lists[i].list;
     fp3_fast_around a = {.own = own,
                          .next = next,
                          .seen = seen,
                          .constants = (const int *)in->group->constants,
                          .table = in->fast->table,
-                         .lists = in->group->lists};
+                         .lists = lists};
     FP3_EACH_REGISTER (plan->read | plan->stored, reg) {
         own[reg] = seen[reg] = (const float *)(const void *)in->group->own[reg];
         next[reg] = (float *)(void *)in->group->next[reg];

@@ -38,7 +38,7 @@ struct fp3_fast {
     fp3_watch_plan watch;
     const fp3_sweep *sweep;
     fp3_fast_native native; /* {0}: interpreted */
-    int table[FP3_ESTIMATES];
+    int table[FP3_TABLE];
     char how[160];
 };
 

@@ -226,44 +226,52 @@ FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
 
 /* The estimates without their table, where all lanes are ordinary numbers. An entry is 1/u or 1/sqrt(u) of the upper
  * end u of its interval, cut to its bits. Of all 2,048, some are cut nowhere; the others are cut by 7.5 units of FP32 or more,
- * and all are 31 or more below the next entry. A step of Newton's is wrong by 2 units at most, so with 3 units more it may be
- * cut. These instructions raise no flag, and round to nearest in any mode. */
+ * and all are 31 or more below the next entry. A step of Newton's is wrong by 2 units at most. Its 1 (or 1/2) is 2^-22 more
+ * than that, which makes the result 2 to 4 units larger, so that it may be cut. These instructions raise no flag, and round to
+ * nearest in any mode. */
 #if FP3_LANES == 16 && !defined __clang__
 #define FP3_ALL_LANES ((unsigned short)-1)
 #define FP3_QUIETLY 8 /* to nearest, no exceptions */
-#define FP3_ARE_BELOW(bits, limit)                                                                 \
-    (__builtin_ia32_ucmpd512_mask((bits), fp3_all(limit), 1, FP3_ALL_LANES) == FP3_ALL_LANES)
 #define FP3_QUIET_MUL(a, b) __builtin_ia32_mulps512_mask((a), (b), (a), FP3_ALL_LANES, FP3_QUIETLY)
-#define FP3_QUIET_FMA(a, b, c)                                                                     \
+#define FP3_QUIET_MADD(a, b, c)                                                                    \
     __builtin_ia32_vfmaddps512_mask((a), (b), (c), FP3_ALL_LANES, FP3_QUIETLY)
-#define FP3_QUIET_MSUB(a, b, c) FP3_QUIET_FMA((fp3_v)((fp3_i)(a) ^ FP3_SIGN), (b), (c))
+#define FP3_QUIET_MSUB(a, b, c)                                                                    \
+    __builtin_ia32_vfnmaddps512_mask((a), (b), (c), FP3_ALL_LANES, FP3_QUIETLY)
+#define FP3_NUMBER(of) fp3_all(table[FP3_AT_##of])
 
-FP3_OPERATION fp3_v fp3_cut(fp3_v y, fp3_i kept) { return (fp3_v)(((fp3_i)y + 3) & kept); }
-FP3_OPERATION fp3_v fp3_rcp_ordinary(fp3_v a) {
-    const fp3_v u = (fp3_v)(((fp3_i)a | 0x1fff) + 1);
+/* Exponents 1 to 252 of any sign; 2 to 253, as the step takes half of one. */
+FP3_OPERATION int fp3_are_ordinary(fp3_i a, fp3_i least, const int *table) {
+    return __builtin_ia32_ucmpd512_mask(a - least, FP3_NUMBER(ABOVE), 1, FP3_ALL_LANES) ==
+           FP3_ALL_LANES;
+}
+FP3_OPERATION int fp3_rcp_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary(fp3_magnitude(a), FP3_NUMBER(RCP_LEAST), table);
+}
+FP3_OPERATION int fp3_rsqrt_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary((fp3_i)a, FP3_NUMBER(RSQRT_LEAST), table);
+}
+FP3_OPERATION fp3_v fp3_rcp_ordinary(fp3_v a, const int *table) {
+    const fp3_v u = (fp3_v)(((fp3_i)a | FP3_NUMBER(RCP_END)) + FP3_NUMBER(NEXT));
     const fp3_v y = __builtin_ia32_rcp14ps512_mask(u, u, FP3_ALL_LANES);
-    const fp3_v off = FP3_QUIET_MSUB(u, y, (fp3_v)fp3_all(FP3_ONE));
-    return fp3_cut(FP3_QUIET_FMA(y, off, y), fp3_all(~0x3fff));
+    const fp3_v off = FP3_QUIET_MSUB(u, y, (fp3_v)FP3_NUMBER(ONE));
+    return (fp3_v)((fp3_i)FP3_QUIET_MADD(y, off, y) & FP3_NUMBER(RCP_CUT));
 }
-FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a) {
-    const fp3_v u = (fp3_v)(((fp3_i)a | 0x3fff) + 1);
+FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a, const int *table) {
+    const fp3_i end = (fp3_i)a | FP3_NUMBER(RSQRT_END);
+    const fp3_v u = (fp3_v)(end + FP3_NUMBER(NEXT)), half = (fp3_v)(end + FP3_NUMBER(HALF_OF_NEXT));
     const fp3_v y = __builtin_ia32_rsqrt14ps512_mask(u, u, FP3_ALL_LANES);
-    const fp3_v off = FP3_QUIET_MSUB(FP3_QUIET_MUL(FP3_QUIET_MUL(u, FP3_HALF), y), y, FP3_HALF);
-    return fp3_cut(FP3_QUIET_FMA(y, off, y), ((~(fp3_i)a & FP3_LEAST) >> 10) | ~0x3fff);
+    const fp3_v off = FP3_QUIET_MSUB(FP3_QUIET_MUL(half, y), y, (fp3_v)FP3_NUMBER(HALF));
+    const fp3_i cut = (((fp3_i)a >> 10) & FP3_NUMBER(RSQRT_ODD)) | FP3_NUMBER(RSQRT_CUT);
+    return (fp3_v)((fp3_i)FP3_QUIET_MADD(y, off, y) & ~cut);
 }
-/* Exponents 1 to 252 of any sign; 1 to 253. */
-#define FP3_ARE_ORDINARY_RCP(a) FP3_ARE_BELOW(fp3_magnitude(a) - FP3_LEAST, 252 << 23)
-#define FP3_ARE_ORDINARY_RSQRT(a) FP3_ARE_BELOW((fp3_i)(a)-FP3_LEAST, 253 << 23)
 #else
-#define FP3_ARE_ORDINARY_RCP(a) 0
-#define FP3_ARE_ORDINARY_RSQRT(a) 0
-#define fp3_rcp_ordinary(a) (a)
-#define fp3_rsqrt_ordinary(a) (a)
+#define fp3_rcp_is_ordinary(a, table) 0
+#define fp3_rsqrt_is_ordinary(a, table) 0
+#define fp3_rcp_ordinary(a, table) (a)
+#define fp3_rsqrt_ordinary(a, table) (a)
 #endif
 
-FP3_OPERATION fp3_v fp3_rcp(fp3_v a, const int *table) {
-    if (FP3_ARE_ORDINARY_RCP(a))
-        return fp3_rcp_ordinary(a);
+FP3_OPERATION fp3_v fp3_rcp_any(fp3_v a, const int *table) {
     const fp3_i sign = (fp3_i)a & FP3_SIGN, e = fp3_exponent(a);
     const fp3_i entry = fp3_entry(table, ((fp3_i)a & 0x7fffff) >> 13), is_small = e >= 253;
     const fp3_i down = is_small & (e - 253) & 3;
@@ -274,9 +282,7 @@ FP3_OPERATION fp3_v fp3_rcp(fp3_v a, const int *table) {
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)(bits | sign));
 }
 
-FP3_OPERATION fp3_v fp3_rsqrt(fp3_v a, const int *table) {
-    if (FP3_ARE_ORDINARY_RSQRT(a))
-        return fp3_rsqrt_ordinary(a);
+FP3_OPERATION fp3_v fp3_rsqrt_any(fp3_v a, const int *table) {
     const fp3_i e = fp3_exponent(a), odd = e & 1;
     const fp3_i entry = fp3_entry(table + 1024, odd * 512 + (((fp3_i)a & 0x7fffff) >> 14));
     fp3_i bits = ((190 - ((e + 1) >> 1)) << 23) | (entry << (13 + odd));
@@ -284,6 +290,19 @@ FP3_OPERATION fp3_v fp3_rsqrt(fp3_v a, const int *table) {
     bits = (((fp3_i)a < 0) & FP3_SIGNALLING) | (~((fp3_i)a < 0) & bits);
     bits = ((e == 0) & FP3_INFINITE) | (~(e == 0) & bits);
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)bits);
+}
+
+#define FP3_ESTIMATE(of, a, table, how)                                                            \
+    (fp3_##of##_is_ordinary((a), (table)) ? fp3_##of##_ordinary((a), (table))                      \
+                                          : how(fp3_##of##_any((a), (table))))
+FP3_OPERATION fp3_v fp3_rcp(fp3_v a, const int *table) { return FP3_ESTIMATE(rcp, a, table, ); }
+FP3_OPERATION fp3_v fp3_rsqrt(fp3_v a, const int *table) { return FP3_ESTIMATE(rsqrt, a, table, ); }
+/* The same with the adder behind it, which does nothing to an ordinary number. */
+FP3_OPERATION fp3_v fp3_rcp_behind(fp3_v a, const int *table) {
+    return FP3_ESTIMATE(rcp, a, table, fp3_behind);
+}
+FP3_OPERATION fp3_v fp3_rsqrt_behind(fp3_v a, const int *table) {
+    return FP3_ESTIMATE(rsqrt, a, table, fp3_behind);
 }
 
 /* In integers: the fraction's bits that go, and half of the last that stays. */

@@ -2,37 +2,74 @@
 #ifndef FP3_FAST_PLACE_H
 #define FP3_FAST_PLACE_H
 
-#define FP3_BLOCK 512 /* objects */
+#define FP3_FAST_NAME "fp3_stretch" /* the function of a program's native code */
+#define FP3_BLOCK 512               /* objects */
 #define FP3_SEEN_SUBNORMAL 1u
 #define FP3_SEEN_UNDERFLOW 2u
 #define FP3_BEGINS 1u /* of a stretch of steps: the first part comes before it ... */
 #define FP3_ENDS 2u   /* ... and the last part behind */
+
+/* Behind the two tables of estimates (machine/estimate.h) stand numbers that computing them takes: one in memory is had by all
+ * lanes at once, while one in the code is made anew each time. */
+enum {
+    FP3_AT_RCP_LEAST = 2048, /* number, and how far above it one may be */
+    FP3_AT_RSQRT_LEAST,
+    FP3_AT_ABOVE,
+    FP3_AT_RCP_END, /* of an interval of the table: all bits below it */
+    FP3_AT_RSQRT_END,
+    FP3_AT_NEXT,
+    FP3_AT_HALF_OF_NEXT,
+    FP3_AT_RCP_CUT,
+    FP3_AT_RSQRT_CUT,
+    FP3_AT_RSQRT_ODD, /* a bit more that is cut from an estimate of an odd exponent */
+    FP3_AT_HALF,      /* and a margin */
+    FP3_AT_ONE,       /* and a margin */
+    FP3_TABLE
+};
+static inline void fp3_table_finish(int table[FP3_TABLE]) {
+    const int numbers[FP3_TABLE - FP3_AT_RCP_LEAST] = {
+        0x00800000,     0x01000000, 252 << 23, 0x1fff, 0x3fff,     1,
+        1 - 0x00800000, ~0x3fff,    0x1fff,    0x2000, 0x3f000004, 0x3f800002};
+    for (int i = FP3_AT_RCP_LEAST; i < FP3_TABLE; i++)
+        table[i] = numbers[i - FP3_AT_RCP_LEAST];
+}
 
 /* Rows have FP3_BLOCK lanes, one for each object. */
 typedef struct {
     float *rows;           /* [64][FP3_BLOCK], aligned to 64 bytes: registers */
     float *const *records; /* [64]: rows of words in the store, aligned to 4 bytes */
     const int *constants;  /* [64]: bits of FP32 numbers */
-    const int *table;      /* fp3_estimates */
+    const int *table;      /* [FP3_TABLE] */
     int *awake;            /* a row, aligned: -1, or 0 where the object sleeps */
     unsigned *
         seen; /* FP3_SEEN_*, by an executor that knows: products that were subnormal, or raised underflow */
     unsigned vectors; /* all lanes of the last one have an object's values, too */
 } fp3_fast_place;
 
-/* A list of neighbours of each object, for vectors of as many objects as the executor has lanes. A turn is one neighbour of
- * each object of a vector; where an object has none, lane `from` of the vector stands in for it: it does what that
- * one does, and nothing of it counts. */
+/* A list of neighbours of each object, for vectors of as many objects as native code has lanes. A turn is one neighbour of
+ * each object of a vector, or of some: for the others another pair stands in, which is in the list of theirs anyway. The tape
+ * has for each vector that has turns
+ *     0; or 1 and a row of lanes: which object stands in for each. Itself, but for one that has no neighbour at all
+ * and for each turn
+ *     base, others, kind   the neighbours are base, base + 1 .., and for those that have none others, others + 1 ..; base < 0:
+ *                          they are those of a row that follows
+ *     neighbours           a row, if base < 0
+ *     fields               a row of each; with FP3_TURN_SAME one word of each
+ * Turns come FP3_TURNS_BESIDE at a time, and the first has FP3_TURN_BESIDE or FP3_TURN_PLAIN, or FP3_TURNS_IN_PART at a time. */
+#define FP3_TURN_HEAD 3   /* words */
+#define FP3_TURN_SAME 1   /* all with the same fields */
+#define FP3_TURN_BESIDE 2 /* this one and those that follow */
+#define FP3_TURN_PLAIN                                                                             \
+    4 /* the same, and every object has a neighbour from base on, all with the same fields */
+#define FP3_TURN_TAKES 16 /* from this bit on: a bit for each lane that has a neighbour */
+#define FP3_TURNS_BESIDE 4
+#define FP3_TURNS_IN_PART 2
 typedef struct {
     unsigned objects;
-    const unsigned *
-        turn; /* of each vector: its first turn; one more behind the last. NULL: turn t of each vector is object t */
-    const int *base;  /* of each turn: the neighbours are base, base + 1 ..; -1: those of `other` */
-    const int *other; /* of each lane of each turn */
-    const int *from;  /* likewise; the lane itself if it has a neighbour */
-    const unsigned char *is_full; /* of each turn: every lane has one */
-    const float *field; /* of each turn, its fields one after the other: a vector of each */
-    unsigned fields;
+    const unsigned long *
+        start; /* of each vector: where its turns begin on the tape; one more behind the last. NULL: turn t of
+                                   each vector is object t */
+    const int *tape;
 } fp3_fast_list;
 
 /* A phase of objects that see each other. */
@@ -43,7 +80,7 @@ typedef struct {
     const float *const
         *seen;            /* [64]: columns of all objects of the group, as neighbours see them */
     const int *constants; /* [64] */
-    const int *table;     /* fp3_estimates */
+    const int *table;     /* [FP3_TABLE] */
     const fp3_fast_list *lists;
     unsigned bias; /* vector `bias` of the lists is the first of the columns */
 } fp3_fast_around;

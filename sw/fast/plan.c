@@ -27,6 +27,13 @@ static uint32_t sources_of(const fp3_instruction *in) {
     return is_of_neighbour(in) ? 0 : fp3_operation_find(in->op)->sources;
 }
 
+uint64_t fp3_fast_touched(const fp3_fast_word *word) {
+    uint64_t set = bit(word->in.d);
+    for (uint32_t i = 0; i < sources_of(&word->in); i++)
+        set |= bit(fp3_operand(&word->in, "abc"[i]));
+    return set;
+}
+
 /* ---- reading ---- */
 
 /* in_front: words that the image does not have. */
@@ -258,6 +265,50 @@ static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
     return FP3_OK;
 }
 
+/* Something is added to register d, or subtracted from it, which does not depend on what a loop keeps. */
+static int changes_a_sum(const fp3_instruction *in, uint64_t kept) {
+    const uint64_t a = bit(in->a) & kept, b = bit(in->b) & kept, own = bit(in->d) & kept;
+    switch (in->op) {
+    case FP3_OP_ADD:
+        return (a == own && !b) || (b == own && !a);
+    case FP3_OP_SUB:
+        return a == own && !b;
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return bit(in->c) == own && !a && !b;
+    default:
+        return 0;
+    }
+}
+
+/* Of what the loop keeps each register has been computed before it in this phase, so that it is no NaN of the host's, and only
+ * sums change it. */
+static int are_sums(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint32_t phase) {
+    uint64_t computed = 0;
+    for (uint32_t pc = phase; pc < loop->first; pc++) {
+        const fp3_instruction *in = &plan->code[pc].in;
+        if (is_arithmetic(in))
+            computed |= bit(in->d);
+        else if (in->op != FP3_OP_ST)
+            computed &= ~bit(in->d);
+    }
+    for (uint32_t pc = loop->first; pc < loop->end; pc++)
+        if (fp3_fast_touched(&plan->code[pc]) & loop->kept &&
+            !changes_a_sum(&plan->code[pc].in, loop->kept))
+            return 0;
+    return !(loop->kept & ~computed);
+}
+
+static void find_sums(fp3_fast_plan *plan) {
+    plan->are_sums = 1;
+    for (uint32_t i = 0; i < plan->loop_count; i++) {
+        uint32_t phase = 0;
+        while (plan->phase[phase + 1] <= plan->loops[i].first)
+            phase++;
+        plan->are_sums &= are_sums(plan, &plan->loops[i], plan->phase[phase]);
+    }
+}
+
 /* The second pass of the step part begins with what the first part or a step left. */
 static uint64_t find_origins(fp3_fast_plan *plan) {
     unsigned char from[FP3_BANK_OBJECT_COUNT], head[FP3_BANK_OBJECT_COUNT];
@@ -315,6 +366,8 @@ fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, ui
         return status;
     }
     find_live(plan, states);
+    if (around->is_any)
+        find_sums(plan);
     mark(plan);
     return FP3_OK;
 }

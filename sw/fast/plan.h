@@ -62,9 +62,13 @@ typedef struct {
         around; /* with neighbours: of these parts only the step part has instructions */
     fp3_fast_loop *loops;
     uint32_t loop_count;
+    int are_sums;      /* what loops keep: native code has no other loops */
     uint32_t *phase;   /* where each phase begins, and where the last one ends */
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
 } fp3_fast_plan;
+
+/* The registers of the object that a word reads or writes. */
+uint64_t fp3_fast_touched(const fp3_fast_word *word);
 
 /* states: registers that are looked at after each step. *plan is freed by the caller. FP3_E_PROGRAM: a word is no instruction that the configuration has, or an
  * lds stands behind something else than loads. */

@@ -10,10 +10,8 @@
 
 #include <stdio.h>
 
-/* What the text defines: a fp3_fast_stretch or, of a program with neighbours, a fp3_fast_around_fn; see native.h. */
-#define FP3_FAST_NAME "fp3_stretch"
-
-/* FP3_E_SYSTEM: it could not be written. */
+/* The text defines FP3_FAST_NAME, a fp3_fast_stretch or, of a program with neighbours, a fp3_fast_around_fn; see native.h.
+ * FP3_E_SYSTEM: it could not be written. */
 fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error);
 
 #endif

@@ -6,6 +6,8 @@
 #define FP3_NEAREST 1
 #define FP3_SUBNORMAL 1
 #define FP3_FLAGS 1
+#include <fast/place.h>
+
 #include <fast/lanes.h>
 
 #include <machine/estimate.h>
@@ -15,7 +17,7 @@
 
 enum { INTERVAL = 1 << 13, CUT = 0x6000, FLAGS = 0x3f };
 
-static int table[FP3_ESTIMATES];
+static int table[FP3_TABLE];
 static unsigned long wrong;
 
 /* One of the lanes may have another operand. */
@@ -31,6 +33,7 @@ static void check(uint32_t a, uint32_t odd) {
 
 int main(void) {
     fp3_estimate_table(table);
+    fp3_table_finish(table);
     for (unsigned mode = 0; mode <= CUT; mode += CUT) {
         _mm_setcsr(0x1f80u | mode);
         for (uint64_t a = 0; a < UINT64_C(1) << 32; a += INTERVAL) {

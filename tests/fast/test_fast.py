@@ -168,12 +168,12 @@ def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
 
 
 ESTIMATE_BUGS = [
-    Bug("an exact entry is not reached", "sw/fast/lanes.h", "(fp3_i)y + 3", "(fp3_i)y - 3"),
-    Bug("an entry is passed", "sw/fast/lanes.h", "(fp3_i)y + 3", "(fp3_i)y + 48"),
-    Bug("no step of Newton's", "sw/fast/lanes.h", "fp3_cut(FP3_QUIET_FMA(y, off, y), fp3_all(~0x3fff))", "fp3_cut(y, fp3_all(~0x3fff))"),
+    Bug("an exact entry is not reached", "sw/fast/place.h", "0x3f000004, 0x3f800002", "0x3efffffc, 0x3f7ffffc"),
+    Bug("an entry is passed", "sw/fast/place.h", "0x3f000004, 0x3f800002", "0x3f000040, 0x3f800020"),
+    Bug("no step of Newton's", "sw/fast/lanes.h", "(fp3_i)FP3_QUIET_MADD(y, off, y) & FP3_NUMBER(RCP_CUT)", "(fp3_i)y & FP3_NUMBER(RCP_CUT)"),
     Bug("inexact is raised", "sw/fast/lanes.h", "FP3_QUIETLY 8", "FP3_QUIETLY 4"),
-    Bug("the largest numbers are ordinary", "sw/fast/lanes.h", "252 << 23", "254 << 23"),
-    Bug("infinity is ordinary", "sw/fast/lanes.h", "253 << 23", "255 << 23"),
+    Bug("the largest numbers are ordinary", "sw/fast/place.h", "252 << 23", "254 << 23"),
+    Bug("the least number is halved", "sw/fast/place.h", "0x01000000", "0x00800000"),
 ]
 
 
@@ -183,9 +183,10 @@ def test_estimates(root, tmp_path, kind, bug):
     """As they are, and wrong: without its table a processor with 16 lanes has to compute them exactly."""
     if not has(kind):
         pytest.skip("not on this processor")
-    text = (root / "sw/fast/lanes.h").read_text()
     (tmp_path / "fast").mkdir()
-    (tmp_path / "fast/lanes.h").write_text(bug.put(text) if bug else text)
+    for name in ("lanes.h", "place.h"):
+        text = (root / "sw/fast" / name).read_text()
+        (tmp_path / "fast" / name).write_text(bug.put(text) if bug and bug.file.endswith(name) else text)
     subprocess.run(["gcc", "-O1", f"-march={kind}", "-ffp-contract=off", "-frounding-math", "-Wno-psabi", f"-I{tmp_path}", f"-I{root}/sw", f"-I{root}/sw/include",
                     root / "tests/fast/estimates.c", root / "sw/machine/estimate.c", "-o", tmp_path / "x"], check=True)
     out = subprocess.run([tmp_path / "x"], capture_output=True, text=True, timeout=300)

@@ -1,6 +1,7 @@
 """Objects that see each other: the same words on every engine, the equations' own solution, and what is refused."""
 
 import itertools
+import math
 import subprocess
 
 import numpy
@@ -166,6 +167,57 @@ def test_lesser_processors_have_the_same_words(script, monkeypatch, kind):
         monkeypatch.setenv("FP3_FAST", kind)
         assert script(model, lines, "fast") == wanted
         monkeypatch.delenv("FP3_FAST")
+
+
+EXACT = """
+param w = 1
+state x = 0
+state s = 0
+links ties(k = 1)
+step 1
+x' = 0
+s' = w*sum(o in ties: o.k*(o.x - x))
+"""
+
+
+def ties(seed, n):
+    """Of each object none to 20 in any order, or as on a grid with holes. All is exact, and none who is at infinity sees another one there:
+    so whoever takes a neighbour that is not his, or himself, raises invalid."""
+    random = numpy.random.default_rng(seed)
+    at = [math.inf if i and random.random() < 0.3 else 2.0 ** random.integers(4) * (1 + i % 7) for i in range(n)]
+    lines = [f"objects {n}", row("state", "x", at), "links ties 0 1 1"]
+    for i in range(n):
+        if random.random() < (0, 0.3, 0.9)[seed % 3]:
+            continue
+        ways = [w for w in (-17, -16, -1, 1, 2, 16) if random.random() < 0.9] if seed % 2 else random.integers(-n, n, random.integers(21))
+        others = [int(i + w) for w in ways if w and 0 <= i + w < n]
+        lines += [f"links ties {i} {k} {2.0 ** (0 if seed % 5 else int(random.integers(-2, 3)))!r}" for k in others if min(at[k], at[i]) < math.inf]
+    return lines
+
+
+@pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3", "x86-64-v4", "interpreter"])
+def test_lists_of_any_kind(script, monkeypatch, kind):
+    """With holes, with objects that have no neighbour, of the same fields or not: words, and flags. isa goes through them one by one."""
+    monkeypatch.setenv("FP3_FAST", kind)
+    for seed in range(40):
+        lines = [*ties(seed, (2, 5, 16, 31, 48, 100, 333)[seed % 7]), "flags 1", "print x s", "flags 3", "print s"]
+        assert script(EXACT, lines, "fast", "euler", threads=1 + seed % 2) == script(EXACT, lines, "isa", "euler"), seed
+
+
+@pytest.mark.parametrize("words", ["max r, r, n", "add r, n, -0.0", "sub r, n, r"])
+def test_a_loop_that_keeps_more_than_a_sum_is_interpreted(fp3, tmp_path, words):
+    """The largest of the neighbours, the last one, and what alternates."""
+    (tmp_path / "x.s").write_text(f".state x r\n.temp ties n\nstep:\nld x\nld ties\nadd r, -0.0, 0.5\neach ties\nldn n, x\n{words}\nnext\nst r\n")
+    (tmp_path / "l.csv").write_text("a,b\n" + "".join(f"{i},{(i * k + k) % 40}\n" for i in range(40) for k in range(1, 1 + i % 5) if (i * k + k) % 40 != i))
+    said = {}
+    for engine in ("isa", "fast"):
+        out = subprocess.run([fp3, "run", tmp_path / "x.s", "-c", "world", "-e", engine, "--links", f"ties={tmp_path / 'l.csv'}", "--spread", "x=-3:5", "--set", "r=0", "--all"],
+                             capture_output=True, text=True)
+        assert out.returncode == 0, out.stderr
+        said[engine] = out.stdout
+    assert "interpreter" in said["fast"] and "more than sums" in said["fast"], said["fast"]
+    ends = {engine: [line for line in text.splitlines() if " 0x" in line] for engine, text in said.items()}
+    assert len(ends["isa"]) == 80 and ends["isa"] == ends["fast"]
 
 
 @pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3", "x86-64-v4"])

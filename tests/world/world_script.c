@@ -10,6 +10,7 @@
  *     all NAME
  *     run STEPS                 go STEPS: an error is printed, and not the end
  *     print NAME ...            a line of bits for each state
+ *     flags STEPS               run, and what that raised
  *     failure                   "none", or which
  */
 #include <fp3/compile.h>
@@ -157,7 +158,7 @@ static void give_near(world *w, const char *name) {
     need(w, fp3_engine_set_near(w->engine, 0, name, &near));
 }
 
-static void run(world *w, uint64_t steps) {
+static void run(world *w, uint64_t steps, fp3_stats *stats) {
     for (size_t i = 0; i < w->list_count; i++)
         give(w, &w->lists[i]);
     for (size_t i = 0; i < w->list_count; i++) {
@@ -167,7 +168,7 @@ static void run(world *w, uint64_t steps) {
         w->lists[i] = (links){0};
     }
     w->list_count = 0;
-    need(w, fp3_engine_run(w->engine, steps, NULL));
+    need(w, fp3_engine_run(w->engine, steps, stats));
 }
 
 static void print(world *w, const char *name) {
@@ -213,10 +214,14 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
     } else if (strcmp(what, "all") == 0) {
         need(w, fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){0}));
     } else if (strcmp(what, "run") == 0) {
-        run(w, strtoull(name, NULL, 10));
+        run(w, strtoull(name, NULL, 10), NULL);
     } else if (strcmp(what, "go") == 0) {
         if (fp3_engine_run(w->engine, strtoull(name, NULL, 10), NULL))
             printf("error %s\n", w->error.text);
+    } else if (strcmp(what, "flags") == 0) {
+        fp3_stats stats;
+        run(w, strtoull(name, NULL, 10), &stats);
+        printf("%02x\n", (unsigned)stats.flags);
     } else if (strcmp(what, "failure") == 0) {
         say_failure(w);
     } else {
