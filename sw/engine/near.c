@@ -8,8 +8,8 @@
 
 #define CELLS_PER_OBJECT 4.0
 
-/* FP32 positions are exact in double, and their distances are computed in double: what the program computes in FP32
- * may be nearer by some units in the last place, for which the list reaches a little farther. */
+/* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong by some units in the last place, for
+ * which the list reaches a little farther. */
 #define ROUNDING 1e-5
 
 static double at(const fp3_where_they_are *w, uint32_t k, size_t object) {
@@ -41,10 +41,11 @@ typedef struct {
     const fp3_where_they_are *now;
     double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
     uint32_t cells[FP3_NEAR_DIMENSIONS];
-    uint32_t *cell;  /* of each object */
-    uint32_t *first; /* of each cell, in `order` */
-    uint32_t *order; /* objects, cell by cell, ascending */
-    double far;      /* square of how far the list reaches */
+    uint32_t *cell;                    /* of each object */
+    uint32_t *first;                   /* of each cell, in `order` */
+    uint32_t *order;                   /* objects, cell by cell, ascending */
+    float *place[FP3_NEAR_DIMENSIONS]; /* of each object, in this order */
+    float far;                         /* square of how far the list reaches */
 } grid;
 
 /* Cells at least as large as the list reaches, and not many more than there are objects. */
@@ -53,8 +54,9 @@ static void measure(grid *g, double reach) {
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
         g->least[k] = most[k] = at(g->now, k, 0);
         for (uint32_t i = 1; i < g->now->objects; i++) {
-            g->least[k] = fmin(g->least[k], at(g->now, k, i));
-            most[k] = fmax(most[k], at(g->now, k, i));
+            const double x = at(g->now, k, i);
+            g->least[k] = x < g->least[k] ? x : g->least[k];
+            most[k] = x > most[k] ? x : most[k];
         }
         extent[k] = most[k] - g->least[k];
     }
@@ -73,8 +75,8 @@ static void measure(grid *g, double reach) {
 static uint32_t column(const grid *g, uint32_t k, uint32_t object) {
     if (k >= g->now->dimensions)
         return 0;
-    const double c = floor((at(g->now, k, object) - g->least[k]) / g->size);
-    return c < 0 ? 0 : c >= g->cells[k] ? g->cells[k] - 1 : (uint32_t)c;
+    const double c = (at(g->now, k, object) - g->least[k]) / g->size;
+    return c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
 }
 
 static fp3_status sort(grid *g, fp3_error *error) {
@@ -83,8 +85,11 @@ static fp3_status sort(grid *g, fp3_error *error) {
     g->cell = malloc((objects + 1u) * sizeof *g->cell);
     g->order = malloc((objects + 1u) * sizeof *g->order);
     g->first = calloc(cells + 2, sizeof *g->first);
-    if (!g->cell || !g->order || !g->first)
+    g->place[0] = calloc((size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS, sizeof(float));
+    if (!g->cell || !g->order || !g->first || !g->place[0])
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
+        g->place[k] = g->place[k - 1] + objects + 1;
     for (uint32_t i = 0; i < objects; i++) {
         g->cell[i] =
             (column(g, 2, i) * g->cells[1] + column(g, 1, i)) * g->cells[0] + column(g, 0, i);
@@ -92,83 +97,104 @@ static fp3_status sort(grid *g, fp3_error *error) {
     }
     for (size_t c = 2; c < cells + 2; c++)
         g->first[c] += g->first[c - 1];
-    for (uint32_t i = 0; i < objects; i++)
-        g->order[g->first[g->cell[i] + 1]++] = i;
+    for (uint32_t i = 0; i < objects; i++) {
+        const uint32_t n = g->first[g->cell[i] + 1]++;
+        g->order[n] = i;
+        for (uint32_t k = 0; k < g->now->dimensions; k++)
+            g->place[k][n] = (float)at(g->now, k, i);
+    }
     return FP3_OK;
 }
 
-static int is_near(const grid *g, uint32_t i, uint32_t j) {
-    double way = 0;
-    for (uint32_t k = 0; k < g->now->dimensions; k++) {
-        const double d = at(g->now, k, i) - at(g->now, k, j);
-        way += d * d;
-    }
-    return way < g->far;
-}
-
-/* The cells around an object's, and its own: from low to high along each axis. */
+/* Pairs of objects that are near, from the side of each: object i has found[first[i]] .. of them, in the order of the cells. */
 typedef struct {
-    uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
-} around;
+    uint32_t *first, *found;
+    size_t count, room;
+} pairs;
 
-static around around_of(const grid *g, uint32_t object) {
-    around a;
-    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        const uint32_t c = column(g, k, object);
-        a.low[k] = c ? c - 1 : 0;
-        a.high[k] = c + 1 < g->cells[k] ? c + 1 : c;
-    }
-    return a;
-}
-
-static int by_number(const void *a, const void *b) {
-    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* Those of one object; other == NULL: they are counted. */
-static uint32_t find(const grid *g, uint32_t object, uint32_t *other) {
-    const around a = around_of(g, object);
+/* Of the objects order[from] .. order[end - 1] those that are near one at this place; itself, too. There is room for all. */
+static uint32_t find(const grid *g, const float *place, uint32_t from, uint32_t end,
+                     uint32_t *found) {
     uint32_t count = 0;
-    for (uint32_t z = a.low[2]; z <= a.high[2]; z++)
-        for (uint32_t y = a.low[1]; y <= a.high[1]; y++) {
-            const size_t row = ((size_t)z * g->cells[1] + y) * g->cells[0];
-            for (uint32_t n = g->first[row + a.low[0]]; n < g->first[row + a.high[0] + 1]; n++) {
-                const uint32_t j = g->order[n];
-                if (j == object || !is_near(g, object, j))
-                    continue;
-                if (other)
-                    other[count] = j;
-                count++;
-            }
-        }
-    if (other)
-        qsort(other, count, sizeof *other, by_number);
+    for (uint32_t n = from; n < end; n++) {
+        const float x = g->place[0][n] - place[0], y = g->place[1][n] - place[1],
+                    z = g->place[2][n] - place[2];
+        found[count] = g->order[n];
+        count += x * x + y * y + z * z < g->far;
+    }
     return count;
 }
 
-static fp3_status fill(const grid *g, uint32_t **begin, uint32_t **other, fp3_error *error) {
-    const uint32_t objects = g->now->objects;
-    uint64_t entries = 0;
-    *begin = malloc((objects + 2u) * sizeof **begin);
-    if (!*begin)
+static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
+    if (p->count + more <= p->room)
+        return FP3_OK;
+    const size_t room = 2 * p->room + more + 4096;
+    uint32_t *found = realloc(p->found, room * sizeof *found);
+    if (!found)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (uint32_t i = 0; i < objects; i++) {
-        (*begin)[i] = (uint32_t)entries;
-        entries += find(g, i, NULL);
-        if (entries > INT32_MAX)
-            return fp3_fail(
-                error, FP3_E_LIMIT,
-                "a list of those that are near has more than 2147483647 entries: object %" PRIu32
-                " of %" PRIu32 " is too much, or the reach is too long",
-                i, objects);
+    p->found = found;
+    p->room = room;
+    return FP3_OK;
+}
+
+/* The cells around an object's, and its own, a row of them at a time. */
+static fp3_status find_around(const grid *g, uint32_t object, pairs *p, fp3_error *error) {
+    uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
+    float place[FP3_NEAR_DIMENSIONS] = {0};
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+        const uint32_t c = column(g, k, object);
+        low[k] = c ? c - 1 : 0;
+        high[k] = c + 1 < g->cells[k] ? c + 1 : c;
+        if (k < g->now->dimensions)
+            place[k] = (float)at(g->now, k, object);
     }
-    (*begin)[objects] = (uint32_t)entries;
-    *other = malloc(((size_t)entries + 1) * sizeof **other);
-    if (!*other)
+    p->first[object] = (uint32_t)p->count;
+    for (uint32_t z = low[2]; !status && z <= high[2]; z++)
+        for (uint32_t y = low[1]; !status && y <= high[1]; y++) {
+            const size_t row = ((size_t)z * g->cells[1] + y) * g->cells[0];
+            const uint32_t from = g->first[row + low[0]], end = g->first[row + high[0] + 1];
+            status = need_room(p, end - from + (size_t)1, error);
+            if (!status)
+                p->count += find(g, place, from, end, p->found + p->count);
+        }
+    if (!status && p->count > INT32_MAX)
+        status = fp3_fail(
+            error, FP3_E_LIMIT,
+            "a list of those that are near has more than 2147483647 entries: object %" PRIu32
+            " of %" PRIu32 " is too much, or the reach is too long",
+            object, g->now->objects);
+    return status;
+}
+
+static fp3_status find_pairs(const grid *g, pairs *p, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    p->first = malloc((g->now->objects + 2u) * sizeof *p->first);
+    if (!p->first)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    for (uint32_t i = 0; i < objects; i++)
-        find(g, i, *other + (*begin)[i]);
+    for (uint32_t i = 0; !status && i < g->now->objects; i++)
+        status = find_around(g, i, p, error);
+    p->first[g->now->objects] = (uint32_t)p->count;
+    return status;
+}
+
+/* Each object is near those that are near it. So if objects come in the order of their numbers, and each enters itself in the
+ * lists of those that it has found, all lists have that order. Each has found itself, too. */
+static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_t **other,
+                        fp3_error *error) {
+    const uint32_t objects = g->now->objects;
+    uint32_t *next = g->cell; /* it has served */
+    *begin = malloc((objects + 2u) * sizeof **begin);
+    *other = malloc((p->count + 1) * sizeof **other);
+    if (!*begin || !*other)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i <= objects; i++)
+        (*begin)[i] = p->first[i] - i;
+    memcpy(next, *begin, objects * sizeof *next);
+    for (uint32_t j = 0; j < objects; j++)
+        for (uint32_t n = p->first[j]; n < p->first[j + 1]; n++)
+            if (p->found[n] != j)
+                (*other)[next[p->found[n]]++] = j;
     return FP3_OK;
 }
 
@@ -188,17 +214,23 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error) {
     const double reach = (rule->reach + rule->skin) * (1 + ROUNDING);
-    grid g = {.now = now, .far = reach * reach};
+    grid g = {.now = now, .far = (float)(reach * reach)};
+    pairs p = {0};
     *begin = *other = NULL;
     measure(&g, reach);
     fp3_status status = sort(&g, error);
     if (!status)
-        status = fill(&g, begin, other, error);
+        status = find_pairs(&g, &p, error);
+    if (!status)
+        status = enter(&g, &p, begin, other, error);
     if (!status)
         status = remember(rule, now, error);
+    free(p.first);
+    free(p.found);
     free(g.cell);
     free(g.order);
     free(g.first);
+    free(g.place[0]);
     return status;
 }
 
