@@ -19,6 +19,8 @@ typedef struct {
 void fp3_around_forget(group *g) {
     for (int i = 0; i < FP3_LISTS_MAX; i++)
         fp3_fast_pack_free(&g->lists[i]);
+    free(g->records);
+    g->records = NULL;
     g->is_packed = 0;
 }
 
@@ -59,17 +61,39 @@ static void take_part(void *of, uint32_t number) {
     }
 }
 
+static fp3_status need_records(fp3_engine *engine, group *g) {
+    int is_any = 0;
+    for (int i = 0; i < FP3_LISTS_MAX; i++)
+        is_any |= g->lists[i].is_gathered;
+    if (!is_any || g->records)
+        return FP3_OK;
+    const size_t bytes = fp3_fast_records(g->program, engine->objects) * sizeof *g->records;
+    g->records = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    return g->records ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+}
+
 static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     const fast *self = engine->self;
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new = 0;
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
-    const fp3_status status =
+    fp3_status status =
         fp3_lists_follow(&members->lists, members->objects, words, 1, &is_new, engine->def.error);
     if (is_new)
         fp3_around_forget(g);
-    return status ? status : pack(engine, members, g);
+    if (!status)
+        status = pack(engine, members, g);
+    return status ? status : need_records(engine, g);
+}
+
+static void sweep_all(fp3_engine *engine, sweep *s) {
+    fast *self = engine->self;
+    atomic_store(&s->next, 0);
+    if (engine->def.tasks)
+        engine->def.tasks(engine->def.tasks_user, take_part, s, self->used);
+    else
+        fp3_threads_run(self->threads, take_part, s, self->used);
 }
 
 static void make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
@@ -77,7 +101,7 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
     fast *self = engine->self;
     uint32_t *own[FP3_BANK_OBJECT_COUNT] = {0}, *next[FP3_BANK_OBJECT_COUNT] = {0};
     const uint64_t doubled = fp3_fast_doubled(g->program);
-    sweep s = {.self = self, .program = g->program, .phase = phase};
+    sweep s = {.self = self, .program = g->program};
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
         if (!self->column[reg])
             continue;
@@ -86,13 +110,18 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
             (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
     }
     const size_t number = (size_t)(members - engine->layout.groups);
-    s.group = (fp3_fast_group){own, next, &self->shared[number * engine->config->registers],
-                               g->lists, members->objects};
-    atomic_init(&s.next, 0);
-    if (engine->def.tasks)
-        engine->def.tasks(engine->def.tasks_user, take_part, &s, self->used);
-    else
-        fp3_threads_run(self->threads, take_part, &s, self->used);
+    s.group = (fp3_fast_group){.own = own,
+                               .next = next,
+                               .constants = &self->shared[number * engine->config->registers],
+                               .lists = g->lists,
+                               .records = g->records,
+                               .objects = members->objects};
+    if (g->records) {
+        s.phase = fp3_fast_phases(g->program);
+        sweep_all(engine, &s);
+    }
+    s.phase = phase;
+    sweep_all(engine, &s);
     FP3_EACH_REGISTER (doubled, reg) {
         uint32_t *half = self->column[reg];
         self->column[reg] = self->other_half[reg];

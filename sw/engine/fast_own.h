@@ -19,6 +19,7 @@ typedef struct {
     uint32_t *awake; /* by number, if it can sleep */
     uint32_t awake_count;
     fp3_fast_packed lists[FP3_LISTS_MAX]; /* of neighbours, as the executor needs them */
+    float *records;                       /* of what neighbours read, or NULL */
     int is_packed;
 } group;
 

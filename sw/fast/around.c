@@ -15,6 +15,10 @@ unsigned fp3_fast_native_lanes(const fp3_fast *fast) {
     return fast->native.library ? fast->sweep->lanes : 0;
 }
 
+size_t fp3_fast_records(const fp3_fast *fast, uint32_t objects) {
+    return ((size_t)objects + FP3_BLOCK) * fp3_fast_record(&fast->plan);
+}
+
 uint32_t fp3_fast_phases(const fp3_fast *fast) {
     return fast->plan.around.is_any ? fast->plan.around.phases : 0;
 }
@@ -178,7 +182,8 @@ static void run_native(const interpreter *in, uint32_t phase) {
                          .seen = seen,
                          .constants = (const int *)in->group->constants,
                          .table = in->fast->table,
-                         .lists = lists};
+                         .lists = lists,
+                         .records = in->group->records};
     FP3_EACH_REGISTER (plan->read | plan->stored, reg) {
         own[reg] = seen[reg] = (const float *)(const void *)in->group->own[reg];
         next[reg] = (float *)(void *)in->group->next[reg];

@@ -21,6 +21,7 @@ typedef struct {
     size_t size, room;
     size_t *turn; /* of the vector: where each one's head is */
     size_t turns, turn_room;
+    int is_gathered;
 } packer;
 
 /* The vector that is packed. Lanes behind the last object have what that one has. */
@@ -184,6 +185,7 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
     const unsigned takes = is_for_nobody ? 0 : v->takes;
     int *at = p->tape + p->size;
     p->turn[p->turns++] = p->size;
+    p->is_gathered |= base < 0;
     *at++ = base;
     *at++ = others;
     *at++ = (int)((is_same ? FP3_TURN_SAME : 0u) | takes << FP3_TURN_TAKES);
@@ -300,6 +302,7 @@ fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_p
     }
     packed->start[vectors] = p.size;
     packed->tape = p.tape;
+    packed->is_gathered = p.is_gathered;
     packed->list.start = packed->start;
     packed->list.tape = packed->tape;
     free(p.turn);

@@ -19,6 +19,7 @@ typedef struct {
 typedef struct {
     fp3_fast_given given; /* what it was made of, which must outlive it */
     fp3_fast_list list;
+    int is_gathered; /* it has neighbours that do not stand side by side */
     unsigned long *start;
     int *tape;
 } fp3_fast_packed;

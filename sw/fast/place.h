@@ -82,6 +82,10 @@ typedef struct {
     const int *constants; /* [64] */
     const int *table;     /* [FP3_TABLE] */
     const fp3_fast_list *lists;
+    float *
+        records; /* of each object of the group what neighbours read, word by word, FP3_RECORD floats of each; it has whole
+                       vectors. Phase number `phases` of a program makes them of `own`, and the others read them where neighbours
+                       do not stand side by side */
     unsigned bias; /* vector `bias` of the lists is the first of the columns */
 } fp3_fast_around;
 

@@ -27,6 +27,10 @@ static uint32_t sources_of(const fp3_instruction *in) {
     return is_of_neighbour(in) ? 0 : fp3_operation_find(in->op)->sources;
 }
 
+uint32_t fp3_fast_record(const fp3_fast_plan *plan) {
+    return ((uint32_t)__builtin_popcountll(plan->around.published) + 3) / 4 * 4;
+}
+
 uint64_t fp3_fast_touched(const fp3_fast_word *word) {
     uint64_t set = bit(word->in.d);
     for (uint32_t i = 0; i < sources_of(&word->in); i++)

@@ -67,6 +67,8 @@ typedef struct {
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
 } fp3_fast_plan;
 
+/* Of a program with neighbours: words of a record, whole quads of them. */
+uint32_t fp3_fast_record(const fp3_fast_plan *plan);
 /* The registers of the object that a word reads or writes. */
 uint64_t fp3_fast_touched(const fp3_fast_word *word);
 

@@ -2,10 +2,12 @@
 #include "text.h"
 
 __asm__(".section .rodata\n"
-        ".global fp3_text_place, fp3_text_lanes\n"
-        ".hidden fp3_text_place, fp3_text_lanes\n"
+        ".global fp3_text_place, fp3_text_lanes, fp3_text_turns\n"
+        ".hidden fp3_text_place, fp3_text_lanes, fp3_text_turns\n"
         "fp3_text_place: .incbin \"sw/fast/place.h\"\n"
         ".byte 0\n"
         "fp3_text_lanes: .incbin \"sw/fast/lanes.h\"\n"
+        ".byte 0\n"
+        "fp3_text_turns: .incbin \"sw/fast/turns.h\"\n"
         ".byte 0\n"
         ".previous\n");

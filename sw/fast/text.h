@@ -1,7 +1,7 @@
-/* text.h - place.h and lanes.h as text. */
+/* text.h - place.h, lanes.h and turns.h as text. */
 #ifndef FP3_TEXT_H
 #define FP3_TEXT_H
 
-extern const char fp3_text_place[], fp3_text_lanes[];
+extern const char fp3_text_place[], fp3_text_lanes[], fp3_text_turns[];
 
 #endif

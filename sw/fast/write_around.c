@@ -7,6 +7,7 @@
 #include "write_around.h"
 
 #include "place.h"
+#include "text.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>
@@ -36,12 +37,6 @@ static void declare(const writer *w) {
  * or any. */
 typedef enum { PLAIN, FOUR, TWO, ALL, ALL_BUT_ONE } kind;
 
-static const char helpers[] =
-    "FP3_OPERATION fp3_i fp3_row(const int *at) {\n"
-    "    return (fp3_i)*(const fp3_loose *)at;\n}\n"
-    "FP3_OPERATION fp3_i fp3_takes(int kind, fp3_i lanes) {\n"
-    "    return ((fp3_all(kind >> FP3_TURN_TAKES) >> lanes) & 1) != 0;\n}\n";
-
 static int is_given(const fp3_fast_word *p) {
     return p->in.op == FP3_OP_LDN || p->in.op == FP3_OP_LDL;
 }
@@ -64,6 +59,29 @@ static void take(const writer *w, const fp3_fast_loop *l, unsigned s, uint32_t o
         }
 }
 
+/* Where a register's word is in a record. */
+static uint32_t place_of(const writer *w, uint32_t reg) {
+    return (uint32_t)__builtin_popcountll(w->plan->around.published & (((uint64_t)1 << reg) - 1));
+}
+
+static void take_from_records(const writer *w, const fp3_fast_loop *l, unsigned s) {
+    uint64_t quads = 0;
+    for (uint32_t pc = l->first; pc < l->end; pc++) {
+        const fp3_instruction *in = &w->plan->code[pc].in;
+        if (in->op != FP3_OP_LDN)
+            continue;
+        const uint32_t place = place_of(w, in->a);
+        if (!(quads >> place / 4 & 1))
+            fprintf(w->to,
+                    "                fp3_v c%" PRIu32 "[4];\n"
+                    "                fp3_gather(p->records + %" PRIu32 ", at, c%" PRIu32 ");\n",
+                    place / 4, place / 4 * 4, place / 4);
+        quads |= (uint64_t)1 << place / 4;
+        fprintf(w->to, "                n%" PRIu32 "_%u = c%" PRIu32 "[%" PRIu32 "];\n", pc, s,
+                place / 4, place % 4);
+    }
+}
+
 static void take_from_list(const writer *w, const fp3_fast_loop *l, unsigned s) {
     const uint32_t count = w->plan->around.lists[l->list].fields;
     fprintf(w->to,
@@ -80,11 +98,9 @@ static void take_from_list(const writer *w, const fp3_fast_loop *l, unsigned s) 
                     "                n%" PRIu32 "_%u = fp3_choose(takes_%u, n%" PRIu32
                     "_%u, (fp3_v)fp3_row((const int *)s%" PRIu32 " + others));\n",
                     pc, s, s, pc, s, w->plan->code[pc].in.a);
-    fprintf(w->to, "                }\n            } else {\n"
-                   "                const fp3_i other = fp3_row(at);\n"
-                   "                at += FP3_LANES;\n                (void)other;\n");
-    take(w, l, s, FP3_OP_LDN, "fp3_entry((const int *)s%" PRIu32 ", other)");
-    fprintf(w->to, "            }\n");
+    fprintf(w->to, "                }\n            } else {\n");
+    take_from_records(w, l, s);
+    fprintf(w->to, "                at += FP3_LANES;\n            }\n");
     if (count) {
         fprintf(w->to, "            if (kind & FP3_TURN_SAME) {\n");
         take(w, l, s, FP3_OP_LDL, "fp3_all(at[%" PRIu32 "])");
@@ -313,12 +329,34 @@ static void phase(const writer *w, uint32_t number) {
     fprintf(w->to, "    }\n");
 }
 
+/* Records of what neighbours read. */
+static void publish(const writer *w) {
+    const uint64_t published = w->plan->around.published;
+    uint32_t words = 0;
+    fprintf(w->to,
+            "    if (phase == %" PRIu32 ")\n    for (unsigned long j = first; j < end; j++) {\n"
+            "        fp3_v v[4] = {0};\n",
+            w->plan->around.phases);
+    FP3_EACH_REGISTER (published, reg) {
+        fprintf(w->to, "        v[%" PRIu32 "] = (fp3_v)o%" PRIu32 "[j - p->bias];\n", words % 4,
+                reg);
+        words++;
+        if (words % 4 == 0 || reg == 63 - (uint32_t)__builtin_clzll(published))
+            fprintf(w->to,
+                    "        fp3_scatter(p->records + j * FP3_LANES * FP3_RECORD + %" PRIu32
+                    ", v);\n",
+                    (words - 1) / 4 * 4);
+    }
+    fprintf(w->to, "    }\n");
+}
+
 void fp3_write_phases(const writer *w) {
-    fprintf(w->to, "%s", helpers);
+    fprintf(w->to, "#define FP3_RECORD %" PRIu32 "\n%s", fp3_fast_record(w->plan), fp3_text_turns);
     fprintf(w->to, "void " FP3_FAST_NAME
                    "(const fp3_fast_around *p, unsigned phase, unsigned first, unsigned end) {\n");
     declare(w);
     for (uint32_t i = 0; i < w->plan->around.phases; i++)
         phase(w, i);
+    publish(w);
     fprintf(w->to, "}\n");
 }
