@@ -18,10 +18,28 @@ static double at(const fp3_where_they_are *w, uint32_t k, size_t object) {
     return f;
 }
 
+/* Whether all have moved by less than this, as far as FP32 can tell: a look that costs little. */
+static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *now, float most) {
+    const float *made[FP3_NEAR_DIMENSIONS], *x[FP3_NEAR_DIMENSIONS];
+    const float has_y = now->dimensions > 1, has_z = now->dimensions > 2;
+    int is_beyond = 0;
+    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+        made[k] = rule->made[k < now->dimensions ? k : 0];
+        x[k] = (const float *)(const void *)now->position[k < now->dimensions ? k : 0];
+    }
+    for (size_t i = 0, at = 0; i < now->objects; i++, at += now->stride) {
+        const float a = x[0][at] - made[0][i], b = x[1][at] - made[1][i], c = x[2][at] - made[2][i];
+        is_beyond |= !(a * a + has_y * (b * b) + has_z * (c * c) <= most);
+    }
+    return !is_beyond;
+}
+
 int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray) {
     const double most = rule->skin * rule->skin / 4;
     int is_stale = !rule->made[0];
     *astray = UINT32_MAX;
+    if (!is_stale && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
+        return 0;
     for (uint32_t i = 0; i < now->objects; i++) {
         double way = 0;
         for (uint32_t k = 0; k < now->dimensions; k++) {
@@ -201,11 +219,11 @@ static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_
 static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
     for (uint32_t k = 0; k < now->dimensions; k++) {
         if (!rule->made[k])
-            rule->made[k] = malloc((now->objects + 1u) * sizeof(double));
+            rule->made[k] = malloc((now->objects + 1u) * sizeof(float));
         if (!rule->made[k])
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
         for (uint32_t i = 0; i < now->objects; i++)
-            rule->made[k][i] = at(now, k, i);
+            rule->made[k][i] = (float)at(now, k, i);
     }
     rule->lists++;
     return FP3_OK;

@@ -28,7 +28,7 @@ typedef struct {
     uint32_t regs[FP3_NEAR_DIMENSIONS]; /* of the position */
     uint32_t dimensions;
     double reach, skin;
-    double *made
+    float *made
         [FP3_NEAR_DIMENSIONS]; /* where each object was when the list was made; NULL: there is none */
     uint64_t lists;            /* how many were made */
 } fp3_near_rule;
