@@ -245,9 +245,8 @@ static size_t put_side_by_side(packer *p) {
     size_t i = 0;
     while (i < p->turns) {
         int *kind = &p->tape[p->turn[i] + 2];
-        const int is_plain = are_plain(p, i), are_more = i + FP3_TURNS_IN_PART < p->turns;
-        *kind |= is_plain ? FP3_TURN_PLAIN : are_more ? FP3_TURN_BESIDE : 0;
-        i += is_plain || are_more ? FP3_TURNS_BESIDE : FP3_TURNS_IN_PART;
+        *kind |= are_plain(p, i) ? FP3_TURN_PLAIN : 0;
+        i += FP3_TURNS_BESIDE;
     }
     return i - p->turns;
 }

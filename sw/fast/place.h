@@ -55,20 +55,17 @@ typedef struct {
  *                          they are those of a row that follows
  *     neighbours           a row, if base < 0
  *     fields               a row of each; with FP3_TURN_SAME one word of each
- * Turns come FP3_TURNS_BESIDE at a time, and the first has FP3_TURN_BESIDE or FP3_TURN_PLAIN, or FP3_TURNS_IN_PART at a time. */
-#define FP3_TURN_HEAD 3   /* words */
-#define FP3_TURN_SAME 1   /* all with the same fields */
-#define FP3_TURN_BESIDE 2 /* this one and those that follow */
+ * Turns come FP3_TURNS_BESIDE at a time; the last of them may be for nobody. */
+#define FP3_TURN_HEAD 3 /* words */
+#define FP3_TURN_SAME 1 /* all with the same fields */
 #define FP3_TURN_PLAIN                                                                             \
-    4 /* the same, and every object has a neighbour from base on, all with the same fields */
+    2 /* of the first of them: in all every object has a neighbour, from base on, with the same fields */
 #define FP3_TURN_TAKES 16 /* from this bit on: a bit for each lane that has a neighbour */
-#define FP3_TURNS_BESIDE 4
-#define FP3_TURNS_IN_PART 2
+#define FP3_TURNS_BESIDE 3
 typedef struct {
     unsigned objects;
-    const unsigned long *
-        start; /* of each vector: where its turns begin on the tape; one more behind the last. NULL: turn t of
-                                   each vector is object t */
+    /* Of each vector: where its turns begin on the tape; one more behind the last. NULL: turn t is object t. */
+    const unsigned long *start;
     const int *tape;
 } fp3_fast_list;
 

@@ -33,9 +33,8 @@ static void declare(const writer *w) {
 
 /* ---- what a turn gives ---- */
 
-/* Turns side by side. Of a list: as FP3_TURN_PLAIN, as FP3_TURN_BESIDE, two of them. Of all others: objects that are none of this vector,
- * or any. */
-typedef enum { PLAIN, FOUR, TWO, ALL, ALL_BUT_ONE } kind;
+/* Turns side by side: of a list, as FP3_TURN_PLAIN, or any; of all others, objects that are none of this vector, or any. */
+typedef enum { PLAIN, LIST, ALL, ALL_BUT_ONE } kind;
 
 static int is_given(const fp3_fast_word *p) {
     return p->in.op == FP3_OP_LDN || p->in.op == FP3_OP_LDL;
@@ -210,7 +209,8 @@ static uint64_t left_by(const writer *w, const fp3_fast_loop *l, const turn *t) 
 
 /* A word of one turn and then of the next, as a turn waits for its own results more than for anything else. What one leaves to the
  * next (sums) is touched by the next when nothing of the one before will touch it again. Registers of turn s are r5_(s + 1). */
-static void body(const writer *w, const fp3_fast_loop *l, unsigned turns, kind of) {
+static void body(const writer *w, const fp3_fast_loop *l, kind of) {
+    const unsigned turns = FP3_TURNS_BESIDE;
     turn t[FP3_TURNS_BESIDE] = {0};
     uint64_t named = l->outside | l->kept;
     for (uint32_t pc = l->first; pc < l->end; pc++)
@@ -232,15 +232,13 @@ static void body(const writer *w, const fp3_fast_loop *l, unsigned turns, kind o
 }
 
 static void turns(const writer *w, const fp3_fast_loop *l, kind of) {
-    const unsigned count =
-        of == PLAIN || of == FOUR || of == ALL ? FP3_TURNS_BESIDE : FP3_TURNS_IN_PART;
-    for (unsigned s = 0; s < count; s++)
+    for (unsigned s = 0; s < FP3_TURNS_BESIDE; s++)
         begin(w, l, s, of);
-    body(w, l, count, of);
+    body(w, l, of);
     if (of == PLAIN)
-        fprintf(w->to, "            at += %" PRIu32 ";\n", count * stride(w, l));
+        fprintf(w->to, "            at += %" PRIu32 ";\n", FP3_TURNS_BESIDE * stride(w, l));
     else if (of == ALL)
-        fprintf(w->to, "            t += %u;\n", count);
+        fprintf(w->to, "            t += %d;\n", FP3_TURNS_BESIDE);
 }
 
 /* e5: register 5 as the loop finds it; for an object without any neighbour, as another one of the vector has it. */
@@ -256,10 +254,8 @@ static void loop_over_list(const writer *w, const fp3_fast_loop *l) {
                    "        while (at < end)\n"
                    "            if (at[2] & FP3_TURN_PLAIN) {\n");
     turns(w, l, PLAIN);
-    fprintf(w->to, "            } else if (at[2] & FP3_TURN_BESIDE) {\n");
-    turns(w, l, FOUR);
     fprintf(w->to, "            } else {\n");
-    turns(w, l, TWO);
+    turns(w, l, LIST);
     fprintf(w->to, "            }\n");
 }
 
