@@ -416,6 +416,12 @@ judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their o
 tune-report: ## Write docs/tuning.md from build/results/tune.json
 	@$(PYTHON) tools/tune.py --input $(RESULTS)/tune.json --markdown docs/tuning.md
 
+# ---- objects that see each other ----------------------------------------------------------------
+
+.PHONY: world
+world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes chip"
+	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated

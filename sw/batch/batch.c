@@ -111,7 +111,7 @@ static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_b
                                 .compiled = b->compiled,
                                 .h = b->h};
     status = fp3_fields_open(&all, &b->fields, def->error);
-    b->relations = (fp3_relations){.to = all, .skin = def->skin};
+    b->relations = (fp3_relations){.to = all, .skin = def->skin > 0 ? def->skin : FP3_NEAR_SKIN};
     b->is_reach_new = 1;
     if (!status)
         status = fp3_relations_load(&b->relations, def->error);

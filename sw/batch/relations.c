@@ -234,9 +234,7 @@ fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
 static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3_error *error) {
     const fp3_model *model = model_of(r);
     const fp3_relation *of = &model->relations[number];
-    fp3_near near = {.dimensions = of->dimensions,
-                     .reach = reach,
-                     .skin = reach * (r->skin > 0 ? r->skin : FP3_NEAR_SKIN)};
+    fp3_near near = {.dimensions = of->dimensions, .reach = reach, .skin = reach * r->skin};
     if (reach == r->reach[number] || !list_named(r, of->name))
         return FP3_OK;
     if (!(reach >= FP3_NEAR_LEAST && reach <= FP3_NEAR_MOST))

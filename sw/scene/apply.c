@@ -311,7 +311,8 @@ static fp3_status relate(const fp3_program *program, const fp3_params *params,
                               .objects = to->objects,
                               .image = program->image,
                               .compiled = program->compiled},
-                       .linked = params->linked};
+                       .linked = params->linked,
+                       .skin = params->skin < 0 ? FP3_NEAR_SKIN : params->skin};
     fp3_status status = fp3_relations_load(&r, error);
     if (!status && model_params)
         status = fp3_relations_reach(&r, model_params, error);

@@ -336,5 +336,7 @@ fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *fro
         status = fp3_links_note(group, a->points.path, s->error);
     if (!status)
         status = fp3_links_read(s, from, a->grid_at ? &a->grid : NULL, group);
+    if (!status)
+        status = fp3_skin_read(s, from, group);
     return status ? status : fp3_only_read(s, from, group);
 }

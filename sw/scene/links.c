@@ -14,6 +14,7 @@
 
 /* ---- settings ---- */
 
+#define SKIN_MOST 1000
 #define FIELDS 32 /* of a block of links that settings give */
 
 /* Columns that a block of settings adds to its links. */
@@ -260,6 +261,25 @@ fp3_status fp3_links_read(const fp3_settings *s, const config_setting_t *from, c
         return read_block(s, at, grid, group);
     for (int i = 0; !status && i < config_setting_length(at); i++)
         status = read_block(s, config_setting_get_elem(at, (unsigned)i), grid, group);
+    return status;
+}
+
+/* ---- lists ---- */
+
+fp3_status fp3_skin_read(const fp3_settings *s, const config_setting_t *from,
+                         const fp3_scene_group *group) {
+    const config_setting_t *at = config_setting_get_member(from, "skin");
+    const fp3_model *model = group->program->model;
+    int is_any = 0;
+    if (!at)
+        return FP3_OK;
+    for (uint32_t i = 0; model && i < model->relation_count; i++)
+        is_any |= model->relations[i].kind == FP3_NEAR;
+    if (!is_any)
+        return fp3_setting_wrong(s, at, "skin: the program has no relation `near` of a model");
+    const fp3_status status = fp3_setting_number(s, at, "skin", &group->params->skin);
+    if (!status && !(group->params->skin >= 0 && group->params->skin <= SKIN_MOST))
+        return fp3_setting_expected(s, at, "skin", "a share of the reach, 0 to 1000");
     return status;
 }
 

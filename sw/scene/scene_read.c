@@ -264,7 +264,8 @@ static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_
     static const char *const names[] = {
         "program",  "integrator", "compensated", "double_single", "folded", "tolerance", "until",
         "absolute", "maxstep",    "objects",     "params",        "set",    "spread",    "born",
-        "gone",     "grid",       "random",      "points",        "links",  "only",      NULL};
+        "gone",     "grid",       "random",      "points",        "links",  "only",      "skin",
+        NULL};
     fp3_arranged arranged = {.grid_at = NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))

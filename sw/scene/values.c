@@ -20,6 +20,8 @@
 
 fp3_status fp3_params_make(fp3_params **params, fp3_error *error) {
     *params = calloc(1, sizeof **params);
+    if (*params)
+        (*params)->skin = -1;
     return *params ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
@@ -92,6 +94,7 @@ static double *copied(const double *column, size_t count, fp3_error *error) {
 
 static fp3_status copy_into(const fp3_params *from, fp3_params *to, fp3_error *error) {
     fp3_status status = fp3_values_place(to, from->at.path, from->at.line, error);
+    to->skin = from->skin;
     to->list = malloc((from->count + 1) * sizeof *to->list);
     if (!to->list)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");

@@ -122,6 +122,7 @@ def test_a_box_that_is_too_small(refused):
 
 CHAIN = 'steps = 1;\ngroups = ( {{ program = "chain.ode";\n{} }} );\n'
 CLOTH = 'steps = 1;\ngroups = ( {{ program = "cloth.ode"; integrator = "euler";\n{} }} );\n'
+BALLS = CLOTH.replace("cloth", "balls")
 LINKED = 'links = { relation = "springs"; grid = "structural"; };'
 
 WRONG = [
@@ -172,6 +173,10 @@ WRONG = [
     (CHAIN, "grid = { count = 3; };\nonly = { objects = 1; };", "4: expected set, a group of values"),
     (CHAIN, "grid = { count = 3; };\nonly = { objects = 1;\nset = { q = 0.0; }; };", "5: the model has no state or param 'q'"),
     (CHAIN, "grid = { count = 3; };\nset = { w = \"2*3\"; };\nonly = { objects = 1;\nset = { w = 0.0; }; };\n" + LINKED, "6: parameter 'w' is 0, but it is 2*3, which is 6: leave it out"),
+    (CHAIN, "grid = { count = 3; };\nskin = 0.5;\n" + LINKED, "4: skin: the program has no relation `near`"),
+    (BALLS, "objects = 3;\nskin = -1;", "4: skin: found '-1', expected a share of the reach, 0 to 1000"),
+    (BALLS, "objects = 3;\nskin = 1001;", "4: skin: found '1001', expected a share of the reach, 0 to 1000"),
+    (BALLS, "objects = 3;\nskin = \"wide\";", "4: skin: found a text, expected a number"),
     (CHAIN, "grid = { count = 3; };\nborn = [0, 1];\n" + LINKED, "configuration 'world' has no sleep"),
 ]
 

@@ -1,0 +1,78 @@
+"""make world in its quick form: every part has its rows, and whatever differs ends it with exit code 1."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.xdist_group("world_tool")  # measured once
+
+
+@pytest.fixture(scope="module")
+def world(root, build, tmp_path_factory):
+    def world(*options, fp3=build / "fp3"):
+        path = tmp_path_factory.mktemp("tool") / "world.json"
+        done = subprocess.run([sys.executable, root / "tools/world.py", "--quick", "--fp3", fp3, "--output", path, *map(str, options)],
+                              capture_output=True, text=True, timeout=300)
+        return done, json.loads(path.read_text()) if path.exists() else None
+    return world
+
+
+@pytest.fixture(scope="module")
+def measured(world):
+    done, found = world()
+    assert done.returncode == 0, done.stderr
+    return found
+
+
+def test_each_scene_has_one_hash(measured):
+    rows = measured["hashes"]
+    assert {"balls, 60", "balls, 2000", "chain", "chain, 2000", "cloth 8 x 8", "cloth 50 x 50", "planets"} == {row["scene"] for row in rows}
+    for scene, steps in {(row["scene"], row["steps"]) for row in rows}:
+        same = [row for row in rows if (row["scene"], row["steps"]) == (scene, steps)]
+        assert len(same) > 1 and len({row["hash"] for row in same}) == 1 and not any(row["words_differing"] for row in same)
+    assert {"isa", "fast", "rtl"} == {row["engine"] for row in rows}
+    assert {"skin 0, 2 threads", "objects in another order", "native x86-64, 1 thread", "interpreter, 2 threads", "world"} <= {row["variant"] for row in rows}
+    assert measured["no_room"] == []
+
+
+def test_the_chip_has_cycles(measured):
+    assert {row["scene"] for row in measured["chip"]} == {"balls, 60", "chain", "cloth 8 x 8", "planets", "stars, 60"}
+    for row in measured["chip"]:
+        assert row["lanes"] >= 1 and 10 < row["cycles_per_object_step"] < 10000 and 0 <= row["exchange_share"] < 1
+        assert row["lanes"] > 1 or row["exchange_share"] == 0
+
+
+@pytest.fixture
+def liar(build, tmp_path):
+    """A command that changes what another one says, where its options have a word."""
+    def liar(word, change):
+        path = tmp_path / "fp3"
+        path.write_text(f'#!/bin/sh\ncase "$*$FP3_FAST" in *"{word}"*) {build}/fp3 "$@" | sed "{change}";; *) exec {build}/fp3 "$@";; esac\n')
+        path.chmod(0o755)
+        return path
+    return liar
+
+
+@pytest.mark.parametrize("word, variant, count", [("--threads 2", "native x86-64-v4, 2 threads", 1), ("x86-64-v3", "native x86-64-v3, 1 thread", 1),
+                                                  ("skin.scene", "skin 0, 2 threads", 1), ("shuffled", "objects in another order", 1)])
+def test_a_wrong_bit_is_told(world, liar, word, variant, count):
+    """One bit of one word."""
+    done, found = world("--parts", "hashes", fp3=liar(word, r"/^\(x_x\|u\) .*object 7$/ { s/f   obj/0   obj/; t; s/.   obj/f   obj/ }"))
+    assert done.returncode == 1
+    bad = [row for row in found["hashes"] if row["words_differing"]]
+    assert variant in {row["variant"] for row in bad} and {row["words_differing"] for row in bad} == {count}
+    assert f"{bad[0]['scene']}, fast, {bad[0]['variant']}: {count} words differ" in done.stderr
+
+
+def test_a_run_of_another_kind_is_no_row(world, liar):
+    """Native code that was not made would compare the interpreter with itself."""
+    done, found = world("--parts", "hashes", fp3=liar("x86-64-v3", "s/native x86-64-v3/interpreter x86-64-v3/"))
+    assert done.returncode == 1 and found is None and "expected a run by x86-64-v3" in done.stderr
+
+
+def test_arguments(world, root):
+    assert world("--parts", "nonesuch")[0].returncode == 2
+    done, found = world(fp3=root / "nonesuch")
+    assert done.returncode == 1 and found is None and "nonesuch" in done.stderr and "Traceback" not in done.stderr

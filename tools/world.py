@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Objects that see each other: the same bits everywhere, how fast, how many cycles, and whether physics holds.
+
+    tools/world.py                                     all of it, at its full length
+    tools/world.py --quick                             the same in seconds, for the tests
+    tools/world.py --parts hashes physics
+
+Writes build/results/world.json. Exit code 1: words differ, or something does not hold.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+import tempfile
+import time
+
+import bench
+import world_chip
+import world_hashes
+import world_scene
+
+PARTS = ("hashes", "chip")
+
+
+def measure(options, folder):
+    begin = time.monotonic()
+
+    def say(text):
+        print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
+    found = {}
+    if "hashes" in options.parts:
+        found["hashes"], found["no_room"] = world_hashes.measure(options.fp3, folder, options.quick, say)
+    if "chip" in options.parts:
+        found["chip"], found["no_room_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
+    return found
+
+
+def wrong(found):
+    """What differs or does not hold, in words."""
+    for row in found.get("hashes", []):
+        if row["words_differing"]:
+            yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--fp3", type=pathlib.Path, default=bench.ROOT / "build/fp3", help="the command")
+    parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
+    parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
+    options = parser.parse_args()
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            found = measure(options, pathlib.Path(folder))
+    except world_scene.Failed as why:
+        print(f"world: {why}", file=sys.stderr)
+        return 1
+    about = bench.about(options) | {"command": "make world" + (" QUICK=1" if options.quick else "")}
+    bench.write(options.output, json.dumps({"about": about} | found, indent=1) + "\n")
+    errors = list(wrong(found))
+    for error in errors:
+        print(f"world: {error}", file=sys.stderr)
+    print(f"{sum(len(found.get(part, [])) for part in PARTS)} rows, of which {len(errors)} differ or do not hold")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,97 @@
+"""Scenes of programs/world, as they are and changed: run by the command, and what their objects hold in every bit."""
+
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import tomllib
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+FOLDER = ROOT / "programs/world"
+STATE = re.compile(r"^(\S+) +\S+ +0x([0-9a-f]{8})   object (\d+)$", re.M)
+
+
+class Failed(Exception):
+    """A run that fp3 refuses or that fails."""
+
+
+def names():
+    return sorted(path.stem for path in FOLDER.glob("*.scene"))
+
+
+def text_of(name):
+    """The scene's text, which may stand in any folder."""
+    text = (FOLDER / f"{name}.scene").read_text(encoding="utf-8")
+    return re.sub(r'(\b(?:program|points|file|params) *= *")([^/"][^"]*")', lambda found: f"{found[1]}{FOLDER}/{found[2]}", text)
+
+
+def replace(text, old, new):
+    """Exactly one place, or the scene is no longer the one that is meant."""
+    if len(re.findall(old, text)) != 1:
+        raise Failed(f"'{old}' is in the scene {len(re.findall(old, text))} times, expected once")
+    return re.sub(old, lambda _: new, text)
+
+
+def add(text, setting):
+    """Another setting of its only group."""
+    return replace(text, r"groups = \( \{", f"groups = ( {{ {setting}")
+
+
+def put(folder, text, name="x"):
+    path = pathlib.Path(folder) / f"{name}.scene"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def call(fp3, path, *options, fast=None):
+    """What fp3 run prints."""
+    environment = {**os.environ, **({"FP3_FAST": fast} if fast else {})}
+    try:
+        done = subprocess.run([fp3, "run", "--scene", path, *map(str, options)], capture_output=True, text=True, env=environment)
+    except OSError as why:
+        raise Failed(f"{fp3}: {why.strerror}") from why
+    if done.returncode:
+        raise Failed(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"exit code {done.returncode}")
+    return done.stdout
+
+
+def words_of(said):
+    """[object, state] in the order of the program, and the states' names."""
+    columns, count = {}, {}
+    for name, bits, number in STATE.findall(said):
+        columns.setdefault(name, []).append(int(bits, 16))
+        count.setdefault(name, []).append(int(number))
+    if not columns or any(numbers != list(range(len(numbers))) for numbers in count.values()) or len({len(c) for c in columns.values()}) != 1:
+        raise Failed("fp3 run --all prints no state of each object")
+    return np.array(list(columns.values()), dtype=np.uint32).T, list(columns)
+
+
+def words(fp3, path, engine, steps, threads=1, fast=None, config=None):
+    """All words of all states in the end, as [object, state]."""
+    options = ["--engine", engine, "--steps", steps, "--all", *(["--threads", threads] if engine == "fast" else []), *(["--config", config] if config else [])]
+    said = call(fp3, path, *options, fast=fast)
+    if fast and not re.search(fr"; {'' if fast == 'interpreter' else 'native '}{fast}\b", said):
+        raise Failed(f"'{said.strip().splitlines()[-1]}': expected a run by {fast}")
+    return words_of(said)[0]
+
+
+def hash_of(found):
+    return hashlib.sha256(np.ascontiguousarray(found, dtype="<u4").tobytes()).hexdigest()[:16]
+
+
+def differing(found, wanted):
+    return int((found != wanted).sum()) if found.shape == wanted.shape else max(found.size, wanted.size)
+
+
+def worlds():
+    """The configurations whose objects may see each other."""
+    return [keys["name"] for keys in tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"] if keys.get("neighbours")]
+
+
+def kinds():
+    """Of processors for which engine fast has code, as this one can run it: the best one is what nobody asks for."""
+    flags = pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
+    return ["x86-64"] + ["x86-64-v3"] * ("avx2" in flags) + ["x86-64-v4"] * ("avx512vl" in flags)
