@@ -149,7 +149,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -371,6 +371,23 @@ $(BUILD)/bench/bench: $(BENCH_O) $(MEASURE) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
 	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE) $(LIB) $(BENCH_LIBS) $(LDLIBS)
+
+# A scene of objects that see each other, beside a loop by hand, which is compiled for two kinds of processor.
+WORLD_HAND := net stars
+define HAND
+$(BUILD)/obj/bench/world/$(1)_$(2).o: bench/world/$(1).c $(BUILD)/ready
+	@mkdir -p $$(@D)
+	@echo "  CC   $$< ($(2))"
+	@$$(CCACHE) gcc $$(CFLAGS) -O3 -march=x86-64-$(2) -mprefer-vector-width=512 -Wno-psabi $$(INCLUDES) -MMD -MP -c -o $$@ $$<
+endef
+$(foreach h,$(WORLD_HAND),$(foreach v,v3 v4,$(eval $(call HAND,$(h),$(v)))))
+WORLD_O := $(call obj,$(filter-out $(WORLD_HAND:%=bench/world/%.c),$(wildcard bench/world/*.c))) \
+    $(foreach h,$(WORLD_HAND),$(BUILD)/obj/bench/world/$(h)_v3.o $(BUILD)/obj/bench/world/$(h)_v4.o)
+
+$(BUILD)/bench/world: $(WORLD_O) $(LIB)
+	@mkdir -p $(@D)
+	@echo "  LD   $@"
+	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check

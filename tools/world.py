@@ -19,8 +19,9 @@ import bench
 import world_chip
 import world_hashes
 import world_scene
+import world_speed
 
-PARTS = ("hashes", "chip")
+PARTS = ("hashes", "speed", "chip")
 
 
 def measure(options, folder):
@@ -31,6 +32,8 @@ def measure(options, folder):
     found = {}
     if "hashes" in options.parts:
         found["hashes"], found["no_room"] = world_hashes.measure(options.fp3, folder, options.quick, say)
+    if "speed" in options.parts:
+        found["speed"] = world_speed.measure(options.bench, folder, options.quick, say)
     if "chip" in options.parts:
         found["chip"], found["no_room_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
     return found
@@ -38,7 +41,7 @@ def measure(options, folder):
 
 def wrong(found):
     """What differs or does not hold, in words."""
-    for row in found.get("hashes", []):
+    for row in found.get("hashes", []) + found.get("speed", []):
         if row["words_differing"]:
             yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
 
@@ -46,6 +49,7 @@ def wrong(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fp3", type=pathlib.Path, default=bench.ROOT / "build/fp3", help="the command")
+    parser.add_argument("--bench", type=pathlib.Path, default=bench.ROOT / "build/bench/world", help="the program that measures time")
     parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")

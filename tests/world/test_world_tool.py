@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy
 import pytest
 
 pytestmark = pytest.mark.xdist_group("world_tool")  # measured once
@@ -13,7 +14,7 @@ pytestmark = pytest.mark.xdist_group("world_tool")  # measured once
 def world(root, build, tmp_path_factory):
     def world(*options, fp3=build / "fp3"):
         path = tmp_path_factory.mktemp("tool") / "world.json"
-        done = subprocess.run([sys.executable, root / "tools/world.py", "--quick", "--fp3", fp3, "--output", path, *map(str, options)],
+        done = subprocess.run([sys.executable, root / "tools/world.py", "--quick", "--fp3", fp3, "--bench", build / "bench/world", "--output", path, *map(str, options)],
                               capture_output=True, text=True, timeout=300)
         return done, json.loads(path.read_text()) if path.exists() else None
     return world
@@ -42,6 +43,60 @@ def test_the_chip_has_cycles(measured):
     for row in measured["chip"]:
         assert row["lanes"] >= 1 and 10 < row["cycles_per_object_step"] < 10000 and 0 <= row["exchange_share"] < 1
         assert row["lanes"] > 1 or row["exchange_share"] == 0
+
+
+def test_loops_by_hand_have_the_same_words(measured):
+    rows = measured["speed"]
+    assert {(row["scene"], row["engine"], row["threads"]) for row in rows} == {
+        (scene, engine, n) for scene in ("net, small", "stars, 1024, small") for engine, n in (("hand", 1), ("fast", 1), ("fast", 2))}
+    for row in rows:
+        assert row["words_differing"] == 0 and 0.1 < row["ns_per_object_step"] < 1e5 and 0.01 < row["ratio_to_hand"] < 1000
+        assert row["engine"] == "fast" or row["ratio_to_hand"] == 1
+
+
+@pytest.fixture
+def bench(root, build, tmp_path):
+    def bench(*options):
+        path = tmp_path / "rows.json"
+        done = subprocess.run([build / "bench/world", "--json", path, *map(str, options)], capture_output=True, text=True, timeout=120)
+        return done, json.loads(path.read_text()) if path.exists() else None
+    return bench
+
+
+def scene_of(root, folder, name, *changes):
+    text = (root / f"programs/world/{name}.scene").read_text().replace('program = "', f'program = "{root}/programs/world/')
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "x.scene").write_text(text)
+    return folder / "x.scene"
+
+
+@pytest.mark.parametrize("name, changes", [
+    ("net", [("[128, 128]", "[7, 5]"), ("0..127", "0..6")]), ("net", [("[128, 128]", "[33, 3]"), ("0..127", "0..32")]),
+    ("net", [("[128, 128]", "[1, 50]"), ("0..127", "0..0")]),
+    ("net", [("grid    = { position = \"x\"; along = \"xz\"; count = [128, 128]; spacing = 0.0078125; origin = [0.0, 1.0, 0.0]; };", "points = \"p.csv\";"),
+             ("links   = ( { relation = \"springs\"; grid = [\"structural\", \"shear\"]; rest = \"rest\"; },", "links = ( { relation = \"springs\"; file = \"l.csv\"; } );"),
+             ("{ relation = \"springs\"; grid = \"bending\"; rest = \"rest\"; set = { k = 6.0; }; } );", ""), ("0..127", "0..5")]),
+    ("stars", [("objects = 300", "objects = 1")]), ("stars", [("objects = 300", "objects = 33")]), ("stars", [("objects = 300", "objects = 97")])])
+def test_loops_by_hand_of_any_size(root, tmp_path, bench, name, changes):
+    """Objects that fill no vector, and links without an order, whose neighbours are gathered."""
+    random = numpy.random.default_rng(1)
+    (tmp_path / "p.csv").write_text("x_x,x_y,x_z\n" + "".join(",".join(map(str, row)) + "\n" for row in random.uniform(0, 0.02, (70, 3)).round(4)))
+    pairs = {tuple(sorted(pair)) for pair in random.integers(0, 70, (300, 2)).tolist() if pair[0] != pair[1]}
+    (tmp_path / "l.csv").write_text("a,b,k\n" + "".join(f"{a},{b},{1 + a / 64}\n" for a, b in sorted(pairs, key=lambda pair: (pair[1] * 7 % 11, pair))))
+    done, rows = bench("--scene", scene_of(root, tmp_path, name, *changes), "--loop", name, "--steps", 40, "--repeats", 2)
+    assert done.returncode == 0, done.stderr
+    assert [row["words_differing"] for row in rows] == [0, 0, 0]
+
+
+def test_what_the_bench_program_tells(root, tmp_path, bench):
+    scene = scene_of(root, tmp_path, "stars", ("objects = 300", "objects = 20"))
+    assert [row["words_differing"] for row in bench("--scene", scene, "--loop", "stars", "--flip", "--threads", 1)[1]] == [0, 1]
+    assert "no loop 'moons'" in bench("--scene", scene, "--loop", "moons")[0].stderr
+    assert "the scene's program has no 'w'" in bench("--scene", scene, "--loop", "net")[0].stderr
+    assert bench("--scene", scene, "--steps", "0")[0].returncode != 0 and bench()[0].returncode != 0
+    assert "nonesuch" in bench("--scene", tmp_path / "nonesuch.scene")[0].stderr
 
 
 @pytest.fixture
