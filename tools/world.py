@@ -16,12 +16,18 @@ import tempfile
 import time
 
 import bench
+import world_bodies
 import world_chip
+import world_contact
 import world_hashes
+import world_physics
 import world_scene
 import world_speed
 
-PARTS = ("hashes", "speed", "chip")
+PARTS = ("hashes", "speed", "chip", "physics")
+# What theory says of the scenes: each a function of a Lab that yields rows.
+CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
+          world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap]
 
 
 def measure(options, folder):
@@ -36,6 +42,13 @@ def measure(options, folder):
         found["speed"] = world_speed.measure(options.bench, folder, options.quick, say)
     if "chip" in options.parts:
         found["chip"], found["no_room_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
+    if "physics" in options.parts:
+        found["physics"] = []
+        lab = world_physics.Lab(options.fp3, folder, options.quick)
+        for check in CHECKS:
+            rows = list(check(lab))
+            found["physics"] += rows
+            say(f"physics of {check.__name__}: {sum(row['holds'] for row in rows)} of {len(rows)} rows hold")
     return found
 
 
@@ -44,6 +57,9 @@ def wrong(found):
     for row in found.get("hashes", []) + found.get("speed", []):
         if row["words_differing"]:
             yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
+    for row in found.get("physics", []):
+        if not row["holds"]:
+            yield f"{row['scene']}, {row['what']}: found {row['found']:.6g}, expected {row['expected']:.6g} within {row['within']:.2g}"
 
 
 def main():

@@ -1,24 +1,28 @@
 """One hash a scene: engines, processors, threads, skins, and objects in another order, word by word against the engine isa."""
 
 import csv
-import itertools
 
 import numpy as np
 import world_scene as ws
 
 STEPS = {True: 64, False: 10000}
 STEPS_LARGE = {True: 4, False: 1000}
+STEPS_OF = {"plummer": 500, "net": 1000, "heap": 1000}  # in the full form: these take long
 STEPS_RTL = {True: 4, False: 100}
 QUICK = ["balls", "chain", "cloth", "planets"]
 SLOW = {"stars"}  # on engine isa
 ALONE = "one object at a time"
-NEAR = {"balls"}
+NEAR = {"balls", "gas", "heap"}
+BIG = {"net", "heap"}  # as they are
 SKINS = (0, 0.02, 1, 10)
 # What is replaced in a scene, and by what. Small: it fits into the hardware. Large: several blocks of engine fast, one for a thread.
 TIGHT = (r"apart = 0.1", "apart = 0.09")  # some balls touch at the start
 SMALL = {"cloth": ("cloth 8 x 8", [(r"count = \[20, 20\]", "count = [8, 8]"), (r"objects = \[0, 19\]", "objects = [0, 7]")]),
          "balls": ("balls, 60", [(r"objects = 300", "objects = 60"), TIGHT]),
-         "stars": ("stars, 60", [(r"objects = 300", "objects = 60")])}
+         "stars": ("stars, 60", [(r"objects = 300", "objects = 60")]),
+         "net": ("net 10 x 10", [(r"count = \[128, 128\]", "count = [10, 10]"), (r'"0\.\.127"', '"0..9"')]),
+         "gas": ("gas, 60", [(r"objects = 300", "objects = 60"), (r'"0\.\.149"', '"0..29"'), TIGHT]),
+         "heap": ("heap, 60", [(r"objects = 10000", "objects = 60"), (r"to = \[3.15, 2.2, 3.15\]", "to = [0.5, 0.5, 0.5]"), TIGHT])}
 LARGE = {"cloth": ("cloth 50 x 50", [(r"count = \[20, 20\]", "count = [50, 50]"), (r"objects = \[0, 19\]", "objects = [0, 49]")]),
          "balls": ("balls, 2000", [(r"objects = 300", "objects = 2000"), (r"to = \[0.95, 2.0, 0.95\]", "to = [0.95, 12.0, 0.95]"), TIGHT]),
          "chain": ("chain, 2000", [(r"count = 34", "count = 2000"), (r"objects = \[0, 33\]", "objects = [0, 1999]")]),
@@ -36,26 +40,6 @@ def form_of(name, forms):
 
 # ---- objects in another order ----
 
-def grid_ways(kinds, axes):
-    """From an object to those of higher numbers that it is linked with, in the order of sw/arrange/grid.c."""
-    kind_of = {(1, 1): "structural", (2, 2): "shear", (3, 3): "shear", (1, 4): "bending"}
-    for z, y, x in itertools.product(range(3), range(-2, 3), range(-2, 3)):
-        way = (x, y, z)[:axes]
-        if (z, y, x) > (0, 0, 0) and not any((x, y, z)[axes:]) and kind_of.get((sum(map(bool, way)), sum(d * d for d in way))) in kinds:
-            yield way
-
-
-def grid_links(count, spacing, kinds):
-    """Each link, and its length on the grid."""
-    axes = len(count)
-    for number in range(int(np.prod(count))):
-        at = np.unravel_index(number, count[::-1])[::-1]
-        for way in grid_ways(kinds, axes):
-            to = np.add(at, way)
-            if all(to >= 0) and all(to < count):
-                yield number, int(np.ravel_multi_index(to[::-1], count[::-1])), float(np.float32(np.sqrt(sum((d * spacing) ** 2 for d in way))))
-
-
 def table(path, head, rows):
     with open(path, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
@@ -67,13 +51,13 @@ def shuffled(folder, name, seed=1):
     if name == "chain":
         count, spacing, integrator = (34,), 1, "rk4"
         start = {"u": [0.1 if i == 8 else 0.0 for i in range(34)], "w": [0.0 if i in (0, 33) else 1.0 for i in range(34)]}
-        links = [(a, b, 100) for a, b, _ in grid_links(count, spacing, ["structural"])]
+        links = [(a, b, 100) for a, b, _ in ws.grid_links(count, spacing, ["structural"])]
         head = ["a", "b", "k"]
     elif name == "cloth":
         count, spacing, integrator = (20, 20), 0.05, "semi_implicit_euler"
         start = {"x_x": [spacing * (i % 20) for i in range(400)], "x_y": [2.0] * 400, "x_z": [spacing * (i // 20) for i in range(400)],
                  "w": [0.0 if i in (0, 19) else 1000.0 for i in range(400)]}
-        links = [(a, b, k, length) for kinds, k in ((["structural", "shear"], 100), (["bending"], 10)) for a, b, length in grid_links(count, spacing, kinds)]
+        links = [(a, b, k, length) for kinds, k in ((["structural", "shear"], 100), (["bending"], 10)) for a, b, length in ws.grid_links(count, spacing, kinds)]
         head = ["a", "b", "k", "rest"]
     else:
         return None
@@ -142,9 +126,11 @@ def measure(fp3, folder, quick, say):
         rows.extend(scene.rows)
         refused.extend(scene.refused)
     for name in QUICK if quick else ws.names():
-        scene = make(name, SMALL if quick or name in SLOW else {}, STEPS[quick])
+        scene = make(name, SMALL if quick or name in SLOW else {}, STEPS[quick] if quick else STEPS_OF.get(name, STEPS[quick]))
         scene.try_one("isa", ALONE)
-        on_fast(scene, 1)
+        on_fast(scene, 4 if name in BIG else 1)
+        if name in NEAR and not quick:
+            on_skins(scene, ws.text_of(name))
         other = shuffled(folder, name) if not quick or name == "chain" else None
         if other:
             scene.try_one("fast", "objects in another order", path=ws.put(folder, other[0], "shuffled"), order=other[1])

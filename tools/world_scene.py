@@ -1,6 +1,7 @@
 """Scenes of programs/world, as they are and changed: run by the command, and what their objects hold in every bit."""
 
 import hashlib
+import itertools
 import os
 import pathlib
 import re
@@ -84,6 +85,51 @@ def hash_of(found):
 
 def differing(found, wanted):
     return int((found != wanted).sum()) if found.shape == wanted.shape else max(found.size, wanted.size)
+
+
+# ---- grids ----
+
+def grid_ways(kinds, axes):
+    """From an object to those of higher numbers that it is linked with, in the order of sw/arrange/grid.c."""
+    kind_of = {(1, 1): "structural", (2, 2): "shear", (3, 3): "shear", (1, 4): "bending"}
+    for z, y, x in itertools.product(range(3), range(-2, 3), range(-2, 3)):
+        way = (x, y, z)[:axes]
+        if (z, y, x) > (0, 0, 0) and not any((x, y, z)[axes:]) and kind_of.get((sum(map(bool, way)), sum(d * d for d in way))) in kinds:
+            yield way
+
+
+def grid_links(count, spacing, kinds):
+    """The two objects of each link, and its length on the grid, in the order of the scene."""
+    numbers = np.arange(int(np.prod(count)))
+    at = np.array(np.unravel_index(numbers, count[::-1]))[::-1]
+    links = []
+    for order, way in enumerate(grid_ways(kinds, len(count))):
+        to = at + np.array(way)[:, None]
+        inside = ((to >= 0) & (to < np.array(count)[:, None])).all(0)
+        length = np.float32(np.sqrt(sum((d * spacing) ** 2 for d in way)))
+        links += zip(numbers[inside].tolist(), [order] * int(inside.sum()), np.ravel_multi_index(to[::-1, inside], count[::-1]).tolist(), itertools.repeat(float(length)))
+    return [(a, b, length) for a, _, b, length in sorted(links)]
+
+
+# ---- recordings ----
+
+def record(fp3, path, *options):
+    """What is observed, by name, as [time, object], and the times."""
+    output = path.with_suffix(".csv")
+    call(fp3, path, "--engine", "fast", "--output", output, *options)
+    with open(output, encoding="utf-8") as file:
+        head = [re.sub(r" \[.*", "", name) for name in file.readline().strip().split(",")]
+        rows = np.loadtxt(file, delimiter=",", ndmin=2)
+    output.unlink()
+    columns = dict(zip(head, rows.T))
+    objects = int(columns["object"].max()) + 1
+    found = {name: column.reshape(-1, objects) for name, column in columns.items()}
+    return found, found["time"][:, 0]
+
+
+def vectors(found, name):
+    """[time, object, component]."""
+    return np.stack([found[f"{name}_{axis}"] for axis in "xyz"], -1)
 
 
 def worlds():
