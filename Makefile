@@ -373,7 +373,7 @@ $(BUILD)/bench/bench: $(BENCH_O) $(MEASURE) $(LIB)
 	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE) $(LIB) $(BENCH_LIBS) $(LDLIBS)
 
 # A scene of objects that see each other, beside a loop by hand, which is compiled for two kinds of processor.
-WORLD_HAND := net stars
+WORLD_HAND := net stars balls
 define HAND
 $(BUILD)/obj/bench/world/$(1)_$(2).o: bench/world/$(1).c $(BUILD)/ready
 	@mkdir -p $$(@D)

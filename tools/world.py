@@ -23,11 +23,12 @@ import world_hashes
 import world_physics
 import world_scene
 import world_speed
+import world_water
 
 PARTS = ("hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
-          world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap]
+          world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap, world_water.dam]
 
 
 def measure(options, folder):
@@ -37,11 +38,11 @@ def measure(options, folder):
         print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
     found = {}
     if "hashes" in options.parts:
-        found["hashes"], found["no_room"] = world_hashes.measure(options.fp3, folder, options.quick, say)
+        found["hashes"], found["refused"] = world_hashes.measure(options.fp3, folder, options.quick, say)
     if "speed" in options.parts:
         found["speed"] = world_speed.measure(options.bench, folder, options.quick, say)
     if "chip" in options.parts:
-        found["chip"], found["no_room_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
+        found["chip"], found["refused_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
     if "physics" in options.parts:
         found["physics"] = []
         lab = world_physics.Lab(options.fp3, folder, options.quick)

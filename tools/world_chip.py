@@ -29,7 +29,7 @@ def measure(fp3, folder, quick, say):
             try:
                 short, long = (counters(ws.call(fp3, path, "--engine", "rtl", "--config", config, "--steps", n)) for n in STEPS[quick])
             except ws.Failed as why:
-                if "room for" not in str(why):
+                if not why.is_limit():
                     raise
                 refused.append({"scene": label, "config": config, "why": str(why)})
                 continue

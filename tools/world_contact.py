@@ -70,7 +70,7 @@ def balls(lab):
 
 def heap(lab):
     """Likewise, where there is time for 10,000 balls."""
-    since, steps = 65536, 102400
+    since, steps = 81920, 102400
     if not lab.quick:
         found, _ = lab.record(ws.text_of("heap"), "--steps", since + steps, "--every", 8192)
         yield from at_rest("heap", found, 1000, 10000, since // 8192)

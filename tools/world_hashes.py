@@ -7,13 +7,13 @@ import world_scene as ws
 
 STEPS = {True: 64, False: 10000}
 STEPS_LARGE = {True: 4, False: 1000}
-STEPS_OF = {"plummer": 500, "net": 1000, "heap": 1000}  # in the full form: these take long
+STEPS_OF = {"plummer": 500, "net": 1000, "heap": 1000, "dam": 2000}  # in the full form: these take long
 STEPS_RTL = {True: 4, False: 100}
 QUICK = ["balls", "chain", "cloth", "planets"]
 SLOW = {"stars"}  # on engine isa
 ALONE = "one object at a time"
-NEAR = {"balls", "gas", "heap"}
-BIG = {"net", "heap"}  # as they are
+NEAR = {"balls", "gas", "heap", "dam"}
+BIG = {"net", "heap", "dam"}  # as they are
 SKINS = (0, 0.02, 1, 10)
 # What is replaced in a scene, and by what. Small: it fits into the hardware. Large: several blocks of engine fast, one for a thread.
 TIGHT = (r"apart = 0.1", "apart = 0.09")  # some balls touch at the start
@@ -21,6 +21,7 @@ SMALL = {"cloth": ("cloth 8 x 8", [(r"count = \[20, 20\]", "count = [8, 8]"), (r
          "balls": ("balls, 60", [(r"objects = 300", "objects = 60"), TIGHT]),
          "stars": ("stars, 60", [(r"objects = 300", "objects = 60")]),
          "net": ("net 10 x 10", [(r"count = \[128, 128\]", "count = [10, 10]"), (r'"0\.\.127"', '"0..9"')]),
+         "dam": ("dam, 6 x 12", [(r"count = \[20, 40\]", "count = [6, 12]")]),
          "gas": ("gas, 60", [(r"objects = 300", "objects = 60"), (r'"0\.\.149"', '"0..29"'), TIGHT]),
          "heap": ("heap, 60", [(r"objects = 10000", "objects = 60"), (r"to = \[3.15, 2.2, 3.15\]", "to = [0.5, 0.5, 0.5]"), TIGHT])}
 LARGE = {"cloth": ("cloth 50 x 50", [(r"count = \[20, 20\]", "count = [50, 50]"), (r"objects = \[0, 19\]", "objects = [0, 49]")]),
@@ -85,7 +86,7 @@ class Scene:
         try:
             found = ws.words(self.fp3, path or self.path, engine, self.steps, **how)
         except ws.Failed as why:
-            if "room for" not in str(why):
+            if not why.is_limit():
                 raise
             self.refused.append({"scene": self.label, "engine": engine, "variant": variant, "why": str(why).split(": ", 2)[-1]})
             return

@@ -15,8 +15,15 @@ FOLDER = ROOT / "programs/world"
 STATE = re.compile(r"^(\S+) +\S+ +0x([0-9a-f]{8})   object (\d+)$", re.M)
 
 
+# What an engine cannot do, and says so: no error of the scene.
+LIMITS = ("room for", "no room", "a step of one phase")
+
+
 class Failed(Exception):
     """A run that fp3 refuses or that fails."""
+
+    def is_limit(self):
+        return any(limit in str(self) for limit in LIMITS)
 
 
 def names():

@@ -102,8 +102,8 @@ enum {
 static const struct argp_option table[] = {
     {"json", KEY_JSON, "FILE", 0, "Where the figures go", 0},
     {"scene", KEY_SCENE, "FILE", 0, "What is run", 0},
-    {"loop", KEY_LOOP, "NAME", 0, "By hand, too: net or stars, which the scene's model has to be",
-     0},
+    {"loop", KEY_LOOP, "NAME", 0,
+     "By hand, too: net, stars or balls, which the scene's model has to be", 0},
     {"steps", KEY_STEPS, "N", 0, "In a turn (default: 20)", 0},
     {"before", KEY_BEFORE, "N", 0, "Steps before the first turn, which are not timed (default: 1)",
      0},

@@ -244,13 +244,14 @@ static void step_block(net *n, size_t block) {
     }
 }
 
-static void net_run(void *state, uint64_t steps) {
+static int net_run(void *state, uint64_t steps) {
     net *n = state;
     for (; steps; steps--) {
         for (size_t b = 0; b < n->blocks; b++)
             step_block(n, b);
         n->half = 1 - n->half;
     }
+    return 1;
 }
 
 static void net_read(const void *state, hand_world *w) {

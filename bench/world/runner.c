@@ -108,6 +108,23 @@ static fp3_status read_stars(const fp3_scene_group *group, hand_world *w, fp3_er
     return status;
 }
 
+static fp3_status read_balls(const fp3_scene_group *group, hand_world *w, fp3_error *error) {
+    static const char *const names[] = {"R",   "stiff", "damp", "side", "roof",
+                                        "g_x", "g_y",   "g_z",  "m"};
+    double n[9] = {0};
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < 9; i++)
+        status = number_of(group, names[i], &n[i], error);
+    w->contact = (hand_contact){.radius = (float)n[0],
+                                .stiff = (float)n[1],
+                                .damp = (float)n[2],
+                                .reach_square = (float)(2 * n[0] * (2 * n[0])),
+                                .over_m = (float)(1 / n[8]),
+                                .g = {(float)n[5], (float)n[6], (float)n[7]},
+                                .wall = {(float)n[3], (float)n[4], (float)n[3]}};
+    return status;
+}
+
 /* The column of a field, or one of the model's default. */
 static float field_at(const fp3_model *model, const fp3_links *links, const char *name, size_t i) {
     for (size_t k = 0; k < links->field_count; k++)
@@ -156,30 +173,33 @@ fp3_status runner_open_hand(runner *r, const fp3_scene *scene, const char *loop,
     const hand_loop *found = hand_find(loop);
     double h = 0;
     if (!found)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "no loop '%s' for this processor: there are net and stars, for x86-64-v3 "
-                        "and x86-64-v4",
-                        loop);
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "no loop '%s' for this processor: there are net, stars and balls, for x86-64-v3 "
+            "and x86-64-v4",
+            loop);
     if (!found->is_exact())
         return fp3_fail(error, FP3_E_MISMATCH, "loop '%s': an estimate is not that of FP3", loop);
     fp3_status status = runner_open_fast(r, scene, 1, error); /* where objects are at first */
-    const int is_net = !strcmp(loop, "net");
+    const int is_net = !strcmp(loop, "net"), is_stars = !strcmp(loop, "stars");
     if (!status)
         status = read_states(r, error);
-    if (!status)
+    if (!status && (is_net || is_stars))
         status = read_column(r, is_net ? "w" : "m", r->now.weight, error);
     if (!status)
         status = number_of(&scene->groups[0], "h", &h, error);
     r->now.h = (float)h;
     if (!status)
-        status = is_net ? read_net(&scene->groups[0], &r->now, error)
-                        : read_stars(&scene->groups[0], &r->now, error);
+        status = is_net     ? read_net(&scene->groups[0], &r->now, error)
+                 : is_stars ? read_stars(&scene->groups[0], &r->now, error)
+                            : read_balls(&scene->groups[0], &r->now, error);
     if (!status && is_net)
         status = read_links(r, &scene->groups[0], error);
     fp3_engine_close(&r->engine);
     r->loop = found;
     if (!status && !(r->state = found->open(&r->now)))
-        status = no_memory(error);
+        status = fp3_fail(error, FP3_E_SYSTEM,
+                          "the loop by hand has no memory, or a ball is far from all others");
     return status;
 }
 
@@ -195,12 +215,12 @@ void runner_close(runner *r) {
 /* ---- steps ---- */
 
 fp3_status runner_go(runner *r, uint64_t steps, fp3_error *error) {
-    (void)error; /* the engine has it */
     fp3_status status = FP3_OK;
     const double begin = seconds_of(r);
-    if (r->loop)
-        r->loop->run(r->state, steps);
-    else
+    if (r->loop && !r->loop->run(r->state, steps))
+        status = fp3_fail(error, FP3_E_PROGRAM,
+                          "the loop by hand has no memory, or a ball is far from all others");
+    else if (!r->loop)
         status = fp3_engine_run(r->engine, steps, NULL);
     const double seconds = seconds_of(r) - begin;
     if (r->seconds == 0 || seconds < r->seconds)

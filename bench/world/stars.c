@@ -100,7 +100,7 @@ static void step_block(stars *s, size_t at) {
         }
 }
 
-static void stars_run(void *state, uint64_t steps) {
+static int stars_run(void *state, uint64_t steps) {
     stars *s = state;
     for (; steps; steps--) {
         for (int c = 0; c < 3; c++)
@@ -109,6 +109,7 @@ static void stars_run(void *state, uint64_t steps) {
         for (size_t at = 0; at < s->objects; at += BLOCK)
             step_block(s, at);
     }
+    return 1;
 }
 
 static void stars_read(const void *state, hand_world *w) {

@@ -24,6 +24,7 @@ BROKEN = {
     "free": ("set     = { m = 0.00333;", "spread = { m = [0.001, 0.005]; }; set = {"),
     "pair": ("g_y = 0.0;", "g_y = 0.0; m = 0.011;"),
     "gas": ("damp = 0.0;", "damp = 0.02;"),
+    "dam": ("count = [20, 40]", "count = [20, 34]"),
     "balls": ("objects = 300;", "objects = 300; set = { g_y = -9.8; };"),
 }
 
