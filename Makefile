@@ -435,9 +435,12 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 
 # ---- objects that see each other ----------------------------------------------------------------
 
-.PHONY: world
-world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes chip"
+.PHONY: world world-report
+world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
+
+world-report: ## Write docs/world.md from what `make world` found
+	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 
 # ---- lint ---------------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@
     tools/world.py                                     all of it, at its full length
     tools/world.py --quick                             the same in seconds, for the tests
     tools/world.py --parts hashes physics
+    tools/world.py --input build/results/world.json --markdown docs/world.md       the page
 
 Writes build/results/world.json. Exit code 1: words differ, or something does not hold.
 """
@@ -21,6 +22,7 @@ import world_chip
 import world_contact
 import world_hashes
 import world_physics
+import world_report
 import world_scene
 import world_speed
 import world_water
@@ -40,7 +42,7 @@ def measure(options, folder):
     if "hashes" in options.parts:
         found["hashes"], found["refused"] = world_hashes.measure(options.fp3, folder, options.quick, say)
     if "speed" in options.parts:
-        found["speed"] = world_speed.measure(options.bench, folder, options.quick, say)
+        found["speed"] = world_speed.measure(options.bench, options.peers, folder, options.quick, say)
     if "chip" in options.parts:
         found["chip"], found["refused_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
     if "physics" in options.parts:
@@ -56,7 +58,7 @@ def measure(options, folder):
 def wrong(found):
     """What differs or does not hold, in words."""
     for row in found.get("hashes", []) + found.get("speed", []):
-        if row["words_differing"]:
+        if row.get("words_differing"):
             yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
     for row in found.get("physics", []):
         if not row["holds"]:
@@ -67,10 +69,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fp3", type=pathlib.Path, default=bench.ROOT / "build/fp3", help="the command")
     parser.add_argument("--bench", type=pathlib.Path, default=bench.ROOT / "build/bench/world", help="the program that measures time")
+    parser.add_argument("--peers", type=pathlib.Path, default=bench.ROOT / ".venv-bench/bin/python",
+                        help="a Python that may have Taichi and REBOUND (default: that of make setup-bench)")
     parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
+    parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
+    parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
     options = parser.parse_args()
+    if bool(options.input) != bool(options.markdown):
+        parser.error("expected --input and --markdown together")
+    if options.input:
+        data = json.loads(options.input.read_text(encoding="utf-8"))
+        bench.write(options.markdown, "\n".join(world_report.page(data)).rstrip("\n") + "\n")
+        return 0
     try:
         with tempfile.TemporaryDirectory() as folder:
             found = measure(options, pathlib.Path(folder))

@@ -31,21 +31,39 @@ def text_of(case, quick):
     return text
 
 
-def measure(program, folder, quick, say):
-    rows = []
+def run(command, output, what):
+    try:
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+    except OSError as why:
+        raise ws.Failed(f"{command[0]}: {why.strerror}") from why
+    if done.returncode:
+        lines = done.stderr.strip().splitlines()
+        raise ws.Failed(f"{what}: {lines[-1] if lines else f'exit code {done.returncode}'}")
+    return json.loads(output.read_text(encoding="utf-8"))
+
+
+def beside_hand(row, rows):
+    """A row with how many times the loop by hand of its scene it takes."""
+    hand = [other["ns_per_object_step"] for other in rows if other["engine"] == "hand" and (other["scene"], other["objects"]) == (row["scene"], row["objects"])]
+    return row | {"ratio_to_hand": row["ns_per_object_step"] / hand[0]} if hand else row
+
+
+def measure(program, peers, folder, quick, say):
+    """peers: a Python that may have the packages of others; where it is not, they are left out."""
+    rows, output = [], folder / "speed.json"
+
+    def keep(row):
+        rows.append(row)
+        say(f"{row['scene']}, {row['engine']} {row['variant']}, threads {row['threads']}: {row['ns_per_object_step']:.2f} ns")
     for case in CASES:
         if quick and not case.quick:
             continue
-        path, output = ws.put(folder, text_of(case, quick), "speed"), folder / "speed.json"
+        path = ws.put(folder, text_of(case, quick), "speed")
         turns = ["--steps", 5, "--repeats", 3] if quick else ["--steps", case.steps, "--before", case.before, "--repeats", 15]
-        try:
-            done = subprocess.run([program, "--scene", path, "--json", output, *map(str, turns), *(["--loop", case.loop] if case.loop else [])],
-                                  capture_output=True, text=True)
-        except OSError as why:
-            raise ws.Failed(f"{program}: {why.strerror}") from why
-        if done.returncode:
-            raise ws.Failed(done.stderr.strip() or f"{program}: exit code {done.returncode}")
-        for row in json.loads(output.read_text(encoding="utf-8")):
-            rows.append({"scene": case.label + (", small" if quick else "")} | row)
-            say(f"{rows[-1]['scene']}, {row['engine']} {row['variant']}, threads {row['threads']}: {row['ns_per_object_step']:.2f} ns")
+        command = [program, "--scene", path, "--json", output, *turns, *(["--loop", case.loop] if case.loop else [])]
+        for row in run(command, output, case.label):
+            keep({"scene": case.label + (", small" if quick else "")} | row)
+    if peers.exists():
+        for row in run([peers, ws.ROOT / "tools/world_peers.py", output, *(["--quick"] if quick else [])], output, "peers"):
+            keep(beside_hand(row, rows))
     return rows

@@ -54,6 +54,21 @@ def test_loops_by_hand_have_the_same_words(measured):
         assert row["engine"] == "fast" or row["ratio_to_hand"] == 1
 
 
+def test_others_stand_beside_the_loops(world, tmp_path):
+    """What a Python that has their packages writes; and what it says where it fails."""
+    python = tmp_path / "python"
+    python.write_text('#!/bin/sh\ntest "$3" = --quick || exit 3\n'
+                      'echo \'[{"scene": "net, small", "engine": "taichi", "objects": 800, "ns_per_object_step": 50.0, "variant": "", "threads": 1}]\' >"$2"\n')
+    python.chmod(0o755)
+    done, found = world("--parts", "speed", "--peers", python)
+    hand, = (row for row in found["speed"] if (row["scene"], row["engine"]) == ("net, small", "hand"))
+    assert done.returncode == 0 and found["speed"][-1]["engine"] == "taichi"
+    assert found["speed"][-1]["ratio_to_hand"] == pytest.approx(50 / hand["ns_per_object_step"])
+    python.write_text("#!/bin/sh\necho no such package >&2\nexit 1\n")
+    done, found = world("--parts", "speed", "--peers", python)
+    assert done.returncode == 1 and found is None and "peers: no such package" in done.stderr
+
+
 @pytest.fixture
 def bench(root, build, tmp_path):
     def bench(*options):
@@ -131,7 +146,26 @@ def test_a_run_of_another_kind_is_no_row(world, liar):
     assert done.returncode == 1 and found is None and "expected a run by x86-64-v3" in done.stderr
 
 
+def test_the_page_has_all_rows(root, measured, tmp_path):
+    def page(data):
+        (tmp_path / "in.json").write_text(json.dumps(data))
+        done = subprocess.run([sys.executable, root / "tools/world.py", "--input", tmp_path / "in.json", "--markdown", tmp_path / "page.md"], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return (tmp_path / "page.md").read_text()
+    text = page(measured)
+    for row in measured["physics"]:
+        assert row["what"] in text
+    assert text.count("| `world` |") == len(measured["chip"]) and text.count("| by hand |") == 3 and ": does not hold" not in text
+    assert all(f"| `{row['hash']}` | 0 |" in text for row in measured["hashes"])
+    measured["physics"][0]["holds"], measured["hashes"][0]["words_differing"] = False, 5
+    try:
+        text = page(measured)
+    finally:
+        measured["physics"][0]["holds"], measured["hashes"][0]["words_differing"] = True, 0
+    assert text.count(": does not hold |") == 1 and text.count("` | 5 |") == 1
+
+
 def test_arguments(world, root):
-    assert world("--parts", "nonesuch")[0].returncode == 2
+    assert world("--parts", "nonesuch")[0].returncode == 2 and world("--input", "x")[0].returncode == 2
     done, found = world(fp3=root / "nonesuch")
     assert done.returncode == 1 and found is None and "nonesuch" in done.stderr and "Traceback" not in done.stderr

@@ -1,0 +1,98 @@
+"""The page of scenes of objects that see each other, from what make world has found."""
+
+from fp3gen.text import markdown
+
+HEAD = """\
+`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs all of them, compares them with what they
+should do, and writes `build/results/world.json`; `make world-report` makes this page of it. `make world QUICK=1` takes half a minute,
+`PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs or something does not hold."""
+
+SCENES = """\
+| scene | what it shows |
+|---|---|
+| `chain` | 32 masses between two that are held: normal modes |
+| `membrane` | 21 x 21 masses on threads under tension: its tones |
+| `cloth`, `net` | springs with dampers, 20 x 20, and without, 128 x 128: where energy goes |
+| `rope` | a rope of 40 links comes to rest: a catenary |
+| `bridge` | a girder of bars takes up its own weight |
+| `planets`, `eight`, `plummer`, `stars` | gravity: the solar system, three bodies on a figure of eight, a cluster in equilibrium, a collapse |
+| `pair`, `balls`, `heap`, `gas` | contact: two balls collide, 300 and 10,000 come to rest in a box, 300 fly about in one |
+| `dam` | a column of water in particles falls and runs along the floor |"""
+
+HASHES = """\
+All rows of a scene must have the same words in all states of all objects. The first row is from engine `isa`, which runs one instruction of
+one object at a time, or from the interpreter, where a scene is too large for `isa`. The other rows are
+
+- engine `fast`, interpreted, and as native code for each kind of processor that this one can be;
+- with up to 4 threads. A thread takes 512 objects at a time, so there are larger forms of the scenes for these;
+- with lists of those that are near made in each phase (skin 0), and reaching a little or ten times farther than the model asks;
+- with objects in another order, each with its links in the order that it had (`chain`, `cloth`). Where the number of an object is part of
+  the sum (`near` and `all`), another order is another scene;
+- on the simulated hardware, with fewer steps and fewer objects."""
+
+SPEED = """\
+`bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They make the bits of FP3,
+and so show what a scene could cost. All sides take turns; the figure is the shortest turn. For one thread it is the time that the
+processor gave it, for several the time on the clock, which other processes lengthen.
+
+- *Springs.* A block of 16 objects goes through its lists together. Where the neighbours of the block stand side by side, as on a
+  grid, they are loaded as they lie; at an edge some of the block do nothing.
+- *Contact.* Objects stand in the order of the cells of a grid, and each has a record of 32 bytes. Those of 16 neighbours are loaded whole
+  and transposed. The order of a sum stays that of the objects' numbers.
+- *All pairs.* Two vectors of 16 objects meet all others, one at a time.
+- *Estimates.* An estimate is an entry of a table with 1,024 places for roots. A gather costs more than to compute it: the entry is 1/sqrt
+  of an interval's end, cut to 9 or 10 bits. The processor's `vrsqrt14ps` and one step of Newton give that with an error below 22 units
+  of 2^-23, on the side where no cut is near. When a loop is opened, it compares all entries with `sw/machine/estimate.c`.
+
+Taichi and REBOUND are measured where `.venv-bench/` has them (packages `taichi` and `rebound`), after the others: the same equations in their own
+arithmetic, Taichi in float32 with a stencil in place of lists, REBOUND in double precision."""
+
+CHIP = """\
+Clock cycles of the simulated hardware for a step of an object: those of a longer run less those of a shorter one. Scenes are small, because
+objects and their lists share the store of a lane. The last column is the share of the cycles in which lanes exchange what others see."""
+
+PHYSICS = """\
+Each row has what theory or an experiment says, what the objects do, and how far apart the two may be; `why` in the JSON file argues for that.
+The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world` changes
+each scene a little, and then a row no longer holds."""
+
+
+def number(value):
+    return f"{value:.6g}" if value else "0"
+
+
+def hashes(rows):
+    """A line for each scene and number of steps."""
+    found = {}
+    for row in rows:
+        found.setdefault((row["scene"], row["steps"]), []).append(row)
+    for (scene, steps), same in found.items():
+        by = {}
+        for row in same:
+            by[row["engine"]] = by.get(row["engine"], 0) + 1
+        yield [scene, f"{steps:,}", ", ".join(f"{n} x `{engine}`" if n > 1 else f"`{engine}`" for engine, n in by.items()), f"`{same[0]['hash']}`",
+               max(row["words_differing"] for row in same)]
+
+
+def speed(rows):
+    for row in rows:
+        ratio = f"{row['ratio_to_hand']:.2f}" if "ratio_to_hand" in row else ""
+        yield [row["scene"], "by hand" if row["engine"] == "hand" else row["engine"], row["threads"], f"{row['objects']:,}", f"{row['ns_per_object_step']:.4g}", ratio]
+
+
+def page(data):
+    about = data["about"]
+    yield "<!-- Generated by tools/world.py (make world-report): do not edit. -->"
+    yield "# Scenes of objects that see each other"
+    yield from ("", HEAD, "", SCENES, "")
+    yield f"Found {about['date']} by `{about['command']}`, revision `{about['revision']}`, on {about['processors']} processors: {about['processor']}; load at the end {about['load']:.1f}; {about['compiler']}."
+    for title, text, part, head, rows in (
+            ("Physics", PHYSICS, "physics", ["scene", "what", "expected", "found", "within"],
+             lambda rows: ([row["scene"], row["what"], number(row["expected"]), number(row["found"]), f"{row['within']:.2g}" + ("" if row["holds"] else ": does not hold")] for row in rows)),
+            ("One hash a scene", HASHES, "hashes", ["scene", "steps", "runs", "hash", "words that differ"], hashes),
+            ("Beside loops written by hand", SPEED, "speed", ["scene", "by", "threads", "objects", "ns for a step of an object", "of the loop by hand"], speed),
+            ("On the hardware", CHIP, "chip", ["scene", "configuration", "lanes", "objects", "cycles for a step of an object", "exchange"],
+             lambda rows: ([row["scene"], f"`{row['config']}`", row["lanes"], row["objects"], f"{row['cycles_per_object_step']:.1f}", f"{100 * row['exchange_share']:.1f} %"] for row in rows))):
+        if part in data:
+            yield from ("", f"## {title}", "", text, "")
+            yield from markdown(head, rows(data[part]))
