@@ -30,7 +30,7 @@ import world_water
 PARTS = ("hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
-          world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap, world_water.dam]
+          world_bodies.planets, world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap, world_water.dam]
 
 
 def measure(options, folder):

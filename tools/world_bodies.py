@@ -69,3 +69,20 @@ def plummer(lab):
     yield row("plummer", "kinetic energy, of what is bound", 0.5, (moving[later] / (moving[later] - total[later])).mean(), 0.02, "the virial theorem, for 400 bodies: 1/(2 sqrt(400)) of it by chance")
     half = np.median(np.linalg.norm(x[later] - np.median(x[later], axis=1, keepdims=True), axis=2), axis=1).mean()
     yield relative("plummer", "radius that has half of the mass", 1.305 * 3 * np.pi / 16, half, 0.08, "400 bodies: the radius of the 200th is uncertain by 1/sqrt(400) of itself; softening makes it some percent larger")
+
+
+def planets(lab):
+    """Kepler's third law, for a year: Goldstein, Classical Mechanics, chapter 3. The angle around the sun is 2 pi sqrt(1 + m) t/a^1.5."""
+    found, times = lab.record(ws.text_of("planets"), "--every", 32)
+    m, *_ = np.loadtxt(ws.FOLDER / "planets.csv", delimiter=",", skiprows=3).T
+    x, v = ws.vectors(found, "x"), ws.vectors(found, "v")
+    for body, name in ((1, "mercury"), (3, "the earth"), (5, "jupiter")):
+        way = x[:, body] - x[:, 0]
+        turned = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+        yield relative("planets", f"angle of {name} in a year", 2 * np.pi * np.sqrt(1 + m[body]) / np.linalg.norm(way[0]) ** 1.5 * times[-1], turned[-1] - turned[0], 1e-4,
+                       "jupiter, 1e-3 of the sun and 4 au away, pulls at the others and at the sun")
+    energies = [energy(a, b / np.sqrt(39.478418), m, 0) for a, b in zip(x, v)]
+    yield relative("planets", "energy after a year, of G and the sun's mass over au", energies[0], energies[-1], 2e-5, "rk4 errs by (w h)^4/120 of a turn of mercury, and 2,048 roundings of 2^-25 in each planet's x and v")
+    momentum_of = m @ v[-1] - m @ v[0]
+    yield row("planets", "change of momentum in a year, of the sum of all momenta", 0, np.linalg.norm(momentum_of) / (m * np.linalg.norm(v[0], axis=1)).sum(), 8 * np.sqrt(2048) * 2.0 ** -24,
+              "a rounding of 2^-24 of the sun's speed in each step, up or down; forces of unequal masses differ by one more")

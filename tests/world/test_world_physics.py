@@ -19,6 +19,7 @@ BROKEN = {
     "net": ("k = 6.0;", "k = 12.0;"),
     "rope": ("rest = 0.06", "rest = 0.0601"),
     "bridge": ("k = 100000.0", "k = 98000.0"),
+    "planets": ("points  = ", "set = { G = 39.4; }; points  = "),
     "eight": ("0.00137281119", "0.001373"),
     "plummer": ('"leapfrog"', '"euler"'),
     "free": ("set     = { m = 0.00333;", "spread = { m = [0.001, 0.005]; }; set = {"),
