@@ -6,7 +6,8 @@
     tools/world.py --parts hashes physics
     tools/world.py --input build/results/world.json --markdown docs/world.md       the page
 
-Writes build/results/world.json. Exit code 1: words differ, or something does not hold.
+Writes build/results/world.json; parts that are not measured stay as they were in it. Exit code 1: words differ, or something does
+not hold.
 """
 
 import argparse
@@ -33,26 +34,47 @@ CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, worl
           world_bodies.planets, world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap, world_water.dam]
 
 
-def measure(options, folder):
-    begin = time.monotonic()
+def measure(options, part, folder, say):
+    """What a part adds to the file."""
+    if part == "hashes":
+        rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say)
+        return {"hashes": rows, "refused": refused}
+    if part == "speed":
+        return {"speed": world_speed.measure(options.bench, options.peers, folder, options.quick, say)}
+    if part == "chip":
+        rows, refused = world_chip.measure(options.fp3, folder, options.quick, say)
+        return {"chip": rows, "refused_on_chip": refused}
+    found, lab = [], world_physics.Lab(options.fp3, folder, options.quick)
+    for check in CHECKS:
+        rows = list(check(lab))
+        found += rows
+        say(f"physics of {check.__name__}: {sum(row['holds'] for row in rows)} of {len(rows)} rows hold")
+    return {"physics": found}
+
+
+def kept(options):
+    """What was found before in the same form: a part that is not measured now stays."""
+    try:
+        data = json.loads(options.output.read_text(encoding="utf-8"))
+        return data if data["about"]["form"] == bench.about(options)["form"] else {}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def measure_all(options, folder):
+    """Parts one by one, each written at once; yields what is wrong."""
+    begin, data = time.monotonic(), kept(options)
+    about = bench.about(options) | {"command": "make world" + (" QUICK=1" if options.quick else "")}
+    measured = data.get("measured", {})
 
     def say(text):
-        print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
-    found = {}
-    if "hashes" in options.parts:
-        found["hashes"], found["refused"] = world_hashes.measure(options.fp3, folder, options.quick, say)
-    if "speed" in options.parts:
-        found["speed"] = world_speed.measure(options.bench, options.peers, folder, options.quick, say)
-    if "chip" in options.parts:
-        found["chip"], found["refused_on_chip"] = world_chip.measure(options.fp3, folder, options.quick, say)
-    if "physics" in options.parts:
-        found["physics"] = []
-        lab = world_physics.Lab(options.fp3, folder, options.quick)
-        for check in CHECKS:
-            rows = list(check(lab))
-            found["physics"] += rows
-            say(f"physics of {check.__name__}: {sum(row['holds'] for row in rows)} of {len(rows)} rows hold")
-    return found
+        print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr, flush=True)
+    for part in options.parts:
+        found = measure(options, part, folder, say)
+        measured[part] = {"date": about["date"], "revision": about["revision"], "rows": len(found[part])}
+        data |= {"about": about, "measured": measured} | found
+        bench.write(options.output, json.dumps(data, indent=1) + "\n")
+        yield from wrong(found)
 
 
 def wrong(found):
@@ -83,18 +105,16 @@ def main():
         data = json.loads(options.input.read_text(encoding="utf-8"))
         bench.write(options.markdown, "\n".join(world_report.page(data)).rstrip("\n") + "\n")
         return 0
+    errors = 0
     try:
         with tempfile.TemporaryDirectory() as folder:
-            found = measure(options, pathlib.Path(folder))
+            for error in measure_all(options, pathlib.Path(folder)):
+                print(f"world: {error}", file=sys.stderr)
+                errors += 1
     except world_scene.Failed as why:
         print(f"world: {why}", file=sys.stderr)
         return 1
-    about = bench.about(options) | {"command": "make world" + (" QUICK=1" if options.quick else "")}
-    bench.write(options.output, json.dumps({"about": about} | found, indent=1) + "\n")
-    errors = list(wrong(found))
-    for error in errors:
-        print(f"world: {error}", file=sys.stderr)
-    print(f"{sum(len(found.get(part, [])) for part in PARTS)} rows, of which {len(errors)} differ or do not hold")
+    print(f"{errors} rows differ or do not hold")
     return 1 if errors else 0
 
 

@@ -165,6 +165,17 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
     assert text.count(": does not hold |") == 1 and text.count("` | 5 |") == 1
 
 
+def test_parts_stay_that_are_not_measured(root, build, tmp_path, measured):
+    path = tmp_path / "world.json"
+    path.write_text(json.dumps(measured | {"chip": []}))
+    command = [sys.executable, root / "tools/world.py", "--fp3", build / "fp3", "--output", path, "--parts", "chip", "--quick"]
+    assert subprocess.run(command, capture_output=True, text=True, timeout=120).returncode == 0
+    assert json.loads(path.read_text()) | {"about": 0, "measured": 0} == measured | {"about": 0, "measured": 0}
+    path.write_text(json.dumps(measured | {"about": {"form": "full"}}))  # the rows of another form do not
+    assert subprocess.run(command, capture_output=True, text=True, timeout=120).returncode == 0
+    assert set(json.loads(path.read_text())) == {"about", "measured", "chip", "refused_on_chip"}
+
+
 def test_arguments(world, root):
     assert world("--parts", "nonesuch")[0].returncode == 2 and world("--input", "x")[0].returncode == 2
     done, found = world(fp3=root / "nonesuch")
