@@ -4,8 +4,8 @@ from fp3gen.text import markdown
 
 HEAD = """\
 `programs/world` has scenes of objects that [see each other](relations.md). `make world` runs all of them, compares them with what they
-should do, and writes `build/results/world.json`; `make world-report` makes this page of it. `make world QUICK=1` takes half a minute,
-`PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs or something does not hold."""
+should do, and writes `build/results/world.json`; `make world-report` makes this page of it. It takes half an hour on two busy processors;
+`make world QUICK=1` takes half a minute, `PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs or something does not hold."""
 
 SCENES = """\
 | scene | what it shows |
@@ -33,7 +33,7 @@ one object at a time, or from the interpreter, where a scene is too large for `i
 SPEED = """\
 `bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They make the bits of FP3,
 and so show what a scene could cost. All sides take turns; the figure is the shortest turn. For one thread it is the time that the
-processor gave it, for several the time on the clock, which other processes lengthen.
+processor gave it; for several it is the time on the clock, which says nothing where the load is above the number of processors.
 
 - *Springs.* A block of 16 objects goes through its lists together. Where the neighbours of the block stand side by side, as on a
   grid, they are loaded as they lie; at an edge some of the block do nothing.
@@ -86,7 +86,7 @@ def page(data):
     yield "# Scenes of objects that see each other"
     yield from ("", HEAD, "", SCENES, "")
     when = "; ".join(f"{part} {one['date']}, revision `{one['revision']}`" for part, one in data["measured"].items())
-    yield f"Found by `{about['command']}` on {about['processors']} processors: {about['processor']}; {about['compiler']}. {when[0].upper()}{when[1:]}."
+    yield f"Found by `{about['command']}` on {about['processors']} processors: {about['processor']}; load {about['load']:.1f}; {about['compiler']}. {when[0].upper()}{when[1:]}."
     for title, text, part, head, rows in (
             ("Physics", PHYSICS, "physics", ["scene", "what", "expected", "found", "within"],
              lambda rows: ([row["scene"], row["what"], number(row["expected"]), number(row["found"]), f"{row['within']:.2g}" + ("" if row["holds"] else ": does not hold")] for row in rows)),
