@@ -13,7 +13,7 @@
 #define ERROR_MOST 0.5    /* of the scale: beyond it nothing is solved */
 #define SECONDS_MOST 0.5  /* of a run: the next tolerance would take longer */
 #define NEAR 1.5          /* times the shortest time to an error: still near the front */
-#define HOPELESS 30       /* times the time of another that is as accurate: not run at all */
+#define HOPELESS 15       /* times the time of another that is as accurate: not run at all */
 #define FAR_PATIENCE 0.02 /* for the others, of the patience */
 
 void fp3_measure_points_say(const fp3_measure_points *points, const char *format, ...) {

@@ -1,7 +1,8 @@
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
  * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once as the arithmetic has them: what that moves
- * the end is part of the error. Adaptive ones have tolerances 10^-2, 10^-3, ... A short run of the variants alone says which of them are worth a point.
+ * the end is part of the error. Where a model has events, the same steps are also cut at them, and end with the span. Adaptive ones have tolerances 10^-2,
+ * 10^-3, ... A short run of the variants alone says which of them are worth a point.
  */
 #include "programs.h"
 
@@ -22,17 +23,23 @@
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
 #define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
-#define HARDWARE_MOST 3e5  /* instructions of an adaptive run under Verilator */
+#define HARDWARE_MOST 3e5  /* instructions of such a run under Verilator */
+#define FAR 4 /* ... of which another on the same configuration takes so many times fewer: no run */
 #define PACES_MOST 48
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
 static const char *const hardware[] = {"many_full", "single_full", "many", "single",
                                        "lanes",     "uncut",       "paper"};
 enum { HARDWARE = sizeof hardware / sizeof *hardware };
-/* Cycles of adaptive steps depend on the objects: a run is needed, of the first two alone. */
-enum { HARDWARE_ADAPTIVE = 2 };
+/* Cycles of adaptive steps and of those that are cut depend on the objects: a run is needed, of the first two alone. */
+enum { HARDWARE_ADAPTED = 2 };
 
-/* One integrator in one arithmetic, with fixed or adaptive steps. */
+/* Fixed steps, fixed ones that are cut at events, and those that objects choose. */
+typedef enum { FIXED, CUT, ADAPTIVE, KINDS } steps_kind;
+
+static const char *const suffixes[KINDS] = {"", " cut", " adaptive"};
+
+/* One integrator in one arithmetic, with steps of one kind. */
 typedef struct {
     fp3_measure_points *points;
     const fp3_measure_problem *problem;
@@ -41,7 +48,8 @@ typedef struct {
     const char *name; /* of the integrator */
     const fp3_integrator *integrator;
     fp3_arithmetic arithmetic;
-    fp3_model *adapted;                /* NULL: steps are fixed */
+    steps_kind kind;
+    fp3_model *adapted;                /* NULL: steps are FIXED */
     fp3_compiled *compiled;            /* for CONFIG */
     fp3_measure_pace pace[PACES_MOST]; /* worth a point, the coarsest first */
     double *ends[PACES_MOST];          /* of the variants, with each */
@@ -89,8 +97,10 @@ static void leave_out(const family *f, const char *engine, const char *config, d
 
 static fp3_status add(const family *f, fp3_measure_point *point, unsigned i, fp3_error *error) {
     point->tolerance = f->pace[i].tolerance;
-    point->h = f->adapted ? 0 : f->pace[i].h;
-    point->steps = f->adapted ? 0 : f->pace[i].count;
+    if (f->kind != ADAPTIVE) {
+        point->h = f->pace[i].h;
+        point->steps = f->pace[i].steps;
+    }
     fp3_measure_point *added = fp3_measure_points_add(f->points, point);
     if (!added) {
         free(point->self);
@@ -199,7 +209,22 @@ static fp3_status add_predicted(const family *f, const fp3_compiled *compiled, c
     return status;
 }
 
-/* Cycles of adaptive steps are measured, where that does not take too long. */
+/* Another is as accurate with far fewer cycles. `cycles`: about what a run takes for an object. */
+static int is_far(const family *f, const char *config, unsigned i, double cycles) {
+    double ours, theirs, worst;
+    fp3_measure_problem_errors(f->problem, f->ends[i], &ours, &worst);
+    for (size_t k = 0; k < f->points->count; k++) {
+        const fp3_measure_point *q = &f->points->point[k];
+        if (!q->config || strcmp(q->config, config) != 0 || FAR * q->cycles >= cycles)
+            continue;
+        fp3_measure_problem_errors(f->problem, q->ends, &theirs, &worst);
+        if (theirs <= ours)
+            return 1;
+    }
+    return 0;
+}
+
+/* Cycles of steps whose number depends on the object are measured, where that does not take too long; the coarsest always, for the bits. */
 static fp3_status add_measured(const family *f, const fp3_compiled *compiled, const char *config,
                                fp3_error *error) {
     fp3_engine *engine = NULL;
@@ -208,8 +233,9 @@ static fp3_status add_measured(const family *f, const fp3_compiled *compiled, co
     for (unsigned i = 0; !status && i < f->count; i++) {
         fp3_measure_point point = blank(f, "rtl", config);
         uint64_t cycles = 0;
-        if (f->pace[i].made * compiled->instructions * (double)fp3_engine_objects(engine) >
-            HARDWARE_MOST)
+        const double each = f->pace[i].made * compiled->instructions;
+        if (each * (double)fp3_engine_objects(engine) > HARDWARE_MOST ||
+            (i && is_far(f, config, i, each)))
             continue;
         status = agree(f, compiled, "rtl", config, &f->pace[i], f->ends[i], &point.objects, &cycles,
                        error);
@@ -230,18 +256,26 @@ static fp3_status add_hardware(const family *f, const char *config, fp3_error *e
 
 /* ---- which time steps or tolerances ---- */
 
+/* So many of the last fill the span: no shorter one is left over. */
+static double up(double h, uint64_t steps, double end) {
+    const float near = (float)h;
+    return (double)near * (double)steps < end ? (double)nextafterf(near, INFINITY) : (double)near;
+}
+
 /* Number k of those that are tried; 0: there are no more. */
 static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
     const fp3_measure_options *o = f->options;
     const unsigned digits = o->fewest_digits + k * o->digits_apart;
-    if (f->adapted)
-        *pace = (fp3_measure_pace){.h = f->problem->model->step,
-                                   .tolerance = pow(10, -(double)digits),
-                                   .count = fp3_measure_steps(o->most_rungs)};
+    const uint64_t steps = fp3_measure_steps(k), most = fp3_measure_steps(o->most_rungs);
+    const double end = f->problem->end, h = end / (double)steps;
+    if (f->kind == ADAPTIVE)
+        *pace = (fp3_measure_pace){
+            .h = f->problem->model->step, .tolerance = pow(10, -(double)digits), .count = most};
+    else if (f->kind == CUT)
+        *pace = (fp3_measure_pace){.h = up(h, steps, end), .steps = steps, .count = most};
     else
-        *pace = (fp3_measure_pace){.h = f->problem->end / (double)fp3_measure_steps(k),
-                                   .count = fp3_measure_steps(k)};
-    return f->adapted ? digits <= o->most_digits : k < o->most_rungs;
+        *pace = (fp3_measure_pace){.h = h, .steps = steps, .count = steps};
+    return f->kind == ADAPTIVE ? digits <= o->most_digits : k < o->most_rungs;
 }
 
 /* Takes what it is given, or frees it. */
@@ -260,7 +294,7 @@ static fp3_status try_pace(family *f, const fp3_measure_run *r, fp3_measure_pace
     *median = INFINITY;
     fp3_status status = fp3_measure_run_solve(r, f->problem, pace, ends, seconds, &stats, error);
     *is_over = status != FP3_OK;
-    if (f->adapted && status == FP3_E_ARGUMENT) /* the arithmetic has no such tolerance */
+    if (f->kind == ADAPTIVE && status == FP3_E_ARGUMENT) /* the arithmetic has no such tolerance */
         return FP3_OK;
     if (f->adapted && status == FP3_E_LIMIT) {
         leave_out(f, f->options->engine, NULL, pace->tolerance,
@@ -287,13 +321,13 @@ static fp3_status sample(family *f, fp3_error *error) {
     for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
          k++) {
         double median = INFINITY, *ends;
-        if ((f->adapted ? 1 : 2) * seconds >= SAMPLE_SECONDS || worse >= RUNGS_WORSE ||
+        if ((f->kind == ADAPTIVE ? 1 : 2) * seconds >= SAMPLE_SECONDS || worse >= RUNGS_WORSE ||
             k > first + RUNGS_AFTER)
             break;
         status = make_ends(f, &ends, error);
         if (!status)
             status = try_pace(f, &r, &pace, ends, &median, &seconds, &is_over, error);
-        worse = f->adapted || median < best || best > SOLVED ? 0 : worse + 1;
+        worse = f->kind == ADAPTIVE || median < best || best > SOLVED ? 0 : worse + 1;
         best = fmin(best, median);
         if (status || is_over || !(median < ERROR_MOST) || worse >= RUNGS_WORSE) {
             free(ends);
@@ -307,7 +341,7 @@ static fp3_status sample(family *f, fp3_error *error) {
 
 /* ---- all of it ---- */
 
-/* Of fixed steps a few, of the largest that is worth a point; an adaptive run of some steps would be none. */
+/* Of fixed steps a few, of the largest that is worth a point; where objects have times of their own, a run of some steps would be none. */
 static fp3_status run_brief(family *f, fp3_error *error) {
     fp3_measure_run r = run_of(f, f->compiled);
     fp3_stats stats;
@@ -337,7 +371,7 @@ static fp3_status add_all(family *f, fp3_error *error) {
     if (!status && strcmp(f->options->engine, "isa") != 0)
         status = agree(f, f->compiled, "isa", CONFIG, &f->brief, f->brief_ends, &objects, &cycles,
                        error);
-    for (int i = 0; !status && i < (f->adapted ? HARDWARE_ADAPTIVE : HARDWARE); i++)
+    for (int i = 0; !status && i < (f->adapted ? HARDWARE_ADAPTED : HARDWARE); i++)
         status = add_hardware(f, hardware[i], error);
     for (unsigned i = 0; !status && i < f->count; i++) {
         status = add_software(f, i, 1, error);
@@ -356,7 +390,7 @@ static fp3_status add_family(family *f, fp3_error *error) {
     status = sample(f, error);
     if (!status && f->count)
         status = add_all(f, error);
-    if (!status && !f->count && !f->adapted)
+    if (!status && !f->count && f->kind != ADAPTIVE)
         leave_out(f, f->options->engine, NULL, 0, "no time step that was tried solves it");
     for (unsigned i = 0; i < f->count; i++)
         free(f->ends[i]);
@@ -364,16 +398,17 @@ static fp3_status add_family(family *f, fp3_error *error) {
     return status;
 }
 
-/* *adapted is NULL: the model cannot have adaptive steps, and is left out. */
+/* *adapted is NULL: the model cannot have such steps, and is left out. */
 static fp3_status adapt(family *f, fp3_error *error) {
-    const fp3_adaptive_def def = {.tolerance = 1e-5, .until = f->problem->end};
+    const fp3_adaptive_def def = {.tolerance = f->kind == ADAPTIVE ? 1e-5 : 0,
+                                  .until = f->problem->end};
     char *name = malloc(strlen(f->name) + 16);
     fp3_model *model = NULL;
     fp3_status status = name ? fp3_measure_machines_keep(f->machines, name, error)
                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (status)
         return status;
-    sprintf(name, "%s adaptive", f->name);
+    sprintf(name, "%s%s", f->name, suffixes[f->kind]);
     f->name = name;
     status = fp3_model_copy(f->problem->model, &model, error);
     if (!status)
@@ -387,14 +422,18 @@ static fp3_status adapt(family *f, fp3_error *error) {
     return FP3_OK;
 }
 
-/* With adaptive steps: plain and compensated; docs/command.md says so. */
-static int is_measured(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
-                       int is_adaptive) {
-    return fp3_arithmetic_applies(arithmetic, integrator, is_adaptive) &&
-           !(is_adaptive && arithmetic == FP3_DOUBLE_SINGLE);
+/* With adaptive steps: plain and compensated; docs/command.md says so. h of what is cut is not known beforehand: nothing is
+ * folded into it. */
+static int is_measured(const fp3_model *model, fp3_arithmetic arithmetic,
+                       const fp3_integrator *integrator, steps_kind kind) {
+    if (kind == CUT &&
+        (!model->event_count || arithmetic == FP3_FOLDED || integrator->kind == FP3_STOERMER))
+        return 0;
+    return fp3_arithmetic_applies(arithmetic, integrator, kind == ADAPTIVE) &&
+           !(kind == ADAPTIVE && arithmetic == FP3_DOUBLE_SINGLE);
 }
 
-static fp3_status add_integrator(const family *shared, const char *name, int is_adaptive,
+static fp3_status add_integrator(const family *shared, const char *name, steps_kind kind,
                                  fp3_error *error) {
     fp3_integrator *integrator = NULL;
     fp3_status status = fp3_integrator_find(name, &integrator, error);
@@ -403,11 +442,12 @@ static fp3_status add_integrator(const family *shared, const char *name, int is_
         f.integrator = integrator;
         f.arithmetic = (fp3_arithmetic)i;
         f.name = name;
-        if (!is_measured(f.arithmetic, integrator, is_adaptive))
+        f.kind = kind;
+        if (!is_measured(f.problem->model, f.arithmetic, integrator, kind))
             continue;
-        if (is_adaptive)
+        if (kind != FIXED)
             status = adapt(&f, error);
-        if (!status && (f.adapted || !is_adaptive))
+        if (!status && (f.adapted || kind == FIXED))
             status = add_family(&f, error);
         if (status) {
             const fp3_error why = *error;
@@ -426,10 +466,10 @@ fp3_status fp3_measure_add_programs(fp3_measure_points *points, const fp3_measur
         .points = points, .problem = problem, .options = options, .machines = machines};
     fp3_status status = FP3_OK;
     const char *name;
-    for (int is_adaptive = 0; is_adaptive < 2; is_adaptive++)
+    for (int kind = FIXED; kind < KINDS; kind++)
         for (unsigned i = 0; !status && (name = options->integrators ? options->integrators[i]
                                                                      : fp3_integrator_name(i));
              i++)
-            status = add_integrator(&shared, name, is_adaptive, error);
+            status = add_integrator(&shared, name, (steps_kind)kind, error);
     return status;
 }

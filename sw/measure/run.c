@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define LOCATE_PART 16384 /* of the step: 14 attempts more for an event */
 #define OBJECTS_LEAST 512 /* of a timed run with many steps: one block for each thread */
 
 static fp3_status said(const fp3_measure_run *e, fp3_status status, fp3_error *error) {
@@ -127,11 +128,28 @@ static void set_tolerance(fp3_model *model, const fp3_measure_problem *p, double
     set(model, "locate", tolerance * p->end);
 }
 
+static int has_condition(const fp3_model *model) {
+    int has = 0;
+    for (uint32_t i = 0; i < model->event_count; i++)
+        has |= model->events[i].armed == FP3_NONE;
+    return has;
+}
+
+/* A condition is looked for by halves, down to a part of the step; the first step is no longer. A root is located as fp3/compile.h says. */
+static void set_step(fp3_model *model, double h) {
+    if (!has_condition(model))
+        return;
+    set(model, "locate", h / LOCATE_PART);
+    model->states[fp3_model_state(model, "h_next")].value = h / LOCATE_PART;
+}
+
 fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_problem *p,
                                  const fp3_measure_pace *pace, double *ends, double *seconds,
                                  fp3_stats *stats, fp3_error *error) {
-    if (e->adapted)
+    if (e->adapted && pace->tolerance > 0)
         set_tolerance(e->adapted, p, pace->tolerance);
+    else if (e->adapted)
+        set_step(e->adapted, pace->h);
     fp3_status status = prepare(e, p, pace->h, error);
     if (status)
         return status;

@@ -10,16 +10,18 @@ typedef struct {
     fp3_engine *engine;
     const fp3_compiled *compiled;
     const fp3_measure_machines *machines;
-    fp3_model *adapted; /* of adaptive steps: a run gives it its params; else NULL */
-    int is_flipped;     /* a bit of what the first object ends with */
+    fp3_model
+        *adapted; /* where objects have times of their own: a run gives it its params; else NULL */
+    int is_flipped; /* a bit of what the first object ends with */
 } fp3_measure_run;
 
 /* How objects come from the start to the end. */
 typedef struct {
     double h; /* of a step; of adaptive ones where they begin */
     double
-        tolerance; /* of an adaptive step; its `absolute` is that times the smallest scale of a state */
-    uint64_t count; /* of steps; of adaptive ones the most attempts */
+        tolerance; /* of an adaptive step; its `absolute` is that times the smallest scale of a state. 0: not adaptive */
+    uint64_t steps; /* ... then so many of them fill the span */
+    uint64_t count; /* of steps; the most attempts of those that are adaptive or cut at events */
     double made;    /* by one object, steps or attempts, on average: for who asks, not read */
 } fp3_measure_pace;
 

@@ -137,6 +137,28 @@ def test_adaptive_steps_are_rows_of_their_own(build, tmp_path):
     assert left == 2 * [(1e-6, "an object does not come to its end")]
 
 
+def test_steps_that_are_cut_at_events_are_rows_of_their_own(build, root, tmp_path):
+    """By time steps, beside those that are not cut: with the same h far nearer the truth. The hardware has the bits and cycles."""
+    done = bench(build, root / "programs/bouncing_ball.ode", "-i", "rk4", "--json", tmp_path / "ball.json")
+    assert done.returncode == 0, done.stderr
+    points = json.loads((tmp_path / "ball.json").read_text())["points"]
+    cut = [point for point in points if point["integrator"] == "rk4 cut"]
+    assert all(point["h"] > 0 and point["steps"] and point["tolerance"] is None and point["h"] * point["steps"] >= 2 for point in cut)
+    assert {point["arithmetic"] for point in cut} == {"plain", "compensated", "double_single"}
+
+    def errors(engine, integrator):
+        return {point["steps"]: point["error_median"] for point in points if (point["engine"], point["integrator"], point["arithmetic"]) == (engine, integrator, "compensated")}
+    ours, plain, hardware = errors(ENGINE, "rk4 cut"), errors("rtl", "rk4"), errors("rtl", "rk4 cut")
+    assert 0 < min(ours.values()) < 3e-5 and len(set(ours) & set(plain)) > 1         # others may be hopeless
+    assert all(ours[steps] < plain[steps] / 50 for steps in set(ours) & set(plain))
+    assert hardware and all(error == ours.get(steps, error) for steps, error in hardware.items())
+    assert {point["config"] for point in cut if point["engine"] == "rtl"} == {"many_full", "single_full"}
+
+
+def test_where_there_is_no_event_nothing_is_cut(oscillator):
+    assert not [point for point in oscillator["points"] if (point["integrator"] or "").endswith(" cut")]
+
+
 @pytest.mark.parametrize("text, why", [("model a\nstate x = 1\nstep 0.1\nx' = -x +\n", "a.ode:5:"), (None, "No such file")])
 def test_a_bad_model_is_refused(build, tmp_path, text, why):
     if text:
