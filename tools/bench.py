@@ -25,6 +25,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 QUICK = {"ship": ["rk4", "euler"], "kepler": ["rk4", "leapfrog"]}
 CLOCKS = "docs/results.md"          # the table of placed configurations
+PEERS = ("diffrax", "heyoka")       # Python packages, each measured by tools/bench_NAME.py
 
 
 def write(path, text):
@@ -90,7 +91,7 @@ def quick(options):
 
 
 def measure_model(options, name):
-    """The file of its points; beside it, the problem for diffrax."""
+    """The file of its points; beside it, the problem for PEERS."""
     model = ROOT / f"programs/{name}.ode"
     words = [word for i in (QUICK.get(name, ["rk4"]) if options.quick else []) for word in ("-i", i)]
     command = [options.bench, "points", model, "--engine", options.engine, *words, *quick(options),
@@ -108,11 +109,11 @@ def measure_output(options):
     return measure(options.parts / "output.json", [sys.executable, tool, "--fp3", fp3, *quick(options)], tool, fp3)
 
 
-def measure_diffrax(options, name):
-    """The same with diffrax, if `make setup-bench` has put it into .venv-bench/; None: it has not, or there are events."""
-    python, path = ROOT / ".venv-bench/bin/python", options.parts / f"{name}.diffrax.json"
-    tool, problem = ROOT / "tools/bench_diffrax.py", options.parts / f"{name}.problem.json"
-    if options.quick or not python.exists() or not problem.exists():
+def measure_peer(options, name, peer):
+    """The same with a Python package, if `make setup-bench` has put it into .venv-bench/; None: it has not, or there are events."""
+    python, path = ROOT / ".venv-bench/bin/python", options.parts / f"{name}.{peer}.json"
+    tool, problem = ROOT / f"tools/bench_{peer}.py", options.parts / f"{name}.problem.json"
+    if options.quick or not any(ROOT.glob(f".venv-bench/lib/python3*/site-packages/{peer}")) or not problem.exists():
         return None
     return measure(path, [python, tool, problem], tool, problem)
 
@@ -120,7 +121,8 @@ def measure_diffrax(options, name):
 def try_all(options, names):
     """The files of all parts, and what failed: its name and why."""
     begin, parts, failed = time.monotonic(), [], []
-    work = [(name, (lambda name=name: measure_model(options, name), lambda name=name: measure_diffrax(options, name))) for name in names]
+    work = [(name, (lambda name=name: measure_model(options, name), *(lambda name=name, peer=peer: measure_peer(options, name, peer) for peer in PEERS)))
+            for name in names]
     work += [("speed", (lambda: measure_speed(options),)), ("output", (lambda: measure_output(options),))]
     for number, (name, actions) in enumerate(work, 1):
         print(f"bench: {name}, {number} of {len(work)}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)

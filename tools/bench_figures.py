@@ -1,6 +1,7 @@
 """What the pictures and tables of the benchmark show: who is the fastest at an error, and which points belong together."""
 
 ERRORS = [10.0 ** -digits for digits in range(1, 14)]
+PEERS = {"plain_c": "plain C", "gsl": "GSL", "sundials": "SUNDIALS", "diffrax": "diffrax", "heyoka": "heyoka"}
 # How a curve looks: a family has a colour, its members have dashes and marks of their own. The same everywhere.
 DASHES, MARKS = ["-", "--", ":", "-."], "os^Dv*X"
 
@@ -16,6 +17,7 @@ METHODS = looks({
     "#0072b2": [f"GSL {name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")],
     "#aa3377": [f"SUNDIALS {name}" for name in ("cvode adams", "cvode bdf", "arkode erk3", "arkode erk4", "arkode erk5", "arkode erk8")],
     "#e69f00": ["diffrax float32", "diffrax float64"],
+    "#56b4e9": ["heyoka taylor", "heyoka taylor batch"],
 })
 INTEGRATORS = looks({
     "#e69f00": ["euler", "midpoint", "heun", "ralston3"],
@@ -27,7 +29,8 @@ INTEGRATORS = looks({
     "#56b4e9": ["rkc6_damped", "rkc8", "rkc12"],
 })
 OTHER = ("#888888", "-", "P")   # what is in no list
-ADAPTIVE = " adaptive"          # behind the name of an integrator: its curve with open marks
+ADAPTIVE = " adaptive"
+KINDS = (ADAPTIVE, " cut")      # behind the name of an integrator, of steps that are not all h: its curve with open marks
 
 
 def fast_of(data):
@@ -62,7 +65,8 @@ def summary(points, fast):
             break
         row = {"error": error, "fast": ours, "all": best(points, error, engine=fast, threads=threads) if threads > 1 else None,
                "hardware": best(points, error, engine="rtl")}
-        row |= {who: best(points, error, engine=who) for who in ("plain_c", "gsl", "sundials", "diffrax")}
+        row |= {who: best(points, error, engine=who) for who in PEERS}
+        row["adaptive"] = best([point for point in points if (point["integrator"] or "").endswith(ADAPTIVE)], error, engine=fast, threads=1)
         row["is_fp32"] = best(in_fp32(points, fast), error, threads=1) is not None
         row["ratio"] = row["gsl"] and row["gsl"]["ns_per_object"] / ours["ns_per_object"]
         rows.append(row)
@@ -83,8 +87,7 @@ def label(point, fast):
         return "fp3, one thread" if point["threads"] == 1 else "fp3, all threads"
     if point["engine"] == "rtl":
         return f"hardware {point['config']}"
-    return {"plain_c": "plain C ", "gsl": "GSL ", "sundials": "SUNDIALS ", "diffrax": "diffrax "}[point["engine"]] \
-        + (point["arithmetic"] if point["engine"] == "diffrax" else point["method"])
+    return f"{PEERS[point['engine']]} " + (point["arithmetic"] if point["engine"] == "diffrax" else point["method"])
 
 
 def text(point, fast):
@@ -97,7 +100,7 @@ def text(point, fast):
 def series(name, look, points, fast):
     """Of the points those that no other beats."""
     kept = front(points)
-    return {"name": name, "look": look, "is_open": name.endswith(ADAPTIVE), "notes": [text(point, fast) for point in kept],
+    return {"name": name, "look": look, "is_open": name.endswith(KINDS), "notes": [text(point, fast) for point in kept],
             "points": [(point["ns_per_object"] / 1e9, point["error_median"]) for point in kept]}
 
 
@@ -117,7 +120,7 @@ def fronts(points, fast):
 def curves(points, fast):
     """Of one model: a line for each integrator, in the best of its arithmetics."""
     groups = by((point for point in points if point["engine"] == fast and point["threads"] == 1), lambda point: point["integrator"])
-    return [series(name, INTEGRATORS.get(name.removesuffix(ADAPTIVE), OTHER), groups[name], fast) for name in sorted(groups)]
+    return [series(name, INTEGRATORS.get(name.partition(" ")[0], OTHER), groups[name], fast) for name in sorted(groups)]
 
 
 # ---- speed --------------------------------------------------------------------------------------------

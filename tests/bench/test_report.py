@@ -7,6 +7,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import types
 import xml.etree.ElementTree as xml
 
 import pytest
@@ -76,10 +77,41 @@ def test_what_is_left_out_for_one_reason_is_one_row(data):
 def test_the_page_has_machine_versions_command_and_date(data):
     page = bench_report.markdown(data)
     for word in ("2026-01-02", "`make bench`", "a processor", "a system", "a compiler 1", "GSL 1.2", "SUNDIALS 3.4", "`abc`", "100.0 MHz",
-                 "took too long", "diffrax (JAX) was not there"):
+                 "took too long", "diffrax (JAX) was not there", "heyoka.py was not there"):
         assert word in page, word
     assert "1,000,000 objects of `ship`, 100 snapshots of 2 states: 800 MB in 2.00 s" in page and "reaches 75 % of that" in page
     assert "| fast, 2 threads | 0.130 |" in page and "| fast | 16,384 | 1,000 | 0.250 | 4,000 | 1.25 |" in page
+
+
+def test_adaptive_steps_and_peers_have_columns_where_they_were_measured(data):
+    """heyoka is no engine of fp3: what it takes changes no ratio to GSL."""
+    before = bench_report.markdown(data)
+    assert "| error | fast, one thread, ns | by | adaptive steps, ns |" in before and "| diffrax, ns | heyoka, ns | GSL / fast |" in before
+    data["points"].append(data["points"][0] | {"integrator": "rk4 adaptive", "h": None, "steps": None, "tolerance": 1e-3, "ns_per_object": 345.0})
+    data["points"].append({key: None for key in data["points"][0]} | {"model": "kepler", "engine": "heyoka", "method": "taylor batch", "arithmetic": "float64", "threads": 1,
+                                                                     "error_median": 1e-12, "ns_per_object": 50.0})
+    page = bench_report.markdown(data)
+    assert "345 (rk4 adaptive, plain)" in page and "50.0 (taylor batch)" in page and "heyoka.py (Taylor's method in double" in page
+    assert [line.split("|")[-2] for line in page.splitlines() if line.startswith("| 1e-0")] == [line.split("|")[-2] for line in before.splitlines() if line.startswith("| 1e-0")]
+    assert bench_figures.label(data["points"][-1], "fast") in bench_figures.METHODS
+    looks = {one["name"]: one for one in bench_figures.curves(data["points"], "fast")}
+    assert looks["rk4 adaptive"]["look"] == looks["rk4"]["look"] and looks["rk4 adaptive"]["is_open"] and not looks["rk4"]["is_open"]
+
+
+@pytest.mark.parametrize("peer", bench.PEERS)
+def test_a_peer_that_is_not_installed_is_left_out(monkeypatch, tmp_path, peer):
+    """And one that is, is started."""
+    monkeypatch.setattr(bench, "ROOT", tmp_path)
+    asked = []
+    monkeypatch.setattr(bench, "measure", lambda path, command, *sources: asked.append(command) or path)
+    options = types.SimpleNamespace(parts=tmp_path, quick=False)
+    (tmp_path / "ship.problem.json").write_text("{}")
+    (tmp_path / ".venv-bench/bin").mkdir(parents=True)
+    (tmp_path / ".venv-bench/bin/python").write_text("")
+    assert bench.measure_peer(options, "ship", peer) is None and asked == []
+    (tmp_path / f".venv-bench/lib/python3.11/site-packages/{peer}").mkdir(parents=True)
+    assert bench.measure_peer(options, "ship", peer) == tmp_path / f"ship.{peer}.json" and asked[0][1] == tmp_path / f"tools/bench_{peer}.py"
+    assert bench.measure_peer(options, "nonesuch", peer) is None and len(asked) == 1
 
 
 def test_the_page_says_what_failed_and_which_revisions_there_are(data):
