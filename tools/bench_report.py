@@ -40,8 +40,8 @@ hardware the cycles that the compiler predicts.
 
 Adaptive steps (`dopri5 adaptive` and so on) are points by tolerances from 1e-2 on, until an object does not end or the arithmetic has no such tolerance. Their
 `absolute` is the tolerance times the smallest size of a state. Of a model with events, fixed steps are measured twice: as they are, so that an event happens up to a step late,
-and cut at events (`rk4 cut`), with a condition located to 2^-14 of the step. Cycles of both are those of a run under Verilator, where that has 300,000 instructions at most and no other
-way takes a quarter of its cycles; the coarsest of each is always run.
+and cut at events (`rk4 cut`), with a condition located to 2^-14 of the step. Cycles of both are those of runs under Verilator, the coarsest first, as long as those of an integrator in an arithmetic have 600,000
+instructions together, and where no other way takes a quarter of the cycles.
 
 The others run in double, one object after another, with the right-hand side as C that `cc -O3 -march=native` compiles, tolerances
 from 1e-2 to 1e-10, relative to the size of each state. Memory is allocated once, not for each object. Jacobians are differences.

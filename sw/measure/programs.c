@@ -18,13 +18,15 @@
 
 #define CONFIG "many_full" /* whose program the engines in software run */
 #define CHECKED_STEPS 8    /* of fixed ones, of the runs in which engines are compared */
+#define CHECKED_OBJECTS 8  /* of the others, whose runs are whole, on isa */
 #define RUNGS_WORSE 4      /* after so many without a smaller error nothing is left but rounding */
 #define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
 #define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
-#define HARDWARE_MOST 3e5  /* instructions of such a run under Verilator */
+#define HARDWARE_MOST 6e5  /* instructions of such runs of a family on one configuration */
 #define FAR 4 /* ... of which another on the same configuration takes so many times fewer: no run */
+#define CUTS_MOST 4096 /* attempts to find events, beside steps */
 #define PACES_MOST 48
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
@@ -160,7 +162,10 @@ static fp3_status agree(const family *f, const fp3_compiled *compiled, const cha
     fp3_status status = make_ends(f, &ends, error);
     if (!status)
         status = fp3_measure_machines_engine(f->machines, name, config, 1,
-                                             strcmp(name, "rtl") ? variants : 0, &r.engine, error);
+                                             !strcmp(name, "rtl") ? 0
+                                             : f->adapted         ? CHECKED_OBJECTS
+                                                                  : variants,
+                                             &r.engine, error);
     if (!status)
         status = fp3_measure_run_solve(&r, f->problem, pace, ends, &seconds, &stats, error);
     *objects = status ? 0 : fp3_engine_objects(r.engine);
@@ -228,15 +233,17 @@ static int is_far(const family *f, const char *config, unsigned i, double cycles
 static fp3_status add_measured(const family *f, const fp3_compiled *compiled, const char *config,
                                fp3_error *error) {
     fp3_engine *engine = NULL;
+    double spent = 0;
     fp3_status status =
         fp3_measure_machines_engine(f->machines, "rtl", config, 1, 0, &engine, error);
     for (unsigned i = 0; !status && i < f->count; i++) {
         fp3_measure_point point = blank(f, "rtl", config);
         uint64_t cycles = 0;
         const double each = f->pace[i].made * compiled->instructions;
-        if (each * (double)fp3_engine_objects(engine) > HARDWARE_MOST ||
-            (i && is_far(f, config, i, each)))
+        const double all = each * (double)fp3_engine_objects(engine);
+        if (spent + all > HARDWARE_MOST || (i && is_far(f, config, i, each)))
             continue;
+        spent += all;
         status = agree(f, compiled, "rtl", config, &f->pace[i], f->ends[i], &point.objects, &cycles,
                        error);
         point.cycles = (double)cycles / (double)point.objects;
@@ -272,7 +279,8 @@ static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
         *pace = (fp3_measure_pace){
             .h = f->problem->model->step, .tolerance = pow(10, -(double)digits), .count = most};
     else if (f->kind == CUT)
-        *pace = (fp3_measure_pace){.h = up(h, steps, end), .steps = steps, .count = most};
+        *pace = (fp3_measure_pace){
+            .h = up(h, steps, end), .steps = steps, .count = CUTS_MOST + 2 * steps};
     else
         *pace = (fp3_measure_pace){.h = h, .steps = steps, .count = steps};
     return f->kind == ADAPTIVE ? digits <= o->most_digits : k < o->most_rungs;
@@ -299,6 +307,7 @@ static fp3_status try_pace(family *f, const fp3_measure_run *r, fp3_measure_pace
     if (f->adapted && status == FP3_E_LIMIT) {
         leave_out(f, f->options->engine, NULL, pace->tolerance,
                   "an object does not come to its end");
+        *is_over = f->kind == ADAPTIVE; /* what is cut may, with shorter steps */
         return FP3_OK;
     }
     pace->made =
@@ -341,18 +350,22 @@ static fp3_status sample(family *f, fp3_error *error) {
 
 /* ---- all of it ---- */
 
-/* Of fixed steps a few, of the largest that is worth a point; where objects have times of their own, a run of some steps would be none. */
+/* Of fixed steps a few, of the largest that is worth a point; where objects have times of their own, a run of some steps would be none: the shortest. (A ball
+ * that bounces wrongly may do so a thousand times.) */
 static fp3_status run_brief(family *f, fp3_error *error) {
     fp3_measure_run r = run_of(f, f->compiled);
     fp3_stats stats;
     double seconds;
-    f->brief = f->pace[0];
+    unsigned shortest = 0;
+    for (unsigned i = 1; f->adapted && i < f->count; i++)
+        shortest = f->pace[i].made < f->pace[shortest].made ? i : shortest;
+    f->brief = f->pace[shortest];
     if (!f->adapted)
         f->brief.count = CHECKED_STEPS;
     r.is_flipped = f->options->is_flipped;
     fp3_status status = make_ends(f, &f->brief_ends, error);
     if (!status && f->adapted) {
-        memcpy(f->brief_ends, f->ends[0], room(f) * sizeof *f->brief_ends);
+        memcpy(f->brief_ends, f->ends[shortest], room(f) * sizeof *f->brief_ends);
         return FP3_OK;
     }
     if (!status)
