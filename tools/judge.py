@@ -150,9 +150,9 @@ class Events:
             after[self.model.place(left)] = np.ravel(self.model.value(code, v))
         return after
 
-    def follow(self, y, times, scale):
-        """States at the times, and what happened: (when, before, after)."""
-        found, happened, now, end = np.empty((len(times), len(y))), [], 0.0, times[-1]
+    def follow(self, y, times, scale, beyond):
+        """States at the times, and what happened until so long after the last: (when, before, after)."""
+        found, happened, now, end = np.empty((len(times), len(y))), [], 0.0, times[-1] + beyond
         for kind, _, _, sets, condition in self.events:
             if condition and np.ravel(self.value(condition, 0, y))[0]:
                 y = self.fire(sets, 0, y)
@@ -181,8 +181,6 @@ class Events:
                     y, fired = self.fire(sets, to, y), True
             if fired:
                 happened.append((to, before, y))
-                if to == end:
-                    found[-1] = y
             now = to
         return found, happened
 
@@ -230,21 +228,21 @@ def errors_of(values, y0, truth, happened, times, span, tolerance):
     return worst.max(0)
 
 
-def truth_of(path, model, values, names, params, y0, looks, scale, truths):
+def truth_of(path, model, values, names, params, y0, looks, scale, truths, beyond):
     """At the looks of each object: the truth at all times, of which each has its own. Who has not moved is at its start."""
     times = np.unique(looks[looks > 0])
-    found, happened = truth_at(path, model, values, names, params, y0, times, scale, truths)
+    found, happened = truth_at(path, model, values, names, params, y0, times, scale, truths, beyond)
     found = np.concatenate([y0[None], found])
     return np.stack([found[np.where(looks[:, i] > 0, 1 + np.searchsorted(times, looks[:, i]), 0), :, i] for i in range(looks.shape[1])], 2), happened
 
 
-def truth_at(path, model, values, names, params, y0, times, scale, truths):
+def truth_at(path, model, values, names, params, y0, times, scale, truths, beyond):
     if solve_ivp is None:
         given = (truths, path, names, values, y0, times)
         return with_sides(*given) if model.events else (by_our_own(*given), [])
     if not model.events:
         return solve(model, y0, params, times, scale, path.stem in STIFF), []
-    parts = [Events(model, path.stem, {k: p[..., [i]] for k, p in params.items()}).follow(y0[:, i], times, scale) for i in range(y0.shape[1])]
+    parts = [Events(model, path.stem, {k: p[..., [i]] for k, p in params.items()}).follow(y0[:, i], times, scale, beyond) for i in range(y0.shape[1])]
     return np.moveaxis(np.array([rows for rows, _ in parts]), 0, 2), [events for _, events in parts]
 
 
@@ -274,7 +272,7 @@ def judge(fp3, truths, path, tolerance, around, objects, seed):
             params = with_values(model, model.names, values, each)
             y0 = start_of(model, model.names, values, params, each)
             scale = np.abs(states).max((0, 2)) + 1e-300
-            truth, happened = truth_of(path, model, values, model.names, params, y0, times, scale, truths)
+            truth, happened = truth_of(path, model, values, model.names, params, y0, times, scale, truths, tolerance * choice["span"])
         except RuntimeError as why:
             return row | {"holds": None, "why": str(why)}
         found.extend(errors_of(states, y0, truth, happened, times, choice["span"], tolerance))

@@ -51,3 +51,19 @@ def test_a_bad_choice_fails(judge, build, tmp_path, model, worse):
     liar.chmod(0o755)
     done, rows = judge("--models", model, "--tolerances", "1e-3", fp3=liar)
     assert done.returncode == 1 and "FAILS" in done.stdout and rows[0]["within"] < 0.95, done.stdout + done.stderr
+
+
+def test_an_event_that_the_truth_has_just_after_the_end_may_be_just_before_it(root, tmp_path):
+    """By tolerance * span at most: then the object is where the truth will be."""
+    pytest.importorskip("scipy")
+    sys.path.insert(0, str(root / "tools"))
+    import judge
+    (tmp_path / "saw.ode").write_text("state y = 1\ny' = -1\nwhen root(y) falling: y = 1\nstep 0.1\nspan 0.9996\n")
+    model, tolerance, span = judge.read(tmp_path / "saw.ode"), 1e-3, 0.9996
+    times, states, y0 = np.array([[0.5], [span]]), np.array([[[0.5]], [[0.9999]]]), np.ones((1, 1))
+
+    def worst(beyond):
+        truth, happened = judge.truth_of(tmp_path / "saw.ode", model, {}, model.names, {}, y0, times, np.ones(1), None, beyond)
+        assert np.allclose(truth[:, 0, 0], [0.5, 1 - span])
+        return judge.errors_of(states, y0, truth, happened, times, span, tolerance)[0]
+    assert worst(tolerance * span) < tolerance and worst(2e-4) > 0.9
