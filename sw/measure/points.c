@@ -10,11 +10,10 @@
 
 #define SOLVED 0.1
 #define WORSE_MOST 2
-#define ERROR_MOST 0.5    /* of the scale: beyond it nothing is solved */
-#define SECONDS_MOST 0.5  /* of a run: the next tolerance would take longer */
-#define NEAR 1.5          /* times the shortest time to an error: still near the front */
-#define HOPELESS 15       /* times the time of another that is as accurate: not run at all */
-#define FAR_PATIENCE 0.02 /* for the others, of the patience */
+#define ERROR_MOST 0.5   /* of the scale: beyond it nothing is solved */
+#define SECONDS_MOST 0.5 /* of a run: the next tolerance would take longer */
+#define NEAR 1.5         /* times the shortest time to an error: still near the front */
+#define HOPELESS 15      /* times the time of another that is as accurate: not run at all */
 
 void fp3_measure_points_say(const fp3_measure_points *points, const char *format, ...) {
     char text[256];
@@ -225,9 +224,10 @@ static const fp3_measure_point *alone(const fp3_measure_points *points,
 /* ---- all of it ---- */
 
 static unsigned repeats_of(const fp3_measure_points *points, const fp3_measure_point *p) {
-    const double patience = points->patience * (is_near(points, p) ? 1 : FAR_PATIENCE);
-    const double fits = p->seconds[0] > 0 ? patience / p->seconds[0] : points->repeats;
-    return fits < 1 ? 1 : fits < points->repeats ? (unsigned)fits : points->repeats;
+    const double fits = p->seconds[0] > 0 ? points->patience / p->seconds[0] : points->repeats;
+    return !is_near(points, p) || fits < 1 ? 1
+           : fits < points->repeats        ? (unsigned)fits
+                                           : points->repeats;
 }
 
 /* In turn: the first repeat of all, the second of all, ... */
