@@ -199,10 +199,10 @@ def markdown(data):
              INTRODUCTION,
              "diffrax (JAX) is in the tables: `make setup-bench` installs it. All its objects are solved at once, by vmap and jit, on all processors: the 64 "
              "variants, and 256 copies of each. Compiling is not timed. Its implicit solvers are left out." if "diffrax" in engines else
-             "diffrax (JAX) was not there: `make setup-bench` installs it.",
+             "diffrax (JAX) was not measured: `make setup-bench` installs it.",
              "heyoka.py (Taylor's method in double, compiled for each model and tolerance) is in the tables: `make setup-bench` installs it. 256 objects, on one processor: one "
              "after another (`taylor`), or as many at once as a vector has numbers (`taylor batch`). Compiling is not timed. Tolerances are from 1e-2 to 1e-14." if "heyoka" in engines else
-             "heyoka.py was not there: `make setup-bench` installs it.",
+             "heyoka.py was not measured: `make setup-bench` installs it.",
              "The same as pictures: [benchmarks.html](benchmarks.html), for a browser; it loads nothing. `make bench` writes `build/results/bench.html`, "
              "with a picture of all integrators for each model, and the data behind it, `bench.json`, `bench.csv` and `bench_speed.csv`.",
              "## The models side by side", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
