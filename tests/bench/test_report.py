@@ -93,6 +93,9 @@ def test_adaptive_steps_and_peers_have_columns_where_they_were_measured(data):
     page = bench_report.markdown(data)
     assert "345 (rk4 adaptive, plain)" in page and "50.0 (taylor batch)" in page and "heyoka.py (Taylor's method in double" in page
     assert [line.split("|")[-2] for line in page.splitlines() if line.startswith("| 1e-0")] == [line.split("|")[-2] for line in before.splitlines() if line.startswith("| 1e-0")]
+    assert "Not measured" not in page
+    data["problems"] += [data["problems"][0] | {"model": "ship"}, data["problems"][0] | {"model": "ball", "has_events": True}]
+    assert "to 1e-14. Not measured: `ship`.\n" in bench_report.markdown(data)
     assert bench_figures.label(data["points"][-1], "fast") in bench_figures.METHODS
     looks = {one["name"]: one for one in bench_figures.curves(data["points"], "fast")}
     assert looks["rk4 adaptive"]["look"] == looks["rk4"]["look"] and looks["rk4 adaptive"]["is_open"] and not looks["rk4"]["is_open"]
