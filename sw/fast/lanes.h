@@ -158,18 +158,27 @@ FP3_OPERATION fp3_i fp3_are_zero(fp3_v a, fp3_v b) {
 #define FP3_COMPARE(a, b, predicate) ((fp3_i)__builtin_ia32_cmpps256((a), (b), (predicate)))
 #endif
 
-/* Of any operands, in integers: even a quiet comparison raises invalid for a signalling NaN. */
+#ifdef FP3_COMPARE
+FP3_OPERATION fp3_i fp3_is_less(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 17); }
+FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 18); }
+/* Of any operands: even a quiet comparison raises invalid for a signalling NaN, so each is made a quiet one. */
+FP3_OPERATION fp3_v fp3_quieted(fp3_v a) {
+    return (fp3_v)((fp3_i)a | (fp3_is_nan(a) & (FP3_QUIET ^ FP3_INFINITE)));
+}
+FP3_OPERATION fp3_i fp3_is_less_raw(fp3_v a, fp3_v b) {
+    return fp3_is_less(fp3_quieted(a), fp3_quieted(b));
+}
+FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
+    return fp3_is_at_most(fp3_quieted(a), fp3_quieted(b));
+}
+#else
+/* In integers. */
 FP3_OPERATION fp3_i fp3_is_less_raw(fp3_v a, fp3_v b) {
     return (fp3_order(a) < fp3_order(b)) & fp3_is_number(a, b) & ~fp3_are_zero(a, b);
 }
 FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
     return ((fp3_order(a) <= fp3_order(b)) & fp3_is_number(a, b)) | fp3_are_zero(a, b);
 }
-
-#ifdef FP3_COMPARE
-FP3_OPERATION fp3_i fp3_is_less(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 17); }
-FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 18); }
-#else
 #define fp3_is_less fp3_is_less_raw
 #define fp3_is_at_most fp3_is_at_most_raw
 #endif
