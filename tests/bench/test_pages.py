@@ -28,7 +28,7 @@ def tables(page):
 def pictures(page):
     """Of each model what the pointer says of fp3 with one thread: by what, error, nanoseconds."""
     for name, part in re.findall(r"<h2 id='(\w+)'>(.*?)</svg>", page, re.S):
-        found = re.findall(r"<title>fp3, one thread: (.*?), h = .*?: error (\S+), (\S+) ns</title>", part)
+        found = re.findall(r"<title>fp3, one thread: (.*?), (?:h =|tolerance) .*?: error (\S+), (\S+) ns</title>", part)
         yield name, [(html.unescape(how), float(error), float(ns)) for how, error, ns in found]
 
 
