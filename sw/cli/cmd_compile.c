@@ -2,8 +2,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
-#include "image/neighbours.h"
-#include "machine/operation.h"
+#include "phases_print.h"
 #include "progress.h"
 #include "run_adaptive.h"
 
@@ -199,46 +198,13 @@ static const char *saved_what(fp3_pass pass) {
                                     : "operations";
 }
 
-/* Instructions of the loops over this list. */
-static uint32_t per_neighbour(const fp3_image *image, uint32_t list) {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < image->code_count; i++) {
-        if (image->decoded[i].in.op != FP3_OP_EACH)
-            continue;
-        const uint32_t end = fp3_neighbourhood_end(image->decoded, i);
-        count += image->decoded[i].in.d == list ? end - i - 1 : 0;
-        i = end;
-    }
-    return count;
-}
-
-/* What it costs that objects see each other: instructions of a step, for the object and for each neighbour. */
-static void report_neighbours(const fp3_image *image, const fp3_neighbourhood *around) {
-    uint32_t loops = 0, sequence = around->phases - 1;
-    for (uint32_t i = 0; i < image->code_count; i++)
-        sequence += 2 * (image->decoded[i].in.op == FP3_OP_EACH);
-    for (uint32_t i = 0; i < around->list_count; i++)
-        loops += per_neighbour(image, around->lists[i].reg);
-    printf("phases of a step        %" PRIu32 "\n", around->phases);
-    printf("published              ");
-    for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
-        if (around->published >> reg & 1)
-            printf(" %s", fp3_image_name(image, reg));
-    printf("\nper object and step     %" PRIu32 " instructions\n",
-           image->code_count - loops - sequence);
-    for (uint32_t i = 0; i < around->list_count; i++)
-        printf("per neighbour           %" PRIu32 " instructions in list %s, %" PRIu32 " fields\n",
-               per_neighbour(image, around->lists[i].reg),
-               fp3_image_name(image, around->lists[i].reg), around->lists[i].fields);
-}
-
-static void report(const fp3_compiled *c) {
+static void report(const fp3_compiled *c, const fp3_config *config) {
     fp3_neighbourhood around = {0};
     fp3_neighbourhood_find(c->image, &around, NULL);
     printf("operations              %" PRIu32 "\n", c->operations);
     printf("instructions            %" PRIu32 "\n", c->instructions);
     if (around.is_any)
-        report_neighbours(c->image, &around);
+        fp3_phases_print(c->image, &around, config);
     else if (c->cycles > 0)
         printf("cycles per object-step  %.6g\n", c->cycles);
     else
@@ -299,7 +265,7 @@ static fp3_status write_outputs(const options *o, const fp3_program *program, fp
     else if (!status && o->assembly)
         status = fp3_file_write(o->assembly, c->assembly, strlen(c->assembly), error);
     if (!status && o->wants_report)
-        report(c);
+        report(c, fp3_config_find(program->config));
     else if (!status && !o->assembly && !o->image && !o->values)
         fputs(c->assembly, stdout);
     return status;

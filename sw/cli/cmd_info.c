@@ -2,6 +2,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
+#include "phases_print.h"
 
 #include <fp3/engine.h>
 #include <stdio.h>
@@ -95,10 +96,15 @@ static int print_image(const char *path) {
     print_names(image, FP3_SYMBOL_PARAM, "param");
     print_names(image, FP3_SYMBOL_SHARED, "shared");
     print_names(image, FP3_SYMBOL_LABEL, "label");
+    fp3_neighbourhood around = {0};
+    fp3_neighbourhood_find(image, &around,
+                           NULL); /* one that is no program with neighbours has none */
     for (uint32_t i = 0; !status && i < fp3_config_count; i++) {
         status = try_load(&fp3_configs[i], image, &error);
         if (!status)
             printf("%-11s %s\n", "for", fp3_configs[i].name);
+        if (!status && around.is_any)
+            fp3_phases_print_cycles(image, &fp3_configs[i]);
         else if (status == FP3_E_PROGRAM) /* all else says nothing about the program */
             printf("%-11s %s: %s\n", "not for", fp3_configs[i].name, error.text);
         status = status == FP3_E_PROGRAM ? FP3_OK : status;

@@ -159,7 +159,9 @@ double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *p
 
 static int is_shared(const fp3_config *config) { return config->schedulers > 1; }
 
-/* LATENCY, GAP and SETTLE of rtl/config/config.vh. */
+#define LANES_OF_GROUP 4
+
+/* LATENCY, GAP, SETTLE and GROUPS of rtl/config/derived.vh. */
 static uint32_t latency_of(const fp3_config *config) {
     if (config->dual)
         return (config->mul_latency > config->add_latency ? config->mul_latency
@@ -168,10 +170,14 @@ static uint32_t latency_of(const fp3_config *config) {
     return config->mul_latency + config->add_latency + (is_shared(config) ? FP3_TIMING_SHARE : 0);
 }
 
-static uint32_t gap_of(const fp3_config *config) { return latency_of(config) + FP3_TIMING_GAP; }
+uint32_t fp3_cycles_gap(const fp3_config *config) { return latency_of(config) + FP3_TIMING_GAP; }
 
-static uint32_t settle_of(const fp3_config *config) {
+uint32_t fp3_cycles_settle(const fp3_config *config) {
     return latency_of(config) + config->lanes + FP3_TIMING_SETTLE;
+}
+
+uint32_t fp3_cycles_groups(const fp3_config *config) {
+    return (config->lanes + LANES_OF_GROUP - 1) / LANES_OF_GROUP;
 }
 
 static uint32_t grant_of(const fp3_config *config) {
@@ -190,12 +196,14 @@ uint32_t fp3_cycles_write(const fp3_config *config) {
 }
 
 uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant) {
-    const uint32_t gap = gap_of(config);
+    const uint32_t gap = fp3_cycles_gap(config);
     const uint32_t width = n + (grant == FP3_GRANTED ? grant_of(config) : 0);
     return n == 0 ? 0 : width > gap ? width : gap;
 }
 
-uint32_t fp3_cycles_waiting(const fp3_config *config) { return gap_of(config) - grant_of(config); }
+uint32_t fp3_cycles_waiting(const fp3_config *config) {
+    return fp3_cycles_gap(config) - grant_of(config);
+}
 
 static uint64_t instructions_of(const fp3_swept *visit) {
     const uint64_t in_step = visit->last - visit->step;
@@ -207,7 +215,7 @@ static uint64_t overlapped(const fp3_config *config, uint32_t rows, const fp3_sw
     fp3_overlap now = {0};
     for (uint32_t left = rows, n; left; left -= n) {
         n = left < config->contexts ? left : config->contexts;
-        fp3_overlap_visit(&now, visit, n, gap_of(config));
+        fp3_overlap_visit(&now, visit, n, fp3_cycles_gap(config));
     }
     return fp3_overlap_end(&now);
 }
@@ -220,7 +228,7 @@ uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swe
         return 0;
     const uint64_t issues =
         config->dual ? overlapped(config, rows, visit) : instructions_of(visit) * sweeps;
-    return issues + settle_of(config) + FP3_TIMING_ROUND;
+    return issues + fp3_cycles_settle(config) + FP3_TIMING_ROUND;
 }
 
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,
@@ -229,13 +237,13 @@ uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_
     const uint32_t first = rows < config->contexts ? rows : config->contexts;
     const uint64_t unpaused =
         config->dual ? 0 : fp3_cycles_sweep(config, first, FP3_UNGRANTED) - first;
-    return rounds * (fp3_cycles_round(config, rows, visit) - unpaused) + settle_of(config) +
+    return rounds * (fp3_cycles_round(config, rows, visit) - unpaused) + fp3_cycles_settle(config) +
            FP3_TIMING_RUN;
 }
 
 double fp3_cycles_swept_step(const fp3_config *config, const fp3_swept *visit) {
     const uint32_t n = config->contexts;
-    const double cycles = config->dual ? fp3_overlap_step(visit, n, gap_of(config))
+    const double cycles = config->dual ? fp3_overlap_step(visit, n, fp3_cycles_gap(config))
                                        : (double)(visit->last - visit->step) *
                                              (double)fp3_cycles_sweep(config, n, FP3_UNGRANTED);
     return cycles / n;

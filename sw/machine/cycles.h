@@ -7,7 +7,7 @@
  * in one cycle.
  *
  * The machine with contexts has no timing that depends on the instructions: it sweeps. With `dual` it
- * depends on their order: overlap.h.
+ * depends on their order: overlap.h. Where objects see each other it depends on their lists: phased.h.
  */
 #ifndef FP3_CYCLES_H
 #define FP3_CYCLES_H
@@ -44,6 +44,12 @@ double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *p
  * to its write: both machines. */
 uint32_t fp3_cycles_operands(const fp3_config *config);
 uint32_t fp3_cycles_write(const fp3_config *config);
+
+/* Interleaved: from an issue to the next one of the same context, at least; from the last issue of a round to its last report;
+ * groups of lanes that hear the same in the same cycle. */
+uint32_t fp3_cycles_gap(const fp3_config *config);
+uint32_t fp3_cycles_settle(const fp3_config *config);
+uint32_t fp3_cycles_groups(const fp3_config *config);
 
 /* Interleaved: one instruction for n contexts, with the pause that they need; 0 for none. Where
  * schedulers share the arithmetic, an instruction that needs it (FP3_GRANTED) waits a cycle for its

@@ -9,9 +9,8 @@
  * words, the lists and isa/timing.toml say. Programs by hand: what a model does not make. What does not fit is refused.
  */
 #include "chance.h"
-#include "engine/inside.h"
+#include "engine/foreseen.h"
 
-#include "gen/timing.h"
 #include <fp3/compile.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
@@ -167,80 +166,7 @@ static void compare(const both *b, const char *what, const char *how) {
     }
 }
 
-/* ---- what a run of the hardware takes ---- */
-
-/* Issues of a round: sweeps follow each other, and two that have a context in common are GAP cycles apart. */
-typedef struct {
-    uint64_t start; /* of the sweep before */
-    uint32_t count; /* ... its contexts; 0: there is none */
-    uint32_t gap;
-} issues;
-
-static void sweep(issues *s, uint32_t count, uint32_t late) {
-    const uint32_t fewer = s->count < count ? s->count : count;
-    const uint64_t soonest =
-        s->start + s->count + (s->count && fewer < s->gap ? s->gap - fewer : 0);
-    s->start = soonest > s->start + late ? soonest : s->start + late;
-    s->count = count;
-}
-
-static uint32_t longest(const fp3_list *list, uint32_t first, uint32_t count) {
-    uint32_t most = 0;
-    for (uint32_t i = first; i < first + count; i++)
-        most = fp3_list_length(list, i) > most ? fp3_list_length(list, i) : most;
-    return most;
-}
-
-/* Of one batch, words begin .. end of the program. */
-static void issue_batch(fp3_engine *engine, issues *s, uint32_t begin, uint32_t end, uint32_t first,
-                        uint32_t count) {
-    fp3_members *group = group_of(engine);
-    const fp3_decoded *program = group->program.decoded;
-    uint32_t late = 0, turn = 0, turns = 0, loop = 0;
-    for (uint32_t pc = begin; pc < end; pc++) {
-        const uint32_t op = program[pc].in.op;
-        if (op == FP3_OP_NEXT && ++turn == turns) {
-            late += late > 0; /* nothing stands in the loop */
-            continue;
-        }
-        sweep(s, count, late);
-        late = 0;
-        if (op == FP3_OP_NEXT)
-            pc = loop;
-        if (op != FP3_OP_EACH)
-            continue;
-        turns = longest(fp3_lists_of(&group->lists, program[pc].in.d), first, count);
-        turn = 0;
-        loop = pc;
-        /* The length is waited for; words up to `next` are dropped where it is 0. */
-        late = count + FP3_TIMING_LIST + 11;
-        for (uint32_t dropped = pc; !turns && program[pc].in.op != FP3_OP_NEXT; pc++)
-            late = count + FP3_TIMING_LIST + 11 + (pc + 1 - dropped);
-    }
-}
-
-static uint64_t cycles_of(fp3_engine *engine, uint32_t steps) {
-    const fp3_config *config = fp3_engine_config(engine);
-    const fp3_members *group = group_of(engine);
-    const fp3_code *program = &group->program;
-    const uint32_t latency = config->add_latency + config->mul_latency;
-    const uint32_t settle = latency + config->lanes + FP3_TIMING_SETTLE;
-    uint64_t cycles = 0;
-    for (uint32_t begin = 0, end; begin < program->count; begin = end + 1) {
-        issues s = {0, 0, latency + FP3_TIMING_GAP};
-        for (end = begin; end < program->count && program->decoded[end].in.op != FP3_OP_PHASE;)
-            end++;
-        for (uint32_t first = 0; first < group->objects; first += config->contexts) {
-            const uint32_t left = group->objects - first;
-            issue_batch(engine, &s, begin, end, first,
-                        left < config->contexts ? left : config->contexts);
-        }
-        /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */
-        cycles += s.start + (end < program->count && s.count < 2 ? 2 : s.count) + settle +
-                  FP3_TIMING_ROUND;
-    }
-    return steps * cycles + settle + FP3_TIMING_RUN;
-}
+/* ---- runs ---- */
 
 static void run_both(const both *b, uint32_t steps, const char *what, const char *how) {
     fp3_stats isa, rtl;
@@ -256,11 +182,11 @@ static void run_both(const both *b, uint32_t steps, const char *what, const char
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         if (lists->lists[i].is_near)
             return; /* each step is a run, with lists of its own */
-    if (rtl.counter[FP3_COUNTER_CYCLES] != cycles_of(b->rtl, steps))
+    const uint64_t foreseen = fp3_foreseen_cycles(b->rtl, steps);
+    if (rtl.counter[FP3_COUNTER_CYCLES] != foreseen)
         FAIL("%s, %s: %" PRIu32 " objects, %" PRIu32 " steps: %" PRIu64
              " cycles, expected %" PRIu64,
-             what, how, b->objects, steps, rtl.counter[FP3_COUNTER_CYCLES],
-             cycles_of(b->rtl, steps));
+             what, how, b->objects, steps, rtl.counter[FP3_COUNTER_CYCLES], foreseen);
 }
 
 /* ---- lists ---- */
