@@ -75,7 +75,8 @@ module fp3 #(
     always @(posedge clk) reset_q <= bus_rst ? {RESET{1'b1}} : reset_q >> 1;
 
     // As many requests may be under way as fill the path to the lanes and back; of one object, few.
-    localparam [31:0] STREAM = {8'd0, ADDRESS_STREAM};
+    // The list of copies alone says so by this bit.
+    localparam [31:0] STREAM = {8'd0, ADDRESS_STREAM} & ~(EXCHANGE != 0 ? 32'd0 : 32'd1 << ADDRESS_SPACE_LO);
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
     localparam READS_W  = STORE_WORDS != 0 ? $clog2(MEMORY_LATENCY + TIMING_BUS) : 2;
     wire                 asks, taken, write;

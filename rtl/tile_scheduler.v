@@ -78,7 +78,7 @@ module tile_scheduler #(
     `ACCESS_FIELDS
     wire                      by_lane = space == HOST_AWAKE || space == HOST_WAKE;
     wire [LANE_W+STORE_W-1:0] spot    = address[LANE_W+STORE_W-1:0];
-    assign access_valid   = access;
+    assign access_valid   = access && !(EXCHANGE != 0 && space == HOST_COPIES);
     assign access_write   = host_write;
     assign access_space   = space;
     assign access_lane    = by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
@@ -93,18 +93,41 @@ module tile_scheduler #(
     wire [32*(GROUPS+1)-1:0]        data;
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
+    wire                           copy, abort, copied;
+    wire [RETIRES_W-1:0]           retire;
     assign running_o = running;
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .settings_i(settings),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc), .half_o(half),
+        .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
-        .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
+        .issue_o(issues[0 +: ISSUES_W]), .retire_o(retire), .step_o(step_number),
         .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
-    assign accesses[0 +: `ACCESS_W] = `ACCESS;
-    assign data[31:0]               = running ? step_number : host_wdata;
+
+    // Copies from lane to lane take the ways of instructions' ends and of the host's words.
+    generate
+        if (EXCHANGE != 0) begin : g_exchange
+            wire                 copying;
+            wire [RETIRES_W-1:0] copy_retire;
+            wire [`ACCESS_W-1:0] copy_access;
+            exchange #(.CONFIG(CONFIG)) u_exchange (.clk_i(clk_i), .rst_i(rst_i),
+                .write_i(access && host_write && space == HOST_COPIES), .write_addr_i(address[STORE_W-1:0]), .write_value_i(host_wdata),
+                .settings_i(settings), .half_i(half), .copy_i(copy), .abort_i(abort), .copied_o(copied),
+                .busy_o(copying), .retire_o(copy_retire), .access_o(copy_access));
+            assign retires[0 +: RETIRES_W]  = copying ? copy_retire : retire;
+            assign accesses[0 +: `ACCESS_W] = copying ? copy_access : `ACCESS;
+            assign data[31:0]               = copying ? lanes_answer : running ? step_number : host_wdata;
+        end else begin : g_no_exchange
+            assign copied                   = 1'b0;
+            assign retires[0 +: RETIRES_W]  = retire;
+            assign accesses[0 +: `ACCESS_W] = `ACCESS;
+            assign data[31:0]               = running ? step_number : host_wdata;
+            wire unused_copy = &{copy, abort};
+        end
+    endgenerate
 
     // In front of the first lane nobody has an object, and nobody is awake.
     `REPORT_FIELDS
@@ -146,7 +169,7 @@ module tile_scheduler #(
             `RETIRE_FIELDS
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
-                                  retire_batch, retire_context, retire_register, retire_around};
+                                  retire_batch, retire_context, retire_register, retire_around, retire_copy};
             delay #(.W(1), .N(TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin

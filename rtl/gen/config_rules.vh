@@ -114,6 +114,12 @@ end
 if (NEIGHBOURS > 0 && STATUS != 0) begin : g_neighbours_excludes_status
     NEIGHBOURS_excludes_STATUS u_error ();
 end
+if (EXCHANGE < 0 || EXCHANGE > 1) begin : g_exchange_must_be_0_to_1
+    EXCHANGE_must_be_0_to_1 u_error ();
+end
+if (EXCHANGE > 0 && NEIGHBOURS == 0) begin : g_exchange_needs_neighbours
+    EXCHANGE_needs_NEIGHBOURS u_error ();
+end
 if (FLAGS < 0 || FLAGS > 1) begin : g_flags_must_be_0_to_1
     FLAGS_must_be_0_to_1 u_error ();
 end

@@ -50,6 +50,7 @@ rtl/lib/shift_right_sticky.v
 rtl/sequence/batch.v
 rtl/sequence/dual_pace.v
 rtl/sequence/dual_turn.v
+rtl/sequence/exchange.v
 rtl/sequence/issue.v
 rtl/sequence/loops.v
 rtl/sequence/one_stream.v

@@ -67,6 +67,7 @@ module fp3_crowd (
         .ROUND           (0),
         .SLEEP           (1),
         .NEIGHBOURS      (0),
+        .EXCHANGE        (0),
         .FLAGS           (1),
         .STATUS          (1),
         .SUBNORMAL       (1),

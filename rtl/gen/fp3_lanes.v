@@ -67,6 +67,7 @@ module fp3_lanes (
         .ROUND           (0),
         .SLEEP           (0),
         .NEIGHBOURS      (0),
+        .EXCHANGE        (0),
         .FLAGS           (1),
         .STATUS          (0),
         .SUBNORMAL       (1),

@@ -67,6 +67,7 @@ module fp3_world (
         .ROUND           (1),
         .SLEEP           (0),
         .NEIGHBOURS      (1),
+        .EXCHANGE        (0),
         .FLAGS           (1),
         .STATUS          (0),
         .SUBNORMAL       (1),

@@ -18,6 +18,7 @@ parameter [31:0] ESTIMATE        = 0,   // 1: `rcp` and `rsqrt` exist
 parameter [31:0] ROUND           = 0,   // 1: `rint`, `exp2` and `logb` exist
 parameter [31:0] SLEEP           = 0,   // 1: `sleep` and `lds` exist
 parameter [31:0] NEIGHBOURS      = 0,   // 1: objects read the records of others: `each`, `next`, `ldn`, `ldl`, `phase`
+parameter [31:0] EXCHANGE        = 0,   // 1: neighbours may be in other lanes: between phases published words are copied from lane to lane
 parameter [31:0] FLAGS           = 1,   // 1: exceptions are flagged
 parameter [31:0] STATUS          = 0,   // 1: for each object, too, with the step of the first invalid or overflow
 parameter [31:0] SUBNORMAL       = 1,   // 1: gradual underflow; 0: subnormal numbers are flushed to zero
@@ -29,10 +30,10 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [831:0] CONFIG = {
-    25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, NEAREST, SUBNORMAL, STATUS, FLAGS, NEIGHBOURS,
-    SLEEP, ROUND, ESTIMATE, SELECT, SCALE, DUAL, CHAIN, WRITEBACK_STALL, BYPASS, STORE_WORDS, PROGRAM_WORDS,
-    CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES, INTERLEAVE},
+parameter [863:0] CONFIG = {
+    25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, NEAREST, SUBNORMAL, STATUS, FLAGS, EXCHANGE,
+    NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, DUAL, CHAIN, WRITEBACK_STALL, BYPASS, STORE_WORDS,
+    PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES, INTERLEAVE},
 // verilator lint_on WIDTHCONCAT
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
 parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)

@@ -25,6 +25,7 @@ localparam [15:0] ADDR_FEATURES_MORE  = 16'h0048;
 localparam [15:0] ADDR_PUBLISHED      = 16'h004c;
 localparam [15:0] ADDR_PUBLISHED_MORE = 16'h0050;
 localparam [15:0] ADDR_HALF           = 16'h0054;
+localparam [15:0] ADDR_COPIES         = 16'h0058;
 
 // Fields of registers.
 localparam ID_REVISION_HI              = 7;
@@ -107,8 +108,16 @@ localparam INTERRUPT_ENDED_HI          = 1;
 localparam INTERRUPT_ENDED_LO          = 1;
 localparam FEATURES_MORE_NEIGHBOURS_HI = 0;
 localparam FEATURES_MORE_NEIGHBOURS_LO = 0;
+localparam FEATURES_MORE_EXCHANGE_HI   = 1;
+localparam FEATURES_MORE_EXCHANGE_LO   = 1;
 localparam HALF_UPPER_HI               = 0;
 localparam HALF_UPPER_LO               = 0;
+localparam COPIES_ROW_HI               = 19;
+localparam COPIES_ROW_LO               = 0;
+localparam COPIES_LANE_HI              = 25;
+localparam COPIES_LANE_LO              = 20;
+localparam COPIES_ALL_HI               = 31;
+localparam COPIES_ALL_LO               = 31;
 localparam OBJECTS_PLACE_HI            = 19;
 localparam OBJECTS_PLACE_LO            = 0;
 localparam OBJECTS_LENGTH_HI           = 31;
@@ -151,10 +160,11 @@ localparam ADDRESS_SPACE_LO     = 22;
 localparam ADDRESS_WORD_HI      = 21;
 localparam ADDRESS_WORD_LO      = 2;
 localparam ADDRESS_BROADCAST    = 255;
+localparam SPACE_COPIES         = 1;
 localparam SPACE_OBJECTS        = 2;
 localparam SPACE_STATUS         = 3;
 
 // An address streams if it has one of these bits: accesses there follow each other, any other one is alone.
-localparam [23:0] ADDRESS_STREAM = 24'h809000;
+localparam [23:0] ADDRESS_STREAM = 24'hc09000;
 
 // verilator lint_on UNUSEDPARAM

@@ -30,7 +30,7 @@ module host_decode #(
     localparam [63:0]  HAS_STORE  = ~(~64'd0 << STORES);
     localparam [63:0]  HAS_PIECE  = STORE_WORDS != 0 ? HAS_STORE : 64'd1;
     localparam [63:0]  HAS_STATUS = STATUS != 0 ? HAS_STORE : 64'd0;
-    localparam [1:0]  OBJECTS = SPACE_OBJECTS, STATUSES = SPACE_STATUS;
+    localparam [1:0]  COPIES = SPACE_COPIES, OBJECTS = SPACE_OBJECTS, STATUSES = SPACE_STATUS;
 
     wire [1:0]  part  = addr_i[ADDRESS_SPACE_HI:ADDRESS_SPACE_LO];
     wire [31:0] word  = {12'd0, addr_i[ADDRESS_WORD_HI:ADDRESS_WORD_LO]};
@@ -47,6 +47,7 @@ module host_decode #(
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && {26'd0, index} < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && HAS_STORE[index];
     wire wake_d      = low && addr_i[15:8] == ADDR_WINDOW_WAKE[15:8] && HAS_STORE[index] && write_i && SLEEP != 0;
+    wire copies_d    = EXCHANGE != 0 && part == COPIES && piece == 32'd0 && write_i;
     wire objects_d   = part == OBJECTS && near && HAS_PIECE[piece[5:0]];
     wire status_d    = part == STATUSES && near && HAS_STATUS[piece[5:0]];
 
@@ -58,9 +59,9 @@ module host_decode #(
         registers_q <= whole && registers_d;
         counters_q  <= whole && counters_d;
         program_q   <= whole && program_d;
-        memory_q    <= whole && (constants_d || awake_d || wake_d || objects_d || status_d);
+        memory_q    <= whole && (constants_d || awake_d || wake_d || copies_d || objects_d || status_d);
         space_q     <= constants_d ? HOST_CONSTANT : awake_d ? HOST_AWAKE : wake_d ? HOST_WAKE
-                     : status_d ? HOST_STATUS : HOST_OBJECT;
+                     : copies_d ? HOST_COPIES : status_d ? HOST_STATUS : HOST_OBJECT;
         counter_q   <= counter;
         address_q   <= low ? {7'd0, addr_i[14:2]} : word[19:0];
     end
@@ -68,9 +69,9 @@ module host_decode #(
     assign {counter_o, space_o, address_o}                = {counter_q, space_q, address_q};
 
 `ifdef FP3_CHECK
-    wire [7:0] parts = {registers_d, counters_d, program_d, constants_d, awake_d, wake_d, objects_d, status_d};
+    wire [8:0] parts = {copies_d, registers_d, counters_d, program_d, constants_d, awake_d, wake_d, objects_d, status_d};
     always @(posedge clk_i)
-        if (|(parts & (parts - 1'b1))) begin
+        if (|(parts & (parts - 9'd1))) begin
             $display("%m: address %h is in several parts of the map: %b", addr_i, parts); $stop;
         end
 `endif

@@ -46,6 +46,8 @@ module lane #(
     assign `MOVE   = move;
     wire mine         = access_valid && access_lane == index_i;
     wire write        = mine && access_write;
+    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // what is written then is what another lane said
+    wire to_store     = (write && access_space == HOST_OBJECT) || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
     wire to_constants = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
 
     // What is in the lane: operands, and ends ---------------------------------------------------------
@@ -121,8 +123,28 @@ module lane #(
     endgenerate
 
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .move_i(move), .value_i3_i(st_value_i3), .word_o(word),
-        .host_i(access_valid), .host_write_i(write && access_space == HOST_OBJECT), .host_address_i(access_address),
+        .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_word_i(data_i));
+
+    // Another lane gets a word of this one's store.
+    wire copied;                                // W
+    generate
+        if (EXCHANGE != 0) begin : g_copied
+            `RETIRE_FIELDS
+            `AROUND_FIELDS
+            assign `RETIRE = retire_i;
+            assign `AROUND = retire_around;
+            wire              copy_w1;
+            wire [LANE_W-1:0] lane_w1;
+            reg               copied_q;
+            delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i), .d_i({retire_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
+            always @(posedge clk_i) copied_q <= !rst_i && copy_w1 && lane_w1 == index_i;
+            assign copied = copied_q;
+            wire unused_copied = &{`RETIRE, `AROUND};
+        end else begin : g_not_copied
+            assign copied = 1'b0;
+        end
+    endgenerate
 
     // What the sequencer and the host hear ---------------------------------------------------------------
     wire [31:0] status;
@@ -133,7 +155,7 @@ module lane #(
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
         .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
         .valid_i(sleeps), .batch_i(batch), .context_i(context_number),
-        .mine_i(mine), .space_i(access_space), .stored_i(word), .status_i(status), .report_o(report_o));
+        .mine_i(EXCHANGE != 0 ? mine && reads : mine), .space_i(access_space), .copied_i(copied), .stored_i(word), .status_i(status), .report_o(report_o));
     wire unused = &`MOVE;
 endmodule
 `default_nettype wire

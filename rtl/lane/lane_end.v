@@ -47,7 +47,7 @@ module lane_end #(
     assign `ACCESS = access_i;
     assign {move_record, move_st, move_lasts, move_register} = {issue_record, issue_st, issue_lasts, issue_register};
     assign {move_o, end_o} = {`MOVE, `END};
-    wire unused_fields = &{`ISSUE, `ACCESS, data_i};
+    wire unused_fields = &{`ISSUE, `ACCESS, data_i, retire_copy};
 
     // Of the instruction, later
     wire finds;                                 // W-6: an entry of a list is loaded, for no register

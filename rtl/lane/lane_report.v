@@ -26,7 +26,8 @@ module lane_report #(
     input  wire                 asleep_i,       // two cycles after valid_i
     input  wire                 mine_i,         // the host asks this lane
     input  wire [2:0]           space_i,        // for what: lane_host.vh
-    input  wire [31:0]          stored_i,       // three cycles later
+    input  wire                 copied_i,       // three cycles later, as the words: another lane gets it
+    input  wire [31:0]          stored_i,
     input  wire [31:0]          status_i,
     output wire [`REPORT_W-1:0] report_o
 );
@@ -44,8 +45,8 @@ module lane_report #(
         .d_i({batch_i, context_i}), .q_o({batch, context_number}));
     always @(posedge clk_i) count_q <= count_i > report_count ? count_i : report_count;
     always @(posedge clk_i) longest_q <= longest_i > report_longest ? longest_i : report_longest;
-    wire [31:0] answer = space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
-    assign report_o = `REPORT_OF(count_q, longest_q, report_flags | flags_i, report_answer | (answer & {32{mine}}),
+    wire [31:0] answer = copied_i || space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
+    assign report_o = `REPORT_OF(count_q, longest_q, report_flags | flags_i, report_answer | (answer & {32{mine || copied_i}}),
                                  valid, report_asleep && asleep_i, batch, context_number);
     // The lanes are in step: what this lane says of an instruction, those before have said.
     wire unused = &{report_valid, report_batch, report_context};

@@ -25,7 +25,8 @@ module lane_store #(
     input  wire [31:0]           value_i3_i,     // of a store
     output wire [31:0]           word_o,         // of a load
     // The host
-    input  wire                  host_i,         // host_address_i is what is read
+    input  wire                  host_i,         // host_address_i is what is written
+    input  wire                  host_read_i,    // ... and read
     input  wire                  host_write_i,
     input  wire [STORE_W-1:0]    host_address_i,
     input  wire [31:0]           host_word_i
@@ -48,7 +49,7 @@ module lane_store #(
         write_q         <= !rst_i && (st_q || host_write_i);
         write_address_q <= host_i ? host_address_i : st_address_q;
         write_word_q    <= host_i ? host_word_i : value_i3_i;
-        read_address_q  <= host_i ? host_address_i : move_load_place ? move_place
+        read_address_q  <= host_read_i ? host_address_i : move_load_place ? move_place
                          : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register} | {move_load_upper, {STORE_W-1{1'b0}}};
     end
     ram_registered #(.ADDR_W(STORE_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),

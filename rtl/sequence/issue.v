@@ -161,6 +161,7 @@ module issue #(
     assign retire_register   = d_q;
     assign retire_row        = row;
     assign retire_around     = around_q;
+    assign retire_copy       = 1'b0;
     delay #(.W(`RETIRE_W), .N(TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     assign valid_o   = valid_q;
     assign context_o = issue_context;

@@ -7,6 +7,8 @@
 //                       │  ▲  at rest                        │     OPEN: open_o, one cycle
 //              idle ◄───┘  └────── nothing left to issue ◄───┘
 //
+//           With EXCHANGE, COPY comes before PLAN: until copied_i, or an abort.
+//
 // Latency   At rest means SETTLE cycles after the last issue: then every report has come.
 // Hazard    start_i comes only when running_o is low. The settings then stay as they are
 //           until the end of the run; steps is not 0.
@@ -34,7 +36,9 @@ module rounds #(
     input  wire           issuing_i,   // something is left to issue
     input  wire           storing_i,   // a last part has begun
     input  wire           partial_i,   // the step has phases left: the next round goes on with it
+    input  wire           copied_i,    // lanes have the copies that they need
     // Rounds
+    output wire           copy_o,      // one is about to begin: lanes need copies
     output wire           open_o,      // one begins
     output wire           begin_o,     // likewise, and is not aborted: fetch begins
     output wire           round_o,    // one has begun
@@ -47,7 +51,7 @@ module rounds #(
     `SETTINGS_FIELDS
     assign `SETTINGS = settings_i;
     localparam integer SETTLE_W = $clog2(SETTLE + 1);
-    localparam [2:0] IDLE = 3'd0, WAIT = 3'd1, PLAN = 3'd2, OPEN = 3'd3, RUN = 3'd4;
+    localparam [2:0] IDLE = 3'd0, WAIT = 3'd1, PLAN = 3'd2, OPEN = 3'd3, RUN = 3'd4, COPY = 3'd5;
 
     reg  [2:0]          state_q;
     reg  [SETTLE_W-1:0] settle_q;
@@ -76,10 +80,13 @@ module rounds #(
             aborted_q <= running_o && (aborted_q || abort_o);
             case (state_q)
                 IDLE:    if (start_i) state_q <= WAIT;
-                WAIT:    if (settle_q == {SETTLE_W{1'b0}}) state_q <= over ? IDLE : PLAN;
+                WAIT:    if (settle_q == {SETTLE_W{1'b0}}) state_q <= over ? IDLE : EXCHANGE != 0 ? COPY : PLAN;
                 PLAN:    state_q <= OPEN;
                 OPEN:    state_q <= RUN;
-                default: if (!issuing_i) state_q <= WAIT;
+                default: if (EXCHANGE != 0 && state_q == COPY) begin
+                             if (aborted_q)     state_q <= WAIT;
+                             else if (copied_i) state_q <= PLAN;
+                         end else if (!issuing_i) state_q <= WAIT;
             endcase
         end
 
@@ -100,6 +107,7 @@ module rounds #(
         all_q       <= no_visit_q || high_more_q || (high_same_q && low_more_q);
     end
     assign running_o = state_q != IDLE;
+    assign copy_o    = EXCHANGE != 0 && state_q == WAIT && settle_q == {SETTLE_W{1'b0}} && !over;
     assign open_o    = state_q == OPEN;
     assign begin_o   = open_o && !aborted_q;
     assign round_o   = state_q == RUN;

@@ -32,6 +32,10 @@ module sequencer #(
     output wire                 illegal_o,      // the word at illegal_pc_o ends the run
     output wire [PROGRAM_W-1:0] illegal_pc_o,
     output wire                 half_o,         // of the store: it has the published words
+    // Copies from lane to lane (exchange)
+    output wire                 copy_o,         // a round is about to begin
+    output wire                 abort_o,        // there will be none
+    input  wire                 copied_i,       // it may
     // The host writes the program
     input  wire                 program_write_i,
     input  wire [PROGRAM_W-1:0] program_addr_i,
@@ -58,8 +62,11 @@ module sequencer #(
     reg         illegal_q;
     rounds #(.CONFIG(CONFIG)) u_rounds (.clk_i(clk_i), .rst_i(rst_i),
         .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .settings_i(settings_i),
-        .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing), .partial_i(partial), .closed_o(closed),
+        .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing), .partial_i(partial),
+        .copied_i(copied_i), .copy_o(copy_o), .closed_o(closed),
         .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base), .end_o(end_step));
+
+    assign abort_o = abort;
 
     // Fetch and decode ---------------------------------------------------------------------------
     `MARKS_FIELDS

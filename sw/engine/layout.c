@@ -25,6 +25,8 @@ void fp3_layout_free(fp3_layout *layout) {
         fp3_image_free(&layout->groups[i].image);
         fp3_visit_free(&layout->groups[i].visit);
         free(layout->groups[i].is_ahead);
+        free(layout->groups[i].slot);
+        free(layout->groups[i].who);
         fp3_lists_close(&layout->groups[i].lists);
     }
     free(layout->groups);
@@ -94,6 +96,19 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
     return status;
 }
 
+fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *error) {
+    uint32_t *who = malloc((group->objects + (size_t)1) * sizeof *who);
+    if (!who)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < group->objects; i++)
+        who[slot[i]] = i;
+    free(group->slot);
+    free(group->who);
+    group->slot = slot;
+    group->who = who;
+    return FP3_OK;
+}
+
 /* ---- finding ---- */
 
 int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b) {
@@ -101,7 +116,7 @@ int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b) {
         return 0;
     for (uint32_t i = 0; i < a->count; i++) {
         const fp3_members *x = &a->groups[i], *y = &b->groups[i];
-        if (x->objects != y->objects || x->log2 != y->log2 ||
+        if (x->slot || y->slot || x->objects != y->objects || x->log2 != y->log2 ||
             x->scheduler_count != y->scheduler_count ||
             memcmp(x->schedulers, y->schedulers, x->scheduler_count * sizeof *x->schedulers) != 0)
             return 0;
@@ -116,11 +131,23 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) 
     return &layout->groups[i];
 }
 
+/* The first object of a column, where objects follow each other in each. */
+static uint32_t column_begin(const fp3_members *group, uint32_t column) {
+    const uint32_t more = group->objects % group->columns;
+    return column * (group->objects / group->columns) + (column < more ? column : more);
+}
+
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
     const fp3_members *group = fp3_layout_group_of(layout, object);
-    const uint32_t i = (uint32_t)object - group->first, column = i % group->columns;
-    return (fp3_where){group->schedulers[column / config->lanes], column % config->lanes,
-                       i / group->columns};
+    const uint32_t number = (uint32_t)object - group->first;
+    const uint32_t i = group->slot ? group->slot[number] : number;
+    const uint32_t each = group->objects / group->columns, more = group->objects % group->columns;
+    uint32_t column = i % group->columns, row = i / group->columns;
+    if (group->lists.shape.is_any) { /* the first `more` columns have one more */
+        column = i / (each + 1) < more ? i / (each + 1) : more + (i - more * (each + 1)) / each;
+        row = i - column_begin(group, column);
+    }
+    return (fp3_where){group->schedulers[column / config->lanes], column % config->lanes, row};
 }
 
 uint64_t fp3_layout_published(const fp3_members *group) {
@@ -131,7 +158,11 @@ uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config,
                         const fp3_where *where) {
     const fp3_duty *duty = &layout->duty[where->scheduler];
     const fp3_members *group = &layout->groups[duty->group];
-    return group->first + where->row * group->columns + duty->rank * config->lanes + where->lane;
+    const uint32_t column = duty->rank * config->lanes + where->lane;
+    const uint32_t slot = column_begin(group, column) + where->row;
+    if (group->lists.shape.is_any)
+        return group->first + (group->who ? group->who[slot] : slot);
+    return group->first + where->row * group->columns + column;
 }
 
 uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler,

@@ -66,6 +66,7 @@ void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
         (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
     memcpy(to->near.regs, rule->regs, sizeof rule->regs);
     to->is_there = to->is_near = 1;
+    to->is_placed = 0;
 }
 
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {

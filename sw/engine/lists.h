@@ -13,6 +13,7 @@ typedef struct {
     int is_there;         /* the host has given it */
     int is_all;           /* all other objects, in the order of their numbers */
     int is_near;          /* those within a distance: the list is made as objects move */
+    int is_placed;        /* objects have been divided among lanes since it was given */
     fp3_near_rule near;
     uint32_t objects;
     uint32_t *begin; /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */

@@ -140,6 +140,11 @@ fp3_status fp3_memory_list(fp3_engine *engine) {
     return status;
 }
 
-fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t word, uint32_t data) {
-    return fp3_driver_put(engine, in_space(0, FP3_SPACE_OBJECTS, word), data);
+fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t lane, uint32_t word, uint32_t data) {
+    return fp3_driver_put(
+        engine, in_space(0, FP3_SPACE_OBJECTS, lane * engine->config->store_words + word), data);
+}
+
+fp3_status fp3_memory_put_copy(fp3_engine *engine, uint32_t word, uint32_t data) {
+    return fp3_driver_put(engine, in_space(0, FP3_SPACE_COPIES, word), data);
 }

@@ -10,7 +10,8 @@ fp3_status fp3_memory_clear(fp3_engine *engine);
 fp3_status fp3_memory_read(fp3_engine *engine, fp3_cells cells, void *words);
 fp3_status fp3_memory_write(fp3_engine *engine, fp3_cells cells, const void *words);
 fp3_status fp3_memory_list(fp3_engine *engine);
-/* Of the only lane: a word of its store. */
-fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t word, uint32_t data);
+/* Of the only scheduler: a word of a lane's store; a word of the list of copies. */
+fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t lane, uint32_t word, uint32_t data);
+fp3_status fp3_memory_put_copy(fp3_engine *engine, uint32_t word, uint32_t data);
 
 #endif

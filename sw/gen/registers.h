@@ -26,6 +26,7 @@
 #define FP3_ADDR_PUBLISHED      0x004cu
 #define FP3_ADDR_PUBLISHED_MORE 0x0050u
 #define FP3_ADDR_HALF           0x0054u
+#define FP3_ADDR_COPIES         0x0058u
 
 /* Fields of registers. */
 #define FP3_ID_REVISION_HI              7
@@ -108,8 +109,16 @@
 #define FP3_INTERRUPT_ENDED_LO          1
 #define FP3_FEATURES_MORE_NEIGHBOURS_HI 0
 #define FP3_FEATURES_MORE_NEIGHBOURS_LO 0
+#define FP3_FEATURES_MORE_EXCHANGE_HI   1
+#define FP3_FEATURES_MORE_EXCHANGE_LO   1
 #define FP3_HALF_UPPER_HI               0
 #define FP3_HALF_UPPER_LO               0
+#define FP3_COPIES_ROW_HI               19
+#define FP3_COPIES_ROW_LO               0
+#define FP3_COPIES_LANE_HI              25
+#define FP3_COPIES_LANE_LO              20
+#define FP3_COPIES_ALL_HI               31
+#define FP3_COPIES_ALL_LO               31
 #define FP3_OBJECTS_PLACE_HI            19
 #define FP3_OBJECTS_PLACE_LO            0
 #define FP3_OBJECTS_LENGTH_HI           31
@@ -120,14 +129,14 @@
 #define FP3_STATUS_STEP_LO              5
 
 /* X(NAME, word): the registers that show the configuration, and what they must show for this one. */
-#define FP3_SHOWN(X, config)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                      \
-    X(ID,            (3u & 255) << 0 | (4608051u & 16777215) << 8)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                \
-    X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                    \
-    X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
-    X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
-    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
-    X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                       \
-    X(FEATURES_MORE, ((config)->neighbours & 1) << 0)
+#define FP3_SHOWN(X, config)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                           \
+    X(ID,            (3u & 255) << 0 | (4608051u & 16777215) << 8)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
+    X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                         \
+    X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                          \
+    X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours | (config)->exchange) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
+    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                 \
+    X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
+    X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1)
 #define FP3_ID_LETTERS 0x465033u
 
 /* Counters: 48 bits in two words each, low word first. */
@@ -177,6 +186,7 @@
 #define FP3_ADDRESS_WORD_HI      21
 #define FP3_ADDRESS_WORD_LO      2
 #define FP3_ADDRESS_BROADCAST    255
+#define FP3_SPACE_COPIES         1
 #define FP3_SPACE_OBJECTS        2
 #define FP3_SPACE_STATUS         3
 

@@ -15,6 +15,7 @@
 #define FP3_TIMING_GAP           5u  /* from an issue to the next issue of the same context, beyond the latency */
 #define FP3_TIMING_ACCESS        5u  /* from the host's access of a lane's word to the word, beyond a cycle for each group of lanes */
 #define FP3_TIMING_LIST          8u  /* from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes */
+#define FP3_TIMING_COPY          11u /* of the copies before a round, beyond those of its words and a cycle for each group of lanes */
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */
 #define FP3_TIMING_ROUND         13u /* of a round, beyond its sweeps and one settling: plan, open, fetch and decode, and the last issue's way out */
 #define FP3_TIMING_RUN           1u  /* of a run, beyond its rounds and one settling */

@@ -19,7 +19,9 @@ typedef struct {
 
 /* What a run is about. */
 typedef struct {
-    uint32_t rows; /* objects of the fullest lane */
+    uint32_t rows;   /* objects of the fullest lane */
+    uint32_t copies; /* from lane to lane before each phase ... */
+    uint32_t words;  /* ... of so many published words */
     /* The longest of the lists of register reg that the objects in these rows have, in whichever lane. */
     uint32_t (*longest)(const void *user, uint32_t reg, uint32_t first_row, uint32_t rows);
     const void *user;
@@ -37,6 +39,9 @@ typedef struct {
     uint32_t object, loops; /* cycles; how many loops there are */
     uint32_t loop, around, full;
 } fp3_phase_cost;
+
+/* What copies before a phase take: of so many objects, so many published words of each. */
+uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words);
 
 /* Of the phase that begins at this word. */
 fp3_phase_cost fp3_phase_cost_of(const fp3_config *config, const fp3_phased *program,

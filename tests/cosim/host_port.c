@@ -81,13 +81,23 @@ static uint32_t object_words(const fp3_config *c) {
     return c->interleave ? c->store_words * c->lanes : c->registers;
 }
 
+static uint32_t copy_words(const fp3_config *c) { return c->exchange ? c->store_words : 0; }
+
 static uint32_t status_words(const fp3_config *c) {
     return c->status ? c->store_words * c->lanes : 0;
 }
 
 /* ---- what may be done with an address, and when ---- */
 
-enum { READ = 1, WRITE = 2, IDLE_ONLY = 4, IDLE_WRITE = 8, STORE_ONLY = 16, AROUND_ONLY = 32 };
+enum {
+    READ = 1,
+    WRITE = 2,
+    IDLE_ONLY = 4,
+    IDLE_WRITE = 8,
+    STORE_ONLY = 16,
+    AROUND_ONLY = 32,
+    COPY_ONLY = 64
+};
 
 static int access_to_register(const fp3_config *c, uint32_t address) {
     static const struct {
@@ -111,6 +121,7 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_PUBLISHED, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
                      {FP3_ADDR_PUBLISHED_MORE, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
                      {FP3_ADDR_HALF, READ | WRITE | IDLE_WRITE | AROUND_ONLY},
+                     {FP3_ADDR_COPIES, READ | WRITE | IDLE_WRITE | COPY_ONLY},
                      {FP3_ADDR_STEPS, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_STEP, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_LAST, READ | WRITE | IDLE_WRITE},
@@ -122,7 +133,8 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
     for (size_t i = 0; i < sizeof registers / sizeof *registers; i++)
         if (registers[i].address == address)
             return (!(registers[i].access & STORE_ONLY) || c->interleave) &&
-                           (!(registers[i].access & AROUND_ONLY) || c->neighbours)
+                           (!(registers[i].access & AROUND_ONLY) || c->neighbours) &&
+                           (!(registers[i].access & COPY_ONLY) || c->exchange)
                        ? registers[i].access
                        : 0;
     return 0;
@@ -159,6 +171,8 @@ static int access_to(const bench *b, uint32_t address) {
     if (address % 4 ||
         (scheduler >= b->schedulers && (b->schedulers == 1 || !is_all(b->schedulers, scheduler))))
         return 0;
+    if (space == FP3_SPACE_COPIES)
+        return word < copy_words(c) ? WRITE | IDLE_ONLY : 0;
     if (space == FP3_SPACE_OBJECTS)
         return word < object_words(c) ? READ | WRITE | IDLE_ONLY : 0;
     if (space == FP3_SPACE_STATUS)
@@ -190,7 +204,8 @@ static void probe(bench *b, uint32_t address, int is_running) {
 /* All of scheduler 0 that has a name and as much beyond it, the ends of the memories, whatever else
  * chance finds. While scheduler 0 runs, only its own. */
 static void sweep(bench *b, int is_running) {
-    const uint32_t ends[] = {object_words(b->config), status_words(b->config), 1u << 20};
+    const uint32_t ends[] = {object_words(b->config), status_words(b->config),
+                             copy_words(b->config), 1u << 20};
     for (uint32_t address = 0; address < 0x4000; address += address < 0x100 ? 1 : 4)
         probe(b, address, is_running);
     const uint32_t programs[] = {FP3_ADDR_WINDOW_PROGRAM,

@@ -21,10 +21,11 @@ async def reports(dut, cycles, seed):
         dut.rst_i.value = int(cycle < 6)
         now = {"count_i": chance.randrange(1 << len(dut.count_i)), "longest_i": chance.randrange(1 << len(dut.longest_i)), "flags_i": chance.choice((0, 1 << chance.randrange(5))),
                "valid_i": int(cycle > 8 and chance.random() < 0.5), "batch_i": chance.randrange(2), "context_i": chance.randrange(1 << len(dut.context_i)),
-               "asleep_i": chance.randrange(2), "mine_i": int(chance.random() < 0.3), "space_i": chance.randrange(4),
+               "asleep_i": chance.randrange(2), "mine_i": int(chance.random() < 0.3), "space_i": chance.randrange(4), "copied_i": 0,
                "stored_i": chance.getrandbits(32), "status_i": chance.getrandbits(32)}
         told.appendleft(now)
-        asked = len(told) > 3 and told[3]["mine_i"]        # the answers of lanes that are not asked are 0
+        now["copied_i"] = int(not (len(told) > 3 and told[3]["mine_i"]) and chance.random() < 0.3)
+        asked = len(told) > 3 and told[3]["mine_i"] or now["copied_i"]       # the answers of lanes that are not asked are 0
         news = told[2] if len(told) > 2 else dict.fromkeys(now, 0)
         before.appendleft({"count": chance.randrange(1 << len(dut.count_i)), "longest": chance.randrange(1 << len(dut.longest_i)), "flags": chance.choice((0, 1 << chance.randrange(5))),
                            "answer": 0 if asked else chance.choice((0, chance.getrandbits(32))), "asleep": chance.randrange(2),
@@ -60,4 +61,5 @@ async def lane_report_has_the_largest_count_and_all_flags(dut):
 async def lane_report_answers_the_host_for_its_lane(dut):
     async for told, before, got in reports(dut, 400, 3):
         own = {OBJECT: told[0]["stored_i"], STATUS: told[0]["status_i"]}.get(told[3]["space_i"], told[0]["count_i"])
-        assert got["answer"] == before[0]["answer"] | (own if told[3]["mine_i"] else 0)
+        own = told[0]["stored_i"] if told[0]["copied_i"] else own
+        assert got["answer"] == before[0]["answer"] | (own if told[3]["mine_i"] or told[0]["copied_i"] else 0)

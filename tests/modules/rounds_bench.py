@@ -12,7 +12,7 @@ HIGH = 0x10000
 
 def settings(dut, steps, visit, clock):
     """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, what neighbours need, the first in the low bits."""
-    index = (len(dut.settings_i) - 2 - 5 * 32 - 1) // 3
+    index = (len(dut.settings_i) - 2 - 5 * 32 - 1 - 32) // 3
     return steps << 2 | visit << 34 + 3 * index | clock << 66 + 3 * index
 
 
@@ -106,7 +106,7 @@ async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None, p
 
 async def reset(dut):
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "partial_i", "settings_i"):
+    for name in ("start_i", "stop_i", "illegal_i", "issuing_i", "storing_i", "count_i", "partial_i", "copied_i", "settings_i"):
         getattr(dut, name).value = 0
     dut.rst_i.value = 1
     for _ in range(3):

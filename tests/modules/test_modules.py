@@ -12,6 +12,7 @@ BENCHES = {
     "visits": {**TILE, "SLEEP": 1},
     "lane_report": {**TILE, "LANES": 3},
     "issue": {**TILE, "CHAIN": 1},
+    "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1, "EXCHANGE": 1},
     "lane": {**TILE, "CHAIN": 1, "LANES": 2, "FLAGS": 1, "STATUS": 1, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
 # By the promise that must be seen to be broken.
@@ -84,8 +85,10 @@ BUGS = {
         Bug("flags of this lane alone", "lane_report.v", "report_flags | flags_i", "flags_i"),
     ],
     "lane_report_answers_the_host_for_its_lane": [
-        Bug("an answer of the lane that was not asked", "lane_report.v", "(answer & {32{mine}})", "answer"),
-        Bug("an answer is lost on its way", "lane_report.v", "report_answer | (answer & {32{mine}})", "(answer & {32{mine}})"),
+        Bug("a copied word is the count", "lane_report.v", "copied_i || space == HOST_OBJECT", "space == HOST_OBJECT"),
+        Bug("nobody says what is copied", "lane_report.v", "{32{mine || copied_i}}", "{32{mine}}"),
+        Bug("an answer of the lane that was not asked", "lane_report.v", "(answer & {32{mine || copied_i}})", "answer"),
+        Bug("an answer is lost on its way", "lane_report.v", "report_answer | (answer & {32{mine || copied_i}})", "(answer & {32{mine || copied_i}})"),
         Bug("a status in place of an object", "lane_report.v", "space == HOST_OBJECT ? stored_i", "space == HOST_OBJECT ? status_i"),
     ],
     "issue_names_operands_and_ends_of_each_instruction": [
@@ -113,13 +116,32 @@ BUGS = {
         Bug("a last part has the number of its step", "issue.v", "late_lasts ? end_i\n", "1'b0 ? end_i\n"),
         Bug("the number is a cycle late", "issue.v", ".N(TO_RESULT-1)) u_late", ".N(TO_RESULT)) u_late"),
     ],
+    "exchange_copies_each_published_word_of_the_list": [
+        Bug("the first copy of a list alone", "exchange.v", "if (index_q == last_q) state_q <= LOW", "state_q <= LOW"),
+        Bug("a copy is left out", "exchange.v", "setting_copies[STORE_W-1:1] - 1'b1", "setting_copies[STORE_W-1:1] - 2'd2"),
+        Bug("a word is left out", "exchange.v", "left_q <= left_q & ~low_q", "left_q <= left_q & ~{low_q[62:0], 1'b0} & ~low_q"),
+        Bug("the lane of another copy", "exchange.v", "to_index_q <= to_reads ? to_index_q + 1'b1", "to_index_q <= to_reads ? to_index_q"),
+        Bug("a word of the wrong number", "exchange.v", ".N(WAY)) u_to_register", ".N(WAY-4)) u_to_register"),
+        Bug("a copy comes a cycle early", "exchange.v", ".N(WAY)) u_to_reads", ".N(WAY-1)) u_to_reads"),
+        Bug("the lower half always", "exchange.v", "around_half   = half_i", "around_half   = 1'b0"),
+        Bug("nothing goes to all", "exchange.v", "to_all ? HOST_EVERY : HOST_OBJECT", "HOST_OBJECT"),
+        Bug("small records", "exchange.v", "{to_row, 3'd0} << setting_record", "{to_row, 3'd0}"),
+        Bug("the end comes at once", "exchange.v", "state_q == DRAIN ? drain_q - 1'b1 : WAY_32[DRAIN_W-1:0]", "{DRAIN_W{1'b0}}"),
+    ],
+    "exchange_takes_a_cycle_for_each_copy": [
+        Bug("an empty list has copies", "exchange.v", "left_q != 64'd0 && !none", "left_q != 64'd0"),
+    ],
+    "exchange_is_silent_after_an_abort": [
+        Bug("copies go on", "exchange.v", "if (rst_i || abort_i) begin", "if (rst_i) begin"),
+        Bug("the last words go on", "exchange.v", "u_to (.clk_i(clk_i), .rst_i(rst_i || abort_i)", "u_to (.clk_i(clk_i), .rst_i(rst_i)"),
+    ],
     "lane_executes_for_the_objects_that_are_there": [
         Bug("an absent object writes", "lane_end.v", "(executed && (arithmetic_w0 || load_w0)) || sleeps", "(valid_w0 && (arithmetic_w0 || load_w0)) || sleeps"),
         Bug("flags of an absent object", "lane.v", "FLAGS != 0 && end_writes && end_arithmetic", "FLAGS != 0 && end_valid && end_arithmetic"),
         Bug("an absent object is stored", "lane_store.v", "st_i2 && !move_st_absent &&", "st_i2 &&"),
         Bug("a load raises flags", "lane.v", "FLAGS != 0 && end_writes && end_arithmetic", "FLAGS != 0 && end_writes"),
         Bug("a load has the result", "lane.v", ".value_i(end_arithmetic ? result_value : other)", ".value_i(result_value)"),
-        Bug("a store of every lane", "lane.v", "host_write_i(write && access_space == HOST_OBJECT)", "host_write_i(access_valid && access_write && access_space == HOST_OBJECT)"),
+        Bug("a store of every lane", "lane.v", "to_store     = (write && access_space == HOST_OBJECT)", "to_store     = (access_valid && access_write && access_space == HOST_OBJECT)"),
         Bug("a constant of this lane alone", "lane.v", "to_constants = access_valid && access_write", "to_constants = write"),
         Bug("a half is a quarter", "lane_operands.v", "!twice_i2 && !half_i2", "!twice_i2"),
         Bug("-0 is 0", "lane_operands.v", "z_q <= BITS_MINUS_ZERO", "z_q <= 32'd0"),
