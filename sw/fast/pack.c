@@ -199,15 +199,28 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
 
 /* ---- a vector ---- */
 
-typedef void take_fn(const packer *p, vector *v);
-
-static unsigned cost_of(const packer *p, uint32_t first, take_fn *take) {
+static unsigned cost_of_all(const packer *p, uint32_t first) {
     vector v = start(p, first);
     unsigned cost = 0;
-    for (take(p, &v); v.takes; step(p, &v), take(p, &v))
+    for (take_all(p, &v); v.takes; step(p, &v), take_all(p, &v))
         cost += (base_of(p, &v, v.next) < 0 ? COST_GATHERED : COST_ROW) +
                 (v.takes != all_of(p) ? COST_IN_PART : 0);
     return cost;
+}
+
+/* Whether turns of neighbours that stand side by side cost less than this. To search for them takes long where there are none: it
+ * ends when a quarter of the lanes take part in a turn. */
+static int is_better(const packer *p, uint32_t first, unsigned most) {
+    vector v = start(p, first);
+    unsigned cost = 0, turns = 0, taken = 0;
+    for (take_side_by_side(p, &v); v.takes; step(p, &v), take_side_by_side(p, &v)) {
+        cost += COST_ROW + (v.takes != all_of(p) ? COST_IN_PART : 0) +
+                (base_of(p, &v, v.next) < 0 ? COST_GATHERED - COST_ROW : 0);
+        taken += (unsigned)__builtin_popcount(v.takes);
+        if (cost >= most || (++turns >= 4 && 4 * taken < turns * p->lanes))
+            return 0;
+    }
+    return cost < most;
 }
 
 static fp3_status need_room(packer *p, fp3_error *error) {
@@ -261,9 +274,9 @@ static void put_stand_ins(packer *p, const vector *v) {
 }
 
 static fp3_status pack_vector(packer *p, uint32_t first, fp3_error *error) {
-    take_fn *take = take_all;
+    void (*take)(const packer *p, vector *v) = take_all;
     vector v = start(p, first), last = v;
-    if (p->given->is_fixed && cost_of(p, first, take_side_by_side) < cost_of(p, first, take_all))
+    if (p->given->is_fixed && is_better(p, first, cost_of_all(p, first)))
         take = take_side_by_side;
     p->turns = 0;
     fp3_status status = need_room(p, error);
