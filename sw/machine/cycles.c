@@ -220,6 +220,14 @@ static uint64_t overlapped(const fp3_config *config, uint32_t rows, const fp3_sw
     return fp3_overlap_end(&now);
 }
 
+/* Between the copies of one word and those of the next (rtl/sequence/exchange.v). */
+#define WORD_BEGINS 2
+
+uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words) {
+    const uint64_t all = copies ? (uint64_t)words * (copies + WORD_BEGINS) : 0;
+    return config->exchange ? all + fp3_cycles_groups(config) + FP3_TIMING_COPY : 0;
+}
+
 uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swept *visit) {
     const uint32_t n = config->contexts;
     const uint64_t sweeps = rows / n * fp3_cycles_sweep(config, n, FP3_GRANTED) +
@@ -228,7 +236,7 @@ uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swe
         return 0;
     const uint64_t issues =
         config->dual ? overlapped(config, rows, visit) : instructions_of(visit) * sweeps;
-    return issues + fp3_cycles_settle(config) + FP3_TIMING_ROUND;
+    return issues + fp3_cycles_settle(config) + FP3_TIMING_ROUND + fp3_cycles_copies(config, 0, 0);
 }
 
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,

@@ -11,8 +11,6 @@
 #define KNOWN 9
 /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */
 #define PHASE_ENDS 2
-/* Between the copies of one word and those of the next (rtl/sequence/exchange.v). */
-#define WORD_BEGINS 2
 
 static uint32_t op_at(const fp3_phased *program, uint32_t at) {
     return program->code[at].of ? program->code[at].in.op : 0;
@@ -77,11 +75,6 @@ static void issue_batch(const fp3_config *config, const fp3_phased *program,
             late += pc - loop;
         }
     }
-}
-
-uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words) {
-    const uint64_t all = copies ? (uint64_t)words * (copies + WORD_BEGINS) : 0;
-    return config->exchange ? all + fp3_cycles_groups(config) + FP3_TIMING_COPY : 0;
 }
 
 uint64_t fp3_cycles_phased(const fp3_config *config, const fp3_phased *program,

@@ -40,9 +40,6 @@ typedef struct {
     uint32_t loop, around, full;
 } fp3_phase_cost;
 
-/* What copies before a phase take: of so many objects, so many published words of each. */
-uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words);
-
 /* Of the phase that begins at this word. */
 fp3_phase_cost fp3_phase_cost_of(const fp3_config *config, const fp3_phased *program,
                                  uint32_t begin);

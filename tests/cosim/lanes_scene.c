@@ -12,7 +12,7 @@
 
 #include <fp3/program.h>
 #include <inttypes.h>
-#include <machine/phased.h>
+#include <machine/cycles.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
