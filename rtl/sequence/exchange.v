@@ -131,7 +131,7 @@ module exchange #(
     delay #(.W(REGISTER_W), .N(WAY)) u_to_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(from_register), .q_o(to_register));
     always @(posedge clk_i) to_index_q <= to_reads ? to_index_q + 1'b1 : {INDEX_W{1'b0}};
     ram_registered #(.ADDR_W(INDEX_W), .W(1+FROM_W)) u_tos (.clk_i(clk_i),
-        .write_i(to_write), .write_addr_i(write_addr_i[STORE_W-1:1]), .write_value_i({write_value_i[COPIES_ALL_LO], write_place}),
+        .write_i(to_write), .write_addr_i(write_addr_i[STORE_W-1:1]), .write_value_i({write_value_i[COPIES_EVERY_LO], write_place}),
         .read_i(1'b1), .read_addr_i(to_index_q), .read_value_o({to_all, to_lane, to_row}));
     `ACCESS_FIELDS
     wire [STORE_W-1:0] record = {to_row, 3'd0} << setting_record;

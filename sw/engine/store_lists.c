@@ -184,7 +184,7 @@ static fp3_status write_copies(fp3_engine *engine, const fp3_ghosts *ghosts) {
         if (!status)
             status = fp3_memory_put_copy(engine, 2 * i + 1,
                                          place_word(copy->to_lane, copy->to_row) |
-                                             (uint32_t)copy->to_all << FP3_COPIES_ALL_LO);
+                                             (uint32_t)copy->to_all << FP3_COPIES_EVERY_LO);
     }
     return status ? status
                   : fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_COPIES),

@@ -117,8 +117,8 @@
 #define FP3_COPIES_ROW_LO               0
 #define FP3_COPIES_LANE_HI              25
 #define FP3_COPIES_LANE_LO              20
-#define FP3_COPIES_ALL_HI               31
-#define FP3_COPIES_ALL_LO               31
+#define FP3_COPIES_EVERY_HI             31
+#define FP3_COPIES_EVERY_LO             31
 #define FP3_OBJECTS_PLACE_HI            19
 #define FP3_OBJECTS_PLACE_LO            0
 #define FP3_OBJECTS_LENGTH_HI           31

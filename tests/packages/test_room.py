@@ -60,7 +60,7 @@ def shown(said):
 SETTING = """
 [[register]]
 name = "margin"
-at = 0x0058
+at = 0x005c
 access = "rw"
 {more}range = [2, 9]
 reset = 5
@@ -77,7 +77,7 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
     store = config != "single"
     program = ["w 8000 38200000", "w 8004 48200000"] if store else ["w 8000 08200080"]                       # ld, st; add
     objects = ["w 3000 1"] if config in ("lanes", "dual") else ["w 3100 0"] if store else []
-    said = run(copy, config, ["s 58 0", "w 58 9", "s 58 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
+    said = run(copy, config, ["s 5c 0", "w 5c 9", "s 5c 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
                               "w 10 1", "p 14 1", "s 14 0"])
     assert shown(said) == [5, 9, 2] and "margin 7" in said                 # a bundle has it less its least
     assert changed(root, copy) == {"isa/registers.toml", "rtl/front/fetch.v"}
@@ -87,18 +87,18 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
 def test_a_setting_out_of_its_range_is_refused(copy, value):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more="")))
     with pytest.raises(AssertionError, match="FAIL"):
-        run(copy, "single", [f"w 58 {value:x}"])
+        run(copy, "single", [f"w 5c {value:x}"])
 
 
 def test_a_setting_that_needs_a_store_is_not_there_without(copy):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more='needs = ["store_words"]\n')))
-    assert shown(run(copy, "single", ["s 58 0"])) == ["error"]
+    assert shown(run(copy, "single", ["s 5c 0"])) == ["error"]
 
 
 KEY = """[key.extra]
 range    = [0, 15]
 default  = 0
-feature  = [36, 33]
+feature  = [37, 34]
 meaning  = "a key of the second word"
 
 [key.add_latency]"""
@@ -108,13 +108,13 @@ meaning  = "a key of the second word"
 def test_features_go_on_in_a_second_word(root, copy, value):
     replace(copy / "isa/configs.toml", ("[key.add_latency]", KEY), ('name = "single"\n', f'name = "single"\nextra = {value}\n'))
     features, more = shown(run(copy, "single", ["s c 0", "s 48 0"]))
-    assert features == 0x0402021b | (value != 0) << 7 and more == value << 1
+    assert features == 0x0402021b | (value != 0) << 7 and more == value << 2
     assert changed(root, copy) == {"isa/configs.toml"}
     # The map of SystemRDL has them, and the software expects these words.
     done = subprocess.run([root / ".venv/bin/python", root / "tests/packages/read_map.py", "rdl", copy / "rtl/gen/fp3.rdl", "fp3_single"],
                           capture_output=True, text=True, timeout=120)
     fields = {name: {field[0]: field[4] for field in fields} for name, _, fields in json.loads(done.stdout)["fp3_single"]["registers"]}
-    assert fields["0.features_more"] == {"neighbours": 0, "extra": value} and fields["0.features"]["more"] == (value != 0)
+    assert fields["0.features_more"] == {"neighbours": 0, "exchange": 0, "extra": value} and fields["0.features"]["more"] == (value != 0)
     (copy / "words.c").write_text('#include "machine/config.h"\n#include "gen/registers.h"\n#include <stdio.h>\n#include <string.h>\n'
                                   "const fp3_config c[] = {FP3_CONFIG_ROWS};\n"
                                   'int main(void) { int i = 0; while (strcmp(c[i].name, "single")) i++;\n'
@@ -123,7 +123,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     shutil.copytree(root / "sw/base", copy / "sw/base")
     subprocess.run(["gcc", "-std=c11", "-Wno-unused", f"-I{copy}/sw", f"-I{copy}/sw/include", "words.c", "-o", "words"], cwd=copy, check=True)
     words = [int(word, 16) for word in subprocess.run([copy / "words"], capture_output=True, text=True, check=True).stdout.split()]
-    assert words[-1] == value << 1 and (words[-4] >> 7 & 1) == (value != 0)
+    assert words[-1] == value << 2 and (words[-4] >> 7 & 1) == (value != 0)
 
 
 FUSED = """[key.fused]
@@ -131,7 +131,7 @@ range    = [0, 1]
 default  = 0
 needs    = ["chain", "interleave"]
 excludes = ["select"]
-feature  = [37, 37]
+feature  = [38, 38]
 meaning  = "an arithmetic of its own"
 
 [key.add_latency]"""
