@@ -101,12 +101,12 @@ static int print_image(const char *path) {
                            NULL); /* one that is no program with neighbours has none */
     for (uint32_t i = 0; !status && i < fp3_config_count; i++) {
         status = try_load(&fp3_configs[i], image, &error);
-        if (!status)
+        if (status == FP3_E_PROGRAM) /* all else says nothing about the program */
+            printf("%-11s %s: %s\n", "not for", fp3_configs[i].name, error.text);
+        else if (!status)
             printf("%-11s %s\n", "for", fp3_configs[i].name);
         if (!status && around.is_any)
             fp3_phases_print_cycles(image, &fp3_configs[i]);
-        else if (status == FP3_E_PROGRAM) /* all else says nothing about the program */
-            printf("%-11s %s: %s\n", "not for", fp3_configs[i].name, error.text);
         status = status == FP3_E_PROGRAM ? FP3_OK : status;
     }
     fp3_image_free(&image);

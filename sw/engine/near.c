@@ -12,6 +12,9 @@
  * which the list reaches a little farther. */
 #define ROUNDING 1e-5
 
+/* Below this a square of FP32 may lose too much to underflow, the more so if the caller has the processor flush what is subnormal. */
+#define LEAST_LOOK 0x1p-100
+
 static double at(const fp3_where_they_are *w, uint32_t k, size_t object) {
     float f;
     memcpy(&f, &w->position[k][object * w->stride], sizeof f);
@@ -38,7 +41,7 @@ int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, 
     const double most = rule->skin * rule->skin / 4;
     int is_stale = !rule->made[0];
     *astray = UINT32_MAX;
-    if (!is_stale && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
+    if (!is_stale && most >= LEAST_LOOK && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
         return 0;
     for (uint32_t i = 0; i < now->objects; i++) {
         double way = 0;

@@ -177,7 +177,7 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
         entry[i] = v->takes >> i & 1 ? v->next[i] : v->begin[i];
     int base = base_of(p, v, entry), others = base;
     if (base >= 0 &&
-        v->takes != all_of(p)) /* for nobody: those who took part would have that of the others */
+        v->takes != all_of(p)) /* if nobody takes part, all would see the row of the others */
         others = is_for_nobody ? -1 : others_of(p, v, entry);
     if (others < 0)
         base = -1;
@@ -199,23 +199,26 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
 
 /* ---- a vector ---- */
 
+static unsigned cost_of_turn(const packer *p, const vector *v) {
+    return (base_of(p, v, v->next) < 0 ? COST_GATHERED : COST_ROW) +
+           (v->takes != all_of(p) ? COST_IN_PART : 0);
+}
+
 static unsigned cost_of_all(const packer *p, uint32_t first) {
     vector v = start(p, first);
     unsigned cost = 0;
     for (take_all(p, &v); v.takes; step(p, &v), take_all(p, &v))
-        cost += (base_of(p, &v, v.next) < 0 ? COST_GATHERED : COST_ROW) +
-                (v.takes != all_of(p) ? COST_IN_PART : 0);
+        cost += cost_of_turn(p, &v);
     return cost;
 }
 
-/* Whether turns of neighbours that stand side by side cost less than this. To search for them takes long where there are none: it
- * ends when a quarter of the lanes take part in a turn. */
+/* Whether turns of neighbours that stand side by side cost less than this. Where there are none the search for them would take long:
+ * it ends when turns have fewer than a quarter of the lanes. */
 static int is_better(const packer *p, uint32_t first, unsigned most) {
     vector v = start(p, first);
     unsigned cost = 0, turns = 0, taken = 0;
     for (take_side_by_side(p, &v); v.takes; step(p, &v), take_side_by_side(p, &v)) {
-        cost += COST_ROW + (v.takes != all_of(p) ? COST_IN_PART : 0) +
-                (base_of(p, &v, v.next) < 0 ? COST_GATHERED - COST_ROW : 0);
+        cost += cost_of_turn(p, &v);
         taken += (unsigned)__builtin_popcount(v.takes);
         if (cost >= most || (++turns >= 4 && 4 * taken < turns * p->lanes))
             return 0;

@@ -4,7 +4,7 @@
 #include "place.h"
 #include "text.h"
 #include "write_around.h"
-#include "writer.h"
+#include "write_words.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>

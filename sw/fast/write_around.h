@@ -2,7 +2,7 @@
 #ifndef FP3_FAST_WRITE_AROUND_H
 #define FP3_FAST_WRITE_AROUND_H
 
-#include "writer.h"
+#include "write_words.h"
 
 void fp3_write_phases(const fp3_writer *w);
 

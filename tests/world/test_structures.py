@@ -249,19 +249,22 @@ def test_links_of_one_program(start, folder):
         assert states(again.stdout) == states(done.stdout), again.stderr
 
 
+@pytest.mark.parametrize("config, lanes", [("world", 1), ("fabric", 8)])
 @pytest.mark.parametrize("integrator", ["euler", "rk4"])
-def test_cycles_are_those_of_the_report(fp3, start, folder, integrator):
-    """Lists of one length and full batches: the lines of --report say all that a run takes, beyond its end."""
-    objects, batches, steps, neighbours = 72, 3, 3, 2
-    (folder / "ring.csv").write_text("a,b\n" + "".join(f"{i},{(i + 1) % objects}\n" for i in range(objects)))
-    report = subprocess.run([fp3, "compile", "chain.ode", "-i", integrator, "--report", "--image", "c.fp3"], cwd=folder, check=True, capture_output=True, text=True).stdout
+def test_cycles_are_those_of_the_report(fp3, start, folder, integrator, config, lanes):
+    """Lists of one length and full batches, a ring in each lane: the lines of --report say all that a step takes."""
+    objects, batches, neighbours = 72, 3, 2
+    (folder / "rings.csv").write_text("a,b\n" + "".join(f"{ring + i},{ring + (i + 1) % objects}\n" for ring in range(0, lanes * objects, objects) for i in range(objects)))
+    report = subprocess.run([fp3, "compile", "chain.ode", "-c", config, "-i", integrator, "--report", "--image", "c.fp3"], cwd=folder, check=True, capture_output=True, text=True).stdout
     lines = re.findall(r"cycles of phase \d+ +(\d+) per object, (\d+) per turn of springs; (\d+) per batch; (\d+) per phase", report)
     assert len(lines) == {"euler": 1, "rk4": 4}[integrator]
     step = sum(objects * (a + neighbours * turn) + batches * batch + around for a, turn, batch, around in (map(int, line) for line in lines))
-    done = start("chain.ode", "-i", integrator, "--links", "springs=ring.csv", "-n", steps, "-e", "rtl", "-c", "world")
-    assert int(re.search(r"^cycles +(\d+)", done.stdout, re.M)[1]) == steps * step + 32
+    runs = [start("chain.ode", "-i", integrator, "--links", "springs=rings.csv", "-n", n, "-e", "rtl", "-c", config).stdout for n in (1, 3)]
+    once, thrice = (int(re.search(r"^cycles +(\d+)", run, re.M)[1]) for run in runs)
+    assert thrice - once == 2 * step and (config == "fabric" or once == step + 32)
     info = subprocess.run([fp3, "info", "c.fp3"], cwd=folder, check=True, capture_output=True, text=True).stdout
-    assert [line for line in info.splitlines() if "cycles of" in line][:len(lines)] == [line for line in report.splitlines() if "cycles of" in line]
+    said = [line for line in report.splitlines() if "cycles of" in line]
+    assert "\n".join([f"for         {config}", *said]) in info
 
 
 def test_what_fp3_run_refuses(start, folder):

@@ -204,6 +204,11 @@ def test_lists_of_any_kind(script, monkeypatch, kind):
         assert script(EXACT, lines, "fast", "euler", threads=1 + seed % 2) == script(EXACT, lines, "isa", "euler"), seed
 
 
+def test_a_list_is_stale_when_somebody_has_moved_by_half_the_skin(build):
+    done = subprocess.run([build / "tests/world_near"], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "144 checked, 0 wrong\n"), done.stdout
+
+
 @pytest.mark.parametrize("words", ["max r, r, n", "add r, n, -0.0", "sub r, n, r"])
 def test_a_loop_that_keeps_more_than_a_sum_is_interpreted(fp3, tmp_path, words):
     """The largest of the neighbours, the last one, and what alternates."""

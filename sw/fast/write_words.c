@@ -1,5 +1,5 @@
-/* writer.c - see writer.h. */
-#include "writer.h"
+/* write_words.c - see write_words.h. */
+#include "write_words.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>

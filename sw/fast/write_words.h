@@ -1,9 +1,9 @@
-/* writer.h - words and names of the C that a program becomes: for write.c and write_around.c.
+/* write_words.h - words and names of the C that a program becomes: for write.c and write_around.c.
  *
  * Names in the text: r5_2 is register 5 of the vector 2 of those side by side, k3 a shared constant.
  */
-#ifndef FP3_FAST_WRITER_H
-#define FP3_FAST_WRITER_H
+#ifndef FP3_FAST_WRITE_WORDS_H
+#define FP3_FAST_WRITE_WORDS_H
 
 #include "plan.h"
 
