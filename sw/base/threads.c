@@ -2,35 +2,56 @@
 #include "threads.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
+#include <xmmintrin.h>
+
+/* How often one looks for what comes next before it sleeps: to wake it takes longer than many a task. Some 20 us. */
+#define LOOKS 1000
 
 struct fp3_threads {
+    atomic_uint asked; /* how often there was something new: to be seen without the lock */
+    atomic_uint busy;  /* helpers that have a number; changed with the lock */
+    uint32_t processors;
     pthread_mutex_t lock; /* of all that follows */
     pthread_cond_t work, done;
     void (*task)(void *of, uint32_t number);
     void *of;
     uint32_t next, count; /* numbers that nobody has yet */
-    uint32_t busy;        /* helpers that have one */
     uint32_t started, most;
     int is_ending;
     pthread_t thread[];
 };
+
+/* Where threads have to share processors, who looks is in the way of who works. */
+static int looks(const fp3_threads *t) { return t->count <= t->processors ? LOOKS : 0; }
+
+static void wait_for_work(fp3_threads *t) {
+    const unsigned asked = atomic_load(&t->asked);
+    const int most = looks(t);
+    pthread_mutex_unlock(&t->lock);
+    for (int i = 0; i < most && atomic_load(&t->asked) == asked; i++)
+        _mm_pause();
+    pthread_mutex_lock(&t->lock);
+    if (atomic_load(&t->asked) == asked)
+        pthread_cond_wait(&t->work, &t->lock);
+}
 
 static void *help(void *user) {
     fp3_threads *t = user;
     pthread_mutex_lock(&t->lock);
     while (!t->is_ending) {
         if (t->next >= t->count) {
-            pthread_cond_wait(&t->work, &t->lock);
+            wait_for_work(t);
             continue;
         }
         const uint32_t number = t->next++;
-        t->busy++;
+        atomic_fetch_add(&t->busy, 1);
         pthread_mutex_unlock(&t->lock);
         t->task(t->of, number);
         pthread_mutex_lock(&t->lock);
-        if (--t->busy == 0)
+        if (atomic_fetch_sub(&t->busy, 1) == 1)
             pthread_cond_signal(&t->done);
     }
     pthread_mutex_unlock(&t->lock);
@@ -47,6 +68,7 @@ fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *err
     if (!t)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     t->most = most;
+    t->processors = fp3_threads_processors();
     pthread_mutex_init(&t->lock, NULL);
     pthread_cond_init(&t->work, NULL);
     pthread_cond_init(&t->done, NULL);
@@ -59,6 +81,7 @@ void fp3_threads_free(fp3_threads **threads) {
         return;
     pthread_mutex_lock(&t->lock);
     t->is_ending = 1;
+    atomic_fetch_add(&t->asked, 1);
     pthread_cond_broadcast(&t->work);
     pthread_mutex_unlock(&t->lock);
     for (uint32_t i = 0; i < t->started; i++)
@@ -85,6 +108,7 @@ void fp3_threads_run(fp3_threads *t, void (*task)(void *of, uint32_t number), vo
         t->of = of;
         t->count = count;
         t->next = 1;
+        atomic_fetch_add(&t->asked, 1);
         start(t, count);
         pthread_cond_broadcast(&t->work);
         pthread_mutex_unlock(&t->lock);
@@ -93,7 +117,11 @@ void fp3_threads_run(fp3_threads *t, void (*task)(void *of, uint32_t number), vo
     if (count > 1) {
         pthread_mutex_lock(&t->lock);
         t->next = t->count;
-        while (t->busy)
+        pthread_mutex_unlock(&t->lock);
+        for (int i = 0; i < looks(t) && atomic_load(&t->busy); i++)
+            _mm_pause();
+        pthread_mutex_lock(&t->lock);
+        while (atomic_load(&t->busy))
             pthread_cond_wait(&t->done, &t->lock);
         pthread_mutex_unlock(&t->lock);
     }

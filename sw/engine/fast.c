@@ -297,12 +297,14 @@ static void take_part(void *of, uint32_t number) {
     }
 }
 
-/* As many hands as there is work for. */
+/* As many hands as there is work for. In a phase a hand takes one block at a time. */
 static uint32_t hands_for(const fp3_engine *engine) {
     const fast *self = engine->self;
-    const uint64_t chunks = (self->work.blocks + BLOCKS_AT_ONCE - 1) / BLOCKS_AT_ONCE;
+    const int is_around = fp3_around_is_any(engine);
+    const uint64_t at_once = is_around ? 1 : BLOCKS_AT_ONCE;
+    const uint64_t chunks = (self->work.blocks + at_once - 1) / at_once;
     const double worth =
-        engine->expected /
+        engine->expected * (is_around ? fp3_around_turns(engine) : 1) /
             (fp3_fast_is_native(self->groups[0].program) ? WORTH_A_THREAD : WORTH_INTERPRETED) +
         1;
     uint64_t hands = self->hand_count < chunks ? self->hand_count : chunks;

@@ -13,7 +13,6 @@ typedef struct {
     const fp3_fast *program;
     fp3_fast_group group;
     uint32_t phase;
-    atomic_uint next; /* block */
 } sweep;
 
 void fp3_around_forget(group *g) {
@@ -50,14 +49,23 @@ static fp3_status need_halves(fp3_engine *engine, const group *g) {
     return FP3_OK;
 }
 
+static uint32_t share_begin(const sweep *s, uint32_t number) {
+    const uint64_t blocks = (s->group.objects + FP3_BLOCK - 1) / FP3_BLOCK;
+    return (uint32_t)(blocks * number / s->self->used);
+}
+
+/* First its own share, which is in its processor's cache from the phase before, then what others have left of theirs. */
 static void take_part(void *of, uint32_t number) {
     sweep *s = of;
-    const uint32_t blocks = (s->group.objects + FP3_BLOCK - 1) / FP3_BLOCK;
-    for (uint32_t n = atomic_fetch_add(&s->next, 1); n < blocks;
-         n = atomic_fetch_add(&s->next, 1)) {
-        const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
-        fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, first,
-                       left < FP3_BLOCK ? left : FP3_BLOCK);
+    const uint32_t used = s->self->used;
+    for (uint32_t i = 0; i < used; i++) {
+        const uint32_t whose = (number + i) % used, end = share_begin(s, whose + 1);
+        atomic_uint *next = &s->self->hands[whose].next;
+        for (uint32_t n; (n = atomic_fetch_add(next, 1)) < end;) {
+            const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
+            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, first,
+                           left < FP3_BLOCK ? left : FP3_BLOCK);
+        }
     }
 }
 
@@ -89,7 +97,8 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
 
 static void sweep_all(fp3_engine *engine, sweep *s) {
     fast *self = engine->self;
-    atomic_store(&s->next, 0);
+    for (uint32_t i = 0; i < self->used; i++)
+        atomic_store(&self->hands[i].next, share_begin(s, i));
     if (engine->def.tasks)
         engine->def.tasks(engine->def.tasks_user, take_part, s, self->used);
     else
@@ -134,6 +143,16 @@ int fp3_around_is_any(const fp3_engine *engine) {
         if (engine->layout.groups[i].lists.shape.is_any)
             return 1;
     return 0;
+}
+
+double fp3_around_turns(const fp3_engine *engine) {
+    const fp3_lists *lists = &engine->layout.groups[0].lists;
+    double turns = 1;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++) {
+        const fp3_list *l = &lists->lists[i];
+        turns += l->is_all ? l->objects : l->begin ? (double)l->begin[l->objects] / l->objects : 0;
+    }
+    return turns;
 }
 
 /* A run that does not come to its end leaves objects as they were, as on the other engines. */

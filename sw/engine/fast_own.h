@@ -35,6 +35,7 @@ typedef struct {
 typedef struct {
     fp3_fast_worker *worker; /* NULL until it is needed */
     uint64_t block;          /* that it has in hand */
+    atomic_uint next;        /* in a phase: the next block of its share */
     fp3_status status;
     fp3_error error;
 } hand;
@@ -59,6 +60,8 @@ typedef struct {
 
 /* Whether the objects of some group see each other. */
 int fp3_around_is_any(const fp3_engine *engine);
+/* About how often an object goes through its loops, and 1. */
+double fp3_around_turns(const fp3_engine *engine);
 /* Steps of programs with neighbours: all objects make a phase before any makes the next one. All groups have such a
  * program, or this refuses. */
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps);
