@@ -20,6 +20,8 @@ def stars(objects):
 CASES = [Case("net", "net", loop="net", quick=[(r"count = \[128, 128\]", "count = [40, 20]"), (r'"0\.\.127"', '"0..39"')]),
          Case("cloth 128 x 128", "cloth", [(r"count = \[20, 20\]", "count = [128, 128]"), (r"objects = \[0, 19\]", "objects = [0, 127]")]),
          Case("heap", "heap", loop="balls", before=16384, steps=50, quick=[(r"objects = 10000", "objects = 90"), (r"to = \[3.15, 2.2, 3.15\]", "to = [0.7, 0.5, 0.7]")]),
+         Case("heap, 100000", "heap", [("objects = 10000", "objects = 100000"), (r"to = \[3.15, 2.2, 3.15\]", "to = [9.95, 2.2, 9.95]"), (r"side = 3.2", "side = 10.0")],
+              loop="balls", before=8192, steps=10),
          Case("stars, 1024", "stars", stars(1024), loop="stars", quick=stars(70)),
          Case("stars, 16384", "stars", stars(16384), loop="stars", steps=1)]
 

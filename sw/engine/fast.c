@@ -87,6 +87,7 @@ static void fast_close(fp3_engine *engine) {
         fp3_words_free(engine, self->column[i], engine->objects);
         fp3_words_free(engine, self->other_half[i], engine->objects);
     }
+    free(self->row);
     free(self->hands);
     free(self->groups);
     free(self->shared);
@@ -146,7 +147,7 @@ static fp3_status fast_connect(fp3_engine *engine, fp3_members *members, const f
 
 static fp3_status fast_load(fp3_engine *engine) {
     fast *self = engine->self;
-    fp3_status status = FP3_OK;
+    fp3_status status = fp3_order_undo(engine);
     unload(self);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         self->count = i + 1;
@@ -157,30 +158,44 @@ static fp3_status fast_load(fp3_engine *engine) {
 
 /* ---- what objects hold ---- */
 
-/* The first of them; NULL: they were never written. */
+/* The first of all of this kind; NULL: they were never written. */
 static uint32_t *find(const fp3_engine *engine, fp3_cells cells) {
     const fast *self = engine->self;
     if (cells.kind == FP3_CELLS_CONSTANT)
-        return &self->shared[(size_t)cells.number * engine->config->registers + cells.first];
-    uint32_t *column = cells.kind == FP3_CELLS_STATUS ? self->status : self->column[cells.number];
-    return column ? &column[cells.first] : NULL;
+        return &self->shared[(size_t)cells.number * engine->config->registers];
+    return cells.kind == FP3_CELLS_STATUS ? self->status : self->column[cells.number];
+}
+
+/* Of each object; NULL: its number. */
+static const uint32_t *rows_of(const fp3_engine *engine, fp3_cells cells) {
+    const fast *self = engine->self;
+    return cells.kind == FP3_CELLS_REGISTER && self->row ? self->row + cells.first : NULL;
 }
 
 static fp3_status fast_read(fp3_engine *engine, fp3_cells cells, void *words) {
-    const uint32_t *from = find(engine, cells);
-    if (from)
-        memcpy(words, from, cells.count * sizeof *from);
-    else
+    const uint32_t *from = find(engine, cells), *row = rows_of(engine, cells);
+    uint32_t *to = words;
+    if (!from)
         memset(words, 0, cells.count * sizeof *from);
+    else if (!row)
+        memcpy(words, from + cells.first, cells.count * sizeof *from);
+    for (size_t i = 0; from && row && i < cells.count; i++)
+        to[i] = from[row[i]];
     return FP3_OK;
 }
 
 static fp3_status fast_write(fp3_engine *engine, fp3_cells cells, const void *words) {
     const fp3_status status =
         cells.kind == FP3_CELLS_REGISTER ? need_column(engine, cells.number) : FP3_OK;
-    if (!status)
-        memcpy(find(engine, cells), words, cells.count * sizeof(uint32_t));
-    return status;
+    if (status)
+        return status;
+    const uint32_t *from = words, *row = rows_of(engine, cells);
+    uint32_t *to = find(engine, cells);
+    if (!row)
+        memcpy(to + cells.first, words, cells.count * sizeof *to);
+    for (size_t i = 0; row && i < cells.count; i++)
+        to[row[i]] = from[i];
+    return FP3_OK;
 }
 
 /* ---- who is awake ---- */
@@ -368,7 +383,8 @@ static int slept_astray(const fp3_engine *engine, const fp3_members *members, ui
     if (self->has_steps && (!slept_in || slept_in == self->runs))
         return 0;
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
-        words[reg] = self->column[reg] ? self->column[reg][object] : 0;
+        words[reg] =
+            self->column[reg] ? self->column[reg][self->row ? self->row[object] : object] : 0;
     const uint32_t reg = fp3_watch_find(fp3_engine_states_of(members), words);
     if (reg == FP3_BANK_OBJECT_COUNT)
         return 0;

@@ -84,10 +84,12 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     const fast *self = engine->self;
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new = 0;
+    fp3_status status = fp3_order_follow(engine, members);
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
-    fp3_status status =
-        fp3_lists_follow(&members->lists, members->objects, words, 1, &is_new, engine->def.error);
+    if (!status)
+        status = fp3_lists_follow(&members->lists, members->objects, words, self->row, 1, &is_new,
+                                  engine->def.error);
     if (is_new)
         fp3_around_forget(g);
     if (!status)
@@ -162,7 +164,8 @@ static void undo(fp3_engine *engine) {
     for (size_t reg = 0; reg < engine->config->registers; reg++)
         for (uint32_t i = 0; self->column[reg] && i < engine->objects; i++)
             if (o->began[i] >> reg & 1)
-                self->column[reg][i] = o->registers[reg * engine->objects + i];
+                self->column[reg][self->row ? self->row[i] : i] =
+                    o->registers[reg * engine->objects + i];
 }
 
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {

@@ -329,7 +329,7 @@ static fp3_status begin_phase(round_of *r) {
     int is_new;
     for (uint32_t reg = 0; reg < engine->config->registers; reg++)
         words[reg] = &self->store[(size_t)group->first * engine->config->registers + reg];
-    return fp3_lists_follow(&group->lists, group->objects, words, engine->config->registers,
+    return fp3_lists_follow(&group->lists, group->objects, words, NULL, engine->config->registers,
                             &is_new, engine->def.error);
 }
 

@@ -83,13 +83,13 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
 }
 
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            size_t stride, int *is_new, fp3_error *error) {
+                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error) {
     fp3_status status = FP3_OK;
     *is_new = 0;
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
         fp3_list *list = &lists->lists[i];
         fp3_where_they_are now = {
-            .stride = stride, .objects = objects, .dimensions = list->near.dimensions};
+            .row = row, .stride = stride, .objects = objects, .dimensions = list->near.dimensions};
         uint32_t astray, *begin, *other;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
             now.position[k] = words[list->near.regs[k]];

@@ -38,10 +38,11 @@ void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
 
 /* At the beginning of a phase: makes the lists of those that are near again, where they are stale. Words of the
- * group's objects: words[register] is that of the first one, NULL: there is none. *is_new: some were made.
+ * group's objects: words[register] is that of row 0, NULL: there is none; row: of each object, NULL: its number. Lists are of
+ * rows. *is_new: some were made.
  * FP3_E_PROGRAM: a position is not finite; FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            size_t stride, int *is_new, fp3_error *error);
+                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
 
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];

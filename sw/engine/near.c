@@ -15,9 +15,9 @@
 /* Below this a square of FP32 may lose too much to underflow, the more so if the caller has the processor flush what is subnormal. */
 #define LEAST_LOOK 0x1p-100
 
-static double at(const fp3_where_they_are *w, uint32_t k, size_t object) {
+static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
     float f;
-    memcpy(&f, &w->position[k][object * w->stride], sizeof f);
+    memcpy(&f, &w->position[k][row * w->stride], sizeof f);
     return f;
 }
 
@@ -43,7 +43,8 @@ int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, 
     *astray = UINT32_MAX;
     if (!is_stale && most >= LEAST_LOOK && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
         return 0;
-    for (uint32_t i = 0; i < now->objects; i++) {
+    for (uint32_t object = 0; object < now->objects; object++) {
+        const uint32_t i = now->row ? now->row[object] : object;
         double way = 0;
         for (uint32_t k = 0; k < now->dimensions; k++) {
             const double x = at(now, k, i), d = rule->made[0] ? x - rule->made[k][i] : x - x;
@@ -53,7 +54,7 @@ int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, 
             continue;
         is_stale = 1;
         if (way - way != 0 && *astray == UINT32_MAX) /* infinite, or a NaN */
-            *astray = i;
+            *astray = object;
     }
     return is_stale;
 }
@@ -62,10 +63,10 @@ typedef struct {
     const fp3_where_they_are *now;
     double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
     uint32_t cells[FP3_NEAR_DIMENSIONS];
-    uint32_t *cell;                    /* of each object */
+    uint32_t *cell;                    /* of each row */
     uint32_t *first;                   /* of each cell, in `order` */
-    uint32_t *order;                   /* objects, cell by cell, ascending */
-    float *place[FP3_NEAR_DIMENSIONS]; /* of each object, in this order */
+    uint32_t *order;                   /* rows, cell by cell, ascending */
+    float *place[FP3_NEAR_DIMENSIONS]; /* of each row, in this order */
     float far;                         /* square of how far the list reaches */
 } grid;
 
@@ -93,10 +94,10 @@ static void measure(grid *g, double reach) {
         g->cells[k] = k < g->now->dimensions ? (uint32_t)floor(extent[k] / g->size) + 1 : 1;
 }
 
-static uint32_t column(const grid *g, uint32_t k, uint32_t object) {
+static uint32_t column(const grid *g, uint32_t k, uint32_t row) {
     if (k >= g->now->dimensions)
         return 0;
-    const double c = (at(g->now, k, object) - g->least[k]) / g->size;
+    const double c = (at(g->now, k, row) - g->least[k]) / g->size;
     return c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
 }
 
@@ -127,13 +128,13 @@ static fp3_status sort(grid *g, fp3_error *error) {
     return FP3_OK;
 }
 
-/* Pairs of objects that are near, from the side of each: object i has found[first[i]] .. of them, in the order of the cells. */
+/* Pairs of rows that are near, from the side of each: row i has found[first[i]] .. of them, in the order of the cells. */
 typedef struct {
     uint32_t *first, *found;
     size_t count, room;
 } pairs;
 
-/* Of the objects order[from] .. order[end - 1] those that are near one at this place; itself, too. There is room for all. */
+/* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too. There is room for all. */
 static uint32_t find(const grid *g, const float *place, uint32_t from, uint32_t end,
                      uint32_t *found) {
     uint32_t count = 0;
@@ -158,33 +159,32 @@ static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
     return FP3_OK;
 }
 
-/* The cells around an object's, and its own, a row of them at a time. */
-static fp3_status find_around(const grid *g, uint32_t object, pairs *p, fp3_error *error) {
+/* The cells around a row's, and its own, a line of them at a time. */
+static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
     uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
     float place[FP3_NEAR_DIMENSIONS] = {0};
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        const uint32_t c = column(g, k, object);
+        const uint32_t c = column(g, k, row);
         low[k] = c ? c - 1 : 0;
         high[k] = c + 1 < g->cells[k] ? c + 1 : c;
         if (k < g->now->dimensions)
-            place[k] = (float)at(g->now, k, object);
+            place[k] = (float)at(g->now, k, row);
     }
-    p->first[object] = (uint32_t)p->count;
+    p->first[row] = (uint32_t)p->count;
     for (uint32_t z = low[2]; !status && z <= high[2]; z++)
         for (uint32_t y = low[1]; !status && y <= high[1]; y++) {
-            const size_t row = ((size_t)z * g->cells[1] + y) * g->cells[0];
-            const uint32_t from = g->first[row + low[0]], end = g->first[row + high[0] + 1];
+            const size_t line = ((size_t)z * g->cells[1] + y) * g->cells[0];
+            const uint32_t from = g->first[line + low[0]], end = g->first[line + high[0] + 1];
             status = need_room(p, end - from + (size_t)1, error);
             if (!status)
                 p->count += find(g, place, from, end, p->found + p->count);
         }
     if (!status && p->count > INT32_MAX)
-        status = fp3_fail(
-            error, FP3_E_LIMIT,
-            "a list of those that are near has more than 2147483647 entries: object %" PRIu32
-            " of %" PRIu32 " is too much, or the reach is too long",
-            object, g->now->objects);
+        status = fp3_fail(error, FP3_E_LIMIT,
+                          "the lists of those that are near have more than 2147483647 entries: "
+                          "there are too many of the %" PRIu32 " objects, or the reach is too long",
+                          g->now->objects);
     return status;
 }
 
@@ -212,10 +212,12 @@ static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_
     for (uint32_t i = 0; i <= objects; i++)
         (*begin)[i] = p->first[i] - i;
     memcpy(next, *begin, objects * sizeof *next);
-    for (uint32_t j = 0; j < objects; j++)
+    for (uint32_t object = 0; object < objects; object++) {
+        const uint32_t j = g->now->row ? g->now->row[object] : object;
         for (uint32_t n = p->first[j]; n < p->first[j + 1]; n++)
             if (p->found[n] != j)
                 (*other)[next[p->found[n]]++] = j;
+    }
     return FP3_OK;
 }
 
@@ -232,14 +234,27 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
     return FP3_OK;
 }
 
+static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, grid *g,
+                            fp3_error *error) {
+    const double reach = (rule->reach + rule->skin) * (1 + ROUNDING);
+    *g = (grid){.now = now, .far = (float)(reach * reach)};
+    measure(g, reach);
+    return sort(g, error);
+}
+
+static void close_grid(grid *g) {
+    free(g->cell);
+    free(g->order);
+    free(g->first);
+    free(g->place[0]);
+}
+
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error) {
-    const double reach = (rule->reach + rule->skin) * (1 + ROUNDING);
-    grid g = {.now = now, .far = (float)(reach * reach)};
+    grid g;
     pairs p = {0};
     *begin = *other = NULL;
-    measure(&g, reach);
-    fp3_status status = sort(&g, error);
+    fp3_status status = open_grid(rule, now, &g, error);
     if (!status)
         status = find_pairs(&g, &p, error);
     if (!status)
@@ -248,10 +263,17 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
         status = remember(rule, now, error);
     free(p.first);
     free(p.found);
-    free(g.cell);
-    free(g.order);
-    free(g.first);
-    free(g.place[0]);
+    close_grid(&g);
+    return status;
+}
+
+fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *rows,
+                          fp3_error *error) {
+    grid g;
+    const fp3_status status = open_grid(rule, now, &g, error);
+    if (!status)
+        memcpy(rows, g.order, now->objects * sizeof *rows);
+    close_grid(&g);
     return status;
 }
 

@@ -17,9 +17,10 @@
 #define FP3_NEAR_LEAST 0x1p-50
 #define FP3_NEAR_MOST 0x1p63
 
-/* Positions of objects: component k of object i is position[k][i * stride]. */
+/* Positions of objects: component k of the object at row i is position[k][i * stride]. */
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
+    const uint32_t *row;                           /* of each object; NULL: its number */
     size_t stride;
     uint32_t objects, dimensions;
 } fp3_where_they_are;
@@ -29,18 +30,23 @@ typedef struct {
     uint32_t dimensions;
     double reach, skin;
     float *made
-        [FP3_NEAR_DIMENSIONS]; /* where each object was when the list was made; NULL: there is none */
-    uint64_t lists;            /* how many were made */
+        [FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made; NULL: there is none */
+    uint64_t lists; /* how many were made */
 } fp3_near_rule;
 
-/* Whether the list has to be made again. *astray: an object whose position is not finite, if there is one; else
+/* Whether the list has to be made again. *astray: the first object whose position is not finite, if there is one; else
  * UINT32_MAX. */
 int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray);
 
-/* Makes the list: *begin and *other as in fp3_neighbours, which the caller frees. Neighbours are in the order of their
- * numbers. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31 entries. */
+/* Makes the list: *begin and *other as in fp3_neighbours, but of rows and with rows; the caller frees them. Neighbours are in
+ * the order of their objects' numbers. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
+ * entries. */
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error);
+/* Rows in an order in which those that are near each other mostly stand together: as many as there are objects. Likewise. */
+fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *rows,
+                          fp3_error *error);
+/* There is no list; the next look finds it stale. */
 void fp3_near_close(fp3_near_rule *rule);
 
 #endif

@@ -293,8 +293,8 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
             next += group->objects;
         }
     if (!status)
-        status =
-            fp3_lists_follow(&group->lists, group->objects, words, 1, is_new, engine->def.error);
+        status = fp3_lists_follow(&group->lists, group->objects, words, NULL, 1, is_new,
+                                  engine->def.error);
     free(all);
     return status;
 }

@@ -351,6 +351,47 @@ def test_who_fails_is_found(script):
         assert script(CHAIN, lines, engine) == ["object 1 in step 1: overflow"]
 
 
+def crowd():
+    """Enough fliers that engine fast has them stand cell by cell, numbered at random."""
+    random = numpy.random.default_rng(8)
+    n, places = 500, random.permutation(729)
+    at = numpy.array(list(itertools.product(range(9), repeat=3)))[places[:n]] * 0.13 + 0.01 * random.standard_normal((n, 3))
+    speed = 3 * random.standard_normal((n, 3))
+    return [f"objects {n}", *(row("state", f"{q}_{'xyz'[k]}", of[:, k]) for q, of in (("x", at), ("v", speed)) for k in range(3))], n
+
+
+@pytest.mark.parametrize("engine, threads", [("fast", 1), ("fast", 3), ("interpreter", 2)])
+def test_where_an_object_stands_changes_no_bit(script, engine, threads):
+    """What is read and written between runs is each one's own, while all stand cell by cell, in a new order, or at their numbers again."""
+    start, n = crowd()
+    model = BALLS.replace("R = 0.05", "R = 0.1")
+    near, states = "near touch 0.2 {} x_x x_y x_z", "print x_x x_y x_z v_x v_y v_z"
+    lines = [*start, near.format(0.02), "run 20", states, "all touch", "run 2", states, near.format(1e-4), "run 50", states,
+             row("state", "v_z", [i % 7 for i in range(n)]), "run 20", states, "failure"]
+    wanted = script(model, lines, "isa")
+    assert len(set(wanted)) == 4 * 6 + 1 and wanted[-1] == "none"
+    assert script(model, lines, engine, threads=threads) == wanted
+
+
+def test_a_program_without_neighbours_finds_objects_at_their_numbers(script, tmp_path):
+    start, n = crowd()
+    (tmp_path / "grows.ode").write_text("state u = 1\nstep 1\nu' = u")
+    lines = [*start, "near touch 0.1 0.02 x_x x_y x_z", "run 30", f"load {tmp_path / 'grows.ode'}", row("state", "u", [3e38 if i == 321 else i for i in range(n)]),
+             "run 3", "failure", "print u"]
+    wanted = script(BALLS, lines, "isa")
+    assert wanted[0] == "object 321 in step 1: overflow"
+    assert script(BALLS, lines, "fast") == wanted
+
+
+def test_who_cannot_go_on_is_named_where_objects_stand_in_cells(script):
+    start, n = crowd()
+    lines = [*start, "shared stiff 0", "shared damp 0", "near touch 0.1 0.02 x_x x_y x_z", "run 30",
+             row("state", "v_y", [3e38 if i in (333, 406) else 0 for i in range(n)]), "print x_y"]
+    for engine in ("isa", "fast", "interpreter"):
+        before, *after = script(BALLS, [*lines, "go 3000", "print x_y"], engine, "euler")
+        assert after == ["error the position of object 333 is infinite or NaN, so nobody can be near it", before]
+
+
 # ---- what is refused ----
 
 @pytest.mark.parametrize("lines, message", [

@@ -46,7 +46,7 @@ def test_the_chip_has_cycles(measured):
 
 
 def test_loops_by_hand_have_the_same_words(measured):
-    rows = measured["speed"]
+    rows = [row for row in measured["speed"] if row["engine"] in ("hand", "fast")]  # not those that are measured where they are installed
     assert {(row["scene"], row["engine"], row["threads"]) for row in rows} == {
         (scene, engine, n) for scene in ("net, small", "heap, small", "stars, 1024, small") for engine, n in (("hand", 1), ("fast", 1), ("fast", 2))}
     for row in rows:

@@ -8,6 +8,7 @@
  *     links NAME A B F1 F2 ...  one entry: object A has the neighbour B
  *     near NAME REACH SKIN X..  with the names of the position's states
  *     all NAME
+ *     load MODEL                another program: objects keep what their registers hold, lists are gone
  *     run STEPS                 go STEPS: an error is printed, and not the end
  *     print NAME ...            a line of bits for each state
  *     flags STEPS               run, and what that raised
@@ -194,6 +195,14 @@ static void say_failure(world *w) {
     printf("%s\n", text);
 }
 
+static void load(world *w, const char *model) {
+    fp3_compiled_free(&w->compiled);
+    fp3_model_free(&w->model);
+    compile(w, model, "euler", 0);
+    need(w, fp3_engine_load(w->engine, w->compiled->image));
+    need(w, fp3_engine_set(w->engine, "h", (float)w->model->step));
+}
+
 static void obey(world *w, char *line, const char *engine, unsigned threads) {
     const char *what = strtok(line, " \n"), *name = strtok(NULL, " \n");
     if (!what)
@@ -213,6 +222,8 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
         give_near(w, name);
     } else if (strcmp(what, "all") == 0) {
         need(w, fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){0}));
+    } else if (strcmp(what, "load") == 0) {
+        load(w, name);
     } else if (strcmp(what, "run") == 0) {
         run(w, strtoull(name, NULL, 10), NULL);
     } else if (strcmp(what, "go") == 0) {
