@@ -21,7 +21,6 @@ module lane_result #(
     input  wire                   constant_i,     // the host writes a register: no instruction ends
     input  wire [REG_W-1:0]       constant_register_i,
     // W+1
-    // W+1
     output wire                   write_o,
     output wire [REG_W-1:0]       register_o,
     output wire [31:0]            value_o,
