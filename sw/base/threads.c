@@ -1,11 +1,12 @@
 /* threads.c - see threads.h. */
 #include "threads.h"
 
+#include "fpu.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
-#include <xmmintrin.h>
 
 /* How often one looks for what comes next before it sleeps: to wake it takes longer than many a task. Some 20 us. */
 #define LOOKS 1000
@@ -32,7 +33,7 @@ static void wait_for_work(fp3_threads *t) {
     const int most = looks(t);
     pthread_mutex_unlock(&t->lock);
     for (int i = 0; i < most && atomic_load(&t->asked) == asked; i++)
-        _mm_pause();
+        fp3_fpu_pause();
     pthread_mutex_lock(&t->lock);
     if (atomic_load(&t->asked) == asked)
         pthread_cond_wait(&t->work, &t->lock);
@@ -119,7 +120,7 @@ void fp3_threads_run(fp3_threads *t, void (*task)(void *of, uint32_t number), vo
         t->next = t->count;
         pthread_mutex_unlock(&t->lock);
         for (int i = 0; i < looks(t) && atomic_load(&t->busy); i++)
-            _mm_pause();
+            fp3_fpu_pause();
         pthread_mutex_lock(&t->lock);
         while (atomic_load(&t->busy))
             pthread_cond_wait(&t->done, &t->lock);

@@ -451,12 +451,11 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
 }
 
 static fp3_status isa_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    fenv_t callers;
-    fp3_execute_begin(engine->config, &callers);
+    const uint64_t callers = fp3_fpu_begin(engine->config->nearest);
     stats->schedulers = 1;
     ((isa *)engine->self)->executed = ((isa *)engine->self)->told = 0;
     const fp3_status status = run_rounds(engine, steps, stats);
-    fp3_execute_end(&callers);
+    fp3_fpu_set(callers);
     return status;
 }
 

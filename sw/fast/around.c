@@ -7,7 +7,6 @@
 #include <fp3/isa.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xmmintrin.h>
 
 /* ---- a program ---- */
 
@@ -208,9 +207,32 @@ static void run_native(const interpreter *in, uint32_t phase) {
         memcpy(in->group->next[reg] + from, rest->own[reg], left * sizeof(float));
 }
 
+/* ---- a phase of a block ---- */
+
+/* What a phase reads of a block's objects and writes there again. */
+static uint64_t kept_in_place(const interpreter *in) {
+    return in->fast->plan.stored & ~in->fast->plan.around.published;
+}
+
+/* Where the processor raises underflow too early it is a hint: with it the phase is made again by what knows. */
+static void run_native_with_hints(const interpreter *in, uint32_t phase) {
+    const size_t size = in->lanes->count * sizeof(float);
+    const uint32_t count = in->lanes->count;
+    FP3_EACH_REGISTER (kept_in_place(in), reg)
+        memcpy(in->worker->rows[reg], in->group->own[reg] + in->first, size);
+    run_native(in, phase);
+    if (!(fp3_fpu_get() & FP3_FPU_UNDERFLOW))
+        return;
+    FP3_EACH_REGISTER (kept_in_place(in), reg)
+        memcpy(in->group->own[reg] + in->first, in->worker->rows[reg], size);
+    fp3_fpu_forget();
+    in->lanes->count = count;
+    interpret(in, phase);
+}
+
 void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_group *group,
                     uint32_t phase, uint32_t first, uint32_t count) {
-    const uint32_t callers = _mm_getcsr();
+    const uint64_t callers = fp3_fpu_begin(fast->plan.config->nearest);
     interpreter in = {.fast = fast,
                       .group = group,
                       .worker = worker,
@@ -218,13 +240,15 @@ void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
                       .first = first,
                       .run = {.constants = group->constants}};
     worker->now.count = count;
+    worker->now.seen = worker->aside.seen = 0;
     fp3_fast_wake(&worker->now);
     fp3_fast_wake(&worker->aside);
-    _mm_setcsr(0x1f80u | (fast->plan.config->nearest ? 0 : 0x6000u)); /* all masked; truncation */
-    if (fast->native.library)
-        run_native(&in, phase);
-    else
+    if (!fast->native.library)
         interpret(&in, phase);
-    worker->confirmed |= fp3_fast_raised(0);
-    _mm_setcsr(callers);
+    else if (FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW))
+        run_native_with_hints(&in, phase);
+    else
+        run_native(&in, phase);
+    worker->confirmed |= fp3_fast_raised(worker->now.seen | worker->aside.seen);
+    fp3_fpu_set(callers);
 }

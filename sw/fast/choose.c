@@ -3,8 +3,30 @@
 
 #include <string.h>
 
-extern const fp3_sweep fp3_sweep_plain, fp3_sweep_v3, fp3_sweep_v4;
-extern const fp3_sweep fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut;
+extern const fp3_sweep fp3_sweep_plain, fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut;
+
+/* The kinds of this family, from the least on, and those among them that this processor is. */
+#if defined __x86_64__
+extern const fp3_sweep fp3_sweep_v3, fp3_sweep_v4;
+static const fp3_sweep *const kinds[] = {&fp3_sweep_plain, &fp3_sweep_v3, &fp3_sweep_v4};
+const char fp3_sweep_kinds[] = "x86-64, x86-64-v3 or x86-64-v4";
+
+static int is_kind(int kind) {
+    const int is[] = {1, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"),
+                      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                          __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")};
+    return is[kind];
+}
+#else
+static const fp3_sweep *const kinds[] = {&fp3_sweep_plain};
+const char fp3_sweep_kinds[] = "or " FP3_SWEEP_LEAST;
+
+static int is_kind(int kind) {
+    (void)kind;
+    return 1;
+}
+#endif
+enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* Flushing and truncation are rare: for them the least kind of processor has to do. */
 static const fp3_sweep *rare(const fp3_config *config) {
@@ -12,9 +34,6 @@ static const fp3_sweep *rare(const fp3_config *config) {
         return &fp3_sweep_cut;
     return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;
 }
-
-static const fp3_sweep *const kinds[] = {&fp3_sweep_plain, &fp3_sweep_v3, &fp3_sweep_v4};
-enum { KINDS = sizeof kinds / sizeof *kinds };
 
 int fp3_sweep_is_kind(const char *name) {
     for (int i = 0; i < KINDS; i++)
@@ -24,14 +43,10 @@ int fp3_sweep_is_kind(const char *name) {
 }
 
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
-    const int has[] = {1, __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"),
-                       __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                           __builtin_cpu_supports("avx512vl") &&
-                           __builtin_cpu_supports("avx512bw")};
     const fp3_sweep *best = kinds[0];
     if (!config->subnormal || !config->nearest)
         return rare(config);
-    for (int i = 0; i < KINDS && has[i]; i++) {
+    for (int i = 0; i < KINDS && is_kind(i); i++) {
         best = kinds[i];
         if (strcmp(best->name, most) == 0)
             break;

@@ -6,13 +6,12 @@
 #include "gen/registers.h"
 #include <fp3/isa.h>
 #include <string.h>
-#include <xmmintrin.h>
 
 #define CHUNK 128u    /* steps from one look at the flags, and at who sleeps, to the next */
 #define FIRST 16u     /* ... at first: subnormal numbers may be slow */
 #define LONG 0x10000u /* ... where nobody asks */
-#define SLOW 0x12u    /* of MXCSR: subnormal operand, underflow */
-#define STICKY 0x3fu  /* of MXCSR */
+/* What the processor may raise where the program does not. */
+#define HINTS (FP3_FPU_IS_EARLY ? FP3_FLAG_UNDERFLOW : 0u)
 
 /* So many steps of a visit, the first of them before + 1. */
 typedef struct {
@@ -27,15 +26,6 @@ typedef struct {
     make(FP3_PART_STEP, (s)->steps, (s)->before);                                                  \
     if ((s)->parts & FP3_ENDS)                                                                     \
     make(FP3_PART_LAST, 1, (s)->before + (s)->steps)
-
-/* ---- the processor's flags ---- */
-
-/* To write it takes longer than a look. */
-static void forget_flags(void) {
-    const uint32_t now = _mm_getcsr();
-    if (now & STICKY)
-        _mm_setcsr(now & ~STICKY);
-}
 
 /* ---- executing ---- */
 
@@ -61,7 +51,7 @@ static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
     d->fast->sweep->watch(&d->fast->watch, &place, part, steps, number, &lanes->witness)
     EACH_PART(s, WATCH);
 #undef WATCH
-    forget_flags(); /* it has computed more than the program */
+    fp3_fpu_forget(); /* it has computed more than the program */
 }
 
 /* ---- whose flags they are ---- */
@@ -154,14 +144,15 @@ static void find_out(const fp3_drive *d, const stretch *s, const uint32_t *which
 }
 
 /* What the stretch raised, and is not known of a lane. Of an object that sleeps the processor raises what
- * the program does not: there only what was found out counts. */
+ * the program does not, as where there are hints: there only what was found out counts. */
 static uint32_t unknown_of(const fp3_drive *d, uint32_t lane, uint32_t flags) {
     const fp3_fast_lanes *l = d->lanes;
     const uint32_t *word = d->run->status ? &d->run->status[l->object[lane]] : NULL;
     const int has_step = !word || *word >> FP3_STATUS_STEP_LO; /* the first part's may be 0 */
     const uint32_t grave = flags & FP3_FLAGS_GRAVE & ~(has_step ? (uint32_t)l->grave[lane] : 0);
     const uint32_t others = flags & ~FP3_FLAGS_GRAVE & ~(uint32_t)l->known[lane];
-    const uint32_t all = d->fast->plan.sleeps ? flags & ~d->worker->confirmed : 0;
+    const uint32_t all =
+        flags & (d->fast->plan.sleeps ? UINT32_MAX : HINTS) & ~d->worker->confirmed;
     return grave | (d->run->status ? others : 0) | all;
 }
 
@@ -187,9 +178,10 @@ static int are_all_awake(const fp3_fast_lanes *l) {
 }
 
 static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
+    const uint32_t hints = d->lanes->seen & FP3_SEEN_UNDERFLOW ? 0 : HINTS;
     uint32_t which[FP3_BLOCK], count = 0;
     if (!d->fast->plan.sleeps || (flags & ~d->worker->confirmed && are_all_awake(d->lanes)))
-        d->worker->confirmed |= flags;
+        d->worker->confirmed |= flags & ~hints;
     if (!(flags & ~(d->lanes->common & d->worker->confirmed)))
         return;
     fp3_fast_count(d->lanes, d->run->status);
@@ -203,19 +195,20 @@ static void ask_flags(const fp3_drive *d, const stretch *s, uint32_t flags) {
 
 /* A product may be slow from now on, or no more. */
 static void look_for_subnormals(fp3_fast_lanes *l) {
-    l->is_tiny = l->is_tiny ? (l->seen & FP3_SEEN_SUBNORMAL) != 0 : (_mm_getcsr() & SLOW) != 0;
+    l->is_tiny =
+        l->is_tiny ? (l->seen & FP3_SEEN_SUBNORMAL) != 0 : (fp3_fpu_get() & FP3_FPU_SLOW) != 0;
 }
 
 static void make(const fp3_drive *d, const stretch *s) {
     if (d->is_watching) {
         watch(d, d->lanes, s);
     } else if (!d->fast->plan.config->flags) {
-        forget_flags();
+        fp3_fpu_forget();
         execute(d, d->lanes, s);
         look_for_subnormals(d->lanes);
     } else {
         remember(d, s);
-        forget_flags();
+        fp3_fpu_forget();
         execute(d, d->lanes, s);
         const uint32_t flags = fp3_fast_raised(d->lanes->seen);
         look_for_subnormals(d->lanes);

@@ -1,6 +1,7 @@
 /* fast.c - see fast.h: a program made ready, and a block of objects taken through a run. */
 #include "fast.h"
 
+#include "base/fpu.h"
 #include "block.h"
 #include "drive.h"
 
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xmmintrin.h>
 
 #define SHOWN 40 /* characters of what nobody knows */
 
@@ -37,9 +37,8 @@ static fp3_status read_wish(wish *w, fp3_error *error) {
             memcpy(w->most, word, sizeof word);
         else
             return fp3_fail(error, FP3_E_ARGUMENT,
-                            "FP3_FAST: found '%.*s', expected interpreter, x86-64, x86-64-v3 or "
-                            "x86-64-v4",
-                            (int)(length < SHOWN ? length : SHOWN), asked);
+                            "FP3_FAST: found '%.*s', expected interpreter, %s",
+                            (int)(length < SHOWN ? length : SHOWN), asked, fp3_sweep_kinds);
         asked += length;
     }
     return FP3_OK;
@@ -375,9 +374,8 @@ static void settle_again(void *user, fp3_fast_lanes *l) {
 fp3_status fp3_fast_block(fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_run *run,
                           const uint32_t *list, uint32_t first, uint32_t count, fp3_error *error) {
     block b = {fast, worker, run, error, FP3_OK};
-    const uint32_t callers = _mm_getcsr();
+    const uint64_t callers = fp3_fpu_begin(fast->plan.config->nearest);
     fp3_drive drive = {fast, worker, run, &worker->now, 0, settle, &b};
-    _mm_setcsr(0x1f80u | (fast->plan.config->nearest ? 0 : 0x6000u)); /* all masked; truncation */
     begin(&worker->now, list, first, count);
     worker->list = list;
     worker->first = first;
@@ -391,6 +389,6 @@ fp3_status fp3_fast_block(fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
         drive = (fp3_drive){fast, worker, run, &worker->again, 1, settle_again, &b};
         fp3_drive_run(&drive);
     }
-    _mm_setcsr(callers);
+    fp3_fpu_set(callers);
     return b.status;
 }

@@ -28,6 +28,15 @@ typedef float fp3_half __attribute__((vector_size(2 * FP3_LANES)));
 typedef double fp3_d __attribute__((vector_size(4 * FP3_LANES)));
 typedef long long fp3_l __attribute__((vector_size(4 * FP3_LANES)));
 
+/* Where an asm may find a vector. */
+#if defined __x86_64__
+#define FP3_ANYWHERE "x"
+#elif defined __aarch64__
+#define FP3_ANYWHERE "w"
+#else
+#define FP3_ANYWHERE "m"
+#endif
+
 /* What is not used by a program is no mistake. */
 #define FP3_OPERATION static inline __attribute__((always_inline, unused))
 
@@ -63,7 +72,7 @@ FP3_OPERATION fp3_v fp3_underflown(fp3_i mask, fp3_i sign, fp3_v result) {
     if (FP3_FLAGS) {
         fp3_v x = fp3_choose(mask, (fp3_v)fp3_all(FP3_LEAST + 1), (fp3_v)fp3_all(FP3_ONE));
         x *= x;
-        __asm__ volatile("" : : "x"(x));
+        __asm__ volatile("" : : FP3_ANYWHERE(x));
     }
     return fp3_choose(mask, (fp3_v)(sign & FP3_SIGN), result);
 }
@@ -190,7 +199,7 @@ FP3_OPERATION fp3_v fp3_behind(fp3_v a) {
     if (!FP3_FLAGS)
         return value;
     fp3_i zero = fp3_all(FP3_SIGN);
-    __asm__("" : "+x"(zero));
+    __asm__("" : "+" FP3_ANYWHERE(zero));
     return value + (fp3_v)zero;
 }
 

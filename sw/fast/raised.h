@@ -4,20 +4,19 @@
 
 #include "place.h"
 
+#include "base/fpu.h"
+
 #include <fp3/isa.h>
 #include <stdint.h>
-#include <xmmintrin.h>
 
 /* seen: FP3_SEEN_*. */
 static inline uint32_t fp3_fast_raised(unsigned seen) {
-    static const uint32_t of[] = {FP3_FLAG_INVALID,        0,
-                                  FP3_FLAG_DIVIDE_BY_ZERO, FP3_FLAG_OVERFLOW,
-                                  FP3_FLAG_UNDERFLOW,      FP3_FLAG_INEXACT};
-    const uint32_t sticky = _mm_getcsr();
-    uint32_t flags = seen & FP3_SEEN_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0;
-    for (unsigned i = 0; i < sizeof of / sizeof *of; i++)
-        flags |= sticky >> i & 1 ? of[i] : 0;
-    return flags;
+    const uint64_t sticky = fp3_fpu_get();
+    return (sticky & FP3_FPU_INVALID ? FP3_FLAG_INVALID : 0) |
+           (sticky & FP3_FPU_DIVIDE_BY_ZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
+           (sticky & FP3_FPU_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
+           (sticky & FP3_FPU_UNDERFLOW || seen & FP3_SEEN_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
+           (sticky & FP3_FPU_INEXACT ? FP3_FLAG_INEXACT : 0);
 }
 
 #endif

@@ -3,13 +3,16 @@
 
 #ifndef FP3_SWEEP
 #define FP3_SWEEP fp3_sweep_plain
-#define FP3_SWEEP_NAME "x86-64"
 #define FP3_NEAREST 1
 #define FP3_SUBNORMAL 1
+#endif
+#ifndef FP3_SWEEP_NAME
+#define FP3_SWEEP_NAME FP3_SWEEP_LEAST
 #endif
 #define FP3_FLAGS 1
 #include "tiny.h"
 
+#include <base/fpu.h>
 #include <fp3/isa.h>
 #include <machine/watch.h>
 
@@ -232,15 +235,6 @@ static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast
     make_part(&m, plan, part, steps);
 }
 
-static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
-                      uint32_t end) {
-    machine m = {.place = place};
-    for (uint32_t pc = first; pc < end; pc++) {
-        m.now = &plan->code[pc];
-        execute(&m);
-    }
-}
-
 static int is_any(fp3_i mask) {
     int any = 0;
     for (int i = 0; i < FP3_LANES; i++)
@@ -248,12 +242,26 @@ static int is_any(fp3_i mask) {
     return any != 0;
 }
 
+static unsigned seen_by(const machine *m) {
+    return (is_any(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
+           (is_any(m->under) ? FP3_SEEN_UNDERFLOW : 0);
+}
+
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
                      fp3_fast_part_number part, uint32_t steps, uint32_t number) {
     machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_tiny = 1};
     make_part(&m, plan, part, steps);
-    *place->seen |=
-        (is_any(m.subnormal) ? FP3_SEEN_SUBNORMAL : 0) | (is_any(m.under) ? FP3_SEEN_UNDERFLOW : 0);
+    *place->seen |= seen_by(&m);
+}
+
+static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
+                      uint32_t end) {
+    machine m = {.place = place, .is_tiny = FP3_FPU_IS_EARLY};
+    for (uint32_t pc = first; pc < end; pc++) {
+        m.now = &plan->code[pc];
+        execute(&m);
+    }
+    *place->seen |= seen_by(&m);
 }
 
 /* ---- with a witness ---- */

@@ -10,6 +10,15 @@
 #include "place.h"
 #include "plan.h"
 
+/* The least kind of processor of this family, as gcc's -march has it. */
+#if defined __x86_64__
+#define FP3_SWEEP_LEAST "x86-64"
+#elif defined __aarch64__
+#define FP3_SWEEP_LEAST "armv8-a"
+#else
+#define FP3_SWEEP_LEAST "rv64gc"
+#endif
+
 /* What becomes of each object: rows of FP3_BLOCK. Steps are numbers of steps, as an object's status has them. */
 typedef struct {
     int flags[FP3_BLOCK];     /* raised, FP3_FLAG_* */
@@ -45,7 +54,7 @@ typedef struct {
     /* The same, and what it does to each object is added to *witness. */
     void (*watch)(const fp3_watch_plan *plan, const fp3_fast_place *place,
                   fp3_fast_part_number part, uint32_t steps, uint32_t number, fp3_witness *witness);
-    /* Words first .. end - 1 of the program, once. */
+    /* Words first .. end - 1 of the program, once; likewise without the multiplier, if that raises underflow too early. */
     void (*run_words)(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
                       uint32_t end);
     /* 0: none of these values is infinite or a NaN. */
@@ -54,7 +63,8 @@ typedef struct {
 
 /* For this processor and this arithmetic. most: no better kind than this; "": any. */
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most);
-/* Whether there is a kind of that name. */
+/* Whether there is a kind of that name; and all of them, as words of a message. */
 int fp3_sweep_is_kind(const char *name);
+extern const char fp3_sweep_kinds[];
 
 #endif

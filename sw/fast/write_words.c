@@ -53,8 +53,8 @@ void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vect
         fprintf(w->to, ", r%" PRIu32 "_%u)", p->in.d, vector);
     fprintf(w->to, ";\n");
     if (p->is_dead)
-        fprintf(w->to, "        __asm__ volatile(\"\" : : \"x\"(r%" PRIu32 "_%u));\n", p->in.d,
-                vector);
+        fprintf(w->to, "        __asm__ volatile(\"\" : : FP3_ANYWHERE(r%" PRIu32 "_%u));\n",
+                p->in.d, vector);
 }
 
 void fp3_write_sum(const writer *w, const fp3_fast_word *p, unsigned vector, const char *mask) {

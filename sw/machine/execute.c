@@ -1,8 +1,7 @@
 /* execute.c - see execute.h.
  *
- * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings, with
- * tininess detected after rounding (x86, and the reason why other hosts have to be checked first).
- * What is left to do is the one quiet NaN, and results and operands that are flushed.
+ * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left to do is the one quiet
+ * NaN, results and operands that are flushed, and underflow where the host detects tininess before rounding.
  */
 #include "execute.h"
 
@@ -13,19 +12,6 @@
 #include <fp3/isa.h>
 #include <math.h>
 #include <string.h>
-#include <xmmintrin.h>
-
-#if FLT_EVAL_METHOD != 0 || !(defined __x86_64__ || defined __i386__)
-#error "needs binary32 arithmetic that is rounded once, with tininess detected after rounding"
-#endif
-
-void fp3_execute_begin(const fp3_config *config, fenv_t *callers) {
-    fegetenv(callers);
-    fesetenv(FE_DFL_ENV);
-    fesetround(config->nearest ? FE_TONEAREST : FE_TOWARDZERO);
-}
-
-void fp3_execute_end(const fenv_t *callers) { fesetenv(callers); }
 
 static float value_of(uint32_t bits) {
     float value;
@@ -43,11 +29,10 @@ static float flushed(const fp3_config *config, float x) {
     return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
 }
 
-/* As feclearexcept, feraiseexcept and fetestexcept, but without the x87's flags, which take longer than the
- * arithmetic. */
-static void clear_flags(void) { _mm_setcsr(_mm_getcsr() & ~(uint32_t)FE_ALL_EXCEPT); }
-static void raise_flags(uint32_t flags) { _mm_setcsr(_mm_getcsr() | flags); }
-static uint32_t raised_flags(void) { return _mm_getcsr() & FE_ALL_EXCEPT; }
+/* Whether a product is tiny after rounding as if exponents had no bound: 754, 7.5. */
+static int is_tiny(const fp3_config *config, double exact) {
+    return isless(fabs(exact), config->nearest ? 0x1p-126 - 0x1p-151 : 0x1p-126);
+}
 
 /* x op y, for add, sub and mul; its flags are added to those of the host's FPU. volatile: the
  * compiler may move no operation across the reading of flags. */
@@ -60,21 +45,24 @@ static float one(const fp3_config *config, uint32_t op, float x, float y) {
                                                 : (double)a * (double)b;
         /* A comparison by isless raises nothing for a quiet NaN. */
         if (isless(fabs(exact), (double)FLT_MIN) && exact != 0) {
-            raise_flags(FE_UNDERFLOW | FE_INEXACT);
+            fp3_fpu_set(fp3_fpu_get() | FP3_FPU_UNDERFLOW | FP3_FPU_INEXACT);
             return copysignf(0.0f, (float)exact);
         }
     }
+    const uint64_t before = FP3_FPU_IS_EARLY ? fp3_fpu_get() : 0;
     d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
+    if (FP3_FPU_IS_EARLY && op == FP3_OP_MUL && !is_tiny(config, (double)a * (double)b))
+        fp3_fpu_set(fp3_fpu_get() & (before | ~(uint64_t)FP3_FPU_UNDERFLOW));
     return d;
 }
 
 static uint32_t raised(const fp3_config *config) {
-    const uint32_t raised = config->flags ? raised_flags() : 0;
-    return (raised & FE_INVALID ? FP3_FLAG_INVALID : 0) |
-           (raised & FE_DIVBYZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
-           (raised & FE_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
-           (raised & FE_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
-           (raised & FE_INEXACT ? FP3_FLAG_INEXACT : 0);
+    const uint64_t raised = config->flags ? fp3_fpu_get() : 0;
+    return (raised & FP3_FPU_INVALID ? FP3_FLAG_INVALID : 0) |
+           (raised & FP3_FPU_DIVIDE_BY_ZERO ? FP3_FLAG_DIVIDE_BY_ZERO : 0) |
+           (raised & FP3_FPU_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
+           (raised & FP3_FPU_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
+           (raised & FP3_FPU_INEXACT ? FP3_FLAG_INEXACT : 0);
 }
 
 /* a < b of the raw bits, as integers: numbers that are not NaN are ordered as their magnitudes. */
@@ -194,7 +182,7 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags) {
     if (flags)
-        clear_flags();
+        fp3_fpu_forget();
     const float d = calculate(config, op, operands);
     if (flags)
         *flags = raised(config);

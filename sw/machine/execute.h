@@ -1,25 +1,19 @@
 /* execute.h - what each arithmetic operation gives: the only place in C that says so.
  *
- *     fenv_t callers;
  *     uint32_t flags;
- *     fp3_execute_begin(config, &callers);
+ *     const uint64_t callers = fp3_fpu_begin(config->nearest);
  *     const uint32_t d = fp3_execute(config, FP3_OP_MADD, (const uint32_t[]){a, b, c}, &flags);
- *     fp3_execute_end(&callers);
+ *     fp3_fpu_set(callers);
  *
  * A new operation needs its row in isa/isa.toml and its cases in execute.c.
  */
 #ifndef FP3_EXECUTE_H
 #define FP3_EXECUTE_H
 
+#include "base/fpu.h"
 #include "config.h"
 
-#include <fenv.h>
 #include <stdint.h>
-
-/* Around a sequence of fp3_execute: the host's floating-point environment becomes the configuration's
- * rounding, whatever the caller had chosen, and then the caller's again. */
-void fp3_execute_begin(const fp3_config *config, fenv_t *callers);
-void fp3_execute_end(const fenv_t *callers);
 
 /* The bits of d from those of a, b and c; operands that the operation does not have are not read.
  * flags, unless NULL: the exceptions raised, as FP3_FLAG_*, 0 where the configuration flags none.

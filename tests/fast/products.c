@@ -87,14 +87,13 @@ static void compare(bench *b, const char *what, uint32_t (*pairs)[2], const uint
 static void multiply(bench *b, uint32_t (*pairs)[2]) {
     uint32_t expected[LANES], flags[LANES], all = 0;
     unsigned seen = 0;
-    fenv_t callers;
-    fp3_execute_begin(&b->config, &callers);
+    const uint64_t callers = fp3_fpu_begin(b->config.nearest);
     for (unsigned i = 0; i < LANES; i++) {
         const uint32_t operands[3] = {pairs[i][0], pairs[i][1]};
         expected[i] = fp3_execute(&b->config, FP3_OP_MUL, operands, &flags[i]);
         all |= flags[i];
     }
-    fp3_execute_end(&callers);
+    fp3_fpu_set(callers);
     const fp3_fast_place place = {
         .rows = b->rows[0], .awake = b->awake, .seen = &seen, .vectors = LANES / b->sweep->lanes};
     const uint32_t mxcsr = _mm_getcsr();
