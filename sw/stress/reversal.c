@@ -95,14 +95,15 @@ static fp3_status judge_order(const fp3_trial *trial, const fp3_rig *rig, const 
     while (to > from && !(off[to - 1] > NOISE * rounding(h[to - 1])))
         to--;
     from = to > from + 4 ? to - 4 : from;
+    if (to < from + 2) /* at the first step already there are only roundings: no order to be seen */
+        return FP3_OK;
     double slope;
     const fp3_status status = exact_slope(trial, rig, h + from, to - from, &slope, error);
     const int is_near = fabs(slope - order) < ORDER_OFF;
     fp3_verdict v =
         fp3_trial_verdict(trial, "reversal", "kepler", &fp3_lab_arithmetics[FP3_LAB_PLAIN],
                           "slope of the distance from the start, from h = %.3g to %.3g: order %u%s",
-                          h[from < RUNGS ? from : 0], h[to > from ? to - 1 : 0], order,
-                          is_near ? "" : " (another in double, too)");
+                          h[from], h[to - 1], order, is_near ? "" : " (another in double, too)");
     v.expected = is_near ? order : slope;
     v.measured = fp3_trial_slope(h + from, off + from, to - from);
     v.tolerance = ORDER_OFF;

@@ -124,7 +124,7 @@ static fp3_status exact_slope(const curve *c, fp3_rig *rig, unsigned from, unsig
     for (unsigned k = from; !status && k < to; k++)
         status = exact_error(c, rig, k, &off[k], error);
     *slope = status ? NAN : fp3_trial_slope(c->h + from, off + from, to - from);
-    *least = to > from ? off[to - 1] : 0;
+    *least = off[to - 1];
     return status;
 }
 
@@ -151,17 +151,19 @@ static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
     while (from < to && !(c->error[from] < LARGE))
         from++;
     from = to > 4 && from < to - 4 ? to - 4 : from;
+    if (to < from + 2) /* at the first step already there are only roundings: no order to be seen */
+        return FP3_OK;
     double least;
     char because[128];
     fp3_verdict v =
         fp3_trial_verdict(c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
                           "slope of the error from h = %.3g to %.3g: that in double, "
                           "of order %u",
-                          c->h[from], c->h[to > from ? to - 1 : from], c->order);
+                          c->h[from], c->h[to - 1], c->order);
     const fp3_status status = exact_slope(c, rig, from, to, &v.expected, &least, error);
     snprintf(because, sizeof because,
              "at the shortest of these steps the error of %d objects is %.3g, in double %.3g",
-             EXACT, c->few[to > from ? to - 1 : from], least);
+             EXACT, c->few[to - 1], least);
     v.measured = fp3_trial_slope(c->h + from, c->few + from, to - from);
     v.tolerance = ORDER_OFF;
     v.because = because;
