@@ -28,10 +28,10 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-everywhere,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench
+.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-everywhere
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -49,6 +49,8 @@ setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 
 setup-bench: setup ## ... and matplotlib, Box2D and ODE for `make bench`, and diffrax, heyoka.py, Taichi and REBOUND in .venv-bench/
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
+setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
+	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
 
 ifneq ($(and $(SETUP),$(REST)),)
 # `make setup test`: what setup installs must be there before the rest is even planned.
@@ -502,6 +504,25 @@ bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met
 .PHONY: report
 report: ## Write docs/results.md and README's tables from build/results/ and docs/synth.json
 	@$(PYTHON) tools/report.py
+
+# ---- other processors ---------------------------------------------------------------------------
+
+# The library, the command and a test, compiled for another machine, which qemu runs.
+ELSEWHERE := aarch64-linux-gnu riscv64-linux-gnu
+ABROAD     = $(BUILD)/everywhere
+
+$(ELSEWHERE:%=$(ABROAD)/%/root/done): $(ABROAD)/%/root/done: tools/sysroot.sh
+	@tools/sysroot.sh $* $(@D)
+
+.PHONY: everywhere everywhere-report $(ELSEWHERE)
+$(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
+	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations
+
+everywhere: $(ELSEWHERE) $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64 and the hardware: build/results/everywhere.json
+	@$(PYTHON) tools/everywhere.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/everywhere.json --replays $(BUILD)/icarus --all
+
+everywhere-report: ## Write docs/everywhere.md from it
+	@$(PYTHON) tools/everywhere.py --output $(RESULTS)/everywhere.json --report docs/everywhere.md
 
 # ---- for other tools ----------------------------------------------------------------------------
 

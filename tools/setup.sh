@@ -7,6 +7,7 @@
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
 #   tools/setup.sh --bench        ... and matplotlib, diffrax, heyoka.py, Taichi, REBOUND, Box2D and ODE for `make bench`, `make world`
+#   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -41,6 +42,10 @@ libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Eng
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
+gcc-aarch64-linux-gnu | aarch64-linux-gnu-gcc | everywhere | compiles for arm64
+gcc-riscv64-linux-gnu | riscv64-linux-gnu-gcc | everywhere | compiles for riscv64
+qemu-user            | qemu-aarch64      | everywhere | runs both
+cmake                | cmake             | everywhere | compiles libjansson for them
 lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
@@ -89,6 +94,7 @@ needs() {
     bodies | plot) echo "$1" ;;
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
+    everywhere) echo 'sim smoke everywhere' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
@@ -158,7 +164,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc) echo "Run: make setup-$1" ;;
+        fuzz | soc | everywhere) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -244,8 +250,8 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --everywhere)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --everywhere ] || echo everywhere)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -260,5 +266,5 @@ case ${1:-} in
     [ "${1:-}" != --bench ] || install_peers
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --everywhere | --check TARGET | --list]" >&2 && exit 2 ;;
 esac
