@@ -212,7 +212,7 @@ install_packages() {
 install_python() {
     echo "Installing $* in $venv/"
     [ -x $venv/bin/pip ] || "$python" -m venv $venv
-    $venv/bin/pip install --quiet --disable-pip-version-check "$@"
+    $venv/bin/python -m pip install --quiet --disable-pip-version-check "$@"
 }
 
 # Argument: a table of Python packages.
@@ -239,7 +239,7 @@ install_peers() {
         has_pin "${peer%%==*}" "${peer##*==}" $bench_venv && continue
         echo "Installing $peer in $bench_venv/"
         [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
-        $bench_venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: "$peer" ||
+        $bench_venv/bin/python -m pip install --quiet --disable-pip-version-check --only-binary :all: "$peer" ||
             echo "Could not install $peer: make bench and make world go without it." >&2
     done
 }
