@@ -47,7 +47,7 @@ setup-fuzz: setup ## ... and clang for `make fuzz`
 setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
-setup-bench: setup ## ... and matplotlib, Box2D and ODE for `make bench`, and diffrax, heyoka.py, Taichi and REBOUND in .venv-bench/
+setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere

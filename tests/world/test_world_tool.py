@@ -1,5 +1,6 @@
 """make world in its quick form: every part has its rows, and whatever differs ends it with exit code 1."""
 
+import importlib
 import json
 import subprocess
 import sys
@@ -54,19 +55,114 @@ def test_loops_by_hand_have_the_same_words(measured):
         assert row["engine"] == "fast" or row["ratio_to_hand"] == 1
 
 
-def test_others_stand_beside_the_loops(world, tmp_path):
-    """What a Python that has their packages writes; and what it says where it fails."""
-    python = tmp_path / "python"
-    python.write_text('#!/bin/sh\ntest "$3" = --quick || exit 3\n'
-                      'echo \'[{"scene": "net, small", "engine": "taichi", "objects": 800, "ns_per_object_step": 50.0, "variant": "", "threads": 1}]\' >"$2"\n')
-    python.chmod(0o755)
+@pytest.fixture
+def peers(tmp_path):
+    """A Python that has the packages of others, and what they do there: shell commands by name, which write to $OUTPUT."""
+    def peers(**done):
+        python = tmp_path / "python"
+        cases = "".join(f"{name}) {command} ;;\n" for name, command in done.items())
+        python.write_text(f"""#!/bin/sh
+test "$2" = list && {{ echo "{' '.join(done)}"; exit; }}
+case "$*" in *"--fp3 "*"--folder "*"--output "*" --quick") ;; *) exit 3 ;; esac
+OUTPUT=$(echo "$*" | sed 's/.*--output //; s/ .*//')
+case $2 in
+{cases}esac
+""")
+        python.chmod(0o755)
+        return python
+    return peers
+
+
+def written(engine, scene="net, small", objects=800, ns=50.0, error="2e-6", variant=""):
+    """What a peer does that has one row."""
+    return f"""echo '[{{"scene": "{scene}", "engine": "{engine}", "variant": "{variant}", "threads": 1, "objects": {objects}, "ns_per_object_step": {ns}, "error": {error}}}]' >"$OUTPUT" """
+
+
+def test_others_stand_beside_the_loops(world, peers):
+    """What a Python that has their packages writes."""
+    python = peers(taichi=written("taichi"), box2d=written("box2d", "heap, small", 91, error="null", variant="2D"))
     done, found = world("--parts", "speed", "--peers", python)
     hand, = (row for row in found["speed"] if (row["scene"], row["engine"]) == ("net, small", "hand"))
-    assert done.returncode == 0 and found["speed"][-1]["engine"] == "taichi"
-    assert found["speed"][-1]["ratio_to_hand"] == pytest.approx(50 / hand["ns_per_object_step"])
+    taichi, box2d = found["speed"][-2:]
+    assert done.returncode == 0 and (taichi["engine"], taichi["error"], box2d["engine"], box2d["error"]) == ("taichi", 2e-6, "box2d", None)
+    assert taichi["ratio_to_hand"] == pytest.approx(50 / hand["ns_per_object_step"]) and "ratio_to_hand" not in box2d
+    assert found["peers_failed"] == []
+
+
+@pytest.mark.parametrize("command, why", [("echo 'warp: no processor' >&2; exit 1", "warp: warp: no processor"), ("kill -SEGV $$", "warp: exit code -11"), ("exit 0", "warp: wrote no rows"),
+                                          ("echo '[{' >$OUTPUT", "warp: wrote no rows"), (written("warp", ns="NaN"), "warp: found nan ns and an error of 2e-06, expected a time above 0"),
+                                          (written("warp", error="NaN"), "warp: found 50.0 ns and an error of nan"), (written("warp", ns=0), "warp: found 0 ns")])
+def test_a_peer_that_fails_is_named(world, peers, command, why):
+    """It has no row; those of the others stay."""
+    done, found = world("--parts", "speed", "--peers", peers(taichi=written("taichi"), warp=command, rebound=written("rebound")))
+    assert done.returncode == 1 and [row["engine"] for row in found["speed"][-3:]] == ["fast", "taichi", "rebound"]
+    assert len(found["peers_failed"]) == 1 and found["peers_failed"][0].startswith(why) and f"world: {why}" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_python_that_fails_is_told(world, peers):
+    python = peers()
     python.write_text("#!/bin/sh\necho no such package >&2\nexit 1\n")
     done, found = world("--parts", "speed", "--peers", python)
     assert done.returncode == 1 and found is None and "peers: no such package" in done.stderr
+
+
+def test_what_is_not_installed_is_left_out(world, root, tmp_path):
+    """Python finds no package where there is none."""
+    done = subprocess.run([sys.executable, "-I", "-S", root / "tools/world_peers.py", "list"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+    done, data = world("--parts", "speed", "--peers", tmp_path / "nonesuch")
+    assert done.returncode == 0 and {row["engine"] for row in data["speed"]} == {"hand", "fast"}
+
+
+@pytest.fixture
+def lab(root, build, tmp_path, monkeypatch):
+    """The tools' modules, on the quick forms."""
+    monkeypatch.syspath_prepend(root / "tools")
+    return importlib.import_module("world_physics").Lab(build / "fp3", tmp_path, True)
+
+
+def test_the_error_of_a_net_is_its_distance_from_double_precision(lab, measured):
+    """The double steps against forces of all links one by one; a wrong spring, a step too many and a moved mass are told."""
+    truth, physics, ws = (importlib.import_module(name) for name in ("world_truth", "world_physics", "world_scene"))
+    net = truth.Net(True)
+    x, v, steps = net.start(), numpy.zeros((net.objects, 3)), net.steps
+    links = [(a, b, k, numpy.hypot(b % 40 - a % 40, b // 40 - a // 40) * net.spacing) for kind, k in net.stiffness.items() for a, b, _ in ws.grid_links((40, 20), net.spacing, (kind,))]
+    springs = physics.Springs(links, [link[2] for link in links], [link[3] for link in links], net.objects)
+    for _ in range(steps):
+        v[40:] += net.h * (net.w * springs.forces(x)[40:] + [0, -net.g, 0])
+        x += net.h * v
+    double = net.in_double()
+    assert abs(double - x).max() < 1e-12 and 0.9 < double[:, 1].min() < 0.999
+    rows = [row for row in measured["speed"] if row["scene"] == "net, small" and row["engine"] in ("hand", "fast")]
+    assert len(rows) == 3 and {row["error"] for row in rows} == {truth.of_fp3(lab, net.case)} and 1e-8 < rows[0]["error"] < 2e-6
+    x[100, 2] += 1e-5 * net.size
+    assert net.error(lab, x) == pytest.approx(1e-5)
+    for found in (truth.at(lab, net.case, steps + 1)[0], x + 1, x * numpy.nan):
+        with pytest.raises(ws.Failed, match="expected less than 0.0001"):
+            net.error(lab, found)
+    for found in (net.start(), x * numpy.nan, 3 * x):
+        with pytest.raises(ws.Failed, match="bursts"):
+            net.check(found)
+
+
+def test_the_error_of_stars_is_that_of_their_energy(lab, measured):
+    """A longer step errs more, by its square; fp3 in float32 has roundings beside it."""
+    truth = importlib.import_module("world_truth")
+    stars = truth.Stars("stars, 1024", True)
+
+    def error(parts):
+        x, v = stars.start(lab)
+        h, m = stars.h * stars.steps / parts, 1 / stars.objects
+        for _ in range(parts):
+            x = x + h / 2 * v
+            way = x[None] - x[:, None]
+            v = v + h * m * (way / ((way ** 2).sum(-1) + stars.soft ** 2)[..., None] ** 1.5).sum(1)
+            x = x + h / 2 * v
+        return stars.error(lab, x, v)
+    assert error(8) / error(16) == pytest.approx(4, rel=0.1) and error(64) < 1e-8
+    rows = [row for row in measured["speed"] if row["scene"] == "stars, 1024, small" and row["engine"] in ("hand", "fast")]
+    assert {row["error"] for row in rows} == {truth.of_fp3(lab, stars.case)} and abs(rows[0]["error"] - error(64)) < 1e-7 and rows[0]["error"] > 0
+    assert {row["error"] for row in measured["speed"] if row["scene"] == "heap, small" and row["engine"] in ("hand", "fast")} == {None}
 
 
 @pytest.fixture
@@ -157,6 +253,10 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
         assert row["what"] in text
     assert text.count("| `world` |") == text.count("| `fabric` |") == len(measured["chip"]) / 2 and text.count("| by hand |") == 3 and ": does not hold" not in text
     assert all(f"| `{row['hash']}` | 0 |" in text for row in measured["hashes"])
+    hand = next(row for row in measured["speed"] if row["engine"] == "hand")
+    assert f"| 1.00 | {hand['error']:.2g} |\n" in text and "| of the loop by hand | error |\n" in text
+    other = {"scene": "net, small", "engine": "bullet", "variant": "another model", "threads": 1, "objects": 800, "ns_per_object_step": 87.5, "ratio_to_hand": 9.1, "error": None}
+    assert "| net, small | bullet (another model) | 1 | 800 | 87.5 | 9.10 |  |\n" in page(measured | {"speed": [other]})
     measured["physics"][0]["holds"], measured["hashes"][0]["words_differing"] = False, 5
     try:
         text = page(measured)
