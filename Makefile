@@ -47,7 +47,7 @@ setup-fuzz: setup ## ... and clang for `make fuzz`
 setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
-setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, and in .venv-bench/ Python packages
+setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
@@ -135,6 +135,7 @@ RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_
 EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
+BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
@@ -156,7 +157,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -395,6 +396,12 @@ $(BUILD)/bench/world: $(WORLD_O) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+# The same net by another, where it is installed: make setup-bench. -isystem: its headers are not as strict as ours.
+$(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CXX  $<"
+	@$(CCACHE) g++ $(CXXFLAGS) -isystem /usr/include/bullet $(LDFLAGS) -o $@ $< -lBulletSoftBody -lBulletDynamics -lBulletCollision -lLinearMath
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check

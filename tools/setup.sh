@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE and the Python packages beside which `make bench`, `make world` measure
+#   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world` measure
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
@@ -39,6 +39,7 @@ libsundials-dev      | <cvode/cvode.h>   | bench | CVODE and ARKODE, which are m
 python3-matplotlib   | python:matplotlib | plot  | draws the pictures of make bench and of docs; the same SVG each time
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
+libbullet-dev        | /usr/include/bullet/btBulletDynamicsCommon.h | bodies | a net by soft bodies of Bullet in the table of scenes
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it

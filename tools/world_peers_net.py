@@ -1,6 +1,9 @@
 """The scene net by others: springs between 128 x 128 masses, held along an edge. Each is a function of a lab that yields rows."""
 
+import subprocess
+
 from world_peers import row, shortest
+from world_scene import Failed
 from world_truth import Net
 
 
@@ -114,3 +117,23 @@ def mujoco_net(lab):
         mujoco.mj_kinematics(model, data)
         return data.xpos[1:]
     yield measured(lab, net, lambda steps: mujoco.mj_step(model, data, steps), positions, 10, 5)
+
+
+def bullet_net(lab):
+    """float32, by bench/world/bullet.cpp: springs as in fp3; and another model, threads that each step makes as long as they were, in one pass."""
+    import numpy as np
+    net = Net(lab.quick)
+    steps, repeats = (5, 3) if lab.quick else (10, 5)
+    for kind, variant in (("springs", ""), ("threads", "another model: threads of the same number")):
+        done = subprocess.run(list(map(str, [lab.bullet, kind, net.columns, net.rows, net.steps, steps, repeats])), capture_output=True, text=True)
+        if done.returncode:
+            raise Failed(done.stderr.strip() or f"exit code {done.returncode}")
+        numbers = np.array(done.stdout.split(), float)
+        if len(numbers) != 6 * net.objects + 1:
+            raise Failed(f"{len(numbers)} numbers, expected {6 * net.objects + 1}")
+        found, later = numbers[:-1].reshape(2, -1, 3)
+        error = net.error(lab, found) if kind == "springs" else None
+        if not net.difference(lab, found) < 0.05:
+            raise Failed(f"{kind}: {net.difference(lab, found):.3g} of its length from where the net is, expected less than 0.05")
+        net.check(later)
+        yield row(net.case.name(lab.quick), net.objects, float(numbers[-1]), error, variant)

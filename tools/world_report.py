@@ -52,6 +52,8 @@ The others are measured, where `make setup-bench` has installed them, in time th
 | Warp | `net` | the same equations and steps | float32 | a stencil in place of lists |
 | Warp | `stars` | the same equations and steps | float32 | |
 | MuJoCo | `net` | the same equations and steps: bodies that slide along three axes, springs as edges of flexes | double | it has the edges of a general flex, with their Jacobians |
+| Bullet | `net` | the same equations and steps, in its deformable world | float32 | it has the general solver of that world |
+| Bullet, another model | `net` | as many threads; each step makes each one as long as it was, in one pass | float32 | threads instead of springs, in random order |
 | LAMMPS | `heap` | the same forces (`gran/hooke`, with balls that do not turn), from where FP3 has the balls | double | velocity Verlet; a ball at two walls is damped by both; damping along a contact is at most 10,000 times the force across |
 | Box2D 3 | `heap, 2D` | another scene, in two dimensions: 10,000 circles at rest, 31 deep | float32 | contacts are constraints; a step is 1/60 s in 4 substeps, where `heap` has 1/1024 s; the package is built with its assertions |
 | REBOUND | `stars` | the same equations and steps | double | |
@@ -65,7 +67,8 @@ else, where a step takes too long for many of them, and where nothing is known t
 - `heap`: the largest difference of a coordinate from where FP3 has the balls, after 256 steps from the same start at rest, as a share
   of the width of the box. It has the errors of both, and the difference of their integrators.
 
-The functions in `tools/world_peers_net.py`, `world_peers_heap.py` and `world_peers_stars.py` say how. A result that is too far off makes no row, and neither does a peer that fails: `make world` names
+The program that has Bullet's nets is `bench/world/bullet.cpp`; the functions in `tools/world_peers_net.py`, `world_peers_heap.py` and
+`world_peers_stars.py` have the others. A result that is too far off makes no row, and neither does a peer that fails: `make world` names
 it and ends with exit code 1."""
 
 CHIP = """\

@@ -45,14 +45,15 @@ class Peers:
     """Others, run by a Python that may have their packages; where it is not, there are none."""
     most = 3600  # seconds for one of them
 
-    def __init__(self, python, lab):
+    def __init__(self, python, bullet, lab):
         self.lab = lab
         self.command = [python, ws.ROOT / "tools/world_peers.py"]
-        self.names = run([*self.command, "list"], "peers").split() if python.exists() else []
+        self.options = ["--bullet", bullet]
+        self.names = run([*self.command, "list", *self.options], "peers").split() if python.exists() else []
 
     def rows(self, name):
         output = self.lab.folder / "peer.json"
-        run([*self.command, name, "--fp3", self.lab.fp3.resolve(), "--folder", self.lab.folder, "--output", output, *(["--quick"] if self.lab.quick else [])], name, self.most)
+        run([*self.command, name, *self.options, "--fp3", self.lab.fp3.resolve(), "--folder", self.lab.folder, "--output", output, *(["--quick"] if self.lab.quick else [])], name, self.most)
         try:
             rows = json.loads(output.read_text(encoding="utf-8"))
         except (OSError, ValueError) as why:
@@ -78,7 +79,7 @@ def measure(options, folder, say):
         if case.quick or not options.quick:
             for row in of_case(case, options.bench, lab):
                 keep(row)
-    peers = Peers(options.peers, lab)
+    peers = Peers(options.peers, options.bench.parent / "bullet", lab)
     for name in peers.names:
         try:
             for row in peers.rows(name):

@@ -63,7 +63,7 @@ def peers(tmp_path):
         cases = "".join(f"{name}) {command} ;;\n" for name, command in done.items())
         python.write_text(f"""#!/bin/sh
 test "$2" = list && {{ echo "{' '.join(done)}"; exit; }}
-case "$*" in *"--fp3 "*"--folder "*"--output "*" --quick") ;; *) exit 3 ;; esac
+case "$*" in *"--bullet "*"/bullet --fp3 "*"--folder "*"--output "*" --quick") ;; *) exit 3 ;; esac
 OUTPUT=$(echo "$*" | sed 's/.*--output //; s/ .*//')
 case $2 in
 {cases}esac
@@ -107,9 +107,13 @@ def test_a_python_that_fails_is_told(world, peers):
 
 
 def test_what_is_not_installed_is_left_out(world, root, tmp_path):
-    """Python finds no package where there is none."""
-    done = subprocess.run([sys.executable, "-I", "-S", root / "tools/world_peers.py", "list"], capture_output=True, text=True)
-    assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+    """Python finds no package where there is none; without its program Bullet is none either."""
+    def found(*options):
+        done = subprocess.run([sys.executable, "-I", "-S", root / "tools/world_peers.py", "list", *options], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.split()
+    (tmp_path / "bullet").write_text("")
+    assert found() == [] and found("--bullet", tmp_path / "nonesuch") == [] and found("--bullet", tmp_path / "bullet") == ["bullet"]
     done, data = world("--parts", "speed", "--peers", tmp_path / "nonesuch")
     assert done.returncode == 0 and {row["engine"] for row in data["speed"]} == {"hand", "fast"}
 
@@ -163,6 +167,25 @@ def test_the_error_of_stars_is_that_of_their_energy(lab, measured):
     rows = [row for row in measured["speed"] if row["scene"] == "stars, 1024, small" and row["engine"] in ("hand", "fast")]
     assert {row["error"] for row in rows} == {truth.of_fp3(lab, stars.case)} and abs(rows[0]["error"] - error(64)) < 1e-7 and rows[0]["error"] > 0
     assert {row["error"] for row in measured["speed"] if row["scene"] == "heap, small" and row["engine"] in ("hand", "fast")} == {None}
+
+
+def test_a_net_by_bullet(root, build, lab):
+    """Where its library is installed: springs as in double precision; threads that neither burst nor stay; bad arguments."""
+    truth, program = importlib.import_module("world_truth"), build / "bench/bullet"
+    if not program.exists():
+        pytest.skip("needs libbullet-dev: make setup-bench")
+    net = truth.Net(True)
+
+    def run(*arguments):
+        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=60)
+        return done, numpy.array(done.stdout.split(), float)
+    for kind, most in (("springs", 2e-6), ("threads", 1e-3)):
+        done, found = run(kind, 40, 20, net.steps, 5, 3)
+        assert done.returncode == 0 and len(found) == 6 * 800 + 1 and 1e-7 < found[-1] < 0.1
+        assert net.difference(lab, found[:2400].reshape(-1, 3)) < most
+    for arguments in ((), ("springs", 40, 20, 1, 1), ("ropes", 40, 20, 1, 1, 1), ("springs", 0, 20, 1, 1, 1), ("springs", "4x", 20, 1, 1, 1), ("threads", 40, 20, 1, 1, 10001)):
+        done, found = run(*arguments)
+        assert done.returncode == 2 and "usage: bullet springs|threads" in done.stderr and not len(found)
 
 
 @pytest.fixture
