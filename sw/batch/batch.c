@@ -201,6 +201,11 @@ fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t 
     return status;
 }
 
+fp3_status fp3_batch_column(fp3_batch *b, const char *name, const float **values) {
+    FP3_HOST;
+    return fp3_fields_column(b->fields, name, values, b->error);
+}
+
 fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const double *params,
                                 const double *initial) {
     return fp3_fields_write_rows(b->fields, first, count, params, initial, b->error);

@@ -353,6 +353,20 @@ fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error) {
     return status || !q->derive ? status : fp3_derive_settle(q->derive, error);
 }
 
+/* Where one word is all there is of it. */
+fp3_status fp3_fields_column(fp3_fields *q, const char *name, const float **values,
+                             fp3_error *error) {
+    const fp3_field *of = fp3_field_find(&q->table, name, error);
+    *values = NULL;
+    if (!of)
+        return FP3_E_ARGUMENT;
+    const int is_word = of->kind == FP3_FIELD_STATE || of->kind == FP3_FIELD_PARAM;
+    if (!is_word || of->is_shared || of->place < 0 || of->low >= 0)
+        return FP3_OK;
+    const fp3_status status = fp3_fields_settle(q, error);
+    return status ? status : fp3_engine_column(q->def.engine, (uint32_t)of->place, values);
+}
+
 void fp3_fields_moved(fp3_fields *q) {
     q->has_moved = 1;
     if (q->derive)

@@ -36,6 +36,9 @@ fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t
 /* Of a model: as of fp3_batch_write_rows. */
 fp3_status fp3_fields_write_rows(fp3_fields *q, size_t first, size_t count, const double *params,
                                  const double *initial, fp3_error *error);
+/* As of fp3_batch_column. */
+fp3_status fp3_fields_column(fp3_fields *q, const char *name, const float **values,
+                             fp3_error *error);
 /* The value of the first object. */
 fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error);
 

@@ -31,6 +31,8 @@ typedef struct {
     /* As many words as cells.count. */
     fp3_status (*read)(fp3_engine *engine, fp3_cells cells, void *words);
     fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
+    /* See fp3_engine_column; *words is NULL. NULL: there is no such place. */
+    fp3_status (*column)(fp3_engine *engine, uint32_t reg, const uint32_t **words);
     /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */

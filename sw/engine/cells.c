@@ -83,6 +83,17 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
                         engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count}, values);
 }
 
+fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values) {
+    const fp3_status status = check_cell(engine, 0, 1, reg);
+    const uint32_t *words = NULL;
+    *values = NULL;
+    if (status || !engine->backend->column)
+        return status;
+    const fp3_status found = engine->backend->column(engine, reg, &words);
+    *values = (const float *)(const void *)words;
+    return found;
+}
+
 static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first, size_t count) {
     if (group >= engine->layout.count)
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "group %zu: there are %" PRIu32, group,

@@ -198,6 +198,16 @@ static fp3_status fast_write(fp3_engine *engine, fp3_cells cells, const void *wo
     return FP3_OK;
 }
 
+/* Those of objects that see each other move. */
+static fp3_status fast_column(fp3_engine *engine, uint32_t reg, const uint32_t **words) {
+    const fast *self = engine->self;
+    if (fp3_around_is_any(engine))
+        return FP3_OK;
+    const fp3_status status = need_column(engine, reg);
+    *words = self->column[reg];
+    return status;
+}
+
 /* ---- who is awake ---- */
 
 /* Whether some objects of a group may be left out of a run. */
@@ -453,6 +463,7 @@ const fp3_backend fp3_backend_fast = {
     .load = fast_load,
     .read = fast_read,
     .write = fast_write,
+    .column = fast_column,
     .connect = fast_connect,
     .list = fast_list,
     .run = fast_run,

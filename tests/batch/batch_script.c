@@ -6,6 +6,7 @@
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart                     use COUNT
  *     read NAME...               wide NAME... (in double); a line for each object
+ *     column NAME                (where it is; "none" where there is no such place)
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
  * before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
@@ -72,6 +73,16 @@ static void read_columns(char **word, int count, int is_double) {
         free(columns[i]);
 }
 
+static void look(const char *name) {
+    const float *values = NULL;
+    const fp3_status status = fp3_batch_column(batch, name, &values);
+    say(status);
+    if (!status && !values)
+        puts("none");
+    for (size_t object = 0; values && object < def.objects; object++)
+        printf("%.17g\n", (double)values[object]);
+}
+
 static void tell_failure(void) {
     fp3_failure failure;
     char text[FP3_FAILURE_TEXT_SIZE];
@@ -102,6 +113,8 @@ static void obey(char *line) {
         say(fp3_batch_restart(batch));
     else if (!strcmp(word[0], "read") || !strcmp(word[0], "wide"))
         read_columns(word, count, word[0][0] == 'w');
+    else if (!strcmp(word[0], "column"))
+        look(word[1]);
     else if (!strcmp(word[0], "time"))
         printf("%.17g\n", fp3_batch_time(batch));
     else if (!strcmp(word[0], "failure"))

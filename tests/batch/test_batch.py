@@ -345,3 +345,27 @@ def test_two_threads_under_the_thread_sanitizer(root):
     subprocess.run(["make", "-C", root, "SAN=thread", program], env=env, check=True, capture_output=True, timeout=3000)
     done = subprocess.run([root / program, root / "programs/oscillator.ode", "m", "x"], env=env, capture_output=True, text=True, timeout=600)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+LOOKS = ["spread m 0.5 2", "write c 1 0.25", "column x", "step 3", "column x", "read x", "write x 2 0.5", "column x", "read x"]
+
+
+@pytest.mark.parametrize("arithmetic", ["plain", "compensated"])
+def test_a_column_is_where_the_objects_are(root, script, arithmetic):
+    """Without a copy it has what a copy has: starts before the first step, then what the steps and the caller have left."""
+    told = script(root / "programs/oscillator.ode", LOOKS, "-n", 5, "-a", arithmetic)
+    start, moved, copied, written, again = (told[5 * i:5 * i + 5] for i in range(5))
+    assert start == ["1"] * 5 and moved == copied != start and len(set(moved)) == 5
+    assert written == again and written[2] == "0.5"
+    assert script(root / "examples/drone.ode", ["write F_x 1 0.5", "column F_x"], "-n", 3) == ["0", "0.5", "0"]
+    assert script(root / "programs/oscillator.ode", ["column m"], "-n", 3) == ["none"], "the program has 1/m alone"
+
+
+def test_where_there_is_no_column(root, script):
+    program = root / "programs/oscillator.ode"
+    lines = ["column x"]
+    assert script(program, lines, "-n", 3, "-e", "isa") == ["none"] and script(program, lines, "-n", 3, "-a", "double_single") == ["none"]
+    assert script(root / "programs/world/balls.ode", ["column x_x"], "-n", 3) == ["none"], "objects that see each other move"
+    assert script(root / "programs/kepler.ode", ["column mu", "column h"], "-n", 3) == ["none", "none"], "what all share"
+    assert script(program, ["column y"], "-n", 3)[0].startswith("error 1: the model has no 'y'")
+    assert "1/m" in script(program, ["write m 1 0", "column x"], "-n", 3)[0]

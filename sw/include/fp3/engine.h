@@ -255,6 +255,12 @@ fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values);
 
+/* Where "fast" has register reg of its objects, one word each, side by side: for looking at without a copy. *values
+ * shows what they hold between runs, until the engine is closed or another program is loaded. NULL: there is no such
+ * place, because it is another engine, or objects see each other and stand in another order. FP3_E_ARGUMENT: no such
+ * register. */
+fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values);
+
 /* Shared constants first .. first+count-1. Written in all groups, read from group 0. */
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
                                    const float *values);
