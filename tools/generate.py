@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and fp3.core, and
-programs/integrators/*.cfg into a C header.
+"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and fp3.core,
+programs/integrators/*.cfg into a C header, and sw/include/fp3/*.h into declarations for Python.
 
     tools/generate.py           writes what has changed
     tools/generate.py --check   writes nothing; fails and names each file that is stale
@@ -9,7 +9,8 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, rdl, pages, fusesoc).
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, rdl, pages,
+fusesoc, python).
 """
 
 import argparse
@@ -18,7 +19,7 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, host, pages, parameters, rdl, registers, timing, verilog
+from fp3gen import c, decode, fusesoc, host, pages, parameters, python, rdl, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import MARK
@@ -58,6 +59,7 @@ def outputs(root):
         "docs/configurations.md": pages.configs_page(known, configs),
     }
     files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row, regs) for row in configs}
+    files["python/fp3/_declarations.py"] = python.declarations_python(root, files["sw/include/fp3/isa.h"])
     return {name: "\n".join(lines) + "\n" for name, lines in files.items()}
 
 

@@ -15,7 +15,7 @@ def generate(root, *arguments):
 @pytest.fixture
 def copy(root, tmp_path):
     """A tree to spoil: what the generator reads and writes."""
-    for name in ("isa", "tools", "rtl", "sw/gen", "sw/include", "docs", "programs/integrators"):
+    for name in ("isa", "tools", "rtl", "sw/gen", "sw/include", "docs", "programs/integrators", "python"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(root / "fp3.core", tmp_path)
     return tmp_path
@@ -37,7 +37,7 @@ def test_a_second_run_changes_nothing(copy):
     assert generate(copy).stdout == ""
 
 
-@pytest.mark.parametrize("name", ["rtl/gen/isa.vh", "sw/gen/registers.h", "docs/isa.md", "rtl/gen/fp3_paper.v"])
+@pytest.mark.parametrize("name", ["rtl/gen/isa.vh", "sw/gen/registers.h", "docs/isa.md", "rtl/gen/fp3_paper.v", "python/fp3/_declarations.py"])
 def test_check_names_the_stale_file_and_mends_nothing(copy, name):
     path = copy / name
     spoiled = path.read_text() + "\n"
@@ -174,3 +174,14 @@ def test_a_missing_file_is_named(copy):
     (copy / "isa/configs.toml").unlink()
     done = generate(copy)
     assert done.returncode != 0 and "isa/configs.toml: No such file" in done.stderr
+
+
+@pytest.mark.parametrize("old, new, told", [
+    ("fp3_status fp3_batch_step(", "fp3_statuz fp3_batch_step(", "fp3_statuz"),
+    ("size_t objects; ", "size_t objects : 3; ", "objects : 3"),
+    ("fp3_status fp3_batch_restart(fp3_batch *batch);", "fp3_batch_restart;", "expected a declaration in one of our forms")])
+def test_a_header_of_another_form_is_refused(copy, old, new, told):
+    """What the reader for Python does not know it does not guess."""
+    replace(copy / "sw/include/fp3/batch.h", old, new)
+    done = generate(copy, "--check")
+    assert done.returncode != 0 and told in done.stderr, done.stderr
