@@ -92,7 +92,8 @@ typedef struct {
     fp3_compiled *compiled; /* this and the next two: NULL unless the program is a model */
     fp3_model *model;
     fp3_integrator *integrator;
-    /* What a model was compiled for. Of another program "world" if its objects see each other, else NULL: it
+    /* What a model was compiled for: the string of its definition, if that names one, which then must outlive the
+     * program. Of another program "world" if its objects see each other, else NULL: it
      * does not say. */
     const char *config;
     int sees_others; /* its objects see each other (docs/relations.md) */

@@ -1,0 +1,123 @@
+"""Finds the shared library and the command, and calls the library's functions by their declarations."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import pathlib
+import threading
+import weakref
+
+from . import _declarations as d
+from . import errors
+
+_KINDS = {d.FP3_E_ARGUMENT: errors.ArgumentError, d.FP3_E_PROGRAM: errors.ProgramError, d.FP3_E_LIMIT: errors.LimitError,
+          d.FP3_E_SYSTEM: errors.SystemFailure, d.FP3_E_MISMATCH: errors.MismatchError, d.FP3_E_FAILED: errors.FailedError}
+_HERE = pathlib.Path(__file__).resolve().parent
+_LIBRARY = "libfp3.so.0"
+
+
+def home() -> pathlib.Path:
+    """The directory with bin/fp3 and lib/libfp3.so.0: of FP3_HOME, of the wheel, or of the build beside the sources."""
+    chosen = os.environ.get("FP3_HOME")
+    places = [pathlib.Path(chosen)] if chosen else [_HERE / "_native", _HERE.parents[1] / "build"]
+    for place in places:
+        if (place / "lib" / _LIBRARY).exists():
+            return place
+    raise ImportError(f"no {_LIBRARY}; looked in {', '.join(str(place / 'lib') for place in places)} "
+                      "(FP3_HOME names another directory, with lib/ and bin/ in it; in the sources, make all builds it)")
+
+
+class _Room(ctypes.Structure):
+    _fields_ = [("definition", d.fp3_batch_def), ("more", ctypes.c_char * 4096)]
+
+
+class _Library:
+    """Its attributes are the functions; each is declared when it is first used."""
+
+    def __init__(self) -> None:
+        path = home() / "lib" / _LIBRARY
+        try:
+            self._cdll = ctypes.CDLL(str(path))
+        except OSError as why:
+            raise ImportError(f"{path}: {why} (it needs GSL, libconfig and zlib of this machine)") from why
+        version = self._declared("fp3_version")(None).decode()
+        if version != d.VERSION or self._size() != ctypes.sizeof(d.fp3_batch_def):
+            raise ImportError(f"{self._cdll._name} is of version {version}, this package is of {d.VERSION}: "
+                              "both must come from one build")
+
+    def _size(self) -> int:
+        """Of its fp3_batch_def, which its default has in the cookie. There is room for a larger one than ours."""
+        default = self._cdll.fp3_batch_default
+        default.restype, default.argtypes = _Room, ()
+        return default().definition.cookie & 0xffff
+
+    def _declared(self, name):
+        function = getattr(self._cdll, name)
+        function.restype, function.argtypes = d.PROTOTYPES[name]
+        return function
+
+    def __getattr__(self, name):
+        if name not in d.PROTOTYPES:
+            raise AttributeError(name)
+        function = self._declared(name)
+        setattr(self, name, function)
+        return function
+
+
+_lock, _loaded = threading.Lock(), None
+
+
+def library() -> _Library:
+    """The library, loaded when it is first needed."""
+    global _loaded
+    if _loaded is None:
+        with _lock:
+            _loaded = _loaded or _Library()
+    return _loaded
+
+
+def check(status: int, error: d.fp3_error, report: ctypes.c_char_p | None = None) -> None:
+    """Raises what a call has said, with all mistakes of a model if there is a report, which is freed."""
+    text = ""
+    if report is not None and report.value is not None:
+        text = report.value.decode(errors="replace")
+        free = ctypes.CDLL(None).free
+        free.argtypes, free.restype = [ctypes.c_void_p], None
+        free(ctypes.cast(report, ctypes.c_void_p))
+    if status == d.FP3_OK:
+        return
+    message = error.text.decode(errors="replace") or "fp3: no reason is known"
+    file = error.text[:error.path_size].decode(errors="replace") if error.path_size else None
+    raise _KINDS.get(status, errors.Error)(message, file=file, line=error.line or None, column=error.column or None, report=text)
+
+
+def name_bytes(what: str, value: object) -> bytes:
+    """A name or a path for the library."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{what}: found {value!r}, expected a string")
+    encoded = os.fsencode(value)
+    if b"\0" in encoded:
+        raise errors.ArgumentError(f"{what}: found {value!r}, a name has no NUL")
+    return encoded
+
+
+class Handle:
+    """A C object: freed once, when nothing refers to it, in the process that made it.
+
+    A child of a fork must not free it: the threads of engine "fast" are not there to be joined.
+    """
+
+    def __init__(self, pointer, close: str, *keep) -> None:
+        self.pointer, self.keep, self.pid = pointer, keep, os.getpid()
+        self._free = weakref.finalize(self, _free, getattr(library(), close), pointer, self.pid, keep)
+        self._free.atexit = False
+
+    def check_process(self) -> None:
+        if os.getpid() != self.pid:
+            raise errors.ArgumentError("this was opened by the process that forked this one: open another one here")
+
+
+def _free(close, pointer, pid, keep) -> None:
+    if os.getpid() == pid:
+        close(ctypes.byref(pointer))

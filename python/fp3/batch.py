@@ -1,0 +1,313 @@
+"""Many objects of one model: columns in, steps, columns out."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import sys
+import threading
+from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _declarations as d
+from ._library import Handle, check, library, name_bytes
+from .errors import ArgumentError, FailedError
+from .model import How, Model, Program, Source, as_model
+
+Value = Union[float, "np.ndarray[Any, Any]", Sequence[float]]
+STEPS_MOST = 2**32 - 1  # of a run
+PART_SECONDS = 0.2      # of a run, between two looks at the keyboard
+PART_FIRST = 64         # steps of the first part
+
+
+class Failure(NamedTuple):
+    """How objects failed in the last step: how many, the first of them, in which step, and the reason in words."""
+
+    count: int
+    object: int
+    step: int
+    text: str
+
+
+class Column(np.ndarray):
+    """A column of an engine, without a copy: it shows what the objects hold now, and cannot be written.
+
+    Other libraries take it by DLPack: torch.from_dlpack(batch["x"]). They must not write into it, either.
+    """
+
+    def __dlpack__(self, **options: Any) -> Any:
+        if self.flags.writeable:
+            return super().__dlpack__(**options)
+        # DLPack has no word for memory that is only read, so NumPy exports none. This is the same memory.
+        span = (ctypes.c_char * (self.nbytes if self.flags.c_contiguous else 0)).from_address(self.ctypes.data)
+        if not self.flags.c_contiguous:
+            raise BufferError("a column goes out by DLPack as a whole, not in strides: copy it first")
+        span.column = self  # what the export stands on
+        return np.frombuffer(span, self.dtype).reshape(self.shape).__dlpack__(**options)
+
+
+class _Memory:
+    """What a column stands on: it keeps the batch's memory."""
+
+    def __init__(self, handle: Handle, address: int, count: int) -> None:
+        self.handle = handle
+        self.__array_interface__ = {"version": 3, "shape": (count,), "typestr": "<f4", "data": (address, True)}
+
+
+def links_of(a: Any, b: Any, fields: Mapping[str, Any], keep: list) -> d.fp3_links:
+    """Links as the library takes them; `keep` gets the arrays."""
+    ends = []
+    for what, column in (("a", a), ("b", b)):
+        column = np.asarray(column)
+        if column.ndim != 1 or column.dtype.kind not in "iu":
+            raise ArgumentError(f"links: '{what}' is of {column.dtype} and shape {column.shape}, expected whole numbers, one for each link")
+        if column.size and (column.min() < 0 or column.max() >= 2**32 - 1):
+            raise ArgumentError(f"links: '{what}' has {column.min() if column.min() < 0 else column.max()}, expected numbers of objects")
+        ends.append(np.ascontiguousarray(column, np.uint32))
+    if len(ends[0]) != len(ends[1]):
+        raise ArgumentError(f"links: 'a' has {len(ends[0])} and 'b' {len(ends[1])} numbers, expected one of each for each link")
+    columns = []
+    for name, values in fields.items():
+        values = np.asarray(values, np.float32)
+        if values.shape not in ((), ends[0].shape):
+            raise ArgumentError(f"links: '{name}' has the shape {values.shape}, expected a number or one for each of {len(ends[0])} links")
+        columns.append(np.ascontiguousarray(np.broadcast_to(values, ends[0].shape)))
+    names = (ctypes.c_char_p * len(fields))(*(name_bytes("links", name) for name in fields))
+    pointers = (ctypes.c_void_p * len(fields))(*(column.ctypes.data for column in columns))
+    keep += [*ends, *columns, names, pointers]
+    return d.fp3_links(len(ends[0]), ends[0].ctypes.data, ends[1].ctypes.data, names, pointers, len(fields))
+
+
+def as_number(what: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what}: found {value!r}, expected a number") from None
+
+
+def as_count(what: str, value: Any, least: int, most: int) -> int:
+    if isinstance(value, (bool, float)) or not hasattr(value, "__index__"):
+        raise ArgumentError(f"{what}: found {value!r}, expected a whole number")
+    if not least <= (number := value.__index__()) <= most:
+        raise ArgumentError(f"{what}: found {number}, expected {least} to {most}")
+    return number
+
+
+def next_part(part: int, seconds: float) -> int:
+    """How many steps take about PART_SECONDS, if `part` took this long."""
+    return max(1, int(part * min(8.0, max(0.125, PART_SECONDS / max(seconds, 1e-9)))))
+
+
+def print_share(share: float) -> None:
+    """What progress=True does."""
+    print(f"\r  {share:6.1%}" + ("\n" if share >= 1 else ""), end="", file=sys.stderr, flush=True)
+
+
+class Batch:
+    """Many objects of one model, for loops that write, step and read.
+
+        with fp3.Batch("drone.ode", objects=10_000) as drones:
+            x, y = drones["x_x"], drones["x_y"]         # columns, without a copy: they follow the steps
+            for frame in range(600):
+                drones["F_x"] = force_x                 # a number, or one for each object
+                drones.step()
+                draw(x, y)
+
+    objects is the most that are ever used (see use). method, h, arithmetic, config, engine and threads are the words of
+    `fp3 run`. tolerance: each object chooses its own steps until the time in its param `until`; 0: steps are h long and are
+    cut at events. may_compile: native code, which pays off in long runs and starts a C compiler. links: of each relation of
+    links, (a, b) or (a, b, fields).
+
+    A batch may be used by several threads; their calls follow each other. After a fork a child opens its own.
+    """
+
+    def __init__(self, model: Union[Model, Source], objects: int = 1, *, params: Optional[Mapping[str, Value]] = None,
+                 method: Optional[str] = None, h: Optional[float] = None, tolerance: Optional[float] = None,
+                 absolute: float = 0.0, until: float = 0.0, maxstep: float = 0.0, arithmetic: str = "plain",
+                 config: Optional[str] = None, engine: str = "fast", threads: int = 0, may_compile: bool = False,
+                 skin: float = 0.0, links: Optional[Mapping[str, Tuple[Any, ...]]] = None) -> None:
+        numbers = {"tolerance": tolerance or 0.0, "absolute": absolute, "until": until, "maxstep": maxstep, "skin": skin}
+        numbers = {name: as_number(name, value) for name, value in numbers.items()}
+        for name, value in numbers.items():
+            if not 0 <= value < np.inf:
+                raise ArgumentError(f"{name}: found {value}, expected a finite number, 0 or above")
+        self.model = as_model(model)
+        adaptive = None if tolerance is None else (numbers["tolerance"], numbers["absolute"], numbers["until"], numbers["maxstep"])
+        self._open(self.model.program(How(method, arithmetic, config, adaptive)), as_count("objects", objects, 1, 2**32 - 1), h, engine,
+                   as_count("threads", threads, 0, 1024), bool(may_compile), numbers["skin"])
+        for relation, of in (links or {}).items():
+            self.link(relation, of[0], of[1], **(of[2] if len(of) > 2 else {}))
+        for name, value in (params or {}).items():
+            self[name] = value
+
+    def _open(self, program: Program, objects: int, h: Optional[float], engine: str, threads: int, may_compile: bool, skin: float) -> None:
+        self._lock, self._error = threading.RLock(), d.fp3_error()
+        self._lib = lib = library()
+        definition = lib.fp3_batch_default()
+        definition.compiled = program.c.compiled
+        definition.compile.config = program.c.config
+        definition.objects, definition.threads, definition.may_compile, definition.skin = objects, threads, may_compile, skin
+        definition.h = 0.0 if h is None else as_number("h", h)
+        if h is not None and not definition.h > 0:
+            raise ArgumentError(f"h: found {h}, expected a number above 0")
+        definition.engine = name_bytes("engine", engine)
+        definition.error = ctypes.pointer(self._error)
+        pointer = ctypes.c_void_p()
+        check(lib.fp3_batch_open(definition, pointer), self._error)
+        self._handle: Optional[Handle] = Handle(pointer, "fp3_batch_close", program, definition, self._error)
+        self._program, self._objects, self._used = program, objects, objects
+        self._is_wide = program.c.compiled.contents.arithmetic == d.FP3_DOUBLE_SINGLE
+
+    # ---- the object itself ----
+
+    def close(self) -> None:
+        """Frees the batch. Columns that are still around keep their memory."""
+        with self._lock:
+            self._handle = None
+
+    def __enter__(self) -> "Batch":
+        return self
+
+    def __exit__(self, *of: Any) -> None:
+        self.close()
+
+    def __len__(self) -> int:
+        return self._objects
+
+    def __repr__(self) -> str:
+        return f"fp3.Batch({self.model.name}: {self._objects} objects{', closed' if self._handle is None else ''})"
+
+    @contextlib.contextmanager
+    def _c(self) -> Iterator[Any]:
+        """The C object, for one thread at a time."""
+        with self._lock:
+            if self._handle is None:
+                raise ArgumentError("this batch is closed")
+            self._handle.check_process()
+            yield self._handle.pointer
+
+    # ---- values ----
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        """A number for all objects, or one for each."""
+        if np.ndim(value) == 0:
+            with self._c() as c:
+                check(self._lib.fp3_batch_set(c, name_bytes("name", name), as_number(name, value)), self._error)
+        else:
+            self.write(name, value, 0, self._objects)
+
+    def write(self, name: str, values: Value, first: int = 0, count: Optional[int] = None) -> None:
+        """Writes one number for each of the objects from `first` on."""
+        array = np.asarray(values)
+        if array.ndim != 1 or array.dtype.kind not in "fiu":
+            raise ArgumentError(f"'{name}': found {array.dtype} of shape {array.shape}, expected a column of numbers")
+        if count is not None and len(array) != count:
+            raise ArgumentError(f"'{name}': found {len(array)} numbers, expected one for each of {count} objects")
+        if array.dtype == np.float32 and array.dtype.isnative:
+            array, call = np.ascontiguousarray(array), self._lib.fp3_batch_write
+        else:
+            array, call = np.ascontiguousarray(array, np.float64), self._lib.fp3_batch_write_double
+        with self._c() as c:
+            check(call(c, name_bytes("name", name), as_count("first", first, 0, 2**63), len(array), array.ctypes.data), self._error)
+
+    def read(self, name: str, first: int = 0, count: Optional[int] = None, out: Optional["np.ndarray[Any, Any]"] = None) -> "np.ndarray[Any, Any]":
+        """A copy of a column: float32, or float64 in double-single. out: an array of this type that receives it."""
+        first = as_count("first", first, 0, self._objects)
+        count = self._objects - first if count is None else as_count("count", count, 0, self._objects - first)
+        dtype = np.float64 if self._is_wide else np.float32
+        if out is None:
+            out = np.empty(count, dtype)
+        elif not isinstance(out, np.ndarray) or out.dtype not in (np.float32, np.float64) or out.shape != (count,) \
+                or not out.flags.c_contiguous or not out.flags.writeable or not out.dtype.isnative:
+            raise ArgumentError(f"out: expected an array of float32 or float64 that can be written, of shape ({count},) and without strides")
+        call = self._lib.fp3_batch_read if out.dtype == np.float32 else self._lib.fp3_batch_read_double
+        with self._c() as c:
+            check(call(c, (ctypes.c_char_p * 1)(name_bytes("name", name)), 1, first, count, (ctypes.c_void_p * 1)(out.ctypes.data)), self._error)
+        return out
+
+    def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
+        """A column of all objects: without a copy where the engine has one, else a copy (see docs/python.md)."""
+        address = ctypes.c_void_p()
+        with self._c() as c:
+            check(self._lib.fp3_batch_column(c, name_bytes("name", name), address), self._error)
+            if address.value is not None:
+                return np.asarray(_Memory(self._handle, address.value, self._objects)).view(Column)
+        return self.read(name)
+
+    def link(self, relation: str, a: Any, b: Any, **fields: Any) -> None:
+        """Gives a relation its links, in place of those before: the two objects of each, and its fields by name."""
+        keep: list = []
+        links = links_of(a, b, fields, keep)
+        with self._c() as c:
+            check(self._lib.fp3_batch_link(c, name_bytes("relation", relation), links), self._error)
+
+    # ---- steps ----
+
+    def step(self, steps: int = 1, *, check_failures: bool = True) -> None:
+        """All used objects make this number of steps; with a tolerance at most so many attempts.
+
+        FailedError: objects failed in these steps. The steps are made all the same, and values can be read.
+        """
+        steps = as_count("steps", steps, 0, STEPS_MOST)
+        with self._c() as c:
+            check(self._lib.fp3_batch_step(c, steps), self._error)
+            failure = self.failure() if check_failures and steps else None
+        if failure is not None:
+            raise FailedError(f"{failure.count} of {self._used} objects failed, first {failure.text}")
+
+    def use(self, count: int) -> None:
+        """From now on objects 0 .. count-1 make steps; the others keep what they hold."""
+        with self._c() as c:
+            check(self._lib.fp3_batch_use(c, as_count("count", count, 0, 2**63)), self._error)
+            self._used = count
+
+    def restart(self) -> None:
+        """Goes back to the starts, at time 0. Params and h stay as they are."""
+        with self._c() as c:
+            check(self._lib.fp3_batch_restart(c), self._error)
+
+    @property
+    def used(self) -> int:
+        """How many objects make steps."""
+        return self._used
+
+    @property
+    def time(self) -> float:
+        """The time since the start. With a tolerance each object has its own: batch["t"]."""
+        with self._c() as c:
+            return self._lib.fp3_batch_time(c)
+
+    @property
+    def how(self) -> str:
+        """How engine "fast" executes the program, as 'native x86-64-v4'; "" for other engines."""
+        with self._c() as c:
+            return self._lib.fp3_engine_how(self._lib.fp3_batch_engine(c)).decode()
+
+    def failure(self) -> Optional[Failure]:
+        """How objects failed in the last step, or None."""
+        with self._c() as c:
+            if self._program.how.adaptive is not None:
+                return self._adaptive_failure(c)
+            found, text = d.fp3_failure(), ctypes.create_string_buffer(d.FP3_FAILURE_TEXT_SIZE)
+            check(self._lib.fp3_batch_failure(c, found, text), self._error)
+        return Failure(found.failed, found.object, found.step, text.value.decode()) if found.failed else None
+
+    def _adaptive_failure(self, c: Any) -> Optional[Failure]:
+        found, text = d.fp3_adaptive_report(), ctypes.create_string_buffer(d.FP3_ADAPTIVE_TEXT_SIZE)
+        engine = self._lib.fp3_batch_engine(c)
+        if not self._used:
+            return None
+        check(self._lib.fp3_adaptive_report_make(engine, 0, self._used, found), self._error)
+        if not found.failed:
+            return None
+        self._lib.fp3_adaptive_text(found.first, found.why, text)
+        return Failure(found.failed, found.first, found.why.accepted, text.value.decode())
+
+    def status(self) -> Dict[str, "np.ndarray[Any, Any]"]:
+        """Of each object: flags (NV DZ OF UF NX in bits 4 to 0), the step in which it first failed and fell asleep; 0: it did not."""
+        found = np.zeros((self._objects, 3), np.uint32)
+        with self._c() as c:
+            check(self._lib.fp3_engine_status(self._lib.fp3_batch_engine(c), 0, self._objects,
+                                              ctypes.cast(found.ctypes.data, ctypes.POINTER(d.fp3_object_status))), self._error)
+        return {"flags": found[:, 0], "failed": found[:, 1], "slept": found[:, 2]}

@@ -1,0 +1,160 @@
+"""What the command measures, as tables: the tuner, the benchmark and the stress suite.
+
+These run for seconds to minutes and must stop at Ctrl-C, which a call of the library cannot; benchmark and stress suite
+are not in the library at all. So these start the command that the package carries, and read its --json.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+
+from ._library import home
+from .errors import ArgumentError, ProgramError, SystemFailure
+from .model import Model, Source, as_model
+
+_OBJECTS_FAILED = 3  # exit code: all is written, and something is not as it should be
+
+
+class Table(List[Dict[str, Any]]):
+    """Rows, each a dict with the same keys: pandas.DataFrame(table) takes it, and so does csv.DictWriter."""
+
+    @property
+    def columns(self) -> List[str]:
+        return list(dict.fromkeys(key for row in self for key in row))
+
+    def column(self, name: str) -> List[Any]:
+        """The values of a column, None where a row has none."""
+        if name not in self.columns:
+            raise ArgumentError(f"the table has no column {name!r}, it has {', '.join(self.columns)}")
+        return [row.get(name) for row in self]
+
+    def _repr_html_(self) -> str:
+        def row(cells: Iterable[Any], tag: str) -> str:
+            return "<tr>" + "".join(f"<{tag}>{html.escape(shown(cell))}</{tag}>" for cell in cells) + "</tr>"
+        return f"<table>{row(self.columns, 'th')}{''.join(row((of.get(key) for key in self.columns), 'td') for of in self)}</table>"
+
+
+def shown(cell: Any) -> str:
+    return "" if cell is None else f"{cell:.6g}" if isinstance(cell, float) else str(cell)
+
+
+class Tuning:
+    """What fp3.tune found. met: whether the choice keeps the tolerance; choice: the best row with errors and cost; rows: all
+    that was tried; scene: the choice as the text of a scene."""
+
+    def __init__(self, found: Dict[str, Any], scene: str) -> None:
+        self.rows = Table(found.pop("tried"))
+        self.choice, self.scene = found, scene
+        self.met: bool = bool(found["met"])
+
+    def __repr__(self) -> str:
+        c = self.choice
+        return f"fp3.Tuning({c['model']}: " + (f"{c['integrator']}, {c['arithmetic']}, error {c['error']:.3g})" if self.met else "nothing meets the tolerance)")
+
+
+def command(arguments: Sequence[str], *, progress: bool = False) -> Tuple[int, str]:
+    """Starts the command that the package carries; its exit code 0 or 3, and what it printed. Ctrl-C ends it, too."""
+    done = subprocess.run([str(home() / "bin" / "fp3"), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=sys.stderr if progress and has_descriptor(sys.stderr) else subprocess.PIPE, text=True)
+    if done.returncode in (0, _OBJECTS_FAILED):
+        return done.returncode, done.stdout
+    said = (done.stderr or done.stdout).strip()
+    line = said.splitlines()[-1] if said else f"fp3 {arguments[0]} ended with exit code {done.returncode}"
+    place = re.search(r"(?:^|: )([^:\s]+):(\d+):(?:(\d+):)?", line)
+    kind = SystemFailure if done.returncode not in (1, 2) else ProgramError if place else ArgumentError
+    raise kind(line, file=place[1] if place else None, line=int(place[2]) if place else None,
+               column=int(place[3]) if place and place[3] else None)
+
+
+def has_descriptor(stream: Any) -> bool:
+    try:
+        return stream.fileno() >= 0
+    except (AttributeError, OSError, ValueError):
+        return False
+
+
+class _Files:
+    """A directory with the models as files, and for what the command writes."""
+
+    def __init__(self, models: Iterable[Union[Model, Source]]) -> None:
+        self._directory = tempfile.TemporaryDirectory(prefix="fp3-")
+        self.path = pathlib.Path(self._directory.name)
+        self.models: List[str] = []
+        for i, model in enumerate(map(as_model, models)):
+            name = pathlib.Path(os.fsdecode(model._where)).name.removesuffix(".ode") or "text"
+            (self.path / str(i)).mkdir()
+            file = self.path / str(i) / f"{name}.ode"
+            file.write_bytes(model._text)
+            self.models.append(str(file))
+
+    def __enter__(self) -> "_Files":
+        return self
+
+    def __exit__(self, *of: Any) -> None:
+        self._directory.cleanup()
+
+    def json(self) -> Any:
+        return json.loads((self.path / "found.json").read_text())
+
+
+def _numbers(option: str, values: Optional[Mapping[str, Any]], width: int) -> List[str]:
+    words = []
+    for name, value in (values or {}).items():
+        parts = [value] if width == 1 else list(value)
+        if len(parts) != width:
+            raise ArgumentError(f"'{name}': found {value!r}, expected a pair, first and last")
+        words.append(f"--{option}={name}=" + ":".join(repr(float(part)) for part in parts))
+    return words
+
+
+def _options(**options: Any) -> List[str]:
+    """--name=value of those that are given; True is a flag."""
+    return [f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}") for name, value in options.items() if value not in (None, False)]
+
+
+def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapping[str, Tuple[float, float]]] = None,
+         params: Optional[Mapping[str, float]] = None, around: Optional[float] = None, span: Optional[float] = None,
+         config: Optional[str] = None, objects: Optional[int] = None, held_out: Optional[int] = None, progress: bool = False) -> Tuning:
+    """`fp3 tune`: the cheapest integrator, step and arithmetic that keep a tolerance over ranges of values.
+
+    ranges: by name, (first, last); params: values; around: a range of this share to both sides for each start and param.
+    """
+    with _Files([model]) as files:
+        scene = files.path / "found.scene"
+        command(["tune", files.models[0], f"--tolerance={float(tolerance)!r}", f"--json={files.path / 'found.json'}", f"--output={scene}",
+                 *_numbers("spread", ranges, 2), *_numbers("set", params, 1),
+                 *_options(around=around, span=span, config=config, objects=objects, held_out=held_out)], progress=progress)
+        text = scene.read_text() if scene.exists() else ""
+        name = os.fsdecode(as_model(model)._where)
+        return Tuning(files.json(), re.sub(r'program = ".*";', lambda _: f'program = "{name}";', text))
+
+
+def bench(*models: Union[Model, Source], integrators: Sequence[str] = (), config: Optional[str] = None, quick: bool = False,
+          progress: bool = False) -> Table:
+    """`fp3 bench`: error against run time for every integrator, arithmetic and step, beside a plain loop and GSL.
+
+    A row for each point; docs/command.md describes the columns. Minutes a model, with quick seconds; it wants an idle machine.
+    """
+    if not models:
+        raise ArgumentError("bench: expected a model")
+    with _Files(models) as files:
+        command(["bench", *files.models, f"--json={files.path / 'found.json'}", *(f"--integrator={name}" for name in integrators),
+                 *_options(config=config, quick=quick)], progress=progress)
+        return Table(files.json()["points"])
+
+
+def stress(*models: Union[Model, Source], integrators: Sequence[str] = (), only: Optional[str] = None, quick: bool = False,
+           progress: bool = False) -> Table:
+    """`fp3 stress`: what FP32 does to models, or without a model to the integrators, beside theory. A row for each result; `holds` says whether it is as it should be."""
+    with _Files(models) as files:
+        command(["stress", *files.models, f"--json={files.path / 'found.json'}", *(f"--integrator={name}" for name in integrators),
+                 *_options(only=only, quick=quick)], progress=progress)
+        return Table(files.json()["results"])

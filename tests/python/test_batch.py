@@ -1,0 +1,179 @@
+"""fp3.Batch: columns without a copy, the bits of the command, and objects that come and go."""
+
+import gc
+
+import numpy as np
+import pytest
+
+import fp3
+
+DECAY = "param k = 1\nparam unused = 0\nstate x = 1\nstate y = 0\nstep 0.0625\nx' = -k*x + unused\ny' = x\n"
+
+
+@pytest.fixture
+def kepler(root):
+    return fp3.Model(root / "programs/kepler.ode")
+
+
+def test_bits_are_those_of_the_command(kepler, ran):
+    with fp3.Batch(kepler, 9) as batch:
+        batch["v_y"] = np.linspace(1.6, 1.8, 9)
+        for _ in range(10):
+            batch.step(7)
+        expected = ran("kepler", "-e", "isa", "-c", "many_full", "-o", 9, "-n", 70, "--spread", "v_y=1.6:1.8")[-1]
+        for name in kepler.states:
+            assert batch[name].dtype == np.float32 and np.array_equal(batch[name], np.array(expected[name], np.float32)), name
+        assert batch.time == 70 / 64
+
+
+@pytest.mark.parametrize("options", [{"engine": "isa"}, {"arithmetic": "double-single", "method": "rk4"}, {"arithmetic": "compensated"}, {"engine": "rtl"}])
+def test_engines_and_arithmetics(options):
+    with fp3.Batch(DECAY, 5, **options) as batch, fp3.Batch(DECAY, 5, arithmetic=options.get("arithmetic", "plain")) as fast:
+        for of in (batch, fast):
+            of["k"] = np.arange(1, 6) / 7
+            of.step(3)
+        assert np.array_equal(batch["x"], fast["x"]) and batch["x"].dtype == (np.float64 if "double-single" in options.values() else np.float32)
+
+
+def test_a_column_is_the_engines_own_memory():
+    batch = fp3.Batch(DECAY, 1000)
+    x = batch["x"]
+    address = x.ctypes.data
+    assert isinstance(x, fp3.Column) and not x.flags.owndata and not x.flags.writeable and (x == 1).all()
+    batch["k"] = np.linspace(0, 1, 1000)
+    batch.step(5)
+    assert x[0] == 1 and x[-1] < 0.8 and batch["x"].ctypes.data == address and np.array_equal(x, batch.read("x"))
+    batch["x"] = 3
+    assert (batch["x"] == 3).all() and (x == 3).all()
+    with pytest.raises(ValueError):
+        x[0] = 1
+    assert type(batch.read("x")) is np.ndarray and batch.read("x").flags.writeable
+
+
+def test_dlpack():
+    batch = fp3.Batch(DECAY, 100)
+    x = batch["x"]
+    taken = np.from_dlpack(x)
+    batch.step(3)
+    assert np.array_equal(taken, x) and taken[0] < 1 and taken.ctypes.data == x.ctypes.data and x.__dlpack_device__() == (1, 0)
+    del x, batch
+    gc.collect()
+    assert taken[0] < 1
+    with pytest.raises(BufferError):
+        fp3.Batch(DECAY, 100)["x"][::2].__dlpack__()
+
+
+def test_a_column_outlives_its_batch():
+    batch = fp3.Batch(DECAY, 100_000)
+    x = batch["x"]
+    batch.step(1)
+    expected = x.copy()
+    batch.close()
+    del batch
+    gc.collect()
+    other = [fp3.Batch(DECAY, 100_000) for _ in range(3)]
+    for of in other:
+        of.step(7)
+    assert np.array_equal(x, expected)
+
+
+def test_writing_takes_arrays_of_any_kind():
+    with fp3.Batch(DECAY, 6) as batch:
+        for array in (np.arange(6, dtype=np.float32), np.arange(6), list(range(6)), np.arange(6.0)[::-1][::-1], np.arange(6, dtype=">f4"),
+                      np.arange(12, dtype=np.float32)[::2] / 2, np.arange(6, dtype=np.float16)):
+            batch["x"] = 9
+            batch["x"] = array
+            assert batch.read("x").tolist() == list(range(6))
+        batch.write("x", [7, 8], 2)
+        assert batch["x"].tolist() == [0, 1, 7, 8, 4, 5] and batch.read("x", 2, 2).tolist() == [7, 8]
+        out = np.empty(6)
+        assert batch.read("x", out=out) is out and out[3] == 8
+        batch["h"] = 0.125
+        batch.step()
+        assert batch.time == 0.125
+
+
+def test_float64_is_rounded_as_the_command_rounds(ran, tmp_path):
+    (tmp_path / "decay.ode").write_text(DECAY)
+    expected = ran(tmp_path / "decay.ode", "-e", "fast", "-c", "many_full", "-o", 1, "-n", 9, "--set", "k=0.1234567890123")[-1]
+    with fp3.Batch(DECAY) as batch:
+        batch["k"] = np.array([0.1234567890123])
+        batch.step(9)
+        assert batch["x"][0] == np.float32(expected["x"][0])
+
+
+def test_use_and_restart():
+    with fp3.Batch(DECAY, 4) as batch:
+        batch.step(2)
+        batch.use(2)
+        assert batch.used == 2 and len(batch) == 4
+        before = batch.read("x")
+        batch.step(2)
+        assert (batch["x"][:2] < before[:2]).all() and np.array_equal(batch["x"][2:], before[2:])
+        batch.use(0)
+        batch.step(1)
+        batch.use(4)
+        batch.restart()
+        assert (batch["x"] == 1).all() and batch.time == 0
+
+
+def test_failures_are_told():
+    with fp3.Batch("param a = 0\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 3) as batch:
+        batch["a"] = [0.0, 0.0, 1e30]
+        with pytest.raises(fp3.FailedError, match="1 of 3 objects failed, first object 2 in step 1: overflow"):
+            batch.step(2)
+        failure = batch.failure()
+        assert (failure.count, failure.object, failure.step) == (1, 2, 1) and batch.status()["failed"].tolist() == [0, 0, 1]
+        assert batch["x"][:2].tolist() == [1, 1]
+        batch["x"], batch["a"] = 1, 0
+        batch.step()
+        assert batch.failure() is None
+        batch["a"] = [0.0, 0.0, 1e30]
+        batch.step(check_failures=False)
+
+
+def test_chosen_steps_to_each_frame(kepler, ran):
+    with fp3.Batch(kepler, 5, tolerance=1e-5) as batch:
+        batch["v_y"] = np.linspace(1.6, 1.8, 5)
+        for frame in (1.0, 2.0, 3.5):
+            batch["until"] = frame
+            batch.step(1000)
+            assert (batch["t"] == frame).all()
+        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-o", 5, "--tolerance", "1e-5", "--spread", "v_y=1.6:1.8", "--times", "1,2,3.5")[-1]
+        assert np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
+        batch["until"] = 9
+        with pytest.raises(fp3.FailedError, match="no attempt is left"):
+            batch.step(2)
+
+
+def test_links(root):
+    cloth = fp3.Model(root / "programs/world/cloth.ode")
+    relation = cloth.relations[0]
+    with fp3.Batch(cloth, 4) as batch:
+        batch["x_x"] = [0.0, 0.05, 0.1, 0.15]
+        with pytest.raises(fp3.ArgumentError, match="links"):
+            batch.step()
+        batch.link(relation, [0, 1, 2], [1, 2, 3], rest=0.05)
+        batch.step(3)
+        moved = batch["x_x"]
+        assert not isinstance(moved, fp3.Column) and moved.flags.writeable, "objects that see each other stand in another order"
+        with pytest.raises(fp3.ArgumentError, match="4 objects|object 9|9"):
+            batch.link(relation, [0], [9])
+        with pytest.raises(fp3.ArgumentError, match="nothing"):
+            batch.link(relation, [0], [1], nothing=1)
+        with pytest.raises(fp3.ArgumentError):
+            batch.link("no_such", [0], [1])
+        batch.step()
+    with fp3.Batch(cloth, 4, links={relation: ([0, 1, 2], [1, 2, 3], {"rest": 0.05})}) as again:
+        again["x_x"] = [0.0, 0.05, 0.1, 0.15]
+        again.step(3)
+        assert np.array_equal(again["x_x"], moved)
+
+
+def test_near(root):
+    with fp3.Batch(root / "programs/world/balls.ode", 500) as batch:
+        batch["x_x"] = np.linspace(0.1, 3, 500)
+        batch["x_y"] = np.linspace(0.1, 3, 500) % 0.7
+        x = batch["x_x"]
+        batch.step(3, check_failures=False)
+        assert not np.array_equal(x, batch["x_x"])

@@ -1,0 +1,199 @@
+"""What must not be: every misuse is an exception that says what was expected, never a crash or a silent number."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import fp3
+
+TEXT = "param k = 1\nshared g = 1\nstate x = 1\nstate y = 0\nstep 0.0625\nx' = -k*x*g\ny' = x\n"
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize("options, told", [
+    ({"t_span": (0, 0)}, "t_span"), ({"t_span": (1, 0)}, "t_span"), ({"t_span": (0, NAN)}, "t_span"), ({"t_span": (0, INF)}, "t_span"),
+    ({"t_span": 3}, "t_span"), ({"t_span": (0, 1, 2)}, "t_span"), ({"t_span": (0, 1e30)}, "steps"),
+    ({"y0": [1]}, r"shape \(1,\), expected \(2,\) or \(objects, 2\) numbers: x, y"), ({"y0": [1, 2, 3]}, "y0"), ({"y0": np.zeros((2, 2, 2))}, "y0"),
+    ({"y0": ["a", "b"]}, "y0"), ({"y0": [[]]}, "y0"), ({"y0": np.zeros((0, 2))}, "shape"), ({"y0": {"z": 1}}, "no state 'z'"), ({"y0": [1j, 0]}, "y0"),
+    ({"y0": [NAN, 0]}, "'x' is -?nan"), ({"y0": [[0, 0], [INF, 0]]}, "object 1: 'x' is inf"), ({"y0": [1e39, 0]}, "x"), ({"y0": {"x": None}}, "x"),
+    ({"params": {"k": NAN}}, "'k' is -?nan"), ({"params": {"k": [1, NAN]}}, "object 1: 'k'"), ({"params": {"q": 1}}, "no 'q'"), ({"params": {"x": 1}}, "is a state"),
+    ({"params": {"g": [1, 2]}}, "shared"), ({"params": {"h": 1}}, "h="), ({"params": {"until": 1}}, "t_span"), ({"params": {"k": [[1]]}}, "shape"),
+    ({"params": {"k": "fast"}}, "expected"), ({"params": {"k": ["a"]}}, "expected"), ({"params": {"k": [1, 2]}, "y0": np.zeros((3, 2))}, "number of objects"),
+    ({"params": {"k": 1e-50}}, "k"), ({"objects": 0}, "objects"), ({"objects": -1}, "objects"), ({"objects": 2.0}, "whole number"), ({"objects": True}, "whole number"),
+    ({"objects": 2**26}, "objects"), ({"objects": 2**40}, "objects"), ({"objects": 3, "y0": [[1, 0]]}, "number of objects"),
+    ({"h": 0}, "h"), ({"h": -1}, "h"), ({"h": NAN}, "h"), ({"h": "small"}, "h"), ({"h": 1e-46}, "h|steps"), ({"h": INF}, "h"),
+    ({"rtol": 0}, "rtol"), ({"rtol": NAN}, "rtol"), ({"rtol": 1e-12}, "tolerance"), ({"rtol": "x"}, "rtol"), ({"atol": 1e-3}, "without rtol"), ({"max_step": 1}, "without rtol"),
+    ({"rtol": 1e-3, "atol": -1}, "atol"), ({"rtol": 1e-3, "method": "rk4"}, "rk4"), ({"rtol": 1e-3, "cut": True}, "cut"), ({"rtol": 1e-3, "max_step": 0}, "max_step"),
+    ({"t_eval": []}, "t_eval"), ({"t_eval": [1, 0]}, "ascend"), ({"t_eval": [0, 0]}, "ascend"), ({"t_eval": [-1]}, "ascend"), ({"t_eval": [2]}, "ascend"),
+    ({"t_eval": [NAN]}, "ascend"), ({"t_eval": 1}, "t_eval"), ({"t_eval": ["a"]}, "t_eval"), ({"t_eval": [0.3, 0.3 + 1e-12]}, "same FP32"),
+    ({"engine": "quick"}, "no engine 'quick'"), ({"engine": "fa\0st"}, "NUL"), ({"config": "huge"}, "huge"), ({"method": "rk5"}, "rk5"), ({"arithmetic": "none"}, "arithmetic"),
+    ({"threads": -1}, "threads"), ({"threads": 5000}, "threads"), ({"attempts": 0}, "attempts"), ({"links": {"near": ([0], [1])}}, "near"),
+    ({"method": "stoermer_verlet"}, "."), ({"config": "single_full", "objects": 2}, "room")])
+def test_what_solve_ivp_refuses(options, told):
+    with pytest.raises(fp3.Error, match=told):
+        fp3.solve_ivp(TEXT, **{"t_span": (0, 1), **options})
+
+
+@pytest.mark.parametrize("misuse, told", [
+    (lambda b: b["z"], "no 'z'"), (lambda b: b.__setitem__("z", 1), "no 'z'"), (lambda b: b.__setitem__("x", [1]), "one for each of 4"),
+    (lambda b: b.__setitem__("x", NAN), "nan"), (lambda b: b.__setitem__("x", [1, 2, NAN, 4]), "object 2"), (lambda b: b.__setitem__("x", np.float32([1, 2, NAN, 4])), "object 2"),
+    (lambda b: b.__setitem__("x", "a"), "number"), (lambda b: b.__setitem__("x", np.zeros((4, 1))), "shape"), (lambda b: b.__setitem__("x", [1j] * 4), "complex"),
+    (lambda b: b.__setitem__("g", [1, 2, 3, 4]), "one number for all"), (lambda b: b.__setitem__("h", 0), "h"), (lambda b: b.write("x", [1], 4), "object 4"),
+    (lambda b: b.write("x", [1, 2], 3), "object 3"), (lambda b: b.write("x", [1], -1), "first"), (lambda b: b.write("x", [1], 2**63), "4 objects"), (lambda b: b.read("x", 5), "first"),
+    (lambda b: b.read("x", 0, 5), "count"), (lambda b: b.read("x", out=np.zeros(3)), "out"), (lambda b: b.read("x", out=[0] * 4), "out"), (lambda b: b.read("x", out=np.zeros(4, int)), "out"),
+    (lambda b: b.read("x", out=b["x"]), "out"), (lambda b: b.step(-1), "steps"), (lambda b: b.step(2**32), "steps"), (lambda b: b.step(1.5), "steps"),
+    (lambda b: b.use(5), "there are 4"), (lambda b: b.use(-1), "count"), (lambda b: b.link("near", [0], [1]), "near"), (lambda b: b.link("near", [0], [1, 2]), "one of each"),
+    (lambda b: b.link("near", [0.5], [1]), "whole"), (lambda b: b.link("near", [-1], [1]), "-1"), (lambda b: b.link("near", [0], [1], f=[1, 2]), "shape")])
+def test_what_a_batch_refuses(misuse, told):
+    with fp3.Batch(TEXT, 4) as batch:
+        batch.step()
+        before = batch.read("x")
+        with pytest.raises(fp3.Error, match=told):
+            misuse(batch)
+        assert np.array_equal(batch.read("x"), before)
+        batch.step()
+
+
+@pytest.mark.parametrize("options", [{"objects": 0}, {"objects": 2**33}, {"objects": 2**26}, {"h": -1}, {"h": NAN}, {"tolerance": -1}, {"tolerance": NAN}, {"engine": "x"},
+                                     {"params": {"k": [1, 2]}}, {"params": {"zz": 1}}, {"threads": 2000}, {"links": {"near": ([0], [1])}}, {"until": INF, "tolerance": 1e-3}])
+def test_what_cannot_be_opened(options):
+    with pytest.raises(fp3.Error):
+        fp3.Batch(TEXT, **options)
+
+
+USES = [lambda b: b["x"], lambda b: b.step(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,
+        lambda b: b.how, lambda b: b.failure(), lambda b: b.status(), lambda b: b.link("near", [0], [1])]
+
+
+@pytest.mark.parametrize("number", range(len(USES)))
+def test_a_closed_batch(number):
+    batch = fp3.Batch(TEXT, 4)
+    batch.close()
+    batch.close()
+    with pytest.raises(fp3.ArgumentError, match="closed"):
+        USES[number](batch)
+    assert "closed" in repr(batch) and len(batch) == 4
+
+
+def test_threads_follow_each_other():
+    """Eight threads at one batch: its steps are counted, and no value is torn."""
+    batch, wrong = fp3.Batch(TEXT, 2000), []
+    x = batch["x"]
+
+    def work():
+        for _ in range(40):
+            batch.step(1)
+            if not (batch.read("x") == batch.read("x")[0]).all():
+                wrong.append(1)
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert not wrong and batch.time == 320 / 16 and (x == x[0]).all()
+
+
+def test_threads_solve_side_by_side(root):
+    model, answers = fp3.Model(root / "programs/kepler.ode"), [None] * 6
+
+    def work(i):
+        answers[i] = fp3.solve_ivp(model, (0, 4), objects=200, threads=1, method=["rk4", "verlet"][i % 2]).y
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(6)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert np.array_equal(answers[0], answers[2]) and np.array_equal(answers[1], answers[5]) and not np.array_equal(answers[0], answers[1])
+
+
+def test_a_fork(python):
+    """The child is refused the parent's batch, opens one of its own, and ends; so does the parent."""
+    told = python(f"""
+import os, fp3
+batch = fp3.Batch({TEXT!r}, 50_000, threads=2)
+batch.step(50)
+x = batch["x"]
+child = os.fork()
+if not child:
+    try:
+        batch.step()
+    except fp3.ArgumentError as error:
+        assert "forked" in str(error)
+        own = fp3.Batch({TEXT!r}, 50_000, threads=2)
+        own.step(50)
+        assert (own["x"] == x).all()
+        del own, batch
+        print("child", flush=True)
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+batch.step()
+print("parent")
+""")
+    assert told.split() == ["child", "parent"]
+
+
+def test_multiprocessing(python, tmp_path):
+    (tmp_path / "work.py").write_text(f"import fp3\nMODEL = fp3.Model({TEXT!r})\ndef work(k):\n    return fp3.solve_ivp(MODEL, (0, 1), params={{'k': k}}).y[0, -1]\n")
+    told = python("import sys; sys.path.insert(0, '.')\nimport multiprocessing as m, work\nif __name__ == '__main__':\n"
+                  "    print([round(x, 4) for x in m.get_context('fork').Pool(2).map(work.work, [1.0, 2.0])], "
+                  "[round(x, 4) for x in m.get_context('spawn').Pool(2).map(work.work, [1.0, 2.0])])")
+    assert told.strip() == "[0.3679, 0.1353] [0.3679, 0.1353]"
+
+
+@pytest.mark.parametrize("call", ["fp3.solve_ivp(M, (0, 1e6), objects=20_000)", "fp3.solve_ivp(M, (0, 1e6), objects=20_000, rtol=1e-6, max_step=1e-3)",
+                                  "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')"])
+def test_a_keyboard_interrupt_ends_a_long_run(environment, tmp_path, call):
+    """Within a second or so, and the session goes on."""
+    script = textwrap.dedent(f"""
+        import fp3, sys, time
+        M = fp3.Model({TEXT!r})
+        fp3.solve_ivp(M, (0, 1))
+        print("begun", flush=True)
+        try:
+            {call}
+        except KeyboardInterrupt:
+            print("stopped", time.perf_counter(), flush=True)
+        print(fp3.solve_ivp(M, (0, 1)).success)
+    """)
+    run = subprocess.Popen([sys.executable, "-c", script], env=environment, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert run.stdout.readline() == "begun\n"
+    time.sleep(1.5)
+    assert run.poll() is None, run.communicate()
+    sent = time.perf_counter()
+    os.kill(run.pid, signal.SIGINT)
+    word, at = run.stdout.readline().split()
+    out, err = run.communicate(timeout=60)
+    assert word == "stopped" and float(at) - sent < 3 and out == "True\n" and run.returncode == 0, (out, err)
+
+
+def test_a_keyboard_interrupt_ends_a_command(environment, root, tmp_path):
+    script = f"import fp3\nprint('begun', flush=True)\ntry:\n    fp3.bench({str(root / 'programs/kepler.ode')!r})\nexcept KeyboardInterrupt:\n    print('stopped')\n"
+    run = subprocess.Popen([sys.executable, "-c", script], env={**environment, "TMPDIR": str(tmp_path)}, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    assert run.stdout.readline() == "begun\n"
+    time.sleep(1.5)
+    os.kill(run.pid, signal.SIGINT)
+    assert run.communicate(timeout=20)[0] == "stopped\n" and not list(tmp_path.glob("fp3-*"))
+
+
+def test_a_library_of_another_version_is_refused(python, environment, tmp_path):
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib.c").write_text('typedef struct { unsigned cookie; char rest[400]; } def;\nconst char *fp3_version(unsigned *n) { (void)n; return "9.9.9"; }\n'
+                                    'def fp3_batch_default(void) { def d = {0}; return d; }\n')
+    subprocess.run(["gcc", "-shared", "-fPIC", tmp_path / "lib.c", "-o", tmp_path / "lib/libfp3.so.0"], check=True)
+    environment["FP3_HOME"] = str(tmp_path)
+    try:
+        told = python("import fp3\ntry:\n    fp3.integrators()\nexcept ImportError as error:\n    print(error)")
+        assert "version 9.9.9" in told
+        environment["FP3_HOME"] = str(tmp_path / "none")
+        assert "looked in" in python("import fp3\ntry:\n    fp3.integrators()\nexcept ImportError as error:\n    print(error)")
+    finally:
+        environment["FP3_HOME"] = os.environ["FP3_HOME"]
+
+
+def test_no_memory_is_an_exception():
+    """More results than a machine has room for."""
+    with pytest.raises((MemoryError, fp3.Error, ValueError)):
+        fp3.solve_ivp(TEXT, (0, 2**24), h=0.0625, objects=2**25, t_eval=np.arange(0, 2**24, 4))
