@@ -78,3 +78,14 @@ uninstall: ## Remove what install put there
 	@rm -rf $(INCDIR) $(RTL_DIR) $(dir $(BARE))
 	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
 	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(COMMAND)
+
+# ---- within a Python package: setup.py ----------------------------------------------------------
+
+# The library, what it loads and the command, as they lie below $(PREFIX), so that they find each other.
+.PHONY: python-native
+python-native: released $(HARDWARE) $(HDF5)
+	@$(if $(NATIVE),,echo "python-native: NATIVE names the directory; pip install . calls this" >&2; exit 1)
+	@install -d $(NATIVE)/bin $(NATIVE)/lib/fp3
+	@install -m 644 $(RELEASED)/lib/libfp3.so.0 $(NATIVE)/lib
+	@install -m 644 $(HARDWARE) $(HDF5) $(NATIVE)/lib/fp3
+	@install -s $(RELEASED)/bin/fp3 $(NATIVE)/bin
