@@ -7,6 +7,7 @@ import os
 import pathlib
 import threading
 import weakref
+from typing import Any, Optional
 
 from . import _declarations as d
 from . import errors
@@ -50,14 +51,14 @@ class _Library:
         """Of its fp3_batch_def, which its default has in the cookie. There is room for a larger one than ours."""
         default = self._cdll.fp3_batch_default
         default.restype, default.argtypes = _Room, ()
-        return default().definition.cookie & 0xffff
+        return int(default().definition.cookie) & 0xffff
 
-    def _declared(self, name):
+    def _declared(self, name: str) -> Any:
         function = getattr(self._cdll, name)
         function.restype, function.argtypes = d.PROTOTYPES[name]
         return function
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name not in d.PROTOTYPES:
             raise AttributeError(name)
         function = self._declared(name)
@@ -65,7 +66,8 @@ class _Library:
         return function
 
 
-_lock, _loaded = threading.Lock(), None
+_lock = threading.Lock()
+_loaded: Optional[_Library] = None
 
 
 def library() -> _Library:
@@ -77,7 +79,7 @@ def library() -> _Library:
     return _loaded
 
 
-def check(status: int, error: d.fp3_error, report: ctypes.c_char_p | None = None) -> None:
+def check(status: int, error: d.fp3_error, report: Optional[ctypes.c_char_p] = None) -> None:
     """Raises what a call has said, with all mistakes of a model if there is a report, which is freed."""
     text = ""
     if report is not None and report.value is not None:
@@ -108,7 +110,7 @@ class Handle:
     A child of a fork must not free it: the threads of engine "fast" are not there to be joined.
     """
 
-    def __init__(self, pointer, close: str, *keep) -> None:
+    def __init__(self, pointer: Any, close: str, *keep: Any) -> None:
         self.pointer, self.keep, self.pid = pointer, keep, os.getpid()
         self._free = weakref.finalize(self, _free, getattr(library(), close), pointer, self.pid, keep)
         self._free.atexit = False
@@ -118,6 +120,6 @@ class Handle:
             raise errors.ArgumentError("this was opened by the process that forked this one: open another one here")
 
 
-def _free(close, pointer, pid, keep) -> None:
+def _free(close: Any, pointer: Any, pid: int, keep: Any) -> None:
     if os.getpid() == pid:
         close(ctypes.byref(pointer))

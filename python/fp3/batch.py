@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 import sys
 import threading
-from typing import Any, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -22,9 +22,9 @@ PART_FIRST = 64         # steps of the first part
 
 
 class Failure(NamedTuple):
-    """How objects failed in the last step: how many, the first of them, in which step, and the reason in words."""
+    """How objects failed in the last steps: how many, the first of them, in which step, and the reason in words."""
 
-    count: int
+    failed: int
     object: int
     step: int
     text: str
@@ -40,22 +40,20 @@ class Column(np.ndarray):
         if self.flags.writeable:
             return super().__dlpack__(**options)
         # DLPack has no word for memory that is only read, so NumPy exports none. This is the same memory.
-        span = (ctypes.c_char * (self.nbytes if self.flags.c_contiguous else 0)).from_address(self.ctypes.data)
         if not self.flags.c_contiguous:
             raise BufferError("a column goes out by DLPack as a whole, not in strides: copy it first")
-        span.column = self  # what the export stands on
-        return np.frombuffer(span, self.dtype).reshape(self.shape).__dlpack__(**options)
+        return np.asarray(_Memory(self, self.ctypes.data, self.shape, self.dtype.str, False)).__dlpack__(**options)
 
 
 class _Memory:
-    """What a column stands on: it keeps the batch's memory."""
+    """What an array stands on that is made at an address: it keeps the owner of the memory."""
 
-    def __init__(self, handle: Handle, address: int, count: int) -> None:
-        self.handle = handle
-        self.__array_interface__ = {"version": 3, "shape": (count,), "typestr": "<f4", "data": (address, True)}
+    def __init__(self, owner: Any, address: int, shape: Tuple[int, ...], kind: str, is_read_only: bool = True) -> None:
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "shape": shape, "typestr": kind, "data": (address, is_read_only)}
 
 
-def links_of(a: Any, b: Any, fields: Mapping[str, Any], keep: list) -> d.fp3_links:
+def links_of(a: Any, b: Any, fields: Mapping[str, Any], keep: List[Any]) -> d.fp3_links:
     """Links as the library takes them; `keep` gets the arrays."""
     ends = []
     for what, column in (("a", a), ("b", b)):
@@ -89,14 +87,16 @@ def as_number(what: str, value: Any) -> float:
 def as_count(what: str, value: Any, least: int, most: int) -> int:
     if isinstance(value, (bool, float)) or not hasattr(value, "__index__"):
         raise ArgumentError(f"{what}: found {value!r}, expected a whole number")
-    if not least <= (number := value.__index__()) <= most:
+    if not least <= (number := int(value.__index__())) <= most:
         raise ArgumentError(f"{what}: found {number}, expected {least} to {most}")
     return number
 
 
-def next_part(part: int, seconds: float) -> int:
-    """How many steps take about PART_SECONDS, if `part` took this long."""
-    return max(1, int(part * min(8.0, max(0.125, PART_SECONDS / max(seconds, 1e-9)))))
+def next_part(part: int, made: int, seconds: float) -> int:
+    """How many steps take about PART_SECONDS, if `made` of a part took this long."""
+    if made < part and seconds < PART_SECONDS:
+        return part
+    return min(STEPS_MOST, max(1, int(made * min(8.0, PART_SECONDS / max(seconds, 1e-9)))))
 
 
 def print_share(share: float) -> None:
@@ -129,9 +129,9 @@ class Batch:
                  skin: float = 0.0, links: Optional[Mapping[str, Tuple[Any, ...]]] = None) -> None:
         numbers = {"tolerance": tolerance or 0.0, "absolute": absolute, "until": until, "maxstep": maxstep, "skin": skin}
         numbers = {name: as_number(name, value) for name, value in numbers.items()}
-        for name, value in numbers.items():
-            if not 0 <= value < np.inf:
-                raise ArgumentError(f"{name}: found {value}, expected a finite number, 0 or above")
+        for name, number in numbers.items():
+            if not 0 <= number < np.inf:
+                raise ArgumentError(f"{name}: found {number}, expected a finite number, 0 or above")
         self.model = as_model(model)
         adaptive = None if tolerance is None else (numbers["tolerance"], numbers["absolute"], numbers["until"], numbers["maxstep"])
         self._open(self.model.program(How(method, arithmetic, config, adaptive)), as_count("objects", objects, 1, 2**32 - 1), h, engine,
@@ -232,12 +232,12 @@ class Batch:
         with self._c() as c:
             check(self._lib.fp3_batch_column(c, name_bytes("name", name), address), self._error)
             if address.value is not None:
-                return np.asarray(_Memory(self._handle, address.value, self._objects)).view(Column)
+                return np.asarray(_Memory(self._handle, address.value, (self._objects,), "<f4")).view(Column)
         return self.read(name)
 
     def link(self, relation: str, a: Any, b: Any, **fields: Any) -> None:
         """Gives a relation its links, in place of those before: the two objects of each, and its fields by name."""
-        keep: list = []
+        keep: List[Any] = []
         links = links_of(a, b, fields, keep)
         with self._c() as c:
             check(self._lib.fp3_batch_link(c, name_bytes("relation", relation), links), self._error)
@@ -254,7 +254,7 @@ class Batch:
             check(self._lib.fp3_batch_step(c, steps), self._error)
             failure = self.failure() if check_failures and steps else None
         if failure is not None:
-            raise FailedError(f"{failure.count} of {self._used} objects failed, first {failure.text}")
+            raise FailedError(f"{failure.failed} of {self._used} objects failed, first {failure.text}")
 
     def use(self, count: int) -> None:
         """From now on objects 0 .. count-1 make steps; the others keep what they hold."""
@@ -276,13 +276,13 @@ class Batch:
     def time(self) -> float:
         """The time since the start. With a tolerance each object has its own: batch["t"]."""
         with self._c() as c:
-            return self._lib.fp3_batch_time(c)
+            return float(self._lib.fp3_batch_time(c))
 
     @property
     def how(self) -> str:
         """How engine "fast" executes the program, as 'native x86-64-v4'; "" for other engines."""
         with self._c() as c:
-            return self._lib.fp3_engine_how(self._lib.fp3_batch_engine(c)).decode()
+            return str(self._lib.fp3_engine_how(self._lib.fp3_batch_engine(c)), "utf-8")
 
     def failure(self) -> Optional[Failure]:
         """How objects failed in the last step, or None."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Any, Optional, Tuple, Type
 
 
 class Error(Exception):
@@ -17,11 +17,11 @@ class Error(Exception):
         super().__init__(report.rstrip("\n") or text)
         self.text, self.file, self.line, self.column, self.report = text, file, line, column, report
 
-    def __reduce__(self):
+    def __reduce__(self) -> Tuple[Any, ...]:
         return _again, (type(self), self.text, self.file, self.line, self.column, self.report)
 
 
-def _again(kind, text, file, line, column, report):
+def _again(kind: Type[Error], text: str, file: Optional[str], line: Optional[int], column: Optional[int], report: str) -> Error:
     return kind(text, file=file, line=line, column=column, report=report)
 
 

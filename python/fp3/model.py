@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Dict, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from . import _declarations as d
 from ._library import Handle, check, library, name_bytes
@@ -44,13 +44,13 @@ class Program(Handle):
         self.how = how
 
     @property
-    def c(self) -> d.fp3_program:
+    def c(self) -> Any:
         return self.pointer.contents
 
     @property
     def warning(self) -> Optional[str]:
         said = self.c.compiled.contents.warning
-        return said and said.decode(errors="replace")
+        return None if said is None else str(said, errors="replace")
 
     def evaluations(self) -> int:
         """Right-hand sides of a step, as the method's table has them."""
@@ -58,14 +58,14 @@ class Program(Handle):
         if integrator.kind == d.FP3_STOERMER:
             return 1
         if integrator.kind == d.FP3_SPLITTING:
-            return sum(integrator.substeps[i].is_kick for i in range(integrator.stages))
-        return integrator.stages
+            return int(sum(integrator.substeps[i].is_kick for i in range(integrator.stages)))
+        return int(integrator.stages)
 
 
 def find_arithmetic(name: str) -> int:
     """plain, compensated, folded or double-single."""
     lib = library()
-    number = lib.fp3_arithmetic_find(name_bytes("arithmetic", name).replace(b"-", b"_"))
+    number = int(lib.fp3_arithmetic_find(name_bytes("arithmetic", name).replace(b"-", b"_")))
     if number == d.FP3_ARITHMETICS:
         names = [lib.fp3_arithmetic_of(i).contents.name.decode().replace("_", "-") for i in range(d.FP3_ARITHMETICS)]
         raise ArgumentError(f"arithmetic: found {name!r}, expected one of {', '.join(names)}")
@@ -74,7 +74,8 @@ def find_arithmetic(name: str) -> int:
 
 def integrators() -> Tuple[str, ...]:
     """The names of the built-in integrators, for `method`."""
-    lib, names = library(), []
+    lib = library()
+    names: List[str] = []
     while (name := lib.fp3_integrator_name(len(names))) is not None:
         names.append(name.decode())
     return tuple(names)
@@ -123,7 +124,7 @@ class Model:
         self.units: Dict[str, str] = {q.name.decode(): (q.dimension or b"").decode(errors="replace") for q in quantities}
 
     @property
-    def _c(self) -> d.fp3_model:
+    def _c(self) -> Any:
         return self._handle.pointer.contents
 
     @property
@@ -146,7 +147,7 @@ class Model:
             self._programs[how] = Program(self, how)
         return self._programs[how]
 
-    def __reduce__(self):
+    def __reduce__(self) -> Tuple[Any, ...]:
         return _again, (self._text, self._where)
 
     def __repr__(self) -> str:

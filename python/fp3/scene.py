@@ -84,7 +84,7 @@ class Scene:
         self._has_parts = all(self._c.groups[i].program.contents.model for i in range(len(self.groups)))
 
     @property
-    def _c(self) -> d.fp3_scene:
+    def _c(self) -> Any:
         assert self._scene is not None
         return self._scene.pointer.contents
 
@@ -125,10 +125,10 @@ class Scene:
             with self._lock:
                 check(self._lib.fp3_engine_advance(self._engine(), now, None), self._error)
                 first = first or (self.failure() if check_failures else None)
-            part, left = next_part(part, time.perf_counter() - begun), left - now
+            part, left = next_part(part, now, time.perf_counter() - begun), left - now
             tell(1 - left / total)
         if first is not None:
-            raise FailedError(f"{first.count} objects failed, first {first.text}")
+            raise FailedError(f"{first.failed} objects failed, first {first.text}")
 
     def _is_adaptive(self) -> bool:
         return any(self._adaptive(group) for group in self.groups)

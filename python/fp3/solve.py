@@ -234,10 +234,11 @@ def fixed_clock(model: Model, span: Tuple[float, float], times: "np.ndarray[Any,
         if found is None:
             return None
         begin = found if span[0] > 0 else -found
-    marks = [steps_to(program, h, at - span[0]) for at in (*times, span[1])]
-    if None in marks or (np.diff(marks[:-1]) <= 0).any():
+    found_marks = [steps_to(program, h, at - span[0]) for at in (*times, span[1])]
+    marks = [mark for mark in found_marks if mark is not None]
+    if len(marks) < len(found_marks) or (np.diff(marks[:-1]) <= 0).any():
         return None
-    if program.c.image.contents and library().fp3_image_steps(program.c.image) >= 0 and abs(begin) + marks[-1] > d.FP3_STEPS_LIMIT:
+    if library().fp3_image_steps(program.c.image) >= 0 and abs(begin) + marks[-1] > d.FP3_STEPS_LIMIT:
         raise ArgumentError(f"t_span: {abs(begin) + marks[-1]} steps, and a model with t counts at most {d.FP3_STEPS_LIMIT}: a longer h, or rtol")
     clock = Clock(program, h, False, False, 0.0, begin, marks)
     step = rounded(h, how.arithmetic)
@@ -324,7 +325,7 @@ def depends(c: d.fp3_model, start: int, params: Mapping[str, Any]) -> bool:
 class Run:
     def __init__(self, batch: Batch, clock: Clock, attempts: int, progress: Union[None, bool, Callable[[float], None]]) -> None:
         self.batch, self.clock, self.attempts = batch, clock, attempts
-        self.lib, self.engine = library(), library().fp3_batch_engine(batch._handle.pointer)
+        self.lib, self.engine = library(), library().fp3_batch_engine(batch._handle.pointer if batch._handle else None)
         self.model, self.objects = batch.model, len(batch)
         self.part = PART_FIRST
         self.tell = print_share if progress is True else progress or None
@@ -363,7 +364,7 @@ class Run:
             self.advance(steps, is_new)
             seconds = time.perf_counter() - begun
             left, is_new = left - steps, False
-            self.part = next_part(self.part, seconds)
+            self.part = next_part(self.part, steps, seconds)
             if self.clock.is_cut and self.is_over():
                 break
             if not self.clock.is_cut:
@@ -424,7 +425,7 @@ class Run:
 
     def counts(self) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
         if self.clock.is_cut:
-            return tuple(self.batch.read(name).astype(np.int64) for name in ("accepted", "rejected"))
+            return self.batch.read("accepted").astype(np.int64), self.batch.read("rejected").astype(np.int64)
         return np.full(self.objects, self.clock.marks[-1]), np.zeros(self.objects, np.int64)
 
     def events(self) -> Tuple[Any, Any]:

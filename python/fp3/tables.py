@@ -17,7 +17,7 @@ import tempfile
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ._library import home
-from .errors import ArgumentError, ProgramError, SystemFailure
+from .errors import ArgumentError, FailedError, ProgramError, SystemFailure
 from .model import Model, Source, as_model
 
 _OBJECTS_FAILED = 3  # exit code: all is written, and something is not as it should be
@@ -60,23 +60,23 @@ class Tuning:
         return f"fp3.Tuning({c['model']}: " + (f"{c['integrator']}, {c['arithmetic']}, error {c['error']:.3g})" if self.met else "nothing meets the tolerance)")
 
 
-def command(arguments: Sequence[str], *, progress: bool = False) -> Tuple[int, str]:
-    """Starts the command that the package carries; its exit code 0 or 3, and what it printed. Ctrl-C ends it, too."""
-    done = subprocess.run([str(home() / "bin" / "fp3"), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+def command(arguments: Sequence[str], found: pathlib.Path, *, progress: bool = False) -> Any:
+    """Starts the command that the package carries, and reads what it has written to `found`. Ctrl-C ends it, too."""
+    done = subprocess.run([str(home() / "bin" / "fp3"), *arguments, f"--json={found}"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=sys.stderr if progress and has_descriptor(sys.stderr) else subprocess.PIPE, text=True)
-    if done.returncode in (0, _OBJECTS_FAILED):
-        return done.returncode, done.stdout
+    if done.returncode in (0, _OBJECTS_FAILED) and found.exists():
+        return json.loads(found.read_text())
     said = (done.stderr or done.stdout).strip()
     line = said.splitlines()[-1] if said else f"fp3 {arguments[0]} ended with exit code {done.returncode}"
     place = re.search(r"(?:^|: )([^:\s]+):(\d+):(?:(\d+):)?", line)
-    kind = SystemFailure if done.returncode not in (1, 2) else ProgramError if place else ArgumentError
+    kind = FailedError if done.returncode == _OBJECTS_FAILED else SystemFailure if done.returncode not in (1, 2) else ProgramError if place else ArgumentError
     raise kind(line, file=place[1] if place else None, line=int(place[2]) if place else None,
                column=int(place[3]) if place and place[3] else None)
 
 
 def has_descriptor(stream: Any) -> bool:
     try:
-        return stream.fileno() >= 0
+        return int(stream.fileno()) >= 0
     except (AttributeError, OSError, ValueError):
         return False
 
@@ -87,6 +87,7 @@ class _Files:
     def __init__(self, models: Iterable[Union[Model, Source]]) -> None:
         self._directory = tempfile.TemporaryDirectory(prefix="fp3-")
         self.path = pathlib.Path(self._directory.name)
+        self.found = self.path / "found.json"
         self.models: List[str] = []
         for i, model in enumerate(map(as_model, models)):
             name = pathlib.Path(os.fsdecode(model._where)).name.removesuffix(".ode") or "text"
@@ -100,9 +101,6 @@ class _Files:
 
     def __exit__(self, *of: Any) -> None:
         self._directory.cleanup()
-
-    def json(self) -> Any:
-        return json.loads((self.path / "found.json").read_text())
 
 
 def _numbers(option: str, values: Optional[Mapping[str, Any]], width: int) -> List[str]:
@@ -129,12 +127,12 @@ def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapp
     """
     with _Files([model]) as files:
         scene = files.path / "found.scene"
-        command(["tune", files.models[0], f"--tolerance={float(tolerance)!r}", f"--json={files.path / 'found.json'}", f"--output={scene}",
+        found = command(["tune", files.models[0], f"--tolerance={float(tolerance)!r}", f"--output={scene}",
                  *_numbers("spread", ranges, 2), *_numbers("set", params, 1),
-                 *_options(around=around, span=span, config=config, objects=objects, held_out=held_out)], progress=progress)
+                 *_options(around=around, span=span, config=config, objects=objects, held_out=held_out)], files.found, progress=progress)
         text = scene.read_text() if scene.exists() else ""
         name = os.fsdecode(as_model(model)._where)
-        return Tuning(files.json(), re.sub(r'program = ".*";', lambda _: f'program = "{name}";', text))
+        return Tuning(found, re.sub(r'program = ".*";', lambda _: f'program = "{name}";', text))
 
 
 def bench(*models: Union[Model, Source], integrators: Sequence[str] = (), config: Optional[str] = None, quick: bool = False,
@@ -146,15 +144,16 @@ def bench(*models: Union[Model, Source], integrators: Sequence[str] = (), config
     if not models:
         raise ArgumentError("bench: expected a model")
     with _Files(models) as files:
-        command(["bench", *files.models, f"--json={files.path / 'found.json'}", *(f"--integrator={name}" for name in integrators),
-                 *_options(config=config, quick=quick)], progress=progress)
-        return Table(files.json()["points"])
+        return Table(command(["bench", *files.models, *(f"--integrator={name}" for name in integrators), *_options(config=config, quick=quick)],
+                             files.found, progress=progress)["points"])
 
 
 def stress(*models: Union[Model, Source], integrators: Sequence[str] = (), only: Optional[str] = None, quick: bool = False,
            progress: bool = False) -> Table:
-    """`fp3 stress`: what FP32 does to models, or without a model to the integrators, beside theory. A row for each result; `holds` says whether it is as it should be."""
+    """`fp3 stress`: what FP32 does to models, or without a model to the integrators, beside theory.
+
+    A row for each result; `holds` says whether it is as it should be.
+    """
     with _Files(models) as files:
-        command(["stress", *files.models, f"--json={files.path / 'found.json'}", *(f"--integrator={name}" for name in integrators),
-                 *_options(only=only, quick=quick)], progress=progress)
-        return Table(files.json()["results"])
+        return Table(command(["stress", *files.models, *(f"--integrator={name}" for name in integrators), *_options(only=only, quick=quick)],
+                             files.found, progress=progress)["results"])

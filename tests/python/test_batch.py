@@ -123,7 +123,7 @@ def test_failures_are_told():
         with pytest.raises(fp3.FailedError, match="1 of 3 objects failed, first object 2 in step 1: overflow"):
             batch.step(2)
         failure = batch.failure()
-        assert (failure.count, failure.object, failure.step) == (1, 2, 1) and batch.status()["failed"].tolist() == [0, 0, 1]
+        assert (failure.failed, failure.object, failure.step) == (1, 2, 1) and batch.status()["failed"].tolist() == [0, 0, 1]
         assert batch["x"][:2].tolist() == [1, 1]
         batch["x"], batch["a"] = 1, 0
         batch.step()

@@ -180,3 +180,9 @@ def test_progress(model):
 def test_threads_change_no_bit(model):
     y0 = {"v_y": np.linspace(1.5, 1.8, 3000)}
     assert np.array_equal(fp3.solve_ivp(model("kepler"), (0, 4), y0, threads=1).y, fp3.solve_ivp(model("kepler"), (0, 4), y0, threads=2).y)
+
+
+def test_many_times(model, ran):
+    """A snapshot after each step: as many parts as steps, and each may be as long as any."""
+    solution = fp3.solve_ivp(model("kepler"), (0, 32), t_eval=np.arange(2049) / 64)
+    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 1, "-n", 2048, "--every", 1), KEPLER)
