@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
     from .batch import Batch, Column, Failure
-    from .errors import (ArgumentError, Error, FailedError, FailedWarning, LimitError, MismatchError, ProgramError,
+    from .errors import (ArgumentError, DigitsWarning, Error, FailedError, FailedWarning, LimitError, MismatchError, ProgramError,
                          SystemFailure)
     from .model import Model, integrators
     from .scene import Scene
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "batch": ("Batch", "Column", "Failure"),
-    "errors": ("ArgumentError", "Error", "FailedError", "FailedWarning", "LimitError", "MismatchError", "ProgramError", "SystemFailure"),
+    "errors": ("ArgumentError", "DigitsWarning", "Error", "FailedError", "FailedWarning", "LimitError", "MismatchError", "ProgramError", "SystemFailure"),
     "model": ("Model", "integrators"),
     "scene": ("Scene",),
     "solve": ("Solution", "solve_ivp"),

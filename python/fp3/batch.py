@@ -92,6 +92,27 @@ def as_count(what: str, value: Any, least: int, most: int) -> int:
     return number
 
 
+def split_links(links: Optional[Mapping[str, Any]]) -> Dict[str, Tuple[Any, Any, Mapping[str, Any]]]:
+    """Of each relation: a, b and fields."""
+    found = {}
+    for name, of in (links or {}).items():
+        if not isinstance(of, (tuple, list)) or len(of) not in (2, 3) or (len(of) == 3 and not isinstance(of[2], Mapping)):
+            raise ArgumentError(f"links: '{name}' is {type(of).__name__}, expected (a, b) or (a, b, fields)")
+        found[name] = (of[0], of[1], of[2] if len(of) == 3 else {})
+    return found
+
+
+def link_all(batch: "Batch", links: Optional[Mapping[str, Any]]) -> None:
+    for relation, (a, b, fields) in split_links(links).items():
+        batch.link(relation, a, b, **fields)
+
+
+def check_mask(what: str, value: Any) -> None:
+    """A mask says that a number is none; the library has no word for that."""
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise ArgumentError(f"{what}: found masked values, expected a number everywhere")
+
+
 def next_part(part: int, made: int, seconds: float) -> int:
     """How many steps take about PART_SECONDS, if `made` of a part took this long."""
     if made < part and seconds < PART_SECONDS:
@@ -136,8 +157,7 @@ class Batch:
         adaptive = None if tolerance is None else (numbers["tolerance"], numbers["absolute"], numbers["until"], numbers["maxstep"])
         self._open(self.model.program(How(method, arithmetic, config, adaptive)), as_count("objects", objects, 1, 2**32 - 1), h, engine,
                    as_count("threads", threads, 0, 1024), bool(may_compile), numbers["skin"])
-        for relation, of in (links or {}).items():
-            self.link(relation, of[0], of[1], **(of[2] if len(of) > 2 else {}))
+        link_all(self, links)
         for name, value in (params or {}).items():
             self[name] = value
 
@@ -199,6 +219,7 @@ class Batch:
 
     def write(self, name: str, values: Value, first: int = 0, count: Optional[int] = None) -> None:
         """Writes one number for each of the objects from `first` on."""
+        check_mask(f"'{name}'", values)
         array = np.asarray(values)
         if array.ndim != 1 or array.dtype.kind not in "fiu":
             raise ArgumentError(f"'{name}': found {array.dtype} of shape {array.shape}, expected a column of numbers")

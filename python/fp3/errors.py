@@ -49,5 +49,9 @@ class FailedError(Error, ArithmeticError):
     """Objects failed in a run: an overflow, an invalid operation, or a state that is not finite. All values can be read."""
 
 
+class DigitsWarning(RuntimeWarning):
+    """FP32 has too few digits for a run, and no flag tells: a state stands still."""
+
+
 class FailedWarning(RuntimeWarning):
     """The same, of a result that says so itself: fp3.solve_ivp."""

@@ -12,8 +12,9 @@ import numpy as np
 
 from . import _declarations as d
 from ._library import check, library, name_bytes
-from .batch import PART_FIRST, STEPS_MOST, Batch, Value, as_count, as_number, next_part, print_share
-from .errors import ArgumentError, FailedWarning
+from .batch import PART_FIRST, STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, print_share, split_links
+from .errors import ArgumentError, DigitsWarning, FailedWarning
+from .loss import params_of, standstill
 from .model import How, Model, Program, Source, as_model
 
 
@@ -37,10 +38,15 @@ class Solution(Dict[str, Any]):
     def __missing__(self, name: str) -> Any:
         if name not in dict.__getitem__(self, "states"):
             raise KeyError(name)
-        return self["y"][..., self["states"].index(name), :]
+        return self.state(name)
+
+    def state(self, name: str) -> "np.ndarray[Any, Any]":
+        """The values of a state, also of one that is named like a field: `y`, `t`, `h`."""
+        values: "np.ndarray[Any, Any]" = self["y"][..., self["states"].index(name), :]
+        return values
 
     def __dir__(self) -> List[str]:
-        return list(self)
+        return [*self, "state"]
 
     def __repr__(self) -> str:
         return f"fp3.Solution({self['message']} y: {self['y'].shape}, states {', '.join(self['states'])})"
@@ -86,12 +92,14 @@ def solve_ivp(model: Union[Model, Source], t_span: Sequence[float], y0: Union[No
     batch.model = model
     batch._open(program, count or 1, clock.h if not clock.chooses else None, engine, as_count("threads", threads, 0, 1024), bool(may_compile), 0.0)
     with batch:
-        for relation, of in (links or {}).items():
-            batch.link(relation, of[0], of[1], **(of[2] if len(of) > 2 else {}))
+        link_all(batch, links)
         write_values(batch, model, starts, given)
         clock.begin(batch)
         run = Run(batch, clock, as_count("attempts", attempts, 1, STEPS_MOST), progress)
         solution = run.all()
+        lost = run.lost(given)
+    if lost:
+        warnings.warn(lost, DigitsWarning, stacklevel=2)
     if count is None:
         first_of(solution)
     if not solution["success"]:
@@ -124,6 +132,7 @@ def read_times(t_eval: Optional[Sequence[float]], span: Tuple[float, float]) -> 
 def read_starts(model: Model, y0: Any) -> Dict[str, Any]:
     if y0 is None:
         return {}
+    check_mask("y0", y0)
     if isinstance(y0, Mapping):
         for name in y0:
             if name not in model.states:
@@ -146,7 +155,7 @@ def count_objects(values: Mapping[str, Any], objects: Optional[int], links: Opti
         if shape:
             counts[name] = shape[0]
     if not counts and links:
-        counts["links"] = max(int(np.max(end)) for of in links.values() for end in of[:2]) + 1
+        counts["links"] = max((int(np.max(end)) for of in split_links(links).values() for end in of[:2] if np.size(end)), default=0) + 1
     if len(set(counts.values())) > 1:
         raise ArgumentError("the number of objects is not one: " + ", ".join(f"{name} has {n}" for name, n in counts.items()))
     return next(iter(counts.values()), None)
@@ -294,11 +303,7 @@ def derived_starts(batch: Batch, model: Model, starts: Mapping[str, Any], params
     if not wanted:
         return {}
     count = len(batch) if any(np.ndim(value) for value in params.values()) else 1
-    table = np.empty((count, len(model.params)))
-    for i, name in enumerate(model.params):
-        given = np.asarray(params.get(name, model.defaults[name]), np.float64)
-        high = given.astype(np.float32).astype(np.float64)
-        table[:, i] = high + (given - high).astype(np.float32) if batch._is_wide else high
+    table = params_of(model, params, count, batch._is_wide)
     initial = np.array([c.states[i].value for i in range(c.state_count)])
     values, found = np.empty(c.expr_count), {name: np.empty(count) for name in wanted}
     for n in range(count):
@@ -422,6 +427,14 @@ class Run:
         self.failed |= [self.end(i).end not in (d.FP3_ADAPTIVE_ENDED, d.FP3_ADAPTIVE_STOPPED) for i in range(self.objects)]
 
     # ---- the result ----
+
+    def lost(self, params: Mapping[str, Any]) -> Optional[str]:
+        """The command's warning of a state that stands still; of fixed steps in plain arithmetic, as there."""
+        clock = self.clock
+        if clock.is_cut or clock.h is None or clock.program.c.compiled.contents.arithmetic != d.FP3_PLAIN:
+            return None
+        t = (clock.begin_at + clock.marks[-1]) * float(np.float32(clock.h))
+        return standstill(self.model, [self.batch.read(name, 0, min(self.objects, 1024)) for name in self.model.states], params, clock.h, clock.marks[-1], t)
 
     def counts(self) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
         if self.clock.is_cut:

@@ -34,7 +34,8 @@ NAN, INF = float("nan"), float("inf")
     ({"t_eval": []}, "t_eval"), ({"t_eval": [1, 0]}, "ascend"), ({"t_eval": [0, 0]}, "ascend"), ({"t_eval": [-1]}, "ascend"), ({"t_eval": [2]}, "ascend"),
     ({"t_eval": [NAN]}, "ascend"), ({"t_eval": 1}, "t_eval"), ({"t_eval": ["a"]}, "t_eval"), ({"t_eval": [0.3, 0.3 + 1e-12]}, "same FP32"),
     ({"engine": "quick"}, "no engine 'quick'"), ({"engine": "fa\0st"}, "NUL"), ({"config": "huge"}, "huge"), ({"method": "rk5"}, "rk5"), ({"arithmetic": "none"}, "arithmetic"),
-    ({"threads": -1}, "threads"), ({"threads": 5000}, "threads"), ({"attempts": 0}, "attempts"), ({"links": {"near": ([0], [1])}}, "near"),
+    ({"threads": -1}, "threads"), ({"threads": 5000}, "threads"), ({"attempts": 0}, "attempts"), ({"links": {"near": ([0], [1])}}, "near"), ({"links": {"near": 3}}, "expected \\(a, b\\)"),
+    ({"y0": np.ma.array([0.0, 1.0], mask=[0, 1])}, "masked"), ({"params": {"k": np.ma.array([0.0, 1.0], mask=[0, 1])}}, "masked"),
     ({"method": "stoermer_verlet"}, "."), ({"config": "single_full", "objects": 2}, "room")])
 def test_what_solve_ivp_refuses(options, told):
     with pytest.raises(fp3.Error, match=told):

@@ -1,5 +1,6 @@
 """fp3.solve_ivp: the bits of `fp3 run`, SciPy's form, failures that are told."""
 
+import subprocess
 import warnings
 
 import numpy as np
@@ -186,3 +187,27 @@ def test_many_times(model, ran):
     """A snapshot after each step: as many parts as steps, and each may be as long as any."""
     solution = fp3.solve_ivp(model("kepler"), (0, 32), t_eval=np.arange(2049) / 64)
     same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 1, "-n", 2048, "--every", 1), KEPLER)
+
+
+@pytest.mark.parametrize("k, h, told", [(1, 1e-9, True), (1, 2**-6, False), (0, 1e-9, False)])
+def test_a_state_that_stands_still_is_told_as_the_command_tells_it(fp3, tmp_path, k, h, told):
+    """h k is too small to change x; the state y moves by itself."""
+    import fp3 as package
+    path = tmp_path / "still.ode"
+    path.write_text("param k = 1\nstate x = 1\nstep 0.125\nx' = k*x\n")
+    steps = 2000000 if h < 1e-6 else 64
+    done = subprocess.run([fp3, "run", path, "-e", "fast", "-c", "many_full", "-o", "3", "-n", str(steps), "--set", f"k={k}", "--set", f"h={h!r}"],
+                          capture_output=True, text=True, timeout=300)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        package.solve_ivp(path, (0, steps * h), params={"k": k}, h=h, objects=3)
+    ours = [str(of.message) for of in said if of.category is package.DigitsWarning]
+    assert ("stands still" in done.stderr) == told and len(ours) == told
+    if told:
+        begin = ours[0].partition("; use")[0]
+        assert begin in done.stderr, (begin, done.stderr)
+
+
+def test_a_state_that_is_named_like_a_field():
+    solution = fp3.solve_ivp("state y = 1\nstate t_x = 2\nstep 0.125\ny' = -y\nt_x' = 0*y\n", (0, 1))
+    assert np.array_equal(solution.state("y"), solution.y[0]) and solution["y"] is solution.y and np.array_equal(solution["t_x"], solution.y[1])
