@@ -33,6 +33,8 @@ class Build(build_py):
 
     def run(self):
         super().run()
+        if getattr(self, "editable_mode", False):
+            return  # the package in the sources takes the library from build/
         native = pathlib.Path(self.build_lib).resolve() / "fp3/_native"
         subprocess.run(["make", "-C", str(ROOT), "python-native", f"NATIVE={native}"], check=True)
 

@@ -6,6 +6,7 @@ import contextlib
 import ctypes
 import sys
 import threading
+import time
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -177,6 +178,7 @@ class Batch:
         check(lib.fp3_batch_open(definition, pointer), self._error)
         self._handle: Optional[Handle] = Handle(pointer, "fp3_batch_close", program, definition, self._error)
         self._program, self._objects, self._used = program, objects, objects
+        self._part, self._is_adaptive = PART_FIRST, program.how.adaptive is not None
         self._is_wide = program.c.compiled.contents.arithmetic == d.FP3_DOUBLE_SINGLE
 
     # ---- the object itself ----
@@ -270,12 +272,41 @@ class Batch:
 
         FailedError: objects failed in these steps. The steps are made all the same, and values can be read.
         """
-        steps = as_count("steps", steps, 0, STEPS_MOST)
+        left, found, is_new = as_count("steps", steps, 0, STEPS_MOST), None, True
+        with self._c():
+            while left > 0 or is_new:
+                now, begun = min(self._part, left), time.perf_counter()
+                self._advance(now, is_new)
+                self._part = next_part(self._part, now, time.perf_counter() - begun)
+                left, is_new = left - now, False
+                is_last = not left or (self._is_adaptive and self._is_over())
+                if check_failures and steps and found is None and (is_last or not self._is_adaptive):
+                    found = self.failure()
+                if is_last:
+                    break
+            if found is not None:
+                more = "at least " if now < steps and not self._is_adaptive else ""  # later parts may have others
+                raise FailedError(f"{more}{found.failed} of {self._used} objects failed, first {found.text}")
+
+    def _advance(self, steps: int, is_new: bool) -> None:
+        """A part of a run. is_new: its first one. Who chooses its steps and has reached the end sleeps on in the others."""
         with self._c() as c:
-            check(self._lib.fp3_batch_step(c, steps), self._error)
-            failure = self.failure() if check_failures and steps else None
-        if failure is not None:
-            raise FailedError(f"{failure.failed} of {self._used} objects failed, first {failure.text}")
+            if is_new or not self._is_adaptive:
+                check(self._lib.fp3_batch_step(c, steps), self._error)
+            else:
+                check(self._lib.fp3_engine_advance(self._lib.fp3_batch_engine(c), steps, None), self._error)
+
+    def _is_over(self) -> bool:
+        """Whether nobody goes on who chooses its steps: who can sleep does so where it ends or is stuck."""
+        if self._lib.fp3_image_slept(self._program.c.image) >= 0:
+            return bool(self.status()["slept"][:self._used].all())
+        return all(self._end(i).end != d.FP3_ADAPTIVE_LIMITED for i in range(self._used))
+
+    def _end(self, i: int) -> d.fp3_adaptive_object:
+        found = d.fp3_adaptive_object()
+        with self._c() as c:
+            check(self._lib.fp3_adaptive_look(self._lib.fp3_batch_engine(c), i, found), self._error)
+        return found
 
     def use(self, count: int) -> None:
         """From now on objects 0 .. count-1 make steps; the others keep what they hold."""
@@ -308,7 +339,7 @@ class Batch:
     def failure(self) -> Optional[Failure]:
         """How objects failed in the last step, or None."""
         with self._c() as c:
-            if self._program.how.adaptive is not None:
+            if self._is_adaptive:
                 return self._adaptive_failure(c)
             found, text = d.fp3_failure(), ctypes.create_string_buffer(d.FP3_FAILURE_TEXT_SIZE)
             check(self._lib.fp3_batch_failure(c, found, text), self._error)

@@ -119,19 +119,41 @@ class Scene:
         """Runs the scene's steps, or this number. FailedError: objects failed; all values can be read."""
         left = total = self.steps if steps is None else as_count("steps", steps, 0, STEPS_MOST)
         tell = print_share if progress is True else progress or (lambda share: None)
-        part, first = PART_FIRST if self._has_parts and not self._is_adaptive() else total, None
-        while left > 0:
+        with self._lock:  # counted from here; a configuration that keeps no status has nothing to clear
+            self._lib.fp3_engine_clear_status(self._engine(), 0, self.objects)
+        part, first = PART_FIRST if self._has_parts and not self._is_mixed() else total, None
+        while left > 0 and not (left < total and self._is_over()):
             now, begun = min(part, left), time.perf_counter()
             with self._lock:
                 check(self._lib.fp3_engine_advance(self._engine(), now, None), self._error)
-                first = first or (self.failure() if check_failures else None)
+                if check_failures and (not self._is_adaptive() or left == now or self._is_over()):
+                    first = first or self.failure()
             part, left = next_part(part, now, time.perf_counter() - begun), left - now
             tell(1 - left / total)
+        tell(1.0)
         if first is not None:
-            raise FailedError(f"{first.failed} objects failed, first {first.text}")
+            failed = max(first.failed, int(np.count_nonzero(self._status()[:, 1])))  # in later parts, too
+            raise FailedError(f"{failed} objects failed, first {first.text}")
 
     def _is_adaptive(self) -> bool:
         return any(self._adaptive(group) for group in self.groups)
+
+    def _is_mixed(self) -> bool:
+        """Steps that are chosen beside fixed ones, or where nobody can sleep: how far it is only the engine can say."""
+        return self._is_adaptive() and not all(self._adaptive(group) and self._lib.fp3_image_slept(group._program.contents.image) >= 0 for group in self.groups)
+
+    def _is_over(self) -> bool:
+        """Whether all objects that choose their steps have ended, or are stuck: then they sleep."""
+        if not self._is_adaptive() or self._is_mixed():
+            return False
+        return bool(self._status()[:, 2].all())
+
+    def _status(self) -> "np.ndarray[Any, Any]":
+        """A row of fp3_object_status for each object: flags, failed, slept."""
+        found = np.zeros((self.objects, 3), np.uint32)
+        with self._lock:
+            check(self._lib.fp3_engine_status(self._engine(), 0, self.objects, ctypes.cast(found.ctypes.data, ctypes.POINTER(d.fp3_object_status))), self._error)
+        return found
 
     def _adaptive(self, group: Group) -> bool:
         return bool(self._lib.fp3_adaptive_is(group._program.contents.image))

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _declarations as d
 from ._library import check, library, name_bytes
-from .batch import PART_FIRST, STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, print_share, split_links
+from .batch import STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, print_share, split_links
 from .errors import ArgumentError, DigitsWarning, FailedWarning
 from .loss import params_of, standstill
 from .model import How, Model, Program, Source, as_model
@@ -182,7 +182,6 @@ class Clock:
         self.program, self.h, self.chooses, self.is_cut = program, h, chooses, is_cut
         self.offset, self.begin_at = offset, begin  # the model's time of the caller's 0; where objects start
         self.marks = marks  # numbers of steps, or times in FP32; the last one is the end
-        self.looks: List[bool] = []
         self.times: List[float] = []
 
     def begin(self, batch: Batch) -> None:
@@ -330,15 +329,13 @@ def depends(c: d.fp3_model, start: int, params: Mapping[str, Any]) -> bool:
 class Run:
     def __init__(self, batch: Batch, clock: Clock, attempts: int, progress: Union[None, bool, Callable[[float], None]]) -> None:
         self.batch, self.clock, self.attempts = batch, clock, attempts
-        self.lib, self.engine = library(), library().fp3_batch_engine(batch._handle.pointer if batch._handle else None)
+        self.lib = library()
         self.model, self.objects = batch.model, len(batch)
-        self.part = PART_FIRST
         self.tell = print_share if progress is True else progress or None
-        self.message, self.first = "", None
+        self.first: Optional[str] = None  # the first failure, in words
         self.failed = np.zeros(self.objects, bool)
         self.y = np.empty((len(clock.marks) - 1, len(self.model.states), self.objects))
         self.names = (ctypes.c_char_p * len(self.model.states))(*(name.encode() for name in self.model.states))
-        self.can_sleep = self.lib.fp3_image_slept(clock.program.c.image) >= 0
 
     def all(self) -> Solution:
         if self.clock.h is not None and self.clock.chooses:
@@ -365,38 +362,31 @@ class Run:
         left = self.attempts if self.clock.is_cut else mark - at
         is_new = True
         while left > 0:
-            steps, begun = min(self.part, left), time.perf_counter()
-            self.advance(steps, is_new)
+            steps, begun = min(self.batch._part, left), time.perf_counter()
+            self.batch._advance(steps, is_new)
             seconds = time.perf_counter() - begun
             left, is_new = left - steps, False
-            self.part = next_part(self.part, steps, seconds)
-            if self.clock.is_cut and self.is_over():
+            self.batch._part = next_part(self.batch._part, steps, seconds)
+            if self.clock.is_cut and self.batch._is_over():
                 break
             if not self.clock.is_cut:
                 self.note_failure()
                 self.share((mark - left - begin) / last)
+            elif self.tell:
+                self.share(float((np.minimum(self.time(), mark) - begin).mean()) / (last - begin))
         if self.clock.is_cut:
-            self.note_ends()
+            self.note_ends(mark)
             self.share((mark - begin) / (last - begin))
 
-    def advance(self, steps: int, is_new: bool) -> None:
-        if is_new or not self.clock.is_cut:
-            self.batch.step(steps, check_failures=False)
-        else:  # who has reached the end sleeps on
-            with self.batch._c():
-                check(self.lib.fp3_engine_advance(self.engine, steps, None), self.batch._error)
+    def time(self) -> "np.ndarray[Any, Any]":
+        """Of each object, the sum of its two words."""
+        return self.batch.read("t", out=np.empty(self.objects))
 
-    def is_over(self) -> bool:
-        """Whether nobody goes on: who can sleep does so where it ends or is stuck."""
-        if self.can_sleep:
-            return bool(self.batch.status()["slept"].all())
-        return all(self.end(i).end != d.FP3_ADAPTIVE_LIMITED for i in range(self.objects))
-
-    def end(self, i: int) -> d.fp3_adaptive_object:
-        found = d.fp3_adaptive_object()
-        with self.batch._c():
-            check(self.lib.fp3_adaptive_look(self.engine, i, found), self.batch._error)
-        return found
+    def has_stopped(self) -> "np.ndarray[Any, Any]":
+        """Whether an event has stopped it: then its next step is -0."""
+        step = self.batch.read("h_next")
+        stopped: "np.ndarray[Any, Any]" = (step == 0) & np.signbit(step)
+        return stopped
 
     def look(self, i: int) -> None:
         pointers = (ctypes.c_void_p * len(self.names))(*(row.ctypes.data for row in self.y[i]))
@@ -415,16 +405,22 @@ class Run:
             return
         self.note(found)
         self.failed |= self.batch.status()["failed"] != 0
-        for name in self.model.states:
-            self.failed |= ~np.isfinite(self.batch.read(name))
+        self.note_lost()
         self.failed[found.object] = True
 
-    def note_ends(self) -> None:
+    def note_ends(self, mark: float) -> None:
         found = self.batch.failure()
         if found is None:
             return
         self.note(found)
-        self.failed |= [self.end(i).end not in (d.FP3_ADAPTIVE_ENDED, d.FP3_ADAPTIVE_STOPPED) for i in range(self.objects)]
+        self.failed |= (self.time() < mark) & ~self.has_stopped()
+        self.note_lost()
+        self.failed[found.object] = True
+
+    def note_lost(self) -> None:
+        """Whose states are not finite."""
+        for name in self.model.states:
+            self.failed |= ~np.isfinite(self.batch.read(name))
 
     # ---- the result ----
 
@@ -446,12 +442,8 @@ class Run:
         c = self.model._c
         if not self.clock.is_cut or not any(c.events[i].stops for i in range(c.event_count)):
             return None, None
-        step, states = self.batch.read("h_next"), np.stack([self.batch.read(name) for name in self.model.states], axis=1)
-        at = self.batch.read("t").astype(np.float64)
-        has_stopped = (step == 0) & np.signbit(step)
-        for i in np.flatnonzero(has_stopped):
-            found = self.end(int(i))
-            at[i] = float(found.t) + float(found.t_low) + self.clock.offset
+        states = np.stack([self.batch.read(name) for name in self.model.states], axis=1)
+        at, has_stopped = self.time() + self.clock.offset, self.has_stopped()
         return ([[at[i:i + 1] if has_stopped[i] else np.empty(0)] for i in range(self.objects)],
                 [[states[i:i + 1].astype(np.float64) if has_stopped[i] else np.empty((0, states.shape[1]))] for i in range(self.objects)])
 

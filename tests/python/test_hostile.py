@@ -146,7 +146,8 @@ def test_multiprocessing(python, tmp_path):
 
 
 @pytest.mark.parametrize("call", ["fp3.solve_ivp(M, (0, 1e6), objects=20_000)", "fp3.solve_ivp(M, (0, 1e6), objects=20_000, rtol=1e-6, max_step=1e-3)",
-                                  "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')"])
+                                  "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')", "fp3.Batch(M, 20_000).step(2**31)",
+                                  "fp3.Batch(M, 20_000, tolerance=1e-6, maxstep=1e-3, until=1e6).step(2**31)"])
 def test_a_keyboard_interrupt_ends_a_long_run(environment, tmp_path, call):
     """Within a second or so, and the session goes on."""
     script = textwrap.dedent(f"""

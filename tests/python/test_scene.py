@@ -82,6 +82,10 @@ def test_what_a_scene_refuses(root, tmp_path):
     (tmp_path / "fails.scene").write_text('config = "many_full"; engine = "fast"; steps = 4;\ngroups = ({ program = "explodes.ode"; objects = 3; });\n')
     with pytest.raises(fp3.FailedError, match="3 objects failed, first object 0 in step 1: overflow"):
         fp3.Scene(tmp_path / "fails.scene").run()
+    (tmp_path / "later.ode").write_text("param a = 1\nstate x = 1\nstep 0.125\nx' = a*x*x\n")
+    (tmp_path / "later.scene").write_text('config = "many_full"; engine = "fast"; steps = 4000;\ngroups = ({ program = "later.ode"; objects = 3; spread = { a = [0.01, 0.03]; }; });\n')
+    with pytest.raises(fp3.FailedError, match="3 objects failed, first object 2 in step"):
+        fp3.Scene(tmp_path / "later.scene").run()  # one after the other, in several parts
     scene = fp3.Scene(root / "programs/mixed.scene", engine="fast")
     for misuse, told in ((lambda: scene.groups[0]["z"], "no 'z'"), (lambda: scene.run(-1), "steps"), (lambda: fp3.Scene(root / "programs/mixed.scene", engine="x"), "x"),
                          (lambda: fp3.Scene(root / "programs/mixed.scene", values={2: {}}), "values"), (lambda: fp3.Scene(root / "programs/mixed.scene", values={0: {"zz": 1}}), "zz")):
