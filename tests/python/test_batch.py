@@ -102,6 +102,20 @@ def test_float64_is_rounded_as_the_command_rounds(ran, tmp_path):
         assert batch["x"][0] == np.float32(expected["x"][0])
 
 
+def test_many_steps_at_once_are_the_same_steps(kepler, ran):
+    """They are made in parts, the first of 64 steps."""
+    with fp3.Batch(kepler, 3) as batch:
+        batch.step(5000)
+        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-o", 3, "-n", 5000)[-1]
+        assert batch.time == 5000 / 64 and np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
+    with fp3.Batch(kepler, 3, tolerance=1e-6, until=125) as batch:
+        batch.step(10**6)
+        assert (batch["t"] == 125).all() and (batch["accepted"] > 300).all()
+    with fp3.Batch("param a = 1\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 3, params={"a": [0.01, 0.02, 0.03]}) as batch, \
+            pytest.raises(fp3.FailedError, match="at least [123] of 3 objects failed, first object 2 in step"):
+        batch.step(4000)
+
+
 def test_use_and_restart():
     with fp3.Batch(DECAY, 4) as batch:
         batch.step(2)
