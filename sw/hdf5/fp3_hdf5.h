@@ -1,4 +1,4 @@
-/* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, by libhdf5.
+/* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, written and read, by libhdf5.
  *
  * It is a library of its own because libhdf5 brings 30 others along: linked with them, every start of the
  * command would take 14 ms longer, and a program could not be linked statically any more.
@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#define FP3_HDF5_VERSION 1u
+#define FP3_HDF5_VERSION 2u
 
 typedef struct fp3_hdf5 fp3_hdf5;
 
@@ -28,6 +28,8 @@ typedef struct {
     const void *data;
 } fp3_hdf5_part;
 
+typedef void fp3_hdf5_number_fn(void *user, const char *name, double value);
+
 /* Calls give 0, or -1 after a failure, which `why` explains. dataset: a number that add gave, in the order of the
  * calls from 0; or -1: the file. */
 typedef struct {
@@ -43,6 +45,20 @@ typedef struct {
     /* What the first failure was; *number: its errno, or 0 where there is none. */
     const char *(*why)(const fp3_hdf5 *file, int *number);
     void (*close)(fp3_hdf5 *file);
+
+    /* Reading. An existing file, with the datasets of one or two dimensions of numbers that lie in it, by name; others
+     * are left out. Links to other files are not followed. NULL and failures as with create. */
+    fp3_hdf5 *(*open)(const char *path);
+    int (*count)(const fp3_hdf5 *file);
+    /* name belongs to the file; chunks are not told. type: what has room for its numbers. */
+    int (*describe)(fp3_hdf5 *file, int dataset, fp3_hdf5_table *table);
+    /* Into data, as numbers of this type. */
+    int (*read)(fp3_hdf5 *file, int dataset, fp3_hdf5_type type, const fp3_hdf5_part *part,
+                void *data);
+    /* An attribute; malloc'ed, or NULL if there is none. */
+    char *(*text_of)(fp3_hdf5 *file, int dataset, const char *name);
+    /* Tells the attributes of the file that are one number each. */
+    int (*numbers)(fp3_hdf5 *file, fp3_hdf5_number_fn *tell, void *user);
 } fp3_hdf5_ops;
 
 extern const fp3_hdf5_ops fp3_hdf5_calls;

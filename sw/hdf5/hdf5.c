@@ -1,89 +1,40 @@
 /* hdf5.c - see fp3_hdf5.h. */
-#include "fp3_hdf5.h"
+#include "inside.h"
 
-#include <hdf5.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define DATASETS_MOST 4096
-#define WHY_SIZE 256
 #define DEFLATE 4 /* of 9: above it files shrink by little, and take much longer */
 
-struct fp3_hdf5 {
-    hid_t file;
-    hid_t datasets[DATASETS_MOST];
-    hid_t types[DATASETS_MOST];
-    int count;
-    int has_failed, number;
-    char why[WHY_SIZE];
-};
-
-static hid_t type_of(fp3_hdf5_type type) {
-    switch (type) {
-    case FP3_HDF5_FLOAT:
-        return H5T_NATIVE_FLOAT;
-    case FP3_HDF5_DOUBLE:
-        return H5T_NATIVE_DOUBLE;
-    case FP3_HDF5_UINT32:
-        return H5T_NATIVE_UINT32;
-    case FP3_HDF5_UINT64:
-        return H5T_NATIVE_UINT64;
-    }
-    return -1;
-}
-
-/* ---- failures ---- */
-
-/* From the innermost call outwards: the first has the reason, and one may have an errno in its text. */
-static herr_t note(unsigned depth, const H5E_error2_t *entry, void *user) {
-    fp3_hdf5 *f = user;
-    const char *number = strstr(entry->desc, "errno = ");
-    if (depth == 0)
-        snprintf(f->why, sizeof f->why, "%s", entry->desc);
-    if (number && !f->number)
-        f->number = atoi(number + strlen("errno = "));
-    return 0;
-}
-
-static int check(fp3_hdf5 *f, int is_good) {
-    if (is_good && !f->has_failed)
-        return 0;
-    if (!f->has_failed)
-        H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, note, f);
-    f->has_failed = 1;
-    return -1;
-}
+/* ---- files ---- */
 
 static const char *why(const fp3_hdf5 *f, int *number) {
     *number = f->number;
     return f->why;
 }
 
-/* ---- files ---- */
-
-/* Nothing is left to do when the process ends: what is not closed by then has failed. */
 static fp3_hdf5 *create(const char *path) {
-    fp3_hdf5 *f = calloc(1, sizeof *f);
+    fp3_hdf5 *f = fp3_hdf5_begin();
     if (!f)
         return NULL;
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     f->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    check(f, f->file >= 0);
+    fp3_hdf5_check(f, f->file >= 0);
     return f;
 }
 
 static void close_file(fp3_hdf5 *f) {
     for (int i = 0; i < f->count; i++)
         H5Dclose(f->datasets[i]);
+    for (int i = 0; i < f->count; i++)
+        free(f->names[i]);
     if (f->file >= 0)
         H5Fclose(f->file);
     free(f);
 }
 
 static int flush(fp3_hdf5 *f) {
-    return check(f, !f->has_failed && H5Fflush(f->file, H5F_SCOPE_GLOBAL) >= 0);
+    return fp3_hdf5_check(f, !f->has_failed && H5Fflush(f->file, H5F_SCOPE_GLOBAL) >= 0);
 }
 
 /* ---- datasets ---- */
@@ -118,11 +69,11 @@ static int add(fp3_hdf5 *f, const fp3_hdf5_table *t) {
     }
     const hid_t space = H5Screate_simple(t->columns ? 2 : 1, size, NULL);
     const hid_t creation = creation_of(t), access = access_of();
-    const hid_t made =
-        H5Dcreate2(f->file, t->name, type_of(t->type), space, H5P_DEFAULT, creation, access);
-    const int result = check(f, made >= 0);
+    const hid_t made = H5Dcreate2(f->file, t->name, fp3_hdf5_type_of(t->type), space, H5P_DEFAULT,
+                                  creation, access);
+    const int result = fp3_hdf5_check(f, made >= 0);
     if (!result) {
-        f->types[f->count] = type_of(t->type);
+        f->types[f->count] = fp3_hdf5_type_of(t->type);
         f->datasets[f->count++] = made;
     }
     H5Pclose(access);
@@ -137,9 +88,9 @@ static int write_part(fp3_hdf5 *f, int dataset, const fp3_hdf5_part *part) {
     const hsize_t from[2] = {part->row, part->column}, size[2] = {part->rows, part->columns};
     const hid_t id = f->datasets[dataset];
     const hid_t to = H5Dget_space(id), of = H5Screate_simple(part->columns ? 2 : 1, size, NULL);
-    const int result =
-        check(f, H5Sselect_hyperslab(to, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
-                     H5Dwrite(id, f->types[dataset], of, to, H5P_DEFAULT, part->data) >= 0);
+    const int result = fp3_hdf5_check(
+        f, H5Sselect_hyperslab(to, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+               H5Dwrite(id, f->types[dataset], of, to, H5P_DEFAULT, part->data) >= 0);
     H5Sclose(of);
     H5Sclose(to);
     return result;
@@ -154,7 +105,7 @@ static int put_attribute(fp3_hdf5 *f, int dataset, const char *name, hid_t type,
     const hid_t of = dataset < 0 ? f->file : f->datasets[dataset];
     const hid_t space = H5Screate(H5S_SCALAR);
     const hid_t id = H5Acreate2(of, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-    const int result = check(f, id >= 0 && H5Awrite(id, type, value) >= 0);
+    const int result = fp3_hdf5_check(f, id >= 0 && H5Awrite(id, type, value) >= 0);
     if (id >= 0)
         H5Aclose(id);
     H5Sclose(space);
@@ -173,7 +124,7 @@ static int text(fp3_hdf5 *f, int dataset, const char *name, const char *value) {
 
 static int number(fp3_hdf5 *f, int dataset, const char *name, fp3_hdf5_type type,
                   const void *value) {
-    return put_attribute(f, dataset, name, type_of(type), value);
+    return put_attribute(f, dataset, name, fp3_hdf5_type_of(type), value);
 }
 
 __attribute__((visibility("default"))) const fp3_hdf5_ops fp3_hdf5_calls = {
@@ -187,4 +138,10 @@ __attribute__((visibility("default"))) const fp3_hdf5_ops fp3_hdf5_calls = {
     .flush = flush,
     .why = why,
     .close = close_file,
+    .open = fp3_hdf5_read_open,
+    .count = fp3_hdf5_read_count,
+    .describe = fp3_hdf5_read_describe,
+    .read = fp3_hdf5_read_part,
+    .text_of = fp3_hdf5_read_text,
+    .numbers = fp3_hdf5_read_numbers,
 };

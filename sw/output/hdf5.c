@@ -9,6 +9,7 @@
 #include "hdf5/fp3_hdf5.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -141,6 +142,65 @@ static fp3_status add_column(const hdf5 *self, size_t i, fp3_error *error) {
         result = put_text(self, dataset, "units", column->unit) |
                  put_text(self, dataset, "description", column->doc);
     return result ? failed(self, error) : FP3_OK;
+}
+
+/* ---- who sees whom ---- */
+
+/* The state that is a position knows its velocity, so that readers can tell the two from each other. */
+static fp3_status name_velocity(const hdf5 *self, size_t i, fp3_error *error) {
+    const fp3_model *model = self->subject->program->model;
+    const uint32_t state =
+        model ? fp3_model_state(model, self->subject->columns->list[i].name) : FP3_NONE;
+    const uint32_t velocity = state == FP3_NONE ? FP3_NONE : model->states[state].velocity;
+    return velocity != FP3_NONE &&
+                   put_text(self, dataset_of(self, i), "velocity", model->states[velocity].name)
+               ? failed(self, error)
+               : FP3_OK;
+}
+
+/* No state has a name with a colon. */
+static const char *colon(char text[2 * FP3_NAME_SIZE], const char *what, const char *relation) {
+    snprintf(text, 2 * FP3_NAME_SIZE, "%s:%s", what, relation);
+    return text;
+}
+
+static fp3_status write_links(const hdf5 *self, int dataset, const fp3_around_list *list,
+                              fp3_error *error) {
+    char name[2 * FP3_NAME_SIZE];
+    const uint64_t most = CHUNK_BYTES / (2 * sizeof *list->pairs);
+    const fp3_hdf5_table table = {.name = colon(name, "links", list->name),
+                                  .type = FP3_HDF5_UINT32,
+                                  .rows = list->count,
+                                  .columns = 2,
+                                  .chunk_rows = list->count < most ? list->count : most,
+                                  .chunk_columns = 2,
+                                  .is_compressed = self->subject->is_compressed};
+    const fp3_hdf5_part part = {.rows = list->count, .columns = 2, .data = list->pairs};
+    return self->calls->add(self->file, &table) || self->calls->write(self->file, dataset, &part)
+               ? failed(self, error)
+               : FP3_OK;
+}
+
+static fp3_status put_reach(const hdf5 *self, const fp3_around_list *list, fp3_error *error) {
+    char name[2 * FP3_NAME_SIZE];
+    int result = self->calls->number(self->file, -1, colon(name, "reach", list->name),
+                                     FP3_HDF5_DOUBLE, &list->reach);
+    result |= put_text(self, -1, colon(name, "position", list->name), list->position);
+    return result ? failed(self, error) : FP3_OK;
+}
+
+static fp3_status describe_relations(const hdf5 *self, fp3_error *error) {
+    const fp3_around *around = self->subject->around;
+    int dataset = dataset_of(self, self->subject->columns->count);
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < around->count; i++) {
+        const fp3_around_list *list = &around->lists[i];
+        if (list->reach > 0)
+            status = put_reach(self, list, error);
+        if (!status && list->count)
+            status = write_links(self, dataset++, list, error);
+    }
+    return status;
 }
 
 /* ---- blocks ---- */
@@ -281,6 +341,10 @@ static fp3_status start(hdf5 *self, fp3_error *error) {
         status = add_snapshots(self, error);
     for (size_t i = 0; !status && i < s->columns->count; i++)
         status = add_column(self, i, error);
+    for (size_t i = 0; !status && i < s->columns->count; i++)
+        status = name_velocity(self, i, error);
+    if (!status)
+        status = describe_relations(self, error);
     return status;
 }
 

@@ -21,6 +21,7 @@
 struct fp3_recording {
     fp3_source source;
     fp3_columns columns;
+    fp3_around around;
     fp3_plan plan;
     fp3_targets targets;
     uint64_t attempts;                /* adaptive steps: of a part, at most */
@@ -76,6 +77,7 @@ static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def
     fp3_engine *engine = r->source.engine;
     return (fp3_subject){.program = program,
                          .columns = &r->columns,
+                         .around = &r->around,
                          .objects = r->source.objects,
                          .snapshots = fp3_plan_count(&r->plan),
                          .has_time = r->source.has_time,
@@ -139,6 +141,8 @@ static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_er
                              fp3_engine_has_lives(source->engine), &r->columns, error);
     if (!status)
         status = fp3_columns_begin(&r->columns, source, error);
+    if (!status)
+        status = fp3_around_find(source, &r->around, error);
     r->counter = calloc(fp3_config_schedulers(config), sizeof *r->counter);
     if (!status && !r->counter)
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -180,6 +184,7 @@ void fp3_recording_close(fp3_recording **recording) {
         free(r->paths[i]);
     }
     fp3_columns_free(&r->columns);
+    fp3_around_free(&r->around);
     fp3_plan_free(&r->plan);
     fp3_targets_free(&r->targets);
     free(r->counter);

@@ -2,6 +2,7 @@
 #ifndef FP3_OUTPUT_SINK_H
 #define FP3_OUTPUT_SINK_H
 
+#include "around.h"
 #include "column.h"
 
 /* What is recorded. */
@@ -9,6 +10,7 @@ typedef struct {
     const char *path;
     const fp3_program *program;
     const fp3_columns *columns;
+    const fp3_around *around;
     size_t objects;
     uint64_t snapshots;
     int has_time;

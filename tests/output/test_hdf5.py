@@ -103,6 +103,24 @@ def test_a_name_says_what_it_is(start, tmp_path):
         assert (tmp_path / name).read_text().startswith("step,")
 
 
+def test_links_are_in_it_once(start, root, tmp_path):
+    """A net of 20 x 20 has structural, shear and bending springs; each has two ends."""
+    start("--scene", root / "programs/world/cloth.scene", "-n", "4", output="out.h5")
+    with h5py.File(tmp_path / "out.h5") as file:
+        links = {tuple(sorted(pair)) for pair in file["links:springs"][()].tolist()}
+        assert len(links) == len(file["links:springs"]) == 2 * 20 * 19 + 2 * 19 * 19 + 2 * 20 * 18
+        assert (0, 1) in links and (0, 20) in links and (0, 21) in links and (0, 40) in links and (0, 22) not in links
+        assert not any(name.startswith(("reach", "position")) for name in file.attrs)
+
+
+def test_who_is_near_is_in_it(start, root, tmp_path):
+    start("--scene", root / "programs/world/balls.scene", "-n", "4", output="out.h5")
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert file.attrs["reach:touch"] == 2 * numpy.float32(0.05) and file.attrs["position:touch"] == "x_x,x_y,x_z"
+        assert file["x_y"].attrs["velocity"] == "v_y" and "velocity" not in file["v_y"].attrs
+        assert not any(name.startswith("links") for name in file)
+
+
 def test_many_objects_in_chunks(build, tmp_path):
     """From the writer alone: 600,000 objects are three blocks."""
     env = {**os.environ, "FP3_RTL_DIR": str(build / "lib/fp3")}

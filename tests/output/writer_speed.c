@@ -72,9 +72,11 @@ int main(int argc, char **argv) {
     struct rusage used;
     if (argc < 4)
         return 2;
+    const fp3_around around = {.count = 0};
     fp3_subject s = {.path = argv[3],
                      .program = &program,
                      .columns = &columns,
+                     .around = &around,
                      .objects = strtoull(argv[1], NULL, 10),
                      .snapshots = strtoull(argv[2], NULL, 10),
                      .has_time = 1,
