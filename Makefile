@@ -28,10 +28,10 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-everywhere,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-everywhere
+.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -52,6 +52,9 @@ setup-bench: setup ## ... and matplotlib and those beside which `make bench` and
 setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
 
+setup-view: setup ## ... and Chromium and Selenium for the tests of fp3 view
+	@PYTHON=$(PYTHON) tools/setup.sh --view
+
 ifneq ($(and $(SETUP),$(REST)),)
 # `make setup test`: what setup installs must be there before the rest is even planned.
 .PHONY: $(REST)
@@ -70,8 +73,8 @@ BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
-# What only measures: in the command, in the tests and in make bench, not in the library.
-MEASURE_ROOMS := bench golden measure stress
+# What only measures or shows: in the command, in the tests and in make bench, not in the library.
+MEASURE_ROOMS := bench golden measure stress view
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
 LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
@@ -177,6 +180,7 @@ VECTORS           := -O3 -frounding-math -Wno-psabi
 $(call obj,sw/fast/sweep.c): CFLAGS += $(VECTORS)
 $(call obj,sw/fast/fast.c sw/fast/block.c sw/fast/drive.c sw/engine/near.c): CFLAGS += -O3
 $(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/turns.h
+$(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/ready
 	@mkdir -p $(@D)

@@ -7,6 +7,7 @@
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
 #   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world` measure
+#   tools/setup.sh --view         ... and Chromium and Selenium for the tests of fp3 view
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
@@ -40,6 +41,10 @@ python3-matplotlib   | python:matplotlib | plot  | draws the pictures of make be
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 libbullet-dev        | /usr/include/bullet/btBulletDynamicsCommon.h | bodies | a net by soft bodies of Bullet in the table of scenes
+chromium             | chromium          | view  | opens the pages of fp3 view in tests, without a display
+chromium-driver      | chromedriver      | view  | ... moves its mouse, presses its keys
+python3-selenium     | python:selenium   | view  | ... for tests in Python
+python3-pil          | python:PIL        | view  | ... reads its pictures
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
@@ -94,7 +99,7 @@ needs() {
     synth | sizes | bitstream) echo 'sim' ;;
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
-    bodies | plot) echo "$1" ;;
+    bodies | plot | view) echo "$1" ;;
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
@@ -167,7 +172,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc | everywhere) echo "Run: make setup-$1" ;;
+        fuzz | soc | everywhere | view) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -253,8 +258,8 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench | --everywhere)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --everywhere ] || echo everywhere)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -269,5 +274,5 @@ case ${1:-} in
     [ "${1:-}" != --bench ] || install_peers
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --everywhere | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

@@ -18,7 +18,7 @@
 /* ---- reading ---- */
 
 /* Not blocked by a named pipe without a writer. */
-static fp3_status open_input(const char *path, FILE **file, fp3_error *error) {
+fp3_status fp3_file_open(const char *path, FILE **file, fp3_error *error) {
     const int stream = fp3_path_stream(path, 0);
     const int opened = stream < 0 ? open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC)
                                   : fcntl(stream, F_DUPFD_CLOEXEC, 0);
@@ -71,7 +71,7 @@ fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error 
     size_t used = 0;
     *data = NULL;
     *size = 0;
-    fp3_status status = open_input(path, &file, error);
+    fp3_status status = fp3_file_open(path, &file, error);
     if (!status)
         status = read_all(file, path, &bytes, &used, error);
     if (file)

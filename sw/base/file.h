@@ -13,6 +13,10 @@
  * pipe that nobody writes into within 10 seconds. */
 fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error *error);
 
+/* A stream for a file that is read bit by bit, of any size; the caller closes it. A directory is refused by the first read.
+ * Named pipes as above. */
+fp3_status fp3_file_open(const char *path, FILE **file, fp3_error *error);
+
 /* Path holds all of data or what it held before (see below). */
 fp3_status fp3_file_write(const char *path, const void *data, size_t size, fp3_error *error);
 

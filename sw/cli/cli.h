@@ -14,6 +14,7 @@ int fp3_cmd_dis(int argc, char **argv);
 int fp3_cmd_run(int argc, char **argv);
 int fp3_cmd_bench(int argc, char **argv);
 int fp3_cmd_stress(int argc, char **argv);
+int fp3_cmd_view(int argc, char **argv);
 int fp3_cmd_tune(int argc, char **argv);
 int fp3_cmd_board(int argc, char **argv);
 int fp3_cmd_info(int argc, char **argv);

@@ -1,0 +1,176 @@
+/* view_options.c - see view_options.h. */
+#include "view_options.h"
+
+#include "arguments.h"
+
+#include <fp3/model.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    KEY_POSITION = 256,
+    KEY_COLOUR,
+    KEY_SIZE,
+    KEY_OBSERVE,
+    KEY_EVERY,
+    KEY_PLANE,
+    KEY_BOX,
+    KEY_UP,
+    KEY_TITLE,
+    KEY_EXACT
+};
+
+static const struct argp_option table[] = {
+    {"output", 'o', "FILE", 0,
+     "Write the page to FILE (default: the recording's name, ending in .html)", 0},
+    {"position", KEY_POSITION, "NAMES", 0,
+     "Where objects are: a vector, or one to three names with commas between them; object and time "
+     "are names, too (default: the vector that has the unit of a length)",
+     0},
+    {"colour", KEY_COLOUR, "NAME", 0,
+     "Colour objects by this value, or by the length of this vector (default: the speed, if it is "
+     "known)",
+     0},
+    {"size", KEY_SIZE, "RADIUS", 0,
+     "Draw objects as balls of this radius, in the unit of the position, or of a radius that has "
+     "this "
+     "name (default: half the reach of those near, if the recording has it)",
+     0},
+    {"observe", KEY_OBSERVE, "NAMES", 0,
+     "What else the page has of each object, names with commas between them (default: all)", 0},
+    {"every", KEY_EVERY, "N", 0, "Take every N-th snapshot (default 1)", 0},
+    {"plane", KEY_PLANE, "AXIS=VALUE", 0,
+     "Draw a wall where the position's x, y or z has this value; may be repeated", 0},
+    {"box", KEY_BOX, "X0:X1,Y0:Y1,Z0:Z1", 0, "Draw the edges of a box", 0},
+    {"up", KEY_UP, "AXIS", 0, "The axis of the position that points up, y or z (default y)", 0},
+    {"title", KEY_TITLE, "TEXT", 0, "The title (default: the model's name)", 0},
+    {"exact", KEY_EXACT, 0, 0,
+     "Keep all 32 bits of each number, instead of 16 with an error that is printed", 0},
+    {0},
+};
+
+/* ---- walls ---- */
+
+static double number(struct argp_state *state, const char *option, const char *text) {
+    double value = 0;
+    fp3_error error;
+    if (fp3_constant_read(text, &value, &error))
+        argp_error(state, "%s: '%s' is no number: %s", option, text, error.text);
+    if (!isfinite(value))
+        argp_error(state, "%s: found '%s', expected a finite number", option, text);
+    return value;
+}
+
+static void plane(struct argp_state *state, fp3_view_page *page, const char *text) {
+    if (!*text || !strchr("xyz", text[0]) || text[1] != '=')
+        argp_error(state, "--plane: found '%s', expected x, y or z, = and a number", text);
+    if (page->plane_count == FP3_VIEW_PLANES_MOST)
+        argp_error(state, "--plane: %d planes at most", FP3_VIEW_PLANES_MOST);
+    page->planes[page->plane_count++] =
+        (fp3_view_plane){(unsigned)(text[0] - 'x'), number(state, "--plane", text + 2)};
+}
+
+static void box(struct argp_state *state, fp3_view_page *page, char *text) {
+    unsigned k = 0;
+    for (char *part; (part = strsep(&text, ",")); k++) {
+        char *colon = strchr(part, ':');
+        if (k == FP3_VIEW_AXES || !colon)
+            argp_error(state, "--box: found '%s', expected X0:X1,Y0:Y1,Z0:Z1", part);
+        *colon = 0;
+        page->box[0][k] = number(state, "--box", part);
+        page->box[1][k] = number(state, "--box", colon + 1);
+        if (page->box[0][k] > page->box[1][k])
+            argp_error(state, "--box: found %s:%s, expected the smaller number first", part,
+                       colon + 1);
+    }
+    page->box_axes = k;
+}
+
+static int up(struct argp_state *state, const char *text) {
+    if (strcmp(text, "y") != 0 && strcmp(text, "z") != 0)
+        argp_error(state, "--up: found '%s', expected y or z", text);
+    return text[0] - 'x';
+}
+
+/* ---- all ---- */
+
+static void name_output(struct argp_state *state, fp3_view_options *o) {
+    if (!o->recording)
+        argp_error(state, "expected a recording");
+    if (o->output)
+        return;
+    if (!strcmp(o->recording, "-"))
+        argp_error(state, "expected --output FILE for a recording from the standard input");
+    const char *slash = strrchr(o->recording, '/'), *dot = strrchr(o->recording, '.');
+    const size_t length =
+        dot && (!slash || dot > slash + 1) ? (size_t)(dot - o->recording) : strlen(o->recording);
+    if (asprintf(&o->own_output, "%.*s.html", (int)length, o->recording) < 0)
+        argp_failure(state, 1, 0, "out of memory");
+    o->output = o->own_output;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    fp3_view_options *o = state->input;
+    switch (key) {
+    case 'o':
+        o->output = text;
+        break;
+    case KEY_POSITION:
+        o->wishes.position = text;
+        break;
+    case KEY_COLOUR:
+        o->wishes.colour = text;
+        break;
+    case KEY_SIZE:
+        o->wishes.size = text;
+        break;
+    case KEY_OBSERVE:
+        o->wishes.observed = text;
+        break;
+    case KEY_EVERY:
+        o->every = fp3_arguments_number(state, "--every", text, 1, UINT32_MAX);
+        break;
+    case KEY_PLANE:
+        plane(state, &o->page, text);
+        break;
+    case KEY_BOX:
+        box(state, &o->page, text);
+        break;
+    case KEY_UP:
+        o->page.up = up(state, text);
+        break;
+    case KEY_TITLE:
+        o->page.title = text;
+        break;
+    case KEY_EXACT:
+        o->page.is_exact = 1;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->recording)
+            argp_error(state, "found '%s', expected one recording", text);
+        o->recording = text;
+        break;
+    case ARGP_KEY_END:
+        name_output(state, o);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+void fp3_view_options_parse(int argc, char **argv, fp3_view_options *o) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "RECORDING",
+        .doc = "Writes a web page that shows what fp3 run --output recorded, moving: one file, "
+               "which loads nothing.",
+    };
+    *o = (fp3_view_options){.every = 1, .page = {.up = 1}};
+    fp3_arguments_parse(&argp, argc, argv, o);
+}
+
+void fp3_view_options_free(fp3_view_options *o) { free(o->own_output); }

@@ -1,0 +1,318 @@
+/* hdf5.c - a recording in HDF5: a dataset of each name, links and reaches beside them. */
+#include "reader.h"
+
+#include "base/path.h"
+#include "engine/library.h"
+#include "hdf5/fp3_hdf5.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BLOCK_VALUES (1u << 20) /* that are read at once */
+
+typedef struct {
+    fp3_view_reader reader;
+    const fp3_hdf5_ops *calls;
+    fp3_hdf5 *file;
+    int step, time; /* datasets; -1: there is none */
+    uint64_t rows;  /* snapshots of the file */
+} hdf5;
+
+static fp3_status failed(const fp3_view_recording *r, fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    int number = 0;
+    const char *why = self->calls->why(self->file, &number);
+    if (number)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: cannot read: %s", r->path, strerror(number));
+    return fp3_fail(error, FP3_E_ARGUMENT, "%s: cannot read as HDF5: %s", r->path, why);
+}
+
+static void hdf5_close(fp3_view_reader *reader) {
+    hdf5 *self = (hdf5 *)reader;
+    if (self->file)
+        self->calls->close(self->file);
+    free(self);
+}
+
+/* ---- what there is ---- */
+
+static fp3_status add_column(fp3_view_recording *r, int dataset, const fp3_hdf5_table *table,
+                             fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    if (r->column_count && table->columns != r->objects)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: '%s' has %" PRIu64 " objects, and '%s' has %zu",
+                        r->path, table->name, table->columns, r->columns[0].name, r->objects);
+    r->objects = table->columns;
+    fp3_status status = fp3_view_add(
+        r, strdup(table->name), self->calls->text_of(self->file, dataset, "units"), dataset, error);
+    if (status)
+        return status;
+    fp3_view_column *column = &r->columns[r->column_count - 1];
+    char *doc = self->calls->text_of(self->file, dataset, "description");
+    char *velocity = self->calls->text_of(self->file, dataset, "velocity");
+    if (doc) {
+        free(column->doc);
+        column->doc = doc;
+    }
+    if (velocity) {
+        free(column->velocity);
+        column->velocity = velocity;
+    }
+    return FP3_OK;
+}
+
+/* "links:springs" */
+static const char *behind(const char *name, const char *what) {
+    const size_t length = strlen(what);
+    return !strncmp(name, what, length) && name[length] == ':' ? name + length + 1 : NULL;
+}
+
+static fp3_status check_pairs(const fp3_view_recording *r, const fp3_view_relation *of,
+                              fp3_error *error) {
+    for (size_t i = 0; i < 2 * of->count; i++)
+        if (of->pairs[i] >= r->objects)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "%s: link %zu of '%s' names object %" PRIu32 ", and there are %zu",
+                            r->path, i / 2, of->name, of->pairs[i], r->objects);
+    return FP3_OK;
+}
+
+static fp3_status add_links(fp3_view_recording *r, int dataset, const fp3_hdf5_table *table,
+                            fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    if (r->relation_count == FP3_VIEW_RELATIONS_MOST || table->columns != 2 || !table->rows ||
+        table->rows > FP3_VIEW_VALUES_MOST)
+        return FP3_OK;
+    fp3_view_relation *of = &r->relations[r->relation_count++];
+    of->name = strdup(behind(table->name, "links"));
+    of->position = strdup("");
+    of->count = table->rows;
+    of->pairs = malloc(2 * of->count * sizeof *of->pairs);
+    if (!of->name || !of->position || !of->pairs)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_hdf5_part part = {.rows = of->count, .columns = 2};
+    if (self->calls->read(self->file, dataset, FP3_HDF5_UINT32, &part, of->pairs))
+        return failed(r, error);
+    return FP3_OK;
+}
+
+/* Of a relation that has no dataset, so the attributes are looked for by the relation's name. */
+static fp3_status add_near(fp3_view_recording *r, const char *name, double reach,
+                           fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    char attribute[300];
+    if (r->relation_count == FP3_VIEW_RELATIONS_MOST)
+        return FP3_OK;
+    fp3_view_relation *of = &r->relations[r->relation_count++];
+    snprintf(attribute, sizeof attribute, "position:%s", name);
+    of->reach = reach;
+    of->name = strdup(name);
+    of->position = self->calls->text_of(self->file, -1, attribute);
+    if (!of->position)
+        of->position = strdup("");
+    return of->name && of->position ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+static fp3_status note(fp3_view_recording *r, int dataset, fp3_error *error) {
+    hdf5 *self = (hdf5 *)r->reader;
+    fp3_hdf5_table table;
+    if (self->calls->describe(self->file, dataset, &table))
+        return failed(r, error);
+    if (!strcmp(table.name, "step") && !table.columns)
+        self->step = dataset;
+    else if (!strcmp(table.name, "time") && !table.columns)
+        self->time = dataset;
+    else if (behind(table.name, "links"))
+        return add_links(r, dataset, &table, error);
+    else if (table.columns)
+        return add_column(r, dataset, &table, error);
+    return FP3_OK;
+}
+
+/* All have as many snapshots as there are steps. */
+static fp3_status check_rows(const fp3_view_recording *r, fp3_error *error) {
+    hdf5 *self = (hdf5 *)r->reader;
+    fp3_hdf5_table table;
+    if (self->step < 0 || !r->column_count)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: no recording: expected a dataset 'step' and one of [snapshot][object] "
+                        "for each name, as fp3 run --output writes them",
+                        r->path);
+    if (self->calls->describe(self->file, self->step, &table))
+        return failed(r, error);
+    self->rows = table.rows;
+    for (size_t i = 0; i < r->column_count + (self->time >= 0); i++) {
+        const int dataset = i < r->column_count ? r->columns[i].source : self->time;
+        if (self->calls->describe(self->file, dataset, &table))
+            return failed(r, error);
+        if (table.rows != self->rows)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "%s: '%s' has %" PRIu64 " snapshots, and 'step' has %" PRIu64, r->path,
+                            table.name, table.rows, self->rows);
+    }
+    return FP3_OK;
+}
+
+static void read_texts(fp3_view_recording *r) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    r->model = self->calls->text_of(self->file, -1, "model");
+    r->doc = self->calls->text_of(self->file, -1, "description");
+    r->integrator = self->calls->text_of(self->file, -1, "integrator");
+    r->engine = self->calls->text_of(self->file, -1, "engine");
+    r->configuration = self->calls->text_of(self->file, -1, "configuration");
+    if (self->time >= 0)
+        r->time_unit = self->calls->text_of(self->file, self->time, "units");
+}
+
+typedef struct {
+    fp3_view_recording *r;
+    fp3_error *error;
+    fp3_status status;
+} near_search;
+
+static void note_near(void *user, const char *attribute, double value) {
+    near_search *search = user;
+    const char *name = behind(attribute, "reach");
+    if (name && value > 0 && !search->status)
+        search->status = add_near(search->r, name, value, search->error);
+}
+
+static fp3_status look(fp3_view_recording *r, fp3_error *error) {
+    hdf5 *self = (hdf5 *)r->reader;
+    near_search search = {r, error, FP3_OK};
+    const int count = self->calls->count(self->file);
+    fp3_status status = count < 0 ? failed(r, error) : FP3_OK;
+    for (int i = 0; !status && i < count; i++)
+        status = note(r, i, error);
+    if (!status)
+        status = check_rows(r, error);
+    for (size_t i = 0; !status && i < r->relation_count; i++)
+        status = check_pairs(r, &r->relations[i], error);
+    if (!status && self->calls->numbers(self->file, note_near, &search))
+        status = failed(r, error);
+    read_texts(r);
+    r->has_time = self->time >= 0;
+    return status ? status : search.status;
+}
+
+/* ---- values ---- */
+
+static fp3_status refuse_wide(const fp3_view_recording *r, const fp3_view_column *column,
+                              fp3_error *error) {
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "%s: '%s' has numbers beyond those of FP32, which is what is shown: leave it "
+                    "out with --observe",
+                    r->path, column->name);
+}
+
+/* `rows` snapshots from `row` on: floats as they are, others by double. */
+static fp3_status read_rows(const fp3_view_recording *r, const fp3_view_column *column,
+                            uint64_t row, uint64_t rows, float *to, fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    const fp3_hdf5_part part = {.row = row, .rows = rows, .columns = r->objects};
+    const size_t count = rows * r->objects;
+    int is_good = 1;
+    double *wide = malloc(count * sizeof *wide);
+    if (!wide)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const int result = self->calls->read(self->file, column->source, FP3_HDF5_DOUBLE, &part, wide);
+    for (size_t i = 0; !result && i < count; i++)
+        is_good &= fp3_view_narrow(wide[i], &to[i]);
+    free(wide);
+    return result ? failed(r, error) : is_good ? FP3_OK : refuse_wide(r, column, error);
+}
+
+static fp3_status load_column(const fp3_view_recording *r, fp3_view_column *column, uint64_t every,
+                              fp3_error *error) {
+    const uint64_t most = every > 1 || r->objects > BLOCK_VALUES ? 1 : BLOCK_VALUES / r->objects;
+    fp3_status status = FP3_OK;
+    column->values = malloc(r->snapshots * r->objects * sizeof *column->values);
+    if (!column->values)
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
+    for (uint64_t n = 0; !status && n < r->snapshots;) {
+        const uint64_t rows = r->snapshots - n < most ? r->snapshots - n : most;
+        status = read_rows(r, column, n * every, rows, column->values + n * r->objects, error);
+        n += rows;
+    }
+    return status;
+}
+
+/* Every N-th of a list of all snapshots, in its own place. */
+static void thin(void *list, size_t size, uint64_t count, uint64_t every) {
+    char *bytes = list;
+    for (uint64_t i = 0; i < count && every > 1; i++)
+        memcpy(bytes + i * size, bytes + i * every * size, size);
+}
+
+static fp3_status load_times(fp3_view_recording *r, uint64_t every, fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    const fp3_hdf5_part part = {.rows = self->rows};
+    r->steps = malloc(self->rows * sizeof *r->steps);
+    r->times = r->has_time ? malloc(self->rows * sizeof *r->times) : NULL;
+    if (!r->steps || (r->has_time && !r->times))
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
+    if (self->calls->read(self->file, self->step, FP3_HDF5_UINT64, &part, r->steps) ||
+        (r->has_time &&
+         self->calls->read(self->file, self->time, FP3_HDF5_DOUBLE, &part, r->times)))
+        return failed(r, error);
+    thin(r->steps, sizeof *r->steps, r->snapshots, every);
+    if (r->times)
+        thin(r->times, sizeof *r->times, r->snapshots, every);
+    return FP3_OK;
+}
+
+static fp3_status hdf5_load(fp3_view_recording *r, uint64_t every, fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    r->snapshots = self->rows / every + (self->rows % every != 0);
+    if (!r->snapshots || !r->objects)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: no snapshot is in it", r->path);
+    fp3_status status = fp3_view_check_size(r, r->snapshots, r->objects, error);
+    if (!status)
+        status = load_times(r, every, error);
+    for (size_t i = 0; !status && i < r->column_count; i++)
+        if (r->columns[i].is_wanted && !r->columns[i].is_made)
+            status = load_column(r, &r->columns[i], every, error);
+    return status;
+}
+
+/* ---- opening ---- */
+
+/* HDF5 itself says too little of a file that is not there. */
+static fp3_status check_there(const char *path, fp3_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return fp3_path_fail(error, path, "cannot open");
+    fclose(file);
+    return FP3_OK;
+}
+
+static fp3_status load_library(hdf5 *self, fp3_error *error) {
+    void *library = NULL;
+    fp3_status status =
+        fp3_library_load("fp3_hdf5.so", "reader of HDF5 files", &library, NULL, error);
+    if (status)
+        return status;
+    self->calls = fp3_library_symbol(library, "fp3_hdf5_calls");
+    if (!self->calls || self->calls->version != FP3_HDF5_VERSION ||
+        self->calls->size != sizeof *self->calls)
+        return fp3_fail(error, FP3_E_SYSTEM,
+                        "fp3_hdf5.so does not fit this fp3: both must come from one build");
+    return FP3_OK;
+}
+
+fp3_status fp3_view_hdf5_open(fp3_view_recording *r, fp3_error *error) {
+    hdf5 *self = calloc(1, sizeof *self);
+    if (!self)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    self->reader = (fp3_view_reader){hdf5_load, hdf5_close};
+    self->step = self->time = -1;
+    r->reader = &self->reader;
+    fp3_status status = check_there(r->path, error);
+    if (!status)
+        status = load_library(self, error);
+    if (!status && !(self->file = self->calls->open(r->path)))
+        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return status ? status : look(r, error);
+}
