@@ -1,8 +1,7 @@
-/* cmd_view.c - fp3 view: a recording as a page that plays it. */
+/* cmd_view.c - fp3 view: a recording as a page that plays it, and as pictures. */
 #include "cli.h"
 #include "files.h"
-#include "progress.h"
-#include "view_options.h"
+#include "view_draw.h"
 
 #include "base/file.h"
 #include "view/recording.h"
@@ -35,6 +34,8 @@ static fp3_status check_files(const fp3_view_options *o, fp3_error *error) {
     fp3_files files = {0};
     fp3_files_read(&files, "RECORDING", o->recording);
     fp3_files_write(&files, "--output", o->output);
+    fp3_files_write(&files, "--png", o->png);
+    fp3_files_write(&files, "--film", o->film);
     fp3_status status = fp3_files_check(&files, error);
     return status ? status : check_own(o, error);
 }
@@ -93,7 +94,9 @@ static fp3_status view(fp3_view_options *o, fp3_progress *progress, fp3_error *e
     }
     if (!status)
         status = fp3_view_fields_find(r, &axes, &fields, error);
-    if (!status) {
+    if (!status)
+        status = fp3_view_draw(o, progress, error);
+    if (!status && o->output) {
         fp3_progress_say(progress, "writing");
         status = write_page(o, r, progress, error);
     }

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PIXELS_MOST 8192 /* of a picture's side */
+
 enum {
     KEY_POSITION = 256,
     KEY_COLOUR,
@@ -19,7 +21,14 @@ enum {
     KEY_BOX,
     KEY_UP,
     KEY_TITLE,
-    KEY_EXACT
+    KEY_EXACT,
+    KEY_PNG,
+    KEY_FILM,
+    KEY_AT,
+    KEY_WIDTH,
+    KEY_HEIGHT,
+    KEY_TURN,
+    KEY_RATE
 };
 
 static const struct argp_option table[] = {
@@ -48,6 +57,21 @@ static const struct argp_option table[] = {
     {"title", KEY_TITLE, "TEXT", 0, "The title (default: the model's name)", 0},
     {"exact", KEY_EXACT, 0, 0,
      "Keep all 32 bits of each number, instead of 16 with an error that is printed", 0},
+    {"png", KEY_PNG, "FILE", 0,
+     "Draw a snapshot as a PNG, without a display; no page is written unless --output asks for it",
+     0},
+    {"film", KEY_FILM, "FILE", 0, "Draw all snapshots as an animated PNG (APNG), likewise", 0},
+    {"at", KEY_AT, "TIME", 0,
+     "The time of the snapshot of --png; a recording without times: its step (default: the last)",
+     0},
+    {"width", KEY_WIDTH, "PIXELS", 0, "The width of --png and --film (default 1280)", 0},
+    {"height", KEY_HEIGHT, "PIXELS", 0, "Their height (default 720)", 0},
+    {"turn", KEY_TURN, "AZIMUTH:ELEVATION", 0,
+     "From where they look, in degrees around the axis that points up, and above the plane across "
+     "it "
+     "(default 31.5:20, as the page at first)",
+     0},
+    {"rate", KEY_RATE, "N", 0, "Snapshots a second of --film (default 30)", 0},
     {0},
 };
 
@@ -94,12 +118,57 @@ static int up(struct argp_state *state, const char *text) {
     return text[0] - 'x';
 }
 
+/* ---- pictures ---- */
+
+static void turn(struct argp_state *state, fp3_view_look *look, char *text) {
+    char *colon = strchr(text, ':');
+    if (!colon)
+        argp_error(state, "--turn: found '%s', expected AZIMUTH:ELEVATION", text);
+    *colon = 0;
+    look->azimuth = number(state, "--turn", text);
+    look->elevation = number(state, "--turn", colon + 1);
+    if (look->elevation < -90 || look->elevation > 90)
+        argp_error(state, "--turn: found an elevation of %s, expected -90 to 90", colon + 1);
+}
+
+/* 0: the key is no picture's. */
+static int parse_picture(int key, char *text, struct argp_state *state, fp3_view_options *o) {
+    switch (key) {
+    case KEY_PNG:
+        o->png = text;
+        return 1;
+    case KEY_FILM:
+        o->film = text;
+        return 1;
+    case KEY_AT:
+        o->at = number(state, "--at", text);
+        o->has_at = 1;
+        return 1;
+    case KEY_WIDTH:
+        o->look.width = (uint32_t)fp3_arguments_number(state, "--width", text, 16, PIXELS_MOST);
+        return 1;
+    case KEY_HEIGHT:
+        o->look.height = (uint32_t)fp3_arguments_number(state, "--height", text, 16, PIXELS_MOST);
+        return 1;
+    case KEY_TURN:
+        turn(state, &o->look, text);
+        return 1;
+    case KEY_RATE:
+        o->rate = (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
+        return 1;
+    default:
+        return 0;
+    }
+}
+
 /* ---- all ---- */
 
 static void name_output(struct argp_state *state, fp3_view_options *o) {
     if (!o->recording)
         argp_error(state, "expected a recording");
-    if (o->output)
+    if (o->has_at && !o->png)
+        argp_error(state, "--at: expected --png FILE, which shows that time");
+    if (o->output || o->png || o->film)
         return;
     if (!strcmp(o->recording, "-"))
         argp_error(state, "expected --output FILE for a recording from the standard input");
@@ -156,7 +225,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         name_output(state, o);
         break;
     default:
-        return ARGP_ERR_UNKNOWN;
+        return parse_picture(key, text, state, o) ? 0 : ARGP_ERR_UNKNOWN;
     }
     return 0;
 }
@@ -169,7 +238,8 @@ void fp3_view_options_parse(int argc, char **argv, fp3_view_options *o) {
         .doc = "Writes a web page that shows what fp3 run --output recorded, moving: one file, "
                "which loads nothing.",
     };
-    *o = (fp3_view_options){.every = 1, .page = {.up = 1}};
+    *o = (fp3_view_options){
+        .every = 1, .rate = 30, .look = {1280, 720, 31.5, 20}, .page = {.up = 1}};
     fp3_arguments_parse(&argp, argc, argv, o);
 }
 

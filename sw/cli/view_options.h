@@ -2,11 +2,16 @@
 #ifndef FP3_CLI_VIEW_OPTIONS_H
 #define FP3_CLI_VIEW_OPTIONS_H
 
-#include "view/page.h"
+#include "view/picture.h"
 
 typedef struct {
-    const char *recording, *output;
-    char *own_output; /* the output's name where nobody gave one */
+    const char *recording, *output; /* output: NULL where pictures alone are asked for */
+    char *own_output;               /* its name where nobody gave one */
+    const char *png, *film;         /* NULL: not asked for */
+    double at;                      /* the time of the picture */
+    int has_at;
+    uint16_t rate; /* of the film: snapshots a second */
+    fp3_view_look look;
     fp3_view_wishes wishes;
     uint64_t every; /* snapshots */
     fp3_view_page page;

@@ -260,3 +260,22 @@ def test_one_object_one_snapshot(run, page, tmp_path):
     page.of("play").click()
     page.click(*front(page, 0))
     assert page.data("picked") == "0" and "step 0 · snapshot 1 of 1 · 1 object" in page.text("facts")
+
+
+def test_pictures_are_what_the_page_shows(run, balls, page, tmp_path):
+    """The two draw by themselves: the same balls in the same places and colours."""
+    from PIL import Image
+    run("view", balls)
+    page.open(tmp_path / "balls.html")
+    page.script("document.documentElement.dataset.theme = 'light'; document.getElementById('legend').style.display = 'none'")
+    page.key("x\ue010")
+    page.wait(lambda: page.data("drawn") == "40")
+    page.script("document.activeElement.blur()")
+    one = page.scene()
+    run("view", balls, "--png", "b.png", "--width", str(one.shape[1]), "--height", str(one.shape[0]))
+    two = numpy.asarray(Image.open(tmp_path / "b.png")).astype(int)
+    back = numpy.array([238, 240, 244])
+    drawn = [abs(picture - back).sum(axis=2) > 120 for picture in (one, two)]
+    assert drawn[0].sum() > 10000 and (drawn[0] & drawn[1]).sum() > 0.97 * (drawn[0] | drawn[1]).sum()
+    both = drawn[0] & drawn[1]
+    assert abs(one[both] - two[both]).mean() < 12

@@ -1,0 +1,106 @@
+/* view_draw.c - see view_draw.h. */
+#include "view_draw.h"
+
+#include "cli.h"
+
+#include "base/file.h"
+#include "view/png.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+#define SAME_TIME 1e-9 /* of the time: decimals are rounded */
+
+/* ---- which snapshot ---- */
+
+static double time_of(const fp3_view_recording *r, size_t snapshot) {
+    return r->times ? r->times[snapshot] : (double)r->steps[snapshot];
+}
+
+/* Only what was recorded is shown, and nothing between. */
+static fp3_status find_snapshot(const fp3_view_options *o, size_t *snapshot, fp3_error *error) {
+    const fp3_view_recording *r = o->page.recording;
+    size_t before = 0;
+    *snapshot = r->snapshots - 1;
+    if (!o->has_at)
+        return FP3_OK;
+    for (size_t n = 0; n < r->snapshots; n++) {
+        if (fabs(time_of(r, n) - o->at) <= SAME_TIME * fabs(o->at)) {
+            *snapshot = n;
+            return FP3_OK;
+        }
+        before = time_of(r, n) < o->at ? n : before;
+    }
+    const size_t after = before + 1 < r->snapshots ? before + 1 : before;
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "--at: there is no snapshot at %.9g: those beside it are at %.17g and %.17g",
+                    o->at, time_of(r, before), time_of(r, after));
+}
+
+/* ---- drawing ---- */
+
+typedef struct {
+    const char *path;
+    size_t first, count; /* snapshots */
+} reel;
+
+static fp3_status draw_all(const fp3_view_options *o, const reel *of, FILE *out,
+                           fp3_progress *progress, fp3_error *error) {
+    fp3_view_picture picture;
+    fp3_view_png png = {.width = o->look.width,
+                        .height = o->look.height,
+                        .pictures = (uint32_t)of->count,
+                        .rate = o->rate};
+    fp3_status status = fp3_view_picture_make(&o->page, &o->look, &picture, error);
+    if (!status)
+        fp3_view_png_begin(&png, out);
+    for (size_t n = 0; !status && n < of->count; n++) {
+        fp3_progress_share(progress, (double)n / (double)of->count);
+        fp3_view_picture_draw(&picture, of->first + n);
+        status = fp3_view_png_add(&png, picture.pixels, out, error);
+    }
+    if (!status)
+        fp3_view_png_end(out);
+    fp3_view_picture_free(&picture);
+    return status;
+}
+
+static void print(const fp3_view_options *o, const reel *of) {
+    const fp3_view_page *page = &o->page;
+    fp3_cli_line(stdout, "%s: %" PRIu32 " x %" PRIu32 " pixels, %zu snapshot%s from time %.9g on",
+                 of->path, o->look.width, o->look.height, of->count, of->count == 1 ? "" : "s",
+                 time_of(page->recording, of->first));
+    if (page->fields->colour == FP3_VIEW_NO_COLUMN)
+        return;
+    const fp3_view_field *field = &page->fields->list[page->fields->colour];
+    fp3_cli_line(stdout, "%-16s colours: from %.6g, dark, to %.6g, bright%s%s", page->axes->colour,
+                 field->least, field->most, *field->unit ? ", in " : "", field->unit);
+}
+
+static fp3_status draw_file(const fp3_view_options *o, const reel *of, fp3_progress *progress,
+                            fp3_error *error) {
+    fp3_output *output = NULL;
+    fp3_progress_say(progress, "drawing");
+    fp3_status status = fp3_output_open(of->path, &output, error);
+    if (!status)
+        status = draw_all(o, of, fp3_output_stream(output), progress, error);
+    if (!status)
+        status = fp3_output_publish(output, error);
+    fp3_output_close(&output);
+    fp3_progress_pause(progress);
+    if (!status)
+        print(o, of);
+    fp3_progress_resume(progress);
+    return status;
+}
+
+fp3_status fp3_view_draw(const fp3_view_options *o, fp3_progress *progress, fp3_error *error) {
+    size_t snapshot = 0;
+    fp3_status status = find_snapshot(o, &snapshot, error);
+    if (!status && o->png)
+        status = draw_file(o, &(reel){o->png, snapshot, 1}, progress, error);
+    if (!status && o->film)
+        status = draw_file(o, &(reel){o->film, 0, o->page.recording->snapshots}, progress, error);
+    return status;
+}
