@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define MARK "Written by fp3 view."
 #define MARK_WITHIN 200 /* bytes */
@@ -17,7 +18,9 @@
 /* A name that nobody gave may be that of a page of somebody else. */
 static fp3_status check_own(const fp3_view_options *o, fp3_error *error) {
     char begin[MARK_WITHIN + 1] = "";
-    FILE *file = o->own_output ? fopen(o->own_output, "rb") : NULL;
+    struct stat found;
+    const int is_file = o->own_output && !stat(o->own_output, &found) && S_ISREG(found.st_mode);
+    FILE *file = is_file ? fopen(o->own_output, "rb") : NULL;
     if (!file)
         return FP3_OK;
     const size_t size = fread(begin, 1, MARK_WITHIN, file);
@@ -44,8 +47,11 @@ static fp3_status check_files(const fp3_view_options *o, fp3_error *error) {
 static void print(const fp3_view_options *o, const fp3_view_recording *r,
                   const fp3_view_scale *scales, long bytes) {
     FILE *out = stdout;
-    fp3_cli_line(out, "%s: %zu objects, %zu snapshots, position %s, %.2f MB", o->output, r->objects,
-                 r->snapshots, o->page.axes->name, (double)bytes / 1e6);
+    char size[40] = ""; /* of a pipe it is unknown */
+    if (bytes >= 0)
+        snprintf(size, sizeof size, ", %.2f MB", (double)bytes / 1e6);
+    fp3_cli_line(out, "%s: %zu objects, %zu snapshots, position %s%s", o->output, r->objects,
+                 r->snapshots, o->page.axes->name, size);
     for (size_t i = 0; i < r->column_count; i++)
         if (r->columns[i].values && scales[i].bound > 0)
             fp3_cli_line(out, "%-16s kept to +-%.2g%s%s", r->columns[i].name, scales[i].bound,

@@ -150,6 +150,17 @@ def test_keys(shown):
     assert not shown.of("about-box").is_displayed()
 
 
+def test_keys_work_on_controls(shown):
+    """But for the keys that a control needs itself."""
+    shown.of("trails").click()
+    shown.of("trails").send_keys("\ue014")
+    shown.wait(lambda: shown.data("drawn") == "1")
+    shown.of("scrub").send_keys("\ue014")
+    shown.wait(lambda: shown.data("drawn") == "2")
+    shown.of("trails").send_keys(" ")
+    assert not shown.of("trails").is_selected() and shown.data("playing") != "true"
+
+
 def test_colours_have_a_legend(shown):
     from selenium.webdriver.support.select import Select
     assert shown.text("field") == "|v| [m/s]"
@@ -262,20 +273,42 @@ def test_one_object_one_snapshot(run, page, tmp_path):
     assert page.data("picked") == "0" and "step 0 · snapshot 1 of 1 · 1 object" in page.text("facts")
 
 
-def test_pictures_are_what_the_page_shows(run, balls, page, tmp_path):
-    """The two draw by themselves: the same balls in the same places and colours."""
+def inner(drawn):
+    """What has neighbours on all sides: no lines."""
+    return numpy.logical_and.reduce([numpy.roll(drawn, way, axis) for axis in (0, 1) for way in (-1, 0, 1)])
+
+
+@pytest.fixture
+def alike(run, page, tmp_path):
+    """The page and fp3 view --png draw by themselves: the same balls in the same places and colours."""
     from PIL import Image
-    run("view", balls)
-    page.open(tmp_path / "balls.html")
-    page.script("document.documentElement.dataset.theme = 'light'; document.getElementById('legend').style.display = 'none'")
-    page.key("x\ue010")
-    page.wait(lambda: page.data("drawn") == "40")
-    page.script("document.activeElement.blur()")
-    one = page.scene()
-    run("view", balls, "--png", "b.png", "--width", str(one.shape[1]), "--height", str(one.shape[0]))
-    two = numpy.asarray(Image.open(tmp_path / "b.png")).astype(int)
-    back = numpy.array([238, 240, 244])
-    drawn = [abs(picture - back).sum(axis=2) > 120 for picture in (one, two)]
-    assert drawn[0].sum() > 10000 and (drawn[0] & drawn[1]).sum() > 0.97 * (drawn[0] | drawn[1]).sum()
-    both = drawn[0] & drawn[1]
-    assert abs(one[both] - two[both]).mean() < 12
+
+    def alike(name, *arguments):
+        run("view", name, *arguments, "-o", "p.html")
+        page.open(tmp_path / "p.html")
+        page.script("document.documentElement.dataset.theme = 'light'; document.getElementById('legend').style.display = 'none'")
+        page.key("x\ue010")
+        page.wait(lambda: page.data("drawn") == str(page.script("return fp3.about.snapshots - 1")))
+        page.script("document.activeElement.blur()")
+        one = page.scene()
+        run("view", name, *arguments, "--png", "p.png", "--width", str(one.shape[1]), "--height", str(one.shape[0]))
+        two = numpy.asarray(Image.open(tmp_path / "p.png")).astype(int)
+        drawn = [inner(abs(picture - numpy.array([238, 240, 244])).sum(axis=2) > 200) for picture in (one, two)]
+        both = drawn[0] & drawn[1]
+        assert drawn[0].sum() > 2000 and both.sum() > 0.95 * (drawn[0] | drawn[1]).sum()
+        assert abs(one[both] - two[both]).mean() < 12
+    return alike
+
+
+def test_pictures_are_what_the_page_shows(balls, alike):
+    alike(balls)
+    alike(balls, "--exact")
+    alike(balls, "--position", "x_z,x_y", "--size", "0.05")
+    alike(balls, "--up", "z", "--box", "0:2,0:2,0:2")
+
+
+@pytest.mark.parametrize("more", [[], ["--exact"]])
+def test_a_value_that_never_changes_has_its_place(alike, tmp_path, more):
+    """It has no steps to count, and may be far from the middle of what is seen."""
+    (tmp_path / "a.csv").write_text("step,object,p_x [m],p_y [m],p_z [m]\n0,0,0.3,0.1,0.7\n0,1,0.5,0.1,0.7\n")
+    alike("a.csv", "--box", "0:2,0:1,0:1", "--size", "0.1", *more)

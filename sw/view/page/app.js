@@ -212,11 +212,16 @@ const keys = {
   r: reset, d: turnTheme, "?": () => of("about-box").showModal(),
 };
 
+// A control has keys of its own: a list all, the bar of time those that move it, and the others the one that presses them.
+const isTaken = event => {
+  const own = event.target.closest("select, input, button");
+  if (!own) return false;
+  return own.tagName === "SELECT" || (own.type === "range" ? /^(Arrow|Home|End|Page)/.test(event.key) : event.key === " ");
+};
+
 document.addEventListener("keydown", event => {
-  const own = event.target.closest("input, select, button, dialog");
   const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-  if (!act || event.ctrlKey || event.metaKey || event.altKey || of("about-box").open) return;
-  if (own && (own.tagName !== "BUTTON" || event.key === " ")) return; // a control has keys of its own
+  if (!act || event.ctrlKey || event.metaKey || event.altKey || of("about-box").open || isTaken(event)) return;
   event.preventDefault();
   act(event);
   fp3.redraw();

@@ -22,6 +22,7 @@ const bytesOf = text => {
 };
 
 const inflate = async text => {
+  if (!window.DecompressionStream) throw new Error("This browser has no DecompressionStream, which unpacks the numbers.");
   const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 };

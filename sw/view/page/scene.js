@@ -149,15 +149,16 @@ scene.changed = () => { if (parts) parts.filled = -1; };
 
 // ---- drawing ----
 
-// World = (value - C) * A, where an attribute of 16 bits comes as a number from 0 to 1.
+// World = (value - C) * A + B, where an attribute of 16 bits comes as a number from 0 to 1. B is for what is the same everywhere.
 const maps = () => {
-  const A = [1, 1, 1], C = [0, 0, 0];
+  const A = [1, 1, 1], B = [0, 0, 0], C = [0, 0, 0];
   axes.forEach((column, k) => {
     const step = column.isFloat ? 1 : column.step * 65535, low = column.isFloat ? 0 : column.low;
     A[k] = step * world.scale[k];
-    C[k] = step > 0 ? (world.middle[k] - low) / step : 0;
+    if (step > 0) C[k] = (world.middle[k] - low) / step;
+    else B[k] = world.of(k, low);
   });
-  return {A, C};
+  return {A, B, C};
 };
 const mapped = maps();
 
@@ -174,6 +175,7 @@ const begin = (part, colours) => {
 
 const place = (u, isLoose) => {
   gl.uniform3fv(u.A, isLoose ? [1, 1, 1] : mapped.A);
+  gl.uniform3fv(u.B, isLoose ? [0, 0, 0] : mapped.B);
   gl.uniform3fv(u.C, isLoose ? [0, 0, 0] : mapped.C);
 };
 
@@ -330,4 +332,8 @@ canvas.addEventListener("webglcontextrestored", () => {
   fp3.redraw();
 });
 scene.isReady = () => gl !== null && parts !== null;
-if (gl) make();
+try {
+  if (gl) make();
+} catch (error) {
+  fp3.fail(error);
+}

@@ -2,9 +2,9 @@
 const place = `#version 300 es
 precision highp float;
 in float px, py, pz, tint, hide, size;
-uniform vec3 A, C;
+uniform vec3 A, B, C;
 uniform mat4 view, project;
-vec4 seen() { return view * vec4((vec3(px, py, pz) - C) * A, 1.0); }
+vec4 seen() { return view * vec4((vec3(px, py, pz) - C) * A + B, 1.0); }
 `;
 
 fp3.ballVertex = place + `
