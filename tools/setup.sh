@@ -44,6 +44,7 @@ libbullet-dev        | /usr/include/bullet/btBulletDynamicsCommon.h | bodies | a
 chromium             | chromium          | view  | opens the pages of fp3 view in tests, without a display
 chromium-driver      | chromedriver      | view  | ... moves its mouse, presses its keys
 python3-selenium     | python:selenium   | view  | ... for tests in Python
+ffmpeg               | ffmpeg            | view  | makes videos of films
 python3-pil          | python:PIL        | view  | ... reads its pictures
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V

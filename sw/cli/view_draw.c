@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "view/png.h"
+#include "view/video.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -43,6 +44,7 @@ static fp3_status find_snapshot(const fp3_view_options *o, size_t *snapshot, fp3
 typedef struct {
     const char *path;
     size_t first, count; /* snapshots */
+    int is_film;
 } reel;
 
 static fp3_status draw_all(const fp3_view_options *o, const reel *of, FILE *out,
@@ -78,12 +80,32 @@ static void print(const fp3_view_options *o, const reel *of) {
                  field->least, field->most, *field->unit ? ", in " : "", field->unit);
 }
 
+/* By way of a temporary file, from which ffmpeg reads. */
+static fp3_status draw_video(const fp3_view_options *o, const reel *of, const char *temporary,
+                             fp3_progress *progress, fp3_error *error) {
+    if (!temporary)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: a video needs a regular file", of->path);
+    fp3_status status = fp3_view_video_check(o->look.width, o->look.height, error);
+    FILE *film = status ? NULL : tmpfile();
+    if (!status && !film)
+        status = fp3_fail(error, FP3_E_SYSTEM, "cannot make a temporary file");
+    if (!status)
+        status = draw_all(o, of, film, progress, error);
+    if (!status)
+        status = fp3_view_video_make(film, temporary, error);
+    if (film)
+        fclose(film);
+    return status;
+}
+
 static fp3_status draw_file(const fp3_view_options *o, const reel *of, fp3_progress *progress,
                             fp3_error *error) {
     fp3_output *output = NULL;
     fp3_progress_say(progress, "drawing");
     fp3_status status = fp3_output_open(of->path, &output, error);
-    if (!status)
+    if (!status && of->is_film && fp3_view_video_is_named(of->path))
+        status = draw_video(o, of, fp3_output_temporary(output), progress, error);
+    else if (!status)
         status = draw_all(o, of, fp3_output_stream(output), progress, error);
     if (!status)
         status = fp3_output_publish(output, error);
@@ -99,8 +121,9 @@ fp3_status fp3_view_draw(const fp3_view_options *o, fp3_progress *progress, fp3_
     size_t snapshot = 0;
     fp3_status status = find_snapshot(o, &snapshot, error);
     if (!status && o->png)
-        status = draw_file(o, &(reel){o->png, snapshot, 1}, progress, error);
+        status = draw_file(o, &(reel){o->png, snapshot, 1, 0}, progress, error);
     if (!status && o->film)
-        status = draw_file(o, &(reel){o->film, 0, o->page.recording->snapshots}, progress, error);
+        status =
+            draw_file(o, &(reel){o->film, 0, o->page.recording->snapshots, 1}, progress, error);
     return status;
 }

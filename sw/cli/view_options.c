@@ -60,7 +60,10 @@ static const struct argp_option table[] = {
     {"png", KEY_PNG, "FILE", 0,
      "Draw a snapshot as a PNG, without a display; no page is written unless --output asks for it",
      0},
-    {"film", KEY_FILM, "FILE", 0, "Draw all snapshots as an animated PNG (APNG), likewise", 0},
+    {"film", KEY_FILM, "FILE", 0,
+     "Draw all snapshots as an animated PNG (APNG), likewise; as a video if the name ends in .mp4, "
+     "by ffmpeg",
+     0},
     {"at", KEY_AT, "TIME", 0,
      "The time of the snapshot of --png; a recording without times: its step (default: the last)",
      0},

@@ -1,7 +1,10 @@
 """Pictures and films without a display: the same pixels on every machine, what was recorded and nothing between."""
 
 import hashlib
+import os
+import shutil
 import struct
+import subprocess
 import zlib
 
 import numpy
@@ -97,6 +100,28 @@ def test_readers_read_it(run, some, tmp_path):
         for n, made in enumerate(pictures(tmp_path / "f.png")):
             film.seek(n)
             assert (numpy.asarray(film.convert("RGB")) == made).all()
+
+
+@pytest.mark.skipif(not shutil.which("ffprobe"), reason="no ffmpeg: make setup-view installs it")
+def test_a_video_has_each_snapshot(run, some, tmp_path):
+    run("view", some, *ARGUMENTS, "--film", "f.MP4", "--rate", "10")
+    said = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-of", "csv=p=0", "-show_entries",
+                           "stream=codec_type,width,height,r_frame_rate,nb_read_frames", "f.MP4"], cwd=tmp_path, capture_output=True, text=True).stdout
+    assert said.split() == ["video,320,200,10/1,4"]
+    (tmp_path / "film.mp4").write_text("mine")
+    assert "a video is even in width and height, found 321 x 200" in run("view", some, "--film", "film.mp4", "--width", "321", "--height", "200", code=2).stderr
+    assert (tmp_path / "film.mp4").read_text() == "mine"
+
+
+@pytest.mark.parametrize("program, message", [(None, "ffmpeg, which is not installed"), ("#!/bin/sh\n[ $1 = -version ] || { echo bad day >&2; exit 7; }\n", "ffmpeg: bad day")])
+def test_without_ffmpeg_there_is_no_video(run, some, tmp_path, program, message):
+    (tmp_path / "bin").mkdir()
+    if program:
+        (tmp_path / "bin/ffmpeg").write_text(program)
+        (tmp_path / "bin/ffmpeg").chmod(0o755)
+    env = {**os.environ, "PATH": f"{tmp_path}/bin:{os.environ['PATH'] if program else ''}"}
+    assert message in run("view", some, "--film", "f.mp4", code=1, env=env).stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bin", "some.csv"]
 
 
 BACK = numpy.array([238, 240, 244])

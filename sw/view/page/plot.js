@@ -129,9 +129,10 @@ plots.draw = () => {
 
 const labels = document.getElementById("labels");
 
-// Of the four edges along an axis the one that is farthest from the middle of the picture, rather below than above.
+// Of the four edges along an axis the lowest one in the picture; along the one that points up, the one to the left.
 const outerEdge = k => {
   const [a, b] = [(k + 1) % 3, (k + 2) % 3];
+  const pointsUp = k === (fp3.isFlat ? 1 : camera.up);
   let best = null;
   for (let corner = 0; corner < 4; corner++) {
     const ends = [0, 1].map(end => {
@@ -142,7 +143,7 @@ const outerEdge = k => {
       return camera.see(...point);
     });
     const middle = {x: (ends[0].x + ends[1].x) / 2, y: (ends[0].y + ends[1].y) / 2};
-    const score = Math.hypot(middle.x - 0.5, middle.y - 0.5) + (middle.y - 0.5) * 0.4 - (middle.x - 0.5) * 0.2;
+    const score = pointsUp ? -middle.x : middle.y;
     if (!best || score > best.score) best = {score, ends, middle};
   }
   return best;
@@ -167,7 +168,7 @@ plots.label = () => {
     pen.fillStyle = css("--soft");
     // Not at the very ends, where those of other axes are.
     const inner = share => ({x: ends[0].x + share * (ends[1].x - ends[0].x), y: ends[0].y + share * (ends[1].y - ends[0].y)});
-    const inset = fp3.isFlat ? 0 : 0.06;
+    const inset = fp3.isFlat ? 0 : 0.12;
     if (height > 260 * ratio) put(fp3.number(world.ends[k][0], 3), inner(inset), 12 * ratio, "normal");
     if (height > 260 * ratio) put(fp3.number(world.ends[k][1], 3), inner(1 - inset), 12 * ratio, "normal");
     pen.fillStyle = css("--text");
