@@ -124,6 +124,7 @@ def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapp
     """`fp3 tune`: the cheapest integrator, step and arithmetic that keep a tolerance over ranges of values.
 
     ranges: by name, (first, last); params: values; around: a range of this share to both sides for each start and param.
+    Starts the command that the package carries, so that Ctrl-C ends it. FailedError: there is no truth to measure errors against.
     """
     with _Files([model]) as files:
         scene = files.path / "found.scene"
@@ -140,6 +141,7 @@ def bench(*models: Union[Model, Source], integrators: Sequence[str] = (), config
     """`fp3 bench`: error against run time for every integrator, arithmetic and step, beside a plain loop and GSL.
 
     A row for each point; docs/command.md describes the columns. Minutes a model, with quick seconds; it wants an idle machine.
+    Starts the command that the package carries: the library has no benchmark.
     """
     if not models:
         raise ArgumentError("bench: expected a model")
@@ -152,7 +154,8 @@ def stress(*models: Union[Model, Source], integrators: Sequence[str] = (), only:
            progress: bool = False) -> Table:
     """`fp3 stress`: what FP32 does to models, or without a model to the integrators, beside theory.
 
-    A row for each result; `holds` says whether it is as it should be.
+    A row for each result; `holds` says whether it is as it should be. Starts the command that the package carries: the
+    library has no stress suite.
     """
     with _Files(models) as files:
         return Table(command(["stress", *files.models, *(f"--integrator={name}" for name in integrators), *_options(only=only, quick=quick)],
