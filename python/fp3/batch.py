@@ -114,6 +114,11 @@ def check_mask(what: str, value: Any) -> None:
         raise ArgumentError(f"{what}: found masked values, expected a number everywhere")
 
 
+def part_of(left: int, part: int) -> int:
+    """The steps of the next part: all that are left, if they are not many more."""
+    return left if left <= 2 * part else part
+
+
 def next_part(part: int, made: int, seconds: float) -> int:
     """How many steps take about PART_SECONDS, if `made` of a part took this long."""
     if made < part and seconds < PART_SECONDS:
@@ -275,7 +280,7 @@ class Batch:
         left, found, is_new = as_count("steps", steps, 0, STEPS_MOST), None, True
         with self._c():
             while left > 0 or is_new:
-                now, begun = min(self._part, left), time.perf_counter()
+                now, begun = part_of(left, self._part), time.perf_counter()
                 self._advance(now, is_new)
                 self._part = next_part(self._part, now, time.perf_counter() - begun)
                 left, is_new = left - now, False

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _declarations as d
 from ._library import Handle, check, library, name_bytes
-from .batch import PART_FIRST, STEPS_MOST, Failure, as_count, as_number, next_part, print_share
+from .batch import PART_FIRST, STEPS_MOST, Failure, as_count, as_number, next_part, part_of, print_share
 from .errors import ArgumentError, FailedError
 
 
@@ -123,7 +123,7 @@ class Scene:
             self._lib.fp3_engine_clear_status(self._engine(), 0, self.objects)
         part, first = PART_FIRST if self._has_parts and not self._is_mixed() else total, None
         while left > 0 and not (left < total and self._is_over()):
-            now, begun = min(part, left), time.perf_counter()
+            now, begun = part_of(left, part), time.perf_counter()
             with self._lock:
                 check(self._lib.fp3_engine_advance(self._engine(), now, None), self._error)
                 if check_failures and (not self._is_adaptive() or left == now or self._is_over()):

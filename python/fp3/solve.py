@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _declarations as d
 from ._library import check, library, name_bytes
-from .batch import STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, print_share, split_links
+from .batch import STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, part_of, print_share, split_links
 from .errors import ArgumentError, DigitsWarning, FailedWarning
 from .loss import params_of, standstill
 from .model import How, Model, Program, Source, as_model
@@ -362,7 +362,7 @@ class Run:
         left = self.attempts if self.clock.is_cut else mark - at
         is_new = True
         while left > 0:
-            steps, begun = min(self.batch._part, left), time.perf_counter()
+            steps, begun = part_of(left, self.batch._part), time.perf_counter()
             self.batch._advance(steps, is_new)
             seconds = time.perf_counter() - begun
             left, is_new = left - steps, False
