@@ -112,9 +112,10 @@ fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, siz
                                  size_t first, size_t count, double *const *values);
 
 /* Where engine "fast" has a state, or a param of each object, of all objects, without a copy: as fp3_engine_column.
- * What was written before the first step is there after this call, and what was written to a state after it at once;
- * what else was written may only be there after the next step. *values stays valid until the batch is closed. NULL: there is no such
- * place; fp3_batch_read gives a copy. FP3_E_ARGUMENT: there is no such name, or a value computed from those written is refused as in fp3_batch_step. */
+ * *values stays valid until the batch is closed, and shows what the objects hold between steps. What was written
+ * before the first step is there after this call; what was written to a state later, at once; any other value, after
+ * the next step at the latest. NULL: there is no such place; fp3_batch_read gives a copy. FP3_E_ARGUMENT: there is no
+ * such name, or a value computed from those written is refused as in fp3_batch_step. */
 fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **values);
 
 /* ---- links (docs/relations.md) ----
