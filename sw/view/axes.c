@@ -161,6 +161,24 @@ static fp3_status choose_position(fp3_view_recording *r, const char *wish, fp3_v
 
 /* ---- size and colour ---- */
 
+/* Whether a name is one of those with commas between them. */
+static int is_among(const char *name, const char *names) {
+    const size_t length = strlen(name);
+    for (; *names; names += strcspn(names, ",") + (strchr(names, ',') != NULL))
+        if (strcspn(names, ",") == length && !strncmp(name, names, length))
+            return 1;
+    return 0;
+}
+
+/* A reach is a length along the axes that it is measured in, and no other. */
+static int is_measured_in(const fp3_view_recording *r, const fp3_view_relation *of,
+                          const fp3_view_axes *axes) {
+    for (unsigned k = 0; k < axes->count; k++)
+        if (!is_among(r->columns[axes->columns[k]].name, of->position))
+            return 0;
+    return 1;
+}
+
 static fp3_status choose_size(fp3_view_recording *r, const char *wish, fp3_view_axes *axes,
                               fp3_error *error) {
     fp3_error none;
@@ -174,7 +192,8 @@ static fp3_status choose_size(fp3_view_recording *r, const char *wish, fp3_view_
         return fp3_view_want(r, wish, &axes->radius_of, error);
     /* Balls of one size touch where the distance is twice their radius. */
     for (size_t i = 0; i < r->relation_count && axes->radius == 0; i++)
-        axes->radius = r->relations[i].reach / 2;
+        if (is_measured_in(r, &r->relations[i], axes))
+            axes->radius = r->relations[i].reach / 2;
     return FP3_OK;
 }
 

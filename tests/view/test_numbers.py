@@ -182,6 +182,12 @@ def test_the_position(run, tmp_path, head, arguments, axes):
     assert about["position"]["hasOneScale"] == (len(units) == 1)
 
 
+@pytest.mark.parametrize("position, radius", [("x", 0.05), ("x_z,x_y", 0.05), ("v", 0), ("x_x,v_x", 0), ("object,x_y", 0)])
+def test_a_reach_is_a_size_where_it_is_measured(run, balls, tmp_path, position, radius):
+    run("view", balls, "--position", position)
+    assert Page(tmp_path / "balls.html").about["radius"] == pytest.approx(radius)
+
+
 @pytest.mark.parametrize("head, arguments, message", [
     ("step,object,a,b [kg]", [], "nothing in it is known to be a position: no vector (name_x, name_y) has the unit of a length. There are a, b [kg]: name"),
     ("step,object,a", ["--position", "z"], "nothing in it is called 'z': there are a, and object"),
