@@ -51,7 +51,7 @@ clang                | clang             | clang | libFuzzer, which runs all inp
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
 gcc-aarch64-linux-gnu | aarch64-linux-gnu-gcc | everywhere | compiles for arm64
 gcc-riscv64-linux-gnu | riscv64-linux-gnu-gcc | everywhere | compiles for riscv64
-qemu-user            | qemu-aarch64      | everywhere | runs both
+qemu-user            | qemu-aarch64      | everywhere | runs what they compile
 cmake                | cmake             | everywhere | compiles libjansson for them
 lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
