@@ -201,11 +201,11 @@ ends of each range. ARM detects tininess before rounding, FP3 and the other mach
 TAIL = """
 ## What the bits of a host depend on
 Equations are executed by FP3's own arithmetic. What a host computes in double before a run, constants of a model such as `exp(-k)` and what
-`params` are rounded to, goes through the C library: its functions may differ between versions by one unit of a double, which is one of FP32 in one of 10^9
+`params` are rounded to, goes through the C library: its functions may differ between versions by one unit of a double, which is one of FP32 in 2 of 10^9
 cases. Constants that a model needs to the bit can be given as numbers.
 
-Not tried: WebAssembly, which has no flags and one rounding; macOS and Windows. Of POSIX the library uses threads, `dlopen`, `fork` and `exec` of a
-compiler, `open_memstream`, `flock`, `mkdtemp`, `realpath` and `uselocale`; of Linux `secure_getenv` and `SIGXFSZ`.
+Not tried: WebAssembly, which has no flags and one rounding; macOS and Windows. Of POSIX the library and the command use threads, `dlopen`, `posix_spawn` for a
+compiler, `open_memstream`, `flock`, `mkdtemp`, `realpath`, `uselocale` and `SIGXFSZ`; of glibc `secure_getenv`.
 """
 
 
