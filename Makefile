@@ -98,7 +98,7 @@ export PYTHONDONTWRITEBYTECODE := 1
 CROSS    :=
 SYSROOT  :=
 CC_FOR   := $(CROSS)gcc
-MACHINE  := $(shell $(CC_FOR) -dumpmachine)
+MACHINE  := $(shell $(CC_FOR) -dumpmachine 2>/dev/null)
 CCACHE   := $(shell command -v ccache 2>/dev/null)
 SANITIZE := $(if $(filter thread,$(SAN)),-fsanitize=thread)$(if $(filter 1,$(SAN)),-fsanitize=address -fsanitize=undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 WARN     := -Wall -Wextra -Wpedantic -Werror

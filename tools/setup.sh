@@ -53,6 +53,7 @@ gcc-aarch64-linux-gnu | aarch64-linux-gnu-gcc | everywhere | compiles for arm64
 gcc-riscv64-linux-gnu | riscv64-linux-gnu-gcc | everywhere | compiles for riscv64
 qemu-user            | qemu-aarch64      | everywhere | runs what they compile
 cmake                | cmake             | everywhere | compiles libjansson for them
+autotools-dev        | /usr/share/misc/config.sub | everywhere | knows riscv64, which older configure scripts do not
 lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.

@@ -145,10 +145,31 @@ def test_multiprocessing(python, tmp_path):
     assert told.strip() == "[0.3679, 0.1353] [0.3679, 0.1353]"
 
 
+@pytest.fixture
+def begun(environment, tmp_path):
+    """A script that has said so. It hears Ctrl-C, also where the tests run in the background and ignore it; and it ends at last."""
+    runs, timers = [], []
+
+    def begun(script):
+        hears = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        run = subprocess.Popen([sys.executable, "-c", hears + script], env={**environment, "TMPDIR": str(tmp_path)}, cwd=tmp_path, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+        timers.append(threading.Timer(60, run.kill))
+        timers[-1].start()
+        runs.append(run)
+        assert run.stdout.readline() == "begun\n", run.stderr.read()
+        time.sleep(1.5)
+        return run
+    yield begun
+    for run, timer in zip(runs, timers):
+        timer.cancel()
+        run.kill()
+
+
 @pytest.mark.parametrize("call", ["fp3.solve_ivp(M, (0, 1e6), objects=20_000)", "fp3.solve_ivp(M, (0, 1e6), objects=20_000, rtol=1e-6, max_step=1e-3)",
                                   "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')", "fp3.Batch(M, 20_000).step(2**31)",
                                   "fp3.Batch(M, 20_000, tolerance=1e-6, maxstep=1e-3, until=1e6).step(2**31)"])
-def test_a_keyboard_interrupt_ends_a_long_run(environment, tmp_path, call):
+def test_a_keyboard_interrupt_ends_a_long_run(begun, call):
     """Within a second or so, and the session goes on."""
     script = textwrap.dedent(f"""
         import fp3, sys, time
@@ -161,22 +182,20 @@ def test_a_keyboard_interrupt_ends_a_long_run(environment, tmp_path, call):
             print("stopped", time.perf_counter(), flush=True)
         print(fp3.solve_ivp(M, (0, 1)).success)
     """)
-    run = subprocess.Popen([sys.executable, "-c", script], env=environment, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert run.stdout.readline() == "begun\n"
-    time.sleep(1.5)
+    run = begun(script)
     assert run.poll() is None, run.communicate()
     sent = time.perf_counter()
     os.kill(run.pid, signal.SIGINT)
-    word, at = run.stdout.readline().split()
+    said = run.stdout.readline().split()
+    assert len(said) == 2, run.stderr.read()
+    word, at = said
     out, err = run.stdout.read(), run.stderr.read()  # communicate would leave out what readline has read ahead
     assert word == "stopped" and float(at) - sent < 3 and out == "True\n" and run.wait(60) == 0, (out, err)
 
 
-def test_a_keyboard_interrupt_ends_a_command(environment, root, tmp_path):
+def test_a_keyboard_interrupt_ends_a_command(begun, root, tmp_path):
     script = f"import fp3\nprint('begun', flush=True)\ntry:\n    fp3.bench({str(root / 'programs/kepler.ode')!r})\nexcept KeyboardInterrupt:\n    print('stopped')\n"
-    run = subprocess.Popen([sys.executable, "-c", script], env={**environment, "TMPDIR": str(tmp_path)}, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
-    assert run.stdout.readline() == "begun\n"
-    time.sleep(1.5)
+    run = begun(script)
     os.kill(run.pid, signal.SIGINT)
     assert run.stdout.read() == "stopped\n" and run.wait(20) == 0 and not list(tmp_path.glob("fp3-*"))
 
