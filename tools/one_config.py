@@ -44,9 +44,13 @@ def includes(tree):
 
 
 def make_tree(row, tree):
-    """The project's rtl/ and isa/ by links, configs.toml and the generated files anew."""
+    """The project's rtl/, isa/ and headers by links, configs.toml and the generated files anew."""
+    headers = "sw/include/fp3"
     (tree / "isa").mkdir(parents=True)
     (tree / "rtl").mkdir()
+    (tree / headers).mkdir(parents=True)
+    for path in (ROOT / headers).glob("*.h"):
+        (tree / headers / path.name).symlink_to(path)
     for path in ROOT.glob("rtl/*"):
         if path.name != "gen":
             (tree / "rtl" / path.name).symlink_to(path)
@@ -56,6 +60,7 @@ def make_tree(row, tree):
     for name, text in outputs(tree).items():
         path = tree / name
         path.parent.mkdir(parents=True, exist_ok=True)
+        path.unlink(missing_ok=True)    # never through a link
         path.write_text(text)
 
 
