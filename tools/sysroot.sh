@@ -17,7 +17,7 @@ fetch() {
     local sources=$directory/work/apt file options
     mkdir -p "$sources/parts" "$sources/lists/partial"
     for file in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
-        if [ -f "$file" ] && grep -q 'debian\.org/debian\|/debian ' "$file"; then
+        if [ -f "$file" ] && grep -q '/debian' "$file"; then
             sed 's/^deb /deb-src /; s/^Types: deb$/Types: deb-src/' "$file" >"$sources/parts/${file##*/}"
         fi
     done
