@@ -6,6 +6,7 @@
 # DIRECTORY gets include/ and lib/ with archives. Of GSL only what libfp3 uses is compiled. Debian 12 has no packages of
 # riscv64, so arm64 gets its libraries in the same way.
 set -eu
+[ $# = 2 ] || { echo "usage: tools/sysroot.sh TRIPLET DIRECTORY" >&2 && exit 2; }
 triplet=$1 directory=$2
 mkdir -p "$directory/work"
 directory=$(cd "$directory" && pwd)
