@@ -4,18 +4,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORTH_AN_ORDER                                                                             \
-    256 /* objects: it pays from some thousands on, and engine isa can be compared with 512 */
+/* Objects: it pays from some thousands on, and engine isa can be compared with 512. */
+#define WORTH_AN_ORDER 256
 #define LISTS_IN_ORDER 16 /* that are made before objects are put in order again */
 
 /* Row i gets what is in row rows[i] of the first `count`. */
+static void move_one(uint32_t *column, const uint32_t *rows, uint32_t count, uint32_t *scratch) {
+    for (uint32_t i = 0; column && i < count; i++)
+        scratch[i] = column[rows[i]];
+    if (column)
+        memcpy(column, scratch, count * sizeof *column);
+}
+
+/* Both halves: a phase that does not store a published word leaves it as it was two phases ago. */
 static void move(fast *self, const uint32_t *rows, uint32_t count, uint32_t *scratch) {
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
-        uint32_t *column = self->column[reg];
-        for (uint32_t i = 0; column && i < count; i++)
-            scratch[i] = column[rows[i]];
-        if (column)
-            memcpy(column, scratch, count * sizeof *column);
+        move_one(self->column[reg], rows, count, scratch);
+        move_one(self->other_half[reg], rows, count, scratch);
     }
 }
 
