@@ -76,6 +76,11 @@ module sequencer #(
     wire                  ready, fetched, fetch_empty, again, more, skip;
     wire [PROGRAM_W-1:0]  fetch_pc;
     wire [31:0]           fetch_word;
+    wire                  advance, delivered, decoded_empty;
+    wire [PROGRAM_W-1:0]  delivered_pc;
+    wire [31:0]           delivered_word;
+    wire [`MARKS_W-1:0]   delivered_marks;
+    wire [`DECODED_W-1:0] delivered_decoded;
     wire                  hold, drop, jump, jump_on, jump_begins;
     wire [PROGRAM_W-1:0]  jump_pc;
     fetch #(.CONFIG(CONFIG)) u_fetch (.clk_i(clk_i), .rst_i(rst_i),
@@ -83,9 +88,31 @@ module sequencer #(
         .start_i(starts), .stop_i(abort), .settings_i(settings_i), .steps_i(steps),
         .skip_i(skip), .more_i(more), .again_o(again),
         .jump_i(jump), .jump_on_i(jump_on), .jump_begins_i(jump_begins), .jump_pc_i(jump_pc),
-        .advance_i(ready), .valid_o(fetched), .pc_o(fetch_pc), .word_o(fetch_word),
-        .marks_o(marks), .empty_o(fetch_empty));
-    decode #(.CONFIG(CONFIG)) u_decode (.word_i(fetch_word), .decoded_o(decoded));
+        .advance_i(advance), .valid_o(delivered), .pc_o(delivered_pc), .word_o(delivered_word),
+        .marks_o(delivered_marks), .empty_o(fetch_empty));
+    decode #(.CONFIG(CONFIG)) u_decode (.word_i(delivered_word), .decoded_o(delivered_decoded));
+    generate
+        if (NEIGHBOURS != 0) begin : g_decoded
+            // What a word says decides where fetch goes on (loops): a register stands between.
+            reg                  valid_q;
+            reg [PROGRAM_W-1:0]  pc_q;
+            reg [31:0]           word_q;
+            reg [`MARKS_W-1:0]   marks_q;
+            reg [`DECODED_W-1:0] decoded_q;
+            always @(posedge clk_i) begin
+                if (rst_i || abort || jump) valid_q <= 1'b0;
+                else if (advance)           valid_q <= delivered;
+                if (advance) {pc_q, word_q, marks_q, decoded_q} <= {delivered_pc, delivered_word, delivered_marks, delivered_decoded};
+            end
+            assign advance       = (ready || !valid_q) && !jump;
+            assign decoded_empty = !valid_q;
+            assign {fetched, fetch_pc, fetch_word, marks, decoded} = {valid_q, pc_q, word_q, marks_q, decoded_q};
+        end else begin : g_not_decoded
+            assign advance       = ready;
+            assign decoded_empty = 1'b1;
+            assign {fetched, fetch_pc, fetch_word, marks, decoded} = {delivered, delivered_pc, delivered_word, delivered_marks, delivered_decoded};
+        end
+    endgenerate
 
     wire [CONTEXTS-1:0] mask;
     wire                batch;
@@ -178,7 +205,7 @@ module sequencer #(
     delay #(.W(1), .N(TIMING_TOLD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
     reg under_lasts_q;                 // the last that was taken is in a last part
     always @(posedge clk_i) if (load) under_lasts_q <= lasts_q;
-    assign issuing = !fetch_empty || valid_q || busy || jump;
+    assign issuing = !fetch_empty || !decoded_empty || valid_q || busy || jump;
     assign storing = (valid_q && lasts_q) || (busy && under_lasts_q);
     wire unused = &{`DECODED, `MARKS, report_flags, report_answer};      // the streams'; the host's
 

@@ -18,6 +18,7 @@
 #define FP3_TIMING_COPY          11u /* of the copies before a round, beyond those of its words and a cycle for each group of lanes */
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */
 #define FP3_TIMING_ROUND         13u /* of a round, beyond its sweeps and one settling: plan, open, fetch and decode, and the last issue's way out */
+#define FP3_TIMING_DECODED       1u  /* of a round, where objects see each other: the register behind decode */
 #define FP3_TIMING_RUN           1u  /* of a run, beyond its rounds and one settling */
 #define FP3_TIMING_RESET         2u  /* how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one */
 #define FP3_TIMING_BUS           8u  /* from the handshake of a read to its response, beyond the memory that is read */

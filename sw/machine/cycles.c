@@ -228,6 +228,11 @@ uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t w
     return config->exchange ? all + fp3_cycles_groups(config) + FP3_TIMING_COPY : 0;
 }
 
+uint32_t fp3_cycles_around_round(const fp3_config *config) {
+    return fp3_cycles_settle(config) + FP3_TIMING_ROUND +
+           (config->neighbours ? FP3_TIMING_DECODED : 0);
+}
+
 uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swept *visit) {
     const uint32_t n = config->contexts;
     const uint64_t sweeps = rows / n * fp3_cycles_sweep(config, n, FP3_GRANTED) +
@@ -236,7 +241,7 @@ uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swe
         return 0;
     const uint64_t issues =
         config->dual ? overlapped(config, rows, visit) : instructions_of(visit) * sweeps;
-    return issues + fp3_cycles_settle(config) + FP3_TIMING_ROUND + fp3_cycles_copies(config, 0, 0);
+    return issues + fp3_cycles_around_round(config) + fp3_cycles_copies(config, 0, 0);
 }
 
 uint64_t fp3_cycles_interleaved(const fp3_config *config, uint32_t rows, uint64_t rounds,

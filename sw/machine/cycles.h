@@ -62,6 +62,8 @@ uint32_t fp3_cycles_waiting(const fp3_config *config);
 
 /* What copies before a round take: of so many objects, so many published words of each. To find that there is none takes some, too. */
 uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words);
+/* What a round takes beyond its copies, and from its first issue to its last: one settling, too. */
+uint32_t fp3_cycles_around_round(const fp3_config *config);
 /* A round in which the fullest lane has so many rows, each visited in this way. Each instruction is
  * granted as soon as it can be, and each sweep pauses. 0 for no rows. */
 uint64_t fp3_cycles_round(const fp3_config *config, uint32_t rows, const fp3_swept *visit);

@@ -79,7 +79,7 @@ static void issue_batch(const fp3_config *config, const fp3_phased *program,
 
 uint64_t fp3_cycles_phased(const fp3_config *config, const fp3_phased *program,
                            const fp3_phased_run *run, uint32_t steps) {
-    const uint32_t settle = fp3_cycles_settle(config), most = config->contexts;
+    const uint32_t most = config->contexts;
     uint64_t cycles = 0;
     for (uint32_t begin = 0; begin < program->count;) {
         const fp3_phase_cost phase = fp3_phase_cost_of(config, program, begin);
@@ -90,11 +90,11 @@ uint64_t fp3_cycles_phased(const fp3_config *config, const fp3_phased *program,
         }
         const int is_last = phase.end == program->count;
         cycles += fp3_cycles_copies(config, run->copies, run->words) + s.start +
-                  (!is_last && s.count < PHASE_ENDS ? PHASE_ENDS : s.count) + settle +
-                  FP3_TIMING_ROUND;
+                  (!is_last && s.count < PHASE_ENDS ? PHASE_ENDS : s.count) +
+                  fp3_cycles_around_round(config);
         begin = phase.end + 1;
     }
-    return steps * cycles + settle + FP3_TIMING_RUN;
+    return steps * cycles + fp3_cycles_settle(config) + FP3_TIMING_RUN;
 }
 
 /* ---- what a phase costs ---- */
@@ -104,7 +104,7 @@ fp3_phase_cost fp3_phase_cost_of(const fp3_config *config, const fp3_phased *pro
     fp3_phase_cost cost = {.begin = begin,
                            .end = end_of(program, begin),
                            .loop = loop_wait(config),
-                           .around = fp3_cycles_settle(config) + FP3_TIMING_ROUND +
+                           .around = fp3_cycles_around_round(config) +
                                      fp3_cycles_copies(config, 0, 0),
                            .full = fp3_cycles_gap(config)};
     for (uint32_t pc = begin; pc < cost.end; pc++)
