@@ -56,7 +56,7 @@ module fp3_fabric (
         .REGISTERS       (64),
         .CONTEXTS        (24),
         .PROGRAM_WORDS   (2048),
-        .STORE_WORDS     (16384),
+        .STORE_WORDS     (4096),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),

@@ -1,6 +1,6 @@
 /* neighbours.c - objects that see each other, on the simulated hardware of configuration `world` against the isa engine.
  *
- *     neighbours [SEED [CONFIGURATION]]
+ *     neighbours [SEED [CONFIGURATION [OBJECTS]]]    at most so many objects
  *
  * Chains, cloths, bodies that attract each other and balls that touch, with integrators of one phase and of several; as many
  * objects as one context, some, all and several batches take; random links, so that lists end at different turns, and of
@@ -22,6 +22,7 @@ enum { OBJECTS_MAX = 64, LINKS_MAX = 6, FIELDS_MAX = 2 };
 
 static unsigned failed, runs;
 static const char *config = "world";
+static uint32_t most = OBJECTS_MAX;
 static fp3_error error;
 
 #define FAIL(...)                                                                                  \
@@ -263,7 +264,7 @@ static void check_subject(chance *c, const char *text, const char *integrator) {
     static const uint32_t counts[] = {1, 2, 7, 23, 24, 25, 53};
     subject s = {text, integrator, NULL, NULL};
     open_subject(&s);
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && counts[i] <= most; i++) {
         both b = open_both(s.program->image, counts[i]);
         fill(c, &b, &s);
         give_lists(c, &b, s.model, i % 3 ? LINKS_MAX : 1);
@@ -282,7 +283,7 @@ static void check_subject(chance *c, const char *text, const char *integrator) {
 static void check_stops(chance *c, const char *text, const char *integrator) {
     subject s = {text, integrator, NULL, NULL};
     open_subject(&s);
-    both b = open_both(s.program->image, 30);
+    both b = open_both(s.program->image, most < 30 ? most : 30);
     for (uint64_t limit = 5; limit < 400; limit += 11) {
         fp3_stats stats;
         fill(c, &b, &s);
@@ -327,7 +328,7 @@ static void check_by_hand(chance *c) {
         float column[OBJECTS_MAX];
         told(fp3_assemble(by_hand[i].text + 1, strlen(by_hand[i].text + 1), "hand.s", &made,
                           &error));
-        for (uint32_t objects = 1; objects <= 50; objects += 7) {
+        for (uint32_t objects = 1; objects <= 50 && objects <= most; objects += 7) {
             both b = open_both(made->image, objects);
             const fp3_neighbours some = {l.begin, l.other, l.fields};
             for (uint32_t reg = 0; reg < words_of(&b); reg++) {
@@ -352,6 +353,8 @@ int main(int argc, char **argv) {
     chance c = {.state = argc > 1 ? strtoull(argv[1], NULL, 0) : 1};
     if (argc > 2)
         config = argv[2];
+    if (argc > 3)
+        most = (uint32_t)strtoul(argv[3], NULL, 0);
     check_subject(&c, chain, "euler");
     check_subject(&c, chain, "leapfrog");
     check_subject(&c, chain, "rk4");
