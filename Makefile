@@ -559,7 +559,7 @@ need-%:
 	@PYTHON=$(PYTHON) tools/setup.sh --check $*
 
 # Nothing is compiled before the tools are there and the generated files are fresh.
-$(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py isa/*.toml programs/integrators/*.cfg) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
+$(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py isa/*.toml programs/integrators/*) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
 	@$(PYTHON) tools/generate.py --check
 	@mkdir -p $(@D)
 	@touch $@

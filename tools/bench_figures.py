@@ -1,33 +1,32 @@
 """What the pictures and tables of the benchmark show: who is the fastest at an error, and which points belong together."""
 
+import pathlib
+
+from fp3gen.families import families
+
 ERRORS = [10.0 ** -digits for digits in range(1, 14)]
 PEERS = {"plain_c": "plain C", "gsl": "GSL", "sundials": "SUNDIALS", "diffrax": "diffrax", "heyoka": "heyoka"}
 # How a curve looks: a family has a colour, its members have dashes and marks of their own. The same everywhere.
 DASHES, MARKS = ["-", "--", ":", "-."], "os^Dv*X"
+FAMILIES = families(pathlib.Path(__file__).resolve().parents[1])
+COLOURS = {member: family["colour"] for family in FAMILIES["solvers"] for member in family["members"]}
 
 
-def looks(families):
-    return {name: (colour, DASHES[i % len(DASHES)], MARKS[i]) for colour, names in families.items() for i, name in enumerate(names)}
+def looks(members):
+    """members: colours, each with the names of its curves."""
+    return {name: (colour, DASHES[i % len(DASHES)], MARKS[i]) for colour, names in members for i, name in enumerate(names)}
 
 
-METHODS = looks({
-    "#d55e00": ["fp3, one thread", "fp3, all threads"],
-    "#000000": [f"hardware {name}" for name in ("many_full", "single_full", "many", "single", "lanes", "uncut", "paper")],
-    "#009e73": ["plain C scalar", "plain C vectors"],
-    "#0072b2": [f"GSL {name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")],
-    "#aa3377": [f"SUNDIALS {name}" for name in ("cvode adams", "cvode bdf", "arkode erk3", "arkode erk4", "arkode erk5", "arkode erk8")],
-    "#e69f00": ["diffrax float32", "diffrax float64"],
-    "#56b4e9": ["heyoka taylor", "heyoka taylor batch"],
-})
-INTEGRATORS = looks({
-    "#e69f00": ["euler", "midpoint", "heun", "ralston3"],
-    "#d55e00": ["rk4", "rk38", "rk4_paper"],
-    "#aa3377": ["rk6", "rk8", "dopri5", "tsit5", "cash_karp"],
-    "#0072b2": ["verlet", "leapfrog", "stoermer_verlet", "semi_implicit_euler"],
-    "#009e73": ["yoshida6", "blanes_moan6", "forest_ruth", "pefrl"],
-    "#000000": ["ros2", "ros3p", "rodas3"],
-    "#56b4e9": ["rkc6_damped", "rkc8", "rkc12"],
-})
+METHODS = looks([
+    (COLOURS["fast"], ["fp3, one thread", "fp3, all threads"]),
+    (COLOURS["rtl"], [f"hardware {name}" for name in ("many_full", "single_full", "many", "single", "lanes", "uncut", "paper")]),
+    (COLOURS["plain_c"], ["plain C scalar", "plain C vectors"]),
+    (COLOURS["gsl"], [f"GSL {name}" for name in ("rkf45", "rk8pd", "msadams", "msbdf", "rk4")]),
+    (COLOURS["sundials"], [f"SUNDIALS {name}" for name in ("cvode adams", "cvode bdf", "arkode erk3", "arkode erk4", "arkode erk5", "arkode erk8")]),
+    (COLOURS["diffrax"], ["diffrax float32", "diffrax float64"]),
+    (COLOURS["heyoka"], ["heyoka taylor", "heyoka taylor batch"]),
+])
+INTEGRATORS = looks((family["colour"], family["members"]) for family in FAMILIES["integrators"])
 OTHER = ("#888888", "-", "P")   # what is in no list
 ADAPTIVE = " adaptive"
 KINDS = (ADAPTIVE, " cut")      # behind the name of an integrator, of steps that are not all h: its curve with open marks

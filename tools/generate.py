@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and fp3.core,
-programs/integrators/*.cfg into a C header, and sw/include/fp3/*.h into declarations for Python.
+programs/integrators/ into C headers, and sw/include/fp3/*.h into declarations for Python.
 
     tools/generate.py           writes what has changed
     tools/generate.py --check   writes nothing; fails and names each file that is stale
@@ -9,7 +9,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, rdl, pages,
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, families, rdl, pages,
 fusesoc, python).
 """
 
@@ -19,7 +19,7 @@ import sys
 
 sys.dont_write_bytecode = True  # nothing but what it generates appears in the tree
 
-from fp3gen import c, decode, fusesoc, host, pages, parameters, python, rdl, registers, timing, verilog
+from fp3gen import c, decode, families, fusesoc, host, pages, parameters, python, rdl, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
 from fp3gen.text import MARK
@@ -54,6 +54,7 @@ def outputs(root):
         "sw/gen/configs.h": c.configs_c(known, configs),
         "sw/gen/timing.h": timing.timing_c(cycles),
         "sw/gen/integrators.h": c.integrators_c(root),
+        "sw/gen/families.h": families.families_c(root),
         "docs/isa.md": pages.isa_page(isa),
         "docs/registers.md": pages.registers_page(regs),
         "docs/configurations.md": pages.configs_page(known, configs),

@@ -5,7 +5,7 @@ from fp3gen.text import table
 from plot import draw
 
 # In pictures of errors: a colour for each integrator, a dash for each arithmetic.
-COLOURS = {"rk4": "#d55e00", "verlet": "#0072b2", "yoshida6": "#009e73"}
+COLOURS = {name: INTEGRATORS[name][0] for name in ("rk4", "verlet", "yoshida6")}
 DASHES = {"plain": "-", "compensated": "--", "truncated": ":"}
 
 INTRODUCTION = """\

@@ -73,6 +73,16 @@ def test_a_new_module_reaches_the_core_file(copy):
     assert "      - rtl/lib/novel.v\n" in (copy / "fp3.core").read_text()
 
 
+@pytest.mark.parametrize("old, new, message", [
+    ('"rk38", ', "", "rk38: in no family"), ('"rk38"', '"rk39"', "rk38: in no family"), ('"rk38"', '"rk38", "rk39"', "rk39: no such integrator"),
+    ('"rk6"', '"rk4"', "'rk4' is in 'Runge-Kutta, order 4' and in 'Runge-Kutta, order 5 to 8'"), ('"#d55e00"', '"red"', "'Runge-Kutta, order 4': found colour 'red'"),
+    ('"#d55e00"', '"#e69f00"', "integrators: two families have one colour"), ("[[solvers]]\nname ", "[[solver]]\nname ", "expected integrators and solvers"), ('"ros2"', "2", "members are names")])
+def test_families_are_whole(copy, old, new, message):
+    replace(copy / "programs/integrators/families.toml", old, new)
+    done = generate(copy, "--check")
+    assert done.returncode == 1 and "programs/integrators/families.toml: " in done.stderr and message in done.stderr
+
+
 # File, what is replaced in it (None: appended), and what the message must say.
 MISTAKES = [
     ("isa.toml", "code     = 2", "code     = 1", "op 'sub': code 1 is already taken by 'add'"),
