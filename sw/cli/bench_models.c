@@ -37,13 +37,14 @@ static int compare(const void *a, const void *b) {
                   : (x->error_median > y->error_median) - (x->error_median < y->error_median);
 }
 
-/* For the picture; an axis has no room for an error of 0. */
-static void keep(json_t *shown, const fp3_measure_point *p, const char *who) {
-    if (p->error_median > 0)
-        json_array_append_new(shown, json_pack("{s:s, s:s, s:s, s:f, s:f}", "model",
-                                               p->problem->model->name, "curve", who, "unit",
-                                               p->repeats ? "ns" : "cycles", "cost", cost_of(p),
-                                               "error", p->error_median));
+/* For the pictures and the page. */
+static void keep(json_t *shown, const fp3_measure_point *p, const char *who, const char *how,
+                 const char *step) {
+    json_array_append_new(
+        shown, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:o}", "model",
+                         p->problem->model->name, "engine", p->engine, "curve", who, "how", how,
+                         "step", step, "unit", p->repeats ? "ns" : "cycles", "cost", cost_of(p),
+                         "error", p->error_median, "worst", fp3_json_number(p->error_worst)));
 }
 
 static void print_point(const fp3_measure_point *p, json_t *shown) {
@@ -57,7 +58,7 @@ static void print_point(const fp3_measure_point *p, json_t *shown) {
              p->method && p->integrator ? ", " : "", p->integrator ? p->integrator : "",
              p->arithmetic ? ", " : "", p->arithmetic ? p->arithmetic : "");
     snprintf(step, sizeof step, "%s %.3g", p->h > 0 ? "h" : "tol", p->h > 0 ? p->h : p->tolerance);
-    keep(shown, p, who);
+    keep(shown, p, who, how, step);
     printf("%-20s %-34s %-12s %10.2e %10.2e", who, how, step, p->error_median, p->error_worst);
     if (p->repeats)
         printf(" %12.4g\n", cost_of(p));
@@ -158,7 +159,10 @@ static fp3_status check_files(const fp3_bench_models *what, fp3_error *error) {
     fp3_files_write(&files, "--json", what->json);
     fp3_files_write(&files, "--csv", what->csv);
     fp3_files_write(&files, "--plot", what->plot);
-    const fp3_status status = what->plot ? fp3_bench_plot_check(what->plot, error) : FP3_OK;
+    fp3_files_write(&files, "--html", what->html);
+    const fp3_status status = what->plot   ? fp3_gnuplot_check_picture(what->plot, error)
+                              : what->html ? fp3_gnuplot_check(error)
+                                           : FP3_OK;
     return status ? status : fp3_files_check(&files, error);
 }
 
@@ -179,6 +183,10 @@ fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3
         status = fp3_bench_csv(what->csv, json_object_get(all, "points"), error);
     if (!status && what->plot)
         status = fp3_bench_plot(what->plot, shown, error);
+    const fp3_bench_page page = {what->html, what->argc, what->argv,
+                                 json_object_get(all, "problems"), shown};
+    if (!status && what->html)
+        status = fp3_bench_html(&page, error);
     json_decref(shown);
     json_decref(all);
     return status;

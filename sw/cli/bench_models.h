@@ -11,7 +11,9 @@ typedef struct {
     unsigned model_count;
     const char *integrators[FP3_BENCH_NAMES_MOST + 1]; /* none: all that are built in */
     unsigned integrator_count;
-    const char *json, *csv, *plot; /* or NULL */
+    const char *json, *csv, *plot, *html; /* or NULL */
+    int argc;
+    char **argv; /* the command, for html */
     int is_quick;
 } fp3_bench_models;
 

@@ -28,8 +28,8 @@ typedef struct {
     uint64_t steps;         /* after the first, of one object; many share them */
     uint64_t scene_objects; /* 0: no scenes */
     int is_model;
-    fp3_bench_models models; /* error against run time; the others are not for it */
-    const char *not_for_models;
+    fp3_bench_models models;                 /* error against run time; the others are not for it */
+    const char *not_for_models, *for_models; /* the last option of each, by its long name */
 } options;
 
 /* ---- the table of runs ---- */
@@ -356,7 +356,7 @@ static fp3_status bench(const options *o, char **report, fp3_error *error) {
     return status;
 }
 
-enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT };
+enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT, KEY_HTML };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0, "Run on this configuration (default: on all)", 0},
@@ -373,9 +373,9 @@ static const struct argp_option table[] = {
      "With MODEL: measure this integrator; may be repeated (default: all that are built in)", 0},
     {"csv", KEY_CSV, "FILE", 0, "With MODEL: also write all points as CSV, a row for each", 0},
     {"plot", KEY_PLOT, "FILE", 0,
-     "With MODEL: also draw the printed table, error against time and against cycles, into FILE "
-     "(.svg or .png). Needs gnuplot",
-     0},
+     "With MODEL: also draw the printed table into FILE (.svg or .png). Needs gnuplot", 0},
+    {"html", KEY_HTML, "FILE", 0,
+     "With MODEL: also write the printed table and its pictures as a page. Needs gnuplot", 0},
     {"quick", KEY_QUICK, NULL, 0,
      "With MODEL: measure fewer tolerances and objects, three times each", 0},
     {0},
@@ -390,25 +390,20 @@ static void add_name(struct argp_state *state, const char *what, const char *tex
 
 /* Options of one form are refused with the other. */
 static void check_form(struct argp_state *state, const options *o) {
-    const fp3_bench_models *m = &o->models;
-    if (m->model_count && o->not_for_models)
-        argp_error(state,
-                   "found --%s and '%s': with MODEL there are --integrator, --quick, --json, --csv "
-                   "and --plot",
-                   o->not_for_models, m->models[0]);
-    if (!m->model_count && (m->integrator_count || m->is_quick || m->csv || m->plot))
-        argp_error(state, "found --%s, expected MODEL",
-                   m->is_quick ? "quick"
-                   : m->csv    ? "csv"
-                   : m->plot   ? "plot"
-                               : "integrator");
+    if (o->models.model_count && o->not_for_models)
+        argp_error(
+            state,
+            "found --%s and '%s': with MODEL there are --integrator, --quick, --json, --csv, "
+            "--plot and --html",
+            o->not_for_models, o->models.models[0]);
+    if (!o->models.model_count && o->for_models)
+        argp_error(state, "found --%s, expected MODEL", o->for_models);
 }
 
-/* The long name of an option that is for programs alone; NULL: it is not. */
-static const char *program_option(int key) {
-    static const int keys[] = {'c', 'p', 'P', 'n', KEY_MODEL, 's'};
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
-        for (const struct argp_option *at = table; keys[i] == key && at->name; at++)
+/* The long name of an option, if it is one of these. */
+static const char *name_among(int key, const int *keys) {
+    for (; *keys; keys++)
+        for (const struct argp_option *at = table; *keys == key && at->name; at++)
             if (at->key == key)
                 return at->name;
     return NULL;
@@ -416,8 +411,12 @@ static const char *program_option(int key) {
 
 static error_t parse(int key, char *text, struct argp_state *state) {
     options *o = state->input;
-    if (program_option(key))
-        o->not_for_models = program_option(key);
+    static const int programs[] = {'c', 'p', 'P', 'n', KEY_MODEL, 's', 0};
+    static const int models[] = {'i', KEY_CSV, KEY_PLOT, KEY_HTML, KEY_QUICK, 0};
+    if (name_among(key, programs))
+        o->not_for_models = name_among(key, programs);
+    if (name_among(key, models))
+        o->for_models = name_among(key, models);
     switch (key) {
     case 'c':
         o->config = text;
@@ -439,6 +438,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_PLOT:
         o->models.plot = text;
+        break;
+    case KEY_HTML:
+        o->models.html = text;
         break;
     case KEY_QUICK:
         o->models.is_quick = 1;
@@ -469,7 +471,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 }
 
 int fp3_cmd_bench(int argc, char **argv) {
-    options o = {.steps = 10000};
+    options o = {.steps = 10000, .models = {.argc = argc, .argv = argv}};
     const struct argp argp = {
         .options = table,
         .parser = parse,

@@ -4,6 +4,7 @@
 #include "files.h"
 #include "progress.h"
 #include "run_values.h"
+#include "tune_plot.h"
 #include "tune_print.h"
 
 #include <fp3/model.h>
@@ -17,10 +18,11 @@
 
 #include "base/file.h"
 #include "machine/config.h"
+#include "output/gnuplot.h"
 #include "tune/trim.h"
 
 typedef struct {
-    const char *input, *config;
+    const char *input, *config, *plot;
     int is_model, is_scene, has_hardware;
     double around;
     uint32_t objects;
@@ -40,6 +42,7 @@ enum {
     KEY_SPAN,
     KEY_OUTPUT,
     KEY_JSON,
+    KEY_PLOT,
     KEY_HARDWARE,
     KEY_MODEL,
     KEY_OBJECTS,
@@ -75,6 +78,9 @@ static const struct argp_option table[] = {
      "How many objects that the choice has not seen judge it (default: 64)", 0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write the choice as a scene, which fp3 run --scene runs", 0},
     {"json", KEY_JSON, "FILE", 0, "Also write the choice and what was tried as JSON", 0},
+    {"plot", KEY_PLOT, "FILE", 0,
+     "Also draw error against cost of all that was tried into FILE (.svg or .png). Needs gnuplot",
+     0},
     {"hardware", KEY_HARDWARE, NULL, 0,
      "Also print the configuration without what the program does not need, and its LUTs as far as "
      "they are known",
@@ -129,6 +135,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_JSON:
         o->out.json = text;
+        break;
+    case KEY_PLOT:
+        o->plot = text;
         break;
     case KEY_HARDWARE:
         o->has_hardware = 1;
@@ -200,6 +209,8 @@ static fp3_status tune(options *o, fp3_error *error) {
     free(hardware);
     if (!status)
         status = fp3_tune_print_files(&o->out, &o->def, tuning, o->objects, error);
+    if (!status && o->plot)
+        status = fp3_tune_plot(o->plot, &o->def, tuning, error);
     if (!status)
         status = fp3_tune_print_judge(&o->def, tuning, error);
     fp3_tuning_free(&tuning);
@@ -262,6 +273,7 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
     fp3_files_read(&files, "params", group->params_file);
     fp3_files_write(&files, "--output", o->out.scene);
     fp3_files_write(&files, "--json", o->out.json);
+    fp3_files_write(&files, "--plot", o->plot);
     return fp3_files_check(&files, error);
 }
 
@@ -347,7 +359,10 @@ int fp3_cmd_tune(int argc, char **argv) {
     fp3_files_read(&o.files, "INPUT", o.input);
     fp3_files_write(&o.files, "--output", o.out.scene);
     fp3_files_write(&o.files, "--json", o.out.json);
-    status = fp3_files_check(&o.files, &error);
+    fp3_files_write(&o.files, "--plot", o.plot);
+    status = o.plot ? fp3_gnuplot_check_picture(o.plot, &error) : FP3_OK;
+    if (!status)
+        status = fp3_files_check(&o.files, &error);
     if (!status) {
         o.progress = fp3_progress_begin("tune", o.input);
         status = o.is_scene ? tune_scene(&o, &error) : tune_model(&o, &report, &error);

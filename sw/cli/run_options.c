@@ -122,7 +122,7 @@ static const struct argp_option table[] = {
     {"every", KEY_EVERY, "N", 0,
      "With --output or --plot: a snapshot after every N steps, at the start and at the end "
      "(default: "
-     "at these two; of a plot some 500)",
+     "at these two; of a plot some 1000)",
      0},
     {"times", KEY_TIMES, "T1,T2,...", 0,
      "With --output or --plot: snapshots at these times from the start of the run alone, whole "

@@ -178,6 +178,15 @@ static int put_steps(json_t *o, const fp3_tune_row *r) {
            json_object_set_new(o, "attempts", above_zero(r ? r->attempts : 0));
 }
 
+/* Of each run of the sample what it cost, and its error. */
+static json_t *looks(const fp3_tune_row *r) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < r->looks; i++)
+        json_array_append_new(list, json_pack("[o, o]", fp3_json_number(r->look[i].cycles),
+                                              fp3_json_number(r->look[i].error)));
+    return list;
+}
+
 static json_t *tried(const fp3_tuning *t) {
     json_t *rows = json_array();
     for (size_t i = 0; i < t->row_count; i++) {
@@ -188,6 +197,7 @@ static json_t *tried(const fp3_tuning *t) {
                               fp3_json_number(r->lowest), "cycles", fp3_json_number(r->cycles),
                               "why", r->why);
         put_steps(o, r);
+        json_object_set_new(o, "looks", looks(r));
         json_array_append_new(rows, o);
     }
     return rows;

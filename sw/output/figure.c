@@ -2,58 +2,43 @@
 #include "figure.h"
 
 #include "gnuplot.h"
+#include "planes.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Pixels. */
-enum { WIDTH = 960, TITLE = 40, PANEL = 210, LABEL = 36, PHASE = 460, ABOVE = 8, BELOW = 28 };
+enum {
+    WIDTH = 960,
+    TITLE = 40,
+    PANEL = 210,
+    LABEL = 36,
+    PLANE = 460,
+    LEAST = 200,
+    ABOVE = 8,
+    BELOW = 28
+};
 
 #define LEFT 0.14 /* where data begin and end, as shares of the width: the legend is on the right */
 #define RIGHT 0.82
-#define MARGIN 0.05   /* of a range, above and below the data */
 #define MARKS_MOST 40 /* points that are drawn as such, and not lines alone */
 
 static const char *const dashes[FP3_CURVES_MOST] = {
     "1", "(8,4)", "(2,3)", "(8,3,2,3)", "(14,4)", "(4,2)", "(14,3,2,3)", "(8,3,2,3,2,3)"};
 
-typedef struct {
-    double from, to;
-} range;
-
 /* Between single quotes gnuplot reads nothing; names and units have none. */
 static void put_text(FILE *out, const char *text) { fprintf(out, "'%s'", text); }
 
-static void put_label(FILE *out, const char *axis, const char *name, const char *unit) {
+static void put_label(FILE *out, const char *axis, const char *name, size_t length,
+                      const char *unit) {
     char text[FP3_NAME_SIZE + FP3_UNIT_SIZE + 4];
-    snprintf(text, sizeof text, *unit ? "%s [%s]" : "%s", name, unit);
+    snprintf(text, sizeof text, *unit ? "%.*s [%s]" : "%.*s", (int)length, name, unit);
     fprintf(out, "set %slabel ", axis);
     put_text(out, text);
     putc('\n', out);
 }
 
-/* ---- ranges ---- */
-
-/* Of what is finite; never empty, which gnuplot would refuse. */
-static range range_of(const double *values, size_t count) {
-    range r = {INFINITY, -INFINITY};
-    for (size_t i = 0; i < count; i++) {
-        if (!isfinite(values[i]))
-            continue;
-        r.from = fmin(r.from, values[i]);
-        r.to = fmax(r.to, values[i]);
-    }
-    if (r.from > r.to)
-        return (range){-1, 1};
-    /* Halves, so that no difference is infinite. */
-    double margin = 2 * MARGIN * (r.to / 2 - r.from / 2);
-    if (!(margin > 1e-9 * fmax(fabs(r.from), fabs(r.to))))
-        margin = fmax(fabs(r.to) * MARGIN, 1e-30);
-    r = (range){r.from - margin, r.to + margin};
-    return isfinite(r.from) && isfinite(r.to) ? r : (range){-8e307, 8e307};
-}
-
-static void put_range(FILE *out, const char *axis, range r) {
+static void put_range(FILE *out, const char *axis, fp3_range r) {
     fprintf(out, "set %srange [%.17g:%.17g]\n", axis, r.from, r.to);
 }
 
@@ -85,91 +70,150 @@ static void put_data(const fp3_figure *f, FILE *out) {
     fputs("END\n", out);
 }
 
-/* ---- panels ---- */
+/* ---- the layout: panels, then planes ---- */
 
-static int is_state(const fp3_column *column) {
-    return column->kind == FP3_COLUMN_STATE || column->kind == FP3_COLUMN_SUM;
+/* Components of a vector share a panel where they are one object's; several objects have a panel for each name. */
+static size_t in_panel(const fp3_figure *f, size_t name) {
+    return f->object_count == 1 ? fp3_planes_vector(f->subject, name) : 1;
 }
 
-static int has_phase_plane(const fp3_figure *f) {
-    const fp3_column *list = f->subject->columns->list;
-    const size_t count = f->subject->columns->count;
-    return (count == 2 || (count == 3 && list[2].kind == FP3_COLUMN_LIFE)) && is_state(&list[0]) &&
-           is_state(&list[1]);
+size_t fp3_figure_panels(const fp3_figure *f) {
+    size_t count = 0;
+    for (size_t name = 0; name < f->subject->columns->count; name += in_panel(f, name))
+        count++;
+    return count;
 }
 
-static int height_of(const fp3_figure *f) {
-    const int panels = (int)f->subject->columns->count * PANEL;
-    return TITLE + panels + LABEL + (has_phase_plane(f) ? PHASE + LABEL : 0);
+typedef struct {
+    size_t panels, planes;
+    fp3_plane plane[FP3_PLANES_MOST];
+    fp3_range over[FP3_PLANES_MOST], up[FP3_PLANES_MOST];
+    int tall[FP3_PLANES_MOST]; /* pixels */
+} layout;
+
+/* The same range with its middle, `length` long at least. */
+static fp3_range widened(fp3_range r, double length) {
+    const double more = fmax(0, length - (r.to - r.from)) / 2;
+    return (fp3_range){r.from - more, r.to + more};
+}
+
+static fp3_range range_of(const fp3_figure *f, const size_t *names, size_t count) {
+    const size_t values = f->object_count * f->points;
+    fp3_range r = fp3_range_of(curve(f, names[0], 0), values);
+    for (size_t i = 1; i < count; i++)
+        r = fp3_range_joined(r, fp3_range_of(curve(f, names[i], 0), values));
+    return r;
+}
+
+/* With one scale a circle is round: the plane is as tall as its curves ask for, and what is left over stays empty. */
+static void fit(const fp3_figure *f, layout *l, size_t i) {
+    const fp3_plane *p = &l->plane[i];
+    fp3_range over = range_of(f, p->x, p->count), up = range_of(f, p->y, p->count);
+    l->tall[i] = PLANE;
+    if (p->has_one_scale) {
+        const double wide = (RIGHT - LEFT) * WIDTH;
+        const double tall = wide * ((up.to - up.from) / (over.to - over.from));
+        l->tall[i] = (int)fmin(fmax(tall + ABOVE + BELOW, LEAST), PLANE);
+        const double shape = wide / (l->tall[i] - ABOVE - BELOW);
+        over = widened(over, (up.to - up.from) * shape);
+        up = widened(up, (over.to - over.from) / shape);
+    }
+    l->over[i] = over;
+    l->up[i] = up;
+}
+
+static void lay_out(const fp3_figure *f, layout *l) {
+    *l = (layout){.panels = fp3_figure_panels(f)};
+    l->planes = fp3_planes_find(f, l->plane);
+    for (size_t i = 0; i < l->planes; i++)
+        fit(f, l, i);
+}
+
+/* Pixels above the plane of this number; of their count: of all. */
+static int top_of(const layout *l, size_t plane) {
+    int top = TITLE + (int)l->panels * PANEL + LABEL;
+    for (size_t i = 0; i < plane; i++)
+        top += l->tall[i] + LABEL;
+    return top;
 }
 
 /* From `top` pixels below the upper edge. */
-static void place(const fp3_figure *f, FILE *out, int top, int height) {
-    const double all = height_of(f);
+static void place(const layout *l, FILE *out, int top, int height) {
+    const double all = top_of(l, l->planes);
     fprintf(out, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
             1 - (top + ABOVE) / all, 1 - (top + height - BELOW) / all);
 }
 
-/* Columns x and y of the data; the legend names objects, or the only curve. */
-static void put_curves(const fp3_figure *f, FILE *out, size_t x, size_t y, const char *colour,
-                       const char *only) {
-    fputs("plot", out);
-    for (size_t i = 0; i < f->object_count; i++) {
-        char title[48];
-        snprintf(title, sizeof title, "object %zu", f->objects[i]);
-        fprintf(out, "%s $data index %zu using %zu:%zu with %s lc rgb '%s' lw 1.5 dt %s title ",
-                i ? "," : "", i, x + 1, y + 1,
-                f->points <= MARKS_MOST ? "linespoints pt 7 ps 0.4" : "lines", colour, dashes[i]);
-        put_text(out, f->object_count > 1 ? title : only);
-    }
+/* ---- curves ---- */
+
+/* Columns x and y of the data, of one object. A curve is told by its object, else by its number; alone it needs no name. */
+static void put_curve(const fp3_figure *f, FILE *out, size_t object, size_t number, size_t x,
+                      size_t y, const char *name, size_t length) {
+    const int is_first = object == 0 && number == 0, is_one = f->object_count == 1;
+    const size_t look = is_one ? number : object;
+    fprintf(out, "%s $data index %zu using %zu:%zu with %s lc rgb '%s' lw 1.5 dt %s",
+            is_first ? "plot" : ",", object, x, y,
+            f->points <= MARKS_MOST ? "linespoints pt 7 ps 0.4" : "lines", fp3_gnuplot_colour(look),
+            dashes[look % FP3_CURVES_MOST]);
+    if (is_one && length)
+        fprintf(out, " title '%.*s'", (int)length, name);
+    else if (!is_one && number == 0)
+        fprintf(out, " title 'object %zu'", f->objects[object]);
+    else
+        fputs(" notitle", out);
+}
+
+static void put_panel(const fp3_figure *f, const layout *l, FILE *out, size_t panel, size_t name) {
+    const fp3_subject *s = f->subject;
+    const fp3_column *c = &s->columns->list[name];
+    const size_t count = in_panel(f, name);
+    const size_t names[] = {name, name + 1, name + 2};
+    const int is_last = panel + 1 == l->panels;
+    const char *time = !is_last ? "" : s->has_time ? "time" : "step";
+    const size_t prefix = count > 1 ? fp3_planes_prefix(c->name) : 0;
+    place(l, out, TITLE + (int)panel * PANEL, PANEL);
+    put_range(out, "x", fp3_range_of(f->times, f->points));
+    put_range(out, "y", range_of(f, names, count));
+    put_label(out, "x", time, strlen(time), is_last ? s->time_unit : "");
+    put_label(out, "y", c->name, prefix ? prefix : count > 1 ? 0 : strlen(c->name), c->unit);
+    for (size_t object = 0; object < f->object_count; object++)
+        for (size_t i = 0; i < count; i++)
+            put_curve(f, out, object, i, 1, name + i + 2, c[i].name,
+                      count > 1 ? strlen(c[i].name) : 0);
     putc('\n', out);
 }
 
-static void put_panel(const fp3_figure *f, FILE *out, size_t name) {
-    const fp3_columns *columns = f->subject->columns;
-    const fp3_column *column = &columns->list[name];
-    place(f, out, TITLE + (int)name * PANEL, PANEL);
-    put_range(out, "x", range_of(f->times, f->points));
-    put_range(out, "y", range_of(curve(f, name, 0), f->object_count * f->points));
-    put_label(out, "x",
-              name + 1 < columns->count ? ""
-              : f->subject->has_time    ? "time"
-                                        : "step",
-              name + 1 < columns->count ? "" : f->subject->time_unit);
-    put_label(out, "y", column->name, column->unit);
-    put_curves(f, out, 0, name + 1, fp3_gnuplot_colour(name), column->name);
+/* ---- planes ---- */
+
+/* Along an axis: the name, or of several vectors the component. */
+static void put_axis(const fp3_figure *f, FILE *out, const char *axis, const size_t *names,
+                     size_t count) {
+    const fp3_column *c = &f->subject->columns->list[names[0]];
+    const size_t length = strlen(c->name);
+    put_label(out, axis, count > 1 ? c->name + length - 1 : c->name, count > 1 ? 1 : length,
+              c->unit);
 }
 
-static int is_velocity(const fp3_subject *s, size_t name, size_t of) {
-    const fp3_model *model = s->program->model;
-    const uint32_t state = model ? fp3_model_state(model, s->columns->list[of].name) : FP3_NONE;
-    return state != FP3_NONE && model->states[state].velocity != FP3_NONE &&
-           model->states[state].velocity == fp3_model_state(model, s->columns->list[name].name);
-}
-
-/* The same range with its middle, `length` long at least. */
-static range widened(range r, double length) {
-    const double more = fmax(0, length - (r.to - r.from)) / 2;
-    return (range){r.from - more, r.to + more};
-}
-
-/* A position is to the right, its velocity upwards. Two coordinates have one scale: a circle is round. */
-static void put_phase_plane(const fp3_figure *f, FILE *out) {
-    const fp3_subject *s = f->subject;
-    const fp3_column *list = s->columns->list;
-    const size_t x = (size_t)is_velocity(s, 0, 1), y = 1 - x, count = f->object_count * f->points;
-    range over = range_of(curve(f, x, 0), count), up = range_of(curve(f, y, 0), count);
-    if (!strcmp(list[0].unit, list[1].unit) && !is_velocity(s, 0, 1) && !is_velocity(s, 1, 0)) {
-        const double shape = (RIGHT - LEFT) * WIDTH / (PHASE - ABOVE - BELOW);
-        over = widened(over, (up.to - up.from) * shape);
-        up = widened(up, (over.to - over.from) / shape);
-    }
-    place(f, out, TITLE + (int)s->columns->count * PANEL + LABEL, PHASE);
-    put_range(out, "x", over);
-    put_range(out, "y", up);
-    put_label(out, "x", list[x].name, list[x].unit);
-    put_label(out, "y", list[y].name, list[y].unit);
-    put_curves(f, out, x + 1, y + 1, fp3_gnuplot_colour(s->columns->count), "phase plane");
+static void put_plane(const fp3_figure *f, const layout *l, FILE *out, size_t number) {
+    const fp3_plane *p = &l->plane[number];
+    place(l, out, top_of(l, number), l->tall[number]);
+    put_range(out, "x", l->over[number]);
+    put_range(out, "y", l->up[number]);
+    put_axis(f, out, "x", p->x, p->count);
+    put_axis(f, out, "y", p->y, p->count);
+    for (size_t object = 0; object < f->object_count; object++)
+        for (size_t i = 0; i < p->count; i++) {
+            const char *name = f->subject->columns->list[p->x[i]].name;
+            const char *alone = p->is_orbit ? "orbit" : "phase plane";
+            put_curve(f, out, object, i, p->x[i] + 2, p->y[i] + 2, p->count > 1 ? name : alone,
+                      p->count > 1 ? fp3_planes_prefix(name) : strlen(alone));
+            fprintf(out,
+                    ", $data index %zu using %zu:%zu every ::%zu with points pt 7 ps 0.8 lc rgb "
+                    "'%s' notitle",
+                    object, p->x[i] + 2, p->y[i] + 2, f->points - 1,
+                    fp3_gnuplot_colour(f->object_count > 1 ? object : i));
+        }
+    putc('\n', out);
 }
 
 /* ---- the whole ---- */
@@ -188,21 +232,21 @@ static void put_title(const fp3_figure *f, FILE *out) {
              f->subject->objects, f->subject->objects == 1 ? "" : "s");
     fputs("set multiplot title ", out);
     put_text(out, text);
-    putc('\n', out);
+    fputs(" noenhanced\n", out);
 }
 
 void fp3_figure_write(const fp3_figure *f, FILE *out) {
-    fp3_gnuplot_begin(out, f->subject->path, WIDTH, height_of(f));
-    fprintf(out,
-            "set encoding utf8\nset grid lt 1 lc rgb '#dddddd'\nset format y '%%.8g'\n"
-            "set key at screen %g, graph 1 left top Left reverse\n"
-            "set lmargin at screen %g\nset rmargin at screen %g\n",
-            RIGHT + 0.01, LEFT, RIGHT);
+    layout l;
+    lay_out(f, &l);
+    fp3_gnuplot_begin(out, f->subject->path, WIDTH, top_of(&l, l.planes), RIGHT);
+    fprintf(out, "set format y '%%.8g'\nset lmargin at screen %g\nset rmargin at screen %g\n", LEFT,
+            RIGHT);
     put_data(f, out);
     put_title(f, out);
-    for (size_t name = 0; name < f->subject->columns->count; name++)
-        put_panel(f, out, name);
-    if (has_phase_plane(f))
-        put_phase_plane(f, out);
+    size_t panel = 0;
+    for (size_t name = 0; name < f->subject->columns->count; name += in_panel(f, name))
+        put_panel(f, &l, out, panel++, name);
+    for (size_t i = 0; i < l.planes; i++)
+        put_plane(f, &l, out, i);
     fputs("unset multiplot\n", out);
 }

@@ -112,28 +112,41 @@ const char *fp3_gnuplot_colour(size_t i) {
     return colours[i % (sizeof colours / sizeof *colours)];
 }
 
-fp3_status fp3_gnuplot_check_name(const char *path, fp3_error *error) {
+fp3_status fp3_gnuplot_check_picture(const char *path, fp3_error *error) {
     if (ends(path, ".svg") || ends(path, ".png"))
-        return FP3_OK;
+        return fp3_gnuplot_check(error);
     return fp3_fail(error, FP3_E_ARGUMENT,
                     "%s: expected the name of a picture that ends in .svg or .png", path);
 }
 
-void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height) {
+void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height, double right) {
     fprintf(script,
-            ends(path, ".svg")
-                ? "set terminal svg size %d,%d font 'sans,13' background '#ffffff' noenhanced\n"
-                : "set terminal pngcairo size %d,%d font 'sans,11' background '#ffffff' "
-                  "noenhanced\n",
+            ends(path, ".png")
+                ? "set terminal pngcairo size %d,%d font 'sans,11' background '#ffffff'\n"
+                : "set terminal svg size %d,%d font 'sans,13' background '#ffffff'\n",
             width, height);
+    /* Names have _ and ^, which are to be seen as such: only exponents of axes are raised. */
+    fprintf(script,
+            "set encoding utf8\nset grid lt 1 lc rgb '#dddddd'\nset title noenhanced\n"
+            "set xlabel noenhanced\nset ylabel noenhanced\n"
+            "set key noenhanced at screen %g, graph 1 left top Left reverse\n",
+            right + 0.01);
+}
+
+void fp3_gnuplot_logarithmic(FILE *script) {
+    fputs("set logscale xy\nset format '10^{%T}'\nset mxtics 10\nset mytics 10\n", script);
+}
+
+void fp3_gnuplot_heading(FILE *script, const char *text) {
+    fprintf(script, ", keyentry with labels nopoint title '%s'", text);
 }
 
 static fp3_status cannot_write(fp3_error *error) {
     return fp3_fail(error, FP3_E_SYSTEM, "cannot write a temporary file: %s", strerror(errno));
 }
 
-fp3_status fp3_gnuplot_draw(fp3_gnuplot_script_fn *script, const void *user, fp3_output *output,
-                            fp3_error *error) {
+fp3_status fp3_gnuplot_write(fp3_gnuplot_script_fn *script, const void *user, FILE *to,
+                             fp3_error *error) {
     FILE *file = tmpfile(), *said = tmpfile();
     fp3_status status = file && said ? FP3_OK : cannot_write(error);
     if (!status) {
@@ -142,10 +155,22 @@ fp3_status fp3_gnuplot_draw(fp3_gnuplot_script_fn *script, const void *user, fp3
         status = fflush(file) || ferror(file) ? cannot_write(error) : FP3_OK;
     }
     if (!status)
-        status = draw(file, fp3_output_stream(output), said, error);
+        status = draw(file, to, said, error);
     if (file)
         fclose(file);
     if (said)
         fclose(said);
-    return status ? status : fp3_output_publish(output, error);
+    return status;
+}
+
+fp3_status fp3_gnuplot_save(fp3_gnuplot_script_fn *script, const void *user, const char *path,
+                            fp3_error *error) {
+    fp3_output *output = NULL;
+    fp3_status status = fp3_output_open(path, &output, error);
+    if (!status)
+        status = fp3_gnuplot_write(script, user, fp3_output_stream(output), error);
+    if (!status)
+        status = fp3_output_publish(output, error);
+    fp3_output_close(&output);
+    return status;
 }

@@ -27,20 +27,21 @@ static void choose_objects(fp3_figure *f, size_t objects) {
 }
 
 static fp3_status check(const fp3_subject *s, const fp3_figure *f, fp3_error *error) {
-    const size_t names = s->columns->count;
-    const fp3_status status = fp3_gnuplot_check_name(s->path, error);
+    const size_t names = s->columns->count, panels = fp3_figure_panels(f);
+    const fp3_status status = fp3_gnuplot_check_picture(s->path, error);
     if (status)
         return status;
-    if (names > FP3_CURVES_MOST)
+    if (panels > FP3_PANELS_MOST)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: a picture has room for %d names, not for %zu: choose what to observe",
-                        s->path, FP3_CURVES_MOST, names);
+                        "%s: a picture has room for %d panels over time, not for %zu: choose what "
+                        "to observe",
+                        s->path, FP3_PANELS_MOST, panels);
     if (s->snapshots > POINTS_MOST / (names * f->object_count))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: %" PRIu64 " snapshots of %zu names of %zu objects are too many to "
                         "draw: a picture has room for %u points",
                         s->path, s->snapshots, names, f->object_count, POINTS_MOST);
-    return fp3_gnuplot_check(error);
+    return FP3_OK;
 }
 
 /* ---- gathering ---- */
@@ -81,7 +82,9 @@ static void write_script(const void *figure, FILE *script) { fp3_figure_write(fi
 
 static fp3_status plot_publish(fp3_sink *sink, fp3_error *error) {
     plot *self = (plot *)sink;
-    return fp3_gnuplot_draw(write_script, &self->figure, self->output, error);
+    const fp3_status status =
+        fp3_gnuplot_write(write_script, &self->figure, fp3_output_stream(self->output), error);
+    return status ? status : fp3_output_publish(self->output, error);
 }
 
 /* ---- opening and closing ---- */

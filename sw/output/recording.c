@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SINKS_MOST 2          /* a file and a picture */
-#define PICTURE_SNAPSHOTS 500 /* of a picture, where nothing says how many */
+#define SINKS_MOST 2           /* a file and a picture */
+#define PICTURE_SNAPSHOTS 1000 /* of a picture, where nothing says how many */
 
 struct fp3_recording {
     fp3_source source;

@@ -62,6 +62,12 @@ static double cycles(const seeker *s, uint64_t steps) {
     return fp3_candidate_cycles(s->candidate, s->search->config, (double)steps);
 }
 
+void fp3_search_note(fp3_tune_row *row, double cost, double error) {
+    row->lowest = fmin(row->lowest, error);
+    if (row->looks < FP3_TUNE_LOOKS_MOST)
+        row->look[row->looks++] = (fp3_tune_look){cost, error};
+}
+
 static fp3_status look(const seeker *s, uint64_t steps, double *found) {
     const fp3_search *q = s->search;
     const fp3_candidate *c = s->candidate;
@@ -70,9 +76,8 @@ static fp3_status look(const seeker *s, uint64_t steps, double *found) {
     const fp3_status status =
         fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &of, s->error);
     *found = of.worst;
-    s->row->looks++;
-    s->row->lowest = fmin(s->row->lowest, *found);
     const double cost = c->is_cut ? fp3_candidate_cycles(c, q->config, of.made) : cycles(s, steps);
+    fp3_search_note(s->row, cost, *found);
     const int is_met = *found <= q->target && cost < q->cheaper;
     if (!status && (is_met || (!s->row->is_met && (!s->row->steps || *found < s->row->error)))) {
         s->row->steps = steps;

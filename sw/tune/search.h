@@ -15,6 +15,9 @@ typedef struct {
     double cheaper; /* only what costs less than this is of interest; INFINITY: everything */
 } fp3_search;
 
+/* Notes a run of the sample. */
+void fp3_search_note(fp3_tune_row *row, double cycles, double error);
+
 /* Fills steps .. why of the row. A run that is more expensive than what is of interest is not made. */
 fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candidate,
                             fp3_tune_row *row, fp3_error *error);

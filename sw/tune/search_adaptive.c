@@ -65,7 +65,7 @@ static double find_most(const seeker *s) {
 static void note(const seeker *s, const point *p, double absolute) {
     fp3_tune_row *row = s->row;
     const double cost = cycles(s, p->found.made);
-    row->lowest = fmin(row->lowest, p->found.worst);
+    fp3_search_note(row, cost, p->found.worst);
     if (is_good(s, p) ? row->is_met && cost >= row->cycles
                       : row->is_met || (row->tolerance > 0 && !(p->found.worst < row->error)))
         return;
@@ -88,7 +88,6 @@ static fp3_status look(seeker *s, double tolerance, point *p) {
     const fp3_status status =
         fp3_meter_read(q->meter, q->sample, s->candidate->measured, &how, &p->found, s->error);
     s->looks++;
-    s->row->looks++;
     if (!status)
         note(s, p, absolute);
     return status;

@@ -1,6 +1,8 @@
 /* axes.c - see axes.h. */
 #include "axes.h"
 
+#include "text/unit.h"
+
 #include <fp3/model.h>
 #include <math.h>
 #include <stdio.h>
@@ -31,16 +33,6 @@ size_t fp3_view_begins_vector(const fp3_view_recording *r, size_t column) {
     if (length < 3 || strcmp(name + length - 2, "_x") != 0)
         return 0;
     return fp3_view_vector(r, name, length - 2, columns) ? length - 2 : 0;
-}
-
-static int is_length(const char *unit) {
-    static const char *const lengths[] = {"m",   "mm",  "um", "nm", "pm", "cm", "dm",
-                                          "km",  "Mm",  "Gm", "AU", "au", "ly", "pc",
-                                          "kpc", "Mpc", "ft", "in", "mi", "yd", "nmi"};
-    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
-        if (!strcmp(unit, lengths[i]))
-            return 1;
-    return 0;
 }
 
 /* ---- the position ---- */
@@ -100,7 +92,7 @@ static int take_vector(const fp3_view_recording *r, fp3_view_axes *axes) {
             const fp3_view_column *c = &r->columns[i];
             const size_t length = fp3_view_begins_vector(r, i);
             size_t columns[FP3_VIEW_AXES] = {0};
-            if (length && (pass ? *c->velocity != 0 : is_length(c->unit))) {
+            if (length && (pass ? *c->velocity != 0 : fp3_unit_is_length(c->unit))) {
                 take(axes, columns, fp3_view_vector(r, c->name, length, columns), c->name, length);
                 return 1;
             }
@@ -130,7 +122,8 @@ static int take_scalar(const fp3_view_recording *r, fp3_view_axes *axes) {
         for (size_t i = 0; i < r->column_count; i++) {
             const fp3_view_column *c = &r->columns[i];
             const size_t velocity = velocity_of(r, i);
-            if (!(pass ? *c->velocity != 0 : is_length(c->unit)) || velocity == FP3_VIEW_NO_COLUMN)
+            if (!(pass ? *c->velocity != 0 : fp3_unit_is_length(c->unit)) ||
+                velocity == FP3_VIEW_NO_COLUMN)
                 continue;
             take(axes, (const size_t[]){i, velocity}, 2, c->name, strlen(c->name));
             return 1;

@@ -248,7 +248,7 @@ typedef struct {
     size_t observed_count;
     uint64_t steps; /* of the run, as for fp3_engine_run; default 1 */
     /* Without times: a snapshot before the run, one after each `every` steps, and one at the end. 0
-     * (default): only the first and the last; some 500 for a picture. */
+     * (default): only the first and the last; some 1000 for a picture. */
     uint64_t every;
     /* Snapshots only at these times, ascending, from the start of the run, in the unit of h; or
      * NULL. Fixed steps: whole multiples of h (fp3_recording_steps). Adaptive steps (fp3/compile.h)

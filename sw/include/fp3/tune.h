@@ -56,6 +56,12 @@ typedef struct {
 /* No tolerance; safety 1.25, a sample of 32 objects, 64 held out, 4 rounds. */
 fp3_tune_def fp3_tune_default(void);
 
+/* A run of the sample: what it cost, for an object, and its error. */
+typedef struct {
+    double cycles, error;
+} fp3_tune_look;
+#define FP3_TUNE_LOOKS_MOST 80 /* of one combination */
+
 /* One combination that was tried: an integrator, an arithmetic, and fixed or adaptive steps. Fixed
  * steps of a model with events are tried twice: as they are, and cut at events (fp3_adaptive_def
  * with tolerance 0). */
@@ -72,9 +78,10 @@ typedef struct {
     double error;   /* of the sample with these steps */
     double lowest;  /* the lowest error, over all numbers of steps or tolerances tried */
     double cycles;  /* per object over the span, with all contexts full; 0: not compiled */
-    uint32_t looks; /* runs of the sample */
-    int is_met;     /* the sample met the target */
-    char why[160];  /* how it ended */
+    uint32_t looks; /* runs of the sample in the last round, and what each came to */
+    fp3_tune_look look[FP3_TUNE_LOOKS_MOST];
+    int is_met;    /* the sample met the target */
+    char why[160]; /* how it ended */
 } fp3_tune_row;
 
 /* Read it, never change it. */
