@@ -125,7 +125,7 @@ static void put_legend(FILE *out, const fp3_tuning *t) {
 
 /* Whole decades, so that the bound goes from edge to edge. */
 static void put_range(FILE *out, const fp3_tuning *t) {
-    double least = t->baseline_cycles, most = t->baseline_cycles;
+    double least = t->baseline_cycles, most = least;
     for (size_t i = 0; i < t->row_count; i++)
         for (uint32_t k = 0; k < t->rows[i].looks; k++)
             if (is_drawn(&t->rows[i].look[k])) {

@@ -193,8 +193,9 @@ def test_a_keyboard_interrupt_ends_a_long_run(begun, call):
     assert word == "stopped" and float(at) - sent < 3 and out == "True\n" and run.wait(60) == 0, (out, err)
 
 
-def test_a_keyboard_interrupt_ends_a_command(begun, root, tmp_path):
-    script = f"import fp3\nprint('begun', flush=True)\ntry:\n    fp3.bench({str(root / 'programs/kepler.ode')!r})\nexcept KeyboardInterrupt:\n    print('stopped')\n"
+@pytest.mark.parametrize("call", ["bench({})", "tune({}, 1e-5, around=0.05, held_out=4096)"])
+def test_a_keyboard_interrupt_ends_a_command(begun, root, tmp_path, call):
+    script = f"import fp3\nprint('begun', flush=True)\ntry:\n    fp3.{call.format(repr(str(root / 'programs/kepler.ode')))}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
     run = begun(script)
     os.kill(run.pid, signal.SIGINT)
     assert run.stdout.read() == "stopped\n" and run.wait(20) == 0 and not list(tmp_path.glob("fp3-*"))
