@@ -104,8 +104,8 @@ fp3_phase_cost fp3_phase_cost_of(const fp3_config *config, const fp3_phased *pro
     fp3_phase_cost cost = {.begin = begin,
                            .end = end_of(program, begin),
                            .loop = loop_wait(config),
-                           .around = fp3_cycles_around_round(config) +
-                                     fp3_cycles_copies(config, 0, 0),
+                           .around =
+                               fp3_cycles_around_round(config) + fp3_cycles_copies(config, 0, 0),
                            .full = fp3_cycles_gap(config)};
     for (uint32_t pc = begin; pc < cost.end; pc++)
         if (op_at(program, pc) == FP3_OP_EACH) {

@@ -62,7 +62,7 @@ def test_other_numbers_of_lanes(root, build, tmp_path, monkeypatch, cloth, long,
     for name in ("neighbours", "lanes_scene"):
         one_config.run("gcc", *sanitize, "-o", tree / name, build / f"obj/tests/cosim/{name}.o", tree / "own.o", build / "lib/libfp3.a", *one_config.LIBS)
     assert re.fullmatch(r"\d{3,} runs, 0 failed\n", ended(tree / "neighbours", lanes, "some", FP3_RTL_DIR=str(tree)))
-    for scene, steps in ((root / "programs/world/balls.scene", 3), (cloth(64 if lanes == 38 else 14), 2)):
+    for scene, steps in ((root / "programs/world/balls.scene", 3), (cloth(56 if lanes == 38 else 14), 2)):
         *_, copies, _, cycles, of_copies = figures(ended(tree / "lanes_scene", scene, "some", steps, FP3_RTL_DIR=str(tree)))
         assert of_copies < 0.3 * cycles and (copies or scene.name == "balls.scene")    # few balls touch at first
 
