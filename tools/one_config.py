@@ -44,7 +44,7 @@ def includes(tree):
 
 
 def make_tree(row, tree):
-    """The project's rtl/, isa/ and headers by links, configs.toml and the generated files anew."""
+    """The project's rtl/, isa/, integrators and headers by links, configs.toml and the generated files anew."""
     headers = "sw/include/fp3"
     (tree / "isa").mkdir(parents=True)
     (tree / "rtl").mkdir()
@@ -56,6 +56,8 @@ def make_tree(row, tree):
             (tree / "rtl" / path.name).symlink_to(path)
     for name in ("isa.toml", "registers.toml", "timing.toml"):
         (tree / "isa" / name).symlink_to(ROOT / "isa" / name)
+    (tree / "programs").mkdir()
+    (tree / "programs/integrators").symlink_to(ROOT / "programs/integrators")
     (tree / "isa/configs.toml").write_text(toml(row))
     for name, text in outputs(tree).items():
         path = tree / name
