@@ -5,7 +5,7 @@
 #ifndef FP3_OUTPUT_PLANES_H
 #define FP3_OUTPUT_PLANES_H
 
-#include "figure.h"
+#include "curves.h"
 
 /* Components of the vector that begins here, which may be drawn along one axis; 1: there is none. */
 size_t fp3_planes_vector(const fp3_subject *subject, size_t name);
