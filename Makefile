@@ -28,10 +28,10 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere
+.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -54,6 +54,9 @@ setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, fo
 
 setup-view: setup ## ... and Chromium and Selenium for the tests of fp3 view
 	@PYTHON=$(PYTHON) tools/setup.sh --view
+
+setup-packages: setup ## ... and what `make packages` needs
+	@PYTHON=$(PYTHON) tools/setup.sh --packages
 
 ifneq ($(and $(SETUP),$(REST)),)
 # `make setup test`: what setup installs must be there before the rest is even planned.
@@ -105,10 +108,12 @@ WARN     := -Wall -Wextra -Wpedantic -Werror
 INCLUDES := -Isw/include -Isw -Isim $(if $(SYSROOT),-isystem $(SYSROOT)/include)
 # No fused multiply-add may replace the two roundings that a program asks for.
 NUMBERS  := -ffp-contract=off
+# What is compiled does not tell in which directory: the same sources give the same bytes.
+PLACE    := -ffile-prefix-map=$(CURDIR)=.
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
-CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)
-CXXFLAGS := -std=c++17 -O2 -g $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)
+CXXFLAGS := -std=c++17 -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE) $(if $(SYSROOT),-L$(SYSROOT)/lib)
 LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm
 LDLIBS   := $(LIB_LIBS) -ljansson

