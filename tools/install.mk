@@ -93,5 +93,5 @@ python-native: released $(HARDWARE) $(HDF5)
 # ---- packages -----------------------------------------------------------------------------------
 
 .PHONY: packages
-packages: released $(HARDWARE) $(HDF5) | need-packages ## Debian packages and a Python wheel: build/packages/
+packages: released $(HARDWARE) $(HDF5) | need-packages ## Debian packages, a Python wheel and its sources: build/packages/
 	@PYTHON=$(PYTHON) tools/packages.sh $(BUILD)/packages

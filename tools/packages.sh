@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Makes the Debian packages and the Python wheel of what is built: `make packages`.
+# Makes the Debian packages, the Python wheel and the source distribution of what is built: `make packages`.
 #
 #   tools/packages.sh DIRECTORY
 #
-# DIRECTORY gets the .deb files and the wheel, and loses what was in it. The same sources give the same bytes: every date
-# is that of the last commit, or SOURCE_DATE_EPOCH.
-set -eu
+# Those that are in DIRECTORY are removed first. The same sources give the same bytes: every date is that of the last
+# commit, or SOURCE_DATE_EPOCH.
+set -euo pipefail
 [ $# = 1 ] || { echo "usage: tools/packages.sh DIRECTORY" >&2 && exit 2; }
 mkdir -p "$1"
 output=$(cd "$1" && pwd)
@@ -13,18 +13,16 @@ cd "$(dirname "$0")/.."
 root=$PWD
 python=${PYTHON:-/usr/bin/python3}
 version=$(sed -n 's/^#define FP3_VERSION "\(.*\)"/\1/p' sw/include/fp3/status.h)
-if [ -z "${SOURCE_DATE_EPOCH:-}" ]; then
-    SOURCE_DATE_EPOCH=$(git log -1 --format=%ct) || {
-        echo "packages.sh: without a git history SOURCE_DATE_EPOCH must say of when the sources are, in seconds" >&2
-        exit 1
-    }
+if ! tracked=$(git ls-files) || [ -z "$tracked" ] || ! SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}; then
+    echo "packages.sh: packages are made in a git checkout: it says which files are sources, and of when they are" >&2
+    exit 1
 fi
 export SOURCE_DATE_EPOCH LC_ALL=C.UTF-8 TZ=UTC
 # The makes below are no part of the one that calls this.
 unset MAKEFLAGS MFLAGS MAKELEVEL
 umask 022
 work=$output/work log=$output/work/log
-rm -rf "$output"
+rm -rf "$work" "$output"/{fp3,libfp3,python3-fp3}*.{deb,whl,tar.gz}
 mkdir -p "$work/fp3" "$work/wheel"
 trap '[ ! -s "$log" ] || tail -n 20 "$log" >&2' EXIT
 
@@ -58,8 +56,17 @@ wheel() {
     "$python" -m wheel pack --dest-dir "$work" "$work"/wheel/* >>"$log" 2>&1
 }
 
+# What git tracks, and what pip wants to know beforehand.
+sources() {
+    echo "  TAR  fp3 $version"
+    echo "$tracked" | tar -c --mode=u=rwX,go=rX --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" \
+        --transform="s,^,fp3-$version/,S" --files-from=- --directory=build/python/fp3.egg-info PKG-INFO |
+        gzip -9n >"$work/fp3-$version.tar.gz"
+}
+
 debian
 wheel
-mv "$work"/*.deb "$work"/*.whl "$output"
+sources
+mv "$work"/*.deb "$work"/*.whl "$work"/*.tar.gz "$output"
 rm -rf "$work"
 ls -l "$output" | awk 'NR > 1 {printf "%9d %s\n", $5, $NF}'
