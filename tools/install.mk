@@ -93,5 +93,6 @@ python-native: released $(HARDWARE) $(HDF5)
 # ---- packages -----------------------------------------------------------------------------------
 
 .PHONY: packages
-packages: released $(HARDWARE) $(HDF5) | need-packages ## Debian packages, a Python wheel and its sources: build/packages/
+packages: need-packages ## Debian packages, a Python wheel and its sources: build/packages/
+	@+$(MAKE) released $(HARDWARE) $(HDF5)
 	@PYTHON=$(PYTHON) tools/packages.sh $(BUILD)/packages

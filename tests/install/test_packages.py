@@ -37,7 +37,7 @@ pytestmark = [pytest.mark.xdist_group("install"),
 
 
 def succeeds(*command, **options):
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=900, **options)
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=3600, **options)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
     return done.stdout
 

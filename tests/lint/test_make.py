@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-TARGETS = "setup setup-fpga setup-soc soc sim test quick smoke waves lint prove synth report testfloat install uninstall clean help".split()
+TARGETS = "setup setup-fpga setup-soc setup-packages soc packages sim test quick smoke waves lint prove synth report testfloat install uninstall clean help".split()
 
 
 def make(root, *arguments, **options):

@@ -99,7 +99,7 @@ def test_a_target_says_what_it_lacks_and_how_to_get_it(machine, tmp_path, target
     assert not list((tmp_path / "out").rglob("*.o")), "nothing is compiled first"
 
 
-@pytest.mark.parametrize("target, setup, lacks", [("synth", "setup-fpga", "verilator"), ("sizes", "setup-fpga", "verilator"), ("soc", "setup-soc", "lld"), ("fuzz", "setup-fuzz", "clang")])
+@pytest.mark.parametrize("target, setup, lacks", [("synth", "setup-fpga", "verilator"), ("sizes", "setup-fpga", "verilator"), ("soc", "setup-soc", "lld"), ("fuzz", "setup-fuzz", "clang"), ("packages", "setup-packages", "debhelper")])
 def test_some_targets_point_to_their_own_setup(machine, target, setup, lacks):
     done = machine.run("tools/setup.sh", "--check", target)
     assert done.returncode != 0 and f"Run: make {setup}\n" in done.stderr and f"  {lacks} - " in done.stderr
