@@ -128,7 +128,7 @@ $(1): FORCE
 	@mkdir -p $$(@D)
 	@echo '$(2)' | cmp -s - $$@ || echo '$(2)' >$$@
 endef
-$(eval $(call NOTE,$(BUILD)/flags,$(filter-out $(PLACE),$(CFLAGS) $(CXXFLAGS)) $(VERILATOR)))
+$(eval $(call NOTE,$(BUILD)/flags,$(subst $(CURDIR),,$(CFLAGS) $(CXXFLAGS)) $(VERILATOR)))
 .PHONY: FORCE
 FORCE:
 

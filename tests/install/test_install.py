@@ -225,6 +225,12 @@ def test_an_installed_library_has_no_asserts_and_that_of_the_tests_has(installed
         assert "__assert_fail" not in succeeds("nm", "-D", installed / "lib/libfp3.so.0") + succeeds("nm", "-D", installed / "bin/fp3")
 
 
+def test_nothing_tells_in_which_directory_it_was_compiled(installed, root):
+    """So the same sources give the same bytes: tests/install/test_packages.py."""
+    files = [path for path in installed.rglob("*") if path.is_file()]
+    assert len(files) > 30 and [path for path in files if bytes(root) + b"/" in path.read_bytes()] == []
+
+
 def test_every_global_name_begins_with_fp3(installed):
     text = succeeds("nm", "-g", "--defined-only", installed / "lib/libfp3.a")
     names = {words[2] for words in map(str.split, text.splitlines()) if len(words) == 3}
