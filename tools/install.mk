@@ -94,5 +94,5 @@ python-native: released $(HARDWARE) $(HDF5)
 
 .PHONY: packages
 packages: need-packages ## Debian packages, a Python wheel and its sources: build/packages/
-	@+$(MAKE) released $(HARDWARE) $(HDF5)
+	@+$(MAKE) -s released $(HARDWARE) $(HDF5)
 	@PYTHON=$(PYTHON) tools/packages.sh $(BUILD)/packages
