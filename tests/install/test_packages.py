@@ -31,9 +31,9 @@ def lacking():
     return re.findall(r"^  (\S+) - ", done.stderr, re.M)
 
 
+LACKING = lacking()
 # They are built in the directory of make install.
-pytestmark = [pytest.mark.xdist_group("install"),
-              pytest.mark.skipif(bool(lacking()), reason=f"make setup-packages installs {', '.join(lacking())}")]
+pytestmark = [pytest.mark.xdist_group("install"), pytest.mark.skipif(bool(LACKING), reason=f"make setup-packages installs {', '.join(LACKING)}")]
 
 
 def succeeds(*command, **options):
