@@ -108,7 +108,7 @@ WARN     := -Wall -Wextra -Wpedantic -Werror
 INCLUDES := -Isw/include -Isw -Isim $(if $(SYSROOT),-isystem $(SYSROOT)/include)
 # No fused multiply-add may replace the two roundings that a program asks for.
 NUMBERS  := -ffp-contract=off
-# What is compiled does not tell in which directory: the same sources give the same bytes, and may be moved with their build/.
+# Objects do not name the directory they were compiled in: the same sources give the same bytes, and a tree may be moved with its build/.
 PLACE    := -ffile-prefix-map=$(CURDIR)=.
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
