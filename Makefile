@@ -7,7 +7,7 @@ PYTHON ?= /usr/bin/python3
 JOBS   ?= $(shell nproc)
 SAN    ?= 0
 CHECK  ?= 1
-BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))$(if $(RELEASE),/release)
+BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))$(if $(SOFT),/soft)$(if $(RELEASE),/release)
 
 MAKEFLAGS += --no-print-directory
 ifeq ($(MAKELEVEL),0)
@@ -112,7 +112,7 @@ NUMBERS  := -ffp-contract=off
 PLACE    := -ffile-prefix-map=$(CURDIR)=.
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
-CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)$(if $(SOFT), -DFP3_FPU_SOFT)
 CXXFLAGS := -std=c++17 -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE) $(if $(SYSROOT),-L$(SYSROOT)/lib)
 LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm
@@ -165,7 +165,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -229,6 +229,18 @@ $(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/
 	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
 endef
 $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
+
+# One more time with flags and rounding by software, as WebAssembly has them. SOFT=1: all software so.
+SOFT_O := $(patsubst %.c,$(BUILD)/obj/soft/%.o,tests/everywhere/operations.c sw/base/fpu_soft.c sw/machine/execute.c)
+$(SOFT_O): $(BUILD)/obj/soft/%.o: %.c $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CC   $< (soft)"
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(INCLUDES) -DFP3_FPU_SOFT -MMD -MP -c -o $@ $<
+
+$(BUILD)/tests/operations_soft: $(SOFT_O) $(LIB)
+	@mkdir -p $(@D)
+	@echo "  LD   $@"
+	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 # ---- the RTL under Verilator --------------------------------------------------------------------
 
@@ -576,7 +588,7 @@ clean: ## Remove build/, build-san/ and build-tsan/ (not .venv/, .venv-bench/)
 help: ## This list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk
-	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
+	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), SOFT=1 (flags by software, as on WebAssembly: build/soft/), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)
 endif

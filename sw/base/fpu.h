@@ -3,18 +3,25 @@
  * What a processor must have: binary32 arithmetic that is rounded once. Where it detects tininess before rounding (ARM), a
  * product that is rounded to 2^-126 may raise underflow, which FP3 does not: FP3_FPU_IS_EARLY, and who asks for underflow has
  * to look closer. A sum is exact where it is tiny, so it raises none on either.
+ *
+ * WebAssembly has neither flags nor modes: there fpu_soft.h finds both. FP3_FPU_SOFT asks for it elsewhere, which is how it is
+ * tested. fp3_fpu_add, _mul and _rint are for whoever counts on either.
  */
 #ifndef FP3_FPU_H
 #define FP3_FPU_H
 
 #include <float.h>
+#include <math.h>
 #include <stdint.h>
 
 #if FLT_EVAL_METHOD != 0
 #error "needs binary32 arithmetic that is rounded once"
 #endif
 
-#if defined __x86_64__
+#if defined FP3_FPU_SOFT || defined __wasm__
+#include "fpu_soft.h"
+
+#elif defined __x86_64__
 #include <xmmintrin.h>
 
 #define FP3_FPU_IS_EARLY 0
@@ -84,7 +91,16 @@ static inline void fp3_fpu_set(uint64_t state) {
 static inline void fp3_fpu_pause(void) { __asm__ volatile("nop"); }
 
 #else
-#error "its rounding and flags are not known here: x86-64, arm64 and riscv64 with doubles are"
+#error                                                                                             \
+    "its rounding and flags are not known here: x86-64, arm64, riscv64 with doubles and WebAssembly are"
+#endif
+
+#ifndef FP3_FPU_IS_SOFT
+#define FP3_FPU_IS_SOFT 0
+
+static inline float fp3_fpu_add(float a, float b) { return a + b; }
+static inline float fp3_fpu_mul(float a, float b) { return a * b; }
+static inline float fp3_fpu_rint(float a) { return nearbyintf(a); }
 #endif
 
 /* All that is not a flag. */

@@ -44,10 +44,13 @@ static fp3_status read_wish(wish *w, fp3_error *error) {
     return FP3_OK;
 }
 
+/* Its flags are those of the processor, which must have some. */
 static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_error why = {.text = "asked for"};
     fp3_status status = FP3_E_SYSTEM;
-    if (!is_interpreted && !f->native.library)
+    if (FP3_FPU_IS_SOFT)
+        fp3_fail(&why, FP3_E_SYSTEM, "no flags here");
+    else if (!is_interpreted && !f->native.library)
         status = fp3_fast_native_open(&f->plan, f->sweep->name, may_compile, &f->native, &why);
     if (status && !f->native.library)
         snprintf(f->how, sizeof f->how, "interpreter %s (%.120s)", f->sweep->name, why.text);
@@ -60,6 +63,9 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
 /* Of a lesser kind of processor than this one, maybe. */
 static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
     fp3_fast_kind kind;
+    if (FP3_FPU_IS_SOFT)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: native code needs a processor with flags",
+                        path);
     fp3_status status = fp3_fast_native_kind(path, &kind, error);
     if (status)
         return status;
@@ -81,6 +87,11 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
         status =
             fp3_fast_plan_make(def->config, def->code, def->states, def->around, &f->plan, error);
     f->sweep = fp3_sweep_choose(def->config, w.most);
+    if (!status && FP3_FPU_IS_SOFT && !def->config->nearest)
+        status = fp3_fail(error, FP3_E_PROGRAM,
+                          "configuration '%s' truncates, and engine 'fast' only rounds to nearest "
+                          "here: engine 'isa' does both",
+                          def->config->name);
     if (!status && def->native && !def->is_interpreted && !w.is_interpreted)
         status = open_file(f, def->native, error);
     if (status) {

@@ -9,10 +9,10 @@
 #ifndef FP3_SWEEP_NAME
 #define FP3_SWEEP_NAME FP3_SWEEP_LEAST
 #endif
-#define FP3_FLAGS 1
+#include <base/fpu.h>
+#define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "tiny.h"
 
-#include <base/fpu.h>
 #include <fp3/isa.h>
 #include <machine/watch.h>
 
@@ -201,6 +201,23 @@ static void store(machine *m) {
     }
 }
 
+static fp3_i flags_of(machine *m, unsigned j);
+
+static int all_of(fp3_i bits) {
+    int all = 0;
+    for (int i = 0; i < FP3_LANES; i++)
+        all |= bits[i];
+    return all;
+}
+
+/* What a processor with flags would raise now. */
+static void raise(machine *m) {
+    fp3_i flags = fp3_all(0);
+    find_sources(m);
+    EACH flags |= flags_of(m, j);
+    fp3_fpu_set(fp3_fpu_get() | (unsigned)all_of(flags));
+}
+
 static void execute(machine *m) {
     switch (m->now->in.op) {
     case FP3_OP_SLEEP:
@@ -214,6 +231,8 @@ static void execute(machine *m) {
         store(m);
         break;
     default:
+        if (FP3_FPU_IS_SOFT && !m->is_watched)
+            raise(m);
         arithmetic(m);
     }
 }
@@ -235,16 +254,9 @@ static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast
     make_part(&m, plan, part, steps);
 }
 
-static int is_any(fp3_i mask) {
-    int any = 0;
-    for (int i = 0; i < FP3_LANES; i++)
-        any |= mask[i];
-    return any != 0;
-}
-
 static unsigned seen_by(const machine *m) {
-    return (is_any(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
-           (is_any(m->under) ? FP3_SEEN_UNDERFLOW : 0);
+    return (all_of(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
+           (all_of(m->under) ? FP3_SEEN_UNDERFLOW : 0);
 }
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,

@@ -15,6 +15,8 @@
 #define FP3_SWEEP_LEAST "x86-64"
 #elif defined __aarch64__
 #define FP3_SWEEP_LEAST "armv8-a"
+#elif defined __wasm__
+#define FP3_SWEEP_LEAST "wasm32"
 #else
 #define FP3_SWEEP_LEAST "rv64gc"
 #endif

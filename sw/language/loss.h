@@ -9,4 +9,8 @@
 void fp3_ode_compute_careful(const fp3_expr *expr, const fp3_point *point, uint32_t i,
                              double *values, char *is_lost);
 
+/* Whether anything in double may have underflowed since it was last forgotten: 0: nothing has. */
+void fp3_ode_forget_underflow(void);
+int fp3_ode_may_have_underflowed(void);
+
 #endif

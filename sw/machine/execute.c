@@ -1,6 +1,6 @@
 /* execute.c - see execute.h.
  *
- * The host's FPU computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left to do is the one quiet
+ * base/fpu.h computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left to do is the one quiet
  * NaN, results and operands that are flushed, and underflow where the host detects tininess before rounding.
  */
 #include "execute.h"
@@ -50,7 +50,7 @@ static float one(const fp3_config *config, uint32_t op, float x, float y) {
         }
     }
     const uint64_t before = FP3_FPU_IS_EARLY ? fp3_fpu_get() : 0;
-    d = op == FP3_OP_ADD ? a + b : op == FP3_OP_SUB ? a - b : a * b;
+    d = op == FP3_OP_MUL ? fp3_fpu_mul(a, b) : fp3_fpu_add(a, op == FP3_OP_SUB ? -b : b);
     if (FP3_FPU_IS_EARLY && op == FP3_OP_MUL && !is_tiny(config, (double)a * (double)b))
         fp3_fpu_set(fp3_fpu_get() & (before | ~(uint64_t)FP3_FPU_UNDERFLOW));
     return d;
@@ -81,7 +81,7 @@ static int is_equal(uint32_t a, uint32_t b) {
 /* A NaN stays for the sum, which raises what it has to. */
 static uint32_t integral(uint32_t a) {
     const float x = value_of(a);
-    return isnan(x) ? a : bits_of(nearbyintf(x));
+    return isnan(x) ? a : bits_of(fp3_fpu_rint(x));
 }
 
 /* 2^n of the integral part n. In integers, as a conversion to int raises inexact. */

@@ -2,14 +2,16 @@
  * flags for each, to be compared with those of other machines.
  *
  *     operations        a line "OPERATION NEAREST SUBNORMAL HASH" for each
+ *     operations N      ... with N operands by chance
  */
 #include <machine/execute.h>
 #include <machine/operation.h>
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-#define BY_CHANCE 20000
+#define BY_CHANCE 60000
 
 /* Zeros, the ends of subnormal and normal numbers, ties, NaNs, and factors of products around 2^-126: 1 +/- 2^-12 and 2^-13
  * by 2^-63, the second of which is tiny before rounding alone. */
@@ -34,13 +36,13 @@ static void try_one(const fp3_config *config, uint32_t op, uint32_t a, uint32_t 
     note(flags);
 }
 
-static void try_all(const fp3_config *config, uint32_t op) {
+static void try_all(const fp3_config *config, uint32_t op, long by_chance) {
     uint64_t state = 1;
     for (int i = 0; i < HARD; i++)
         for (int j = 0; j < HARD; j++)
             for (int k = 0; k < HARD; k++)
                 try_one(config, op, hard[i], hard[j], hard[k]);
-    for (int i = 0; i < 3 * BY_CHANCE; i++) {
+    for (long i = 0; i < by_chance; i++) {
         uint32_t word[3];
         for (int k = 0; k < 3; k++) {
             state = state * UINT64_C(6364136223846793005) + 1442695040888963407;
@@ -52,7 +54,8 @@ static void try_all(const fp3_config *config, uint32_t op) {
     }
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    const long by_chance = argc > 1 ? atol(argv[1]) : BY_CHANCE;
     for (uint32_t op = 0; op < fp3_operation_count; op++)
         for (int kind = 0; kind < 4; kind++) {
             const fp3_operation *o = &fp3_operations[op];
@@ -62,7 +65,7 @@ int main(void) {
                 continue;
             hash = UINT64_C(0xcbf29ce484222325);
             const uint64_t callers = fp3_fpu_begin(config.nearest);
-            try_all(&config, o->code);
+            try_all(&config, o->code, by_chance);
             fp3_fpu_set(callers);
             printf("%s %d %d %016" PRIx64 "\n", o->name, (int)config.nearest, (int)config.subnormal,
                    hash);

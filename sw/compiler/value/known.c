@@ -1,7 +1,6 @@
 /* known.c - values that the host computes. */
 #include "known.h"
 
-#include <fenv.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -391,10 +390,9 @@ static void evaluate(const fp3_known_subset *s, const double *params, double h, 
 /* If nothing has underflowed, nothing is lost; what watches each operation takes ten times as long. */
 void fp3_known_values(const fp3_known_subset *s, const double *params, double h, size_t count,
                       double *values) {
-    if (fetestexcept(FE_UNDERFLOW))
-        feclearexcept(FE_UNDERFLOW);
+    fp3_ode_forget_underflow();
     evaluate(s, params, h, count, values, compute_plainly);
-    if (!fetestexcept(FE_UNDERFLOW))
+    if (!fp3_ode_may_have_underflowed())
         return;
     for (size_t i = 0; i < count; i++) {
         for (uint32_t n = 0; n < s->table->model->param_count; n++)
