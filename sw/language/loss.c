@@ -63,13 +63,20 @@ static int is_exact_product(double a, double b, double result) {
 static int is_exact_quotient(double a, double b, double result) {
     int of_a, of_b;
     const double x = frexp(a, &of_a), y = frexp(b, &of_b), quotient = x / y;
-    return isinf(b) || (fma(quotient, y, -x) == 0 && is_same(result, quotient, of_a - of_b));
+    return fma(quotient, y, -x) == 0 && is_same(result, quotient, of_a - of_b);
+}
+
+static int is_any_infinite(const fp3_expr *e, const double *values) {
+    for (unsigned i = 0; i < fp3_ode_operands(e->op); i++)
+        if (isinf(values[e->operand[i]]))
+            return 1;
+    return 0;
 }
 
 /* Whether the operation made a number below the normal ones that is not exact. No flag is asked: some machines have none. A sum is
- * exact there, and so is what is chosen. */
+ * exact there, and so are what is chosen and what an infinity makes. */
 static int underflows(const fp3_expr *e, double result, const double *values) {
-    if (!(fabs(result) < DBL_MIN))
+    if (!(fabs(result) < DBL_MIN) || is_any_infinite(e, values))
         return 0;
     const double a = e->operand[0] == FP3_NONE ? 0 : values[e->operand[0]];
     switch (e->op) {
