@@ -28,10 +28,10 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
-SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages,$(MAKECMDGOALS))
+SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
-.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages
+.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -49,8 +49,11 @@ setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 
 setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
-setup-everywhere: setup ## ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
+setup-everywhere: setup ## ... and compilers for arm64, riscv64 and WebAssembly, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
+
+setup-playground: setup ## ... and a compiler for WebAssembly for `make playground`
+	@PYTHON=$(PYTHON) tools/setup.sh --playground
 
 setup-view: setup ## ... and Chromium and Selenium for the tests of fp3 view
 	@PYTHON=$(PYTHON) tools/setup.sh --view
@@ -79,7 +82,7 @@ HDF5_C  := $(wildcard sw/hdf5/*.c)
 # What only measures or shows: in the command, in the tests and in make bench, not in the library.
 MEASURE_ROOMS := bench golden measure stress view
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
-LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/bare/% sw/wasm/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
@@ -546,7 +549,7 @@ $(ELSEWHERE:%=$(ABROAD)/%/root/done): $(ABROAD)/%/root/done: tools/sysroot.sh
 $(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
 	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations
 
-everywhere: $(ELSEWHERE) $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64 and the hardware: build/results/everywhere.json
+everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64, WebAssembly and the hardware: build/results/everywhere.json
 	@$(PYTHON) tools/everywhere.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/everywhere.json --replays $(BUILD)/icarus --all
 
 everywhere-report: ## Write docs/everywhere.md from it
@@ -568,6 +571,10 @@ soc: $(BUILD)/bin/fp3 | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, a
 
 include tools/install.mk
 
+# ---- for browsers -------------------------------------------------------------------------------
+
+include tools/wasm.mk
+
 # ---- the rest -----------------------------------------------------------------------------------
 
 # Says what is missing and how to get it, before anything else fails for want of it.
@@ -587,7 +594,7 @@ clean: ## Remove build/, build-san/ and build-tsan/ (not .venv/, .venv-bench/)
 
 help: ## This list
 	@echo "Targets:"
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk tools/wasm.mk
 	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), SOFT=1 (flags by software, as on WebAssembly: build/soft/), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)

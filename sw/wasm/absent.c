@@ -1,0 +1,102 @@
+/* absent.c - what WebAssembly has not: other programs, libraries that are loaded, native code, serial ports. Who asks
+ * for one of them hears that.
+ */
+#include "cli/cli.h"
+#include "engine/backend.h"
+#include "engine/library.h"
+#include "fast/native.h"
+#include "output/plot.h"
+
+#include <fp3/tune.h>
+
+#define HERE "WebAssembly"
+
+/* The hardware under Verilator, and the writer of HDF5. */
+fp3_status fp3_library_load(const char *name, const char *what, void **library, char **path,
+                            fp3_error *error) {
+    (void)path;
+    *library = NULL;
+    return fp3_fail(error, FP3_E_SYSTEM, "no %s, %s: " HERE " loads no libraries", what, name);
+}
+
+const void *fp3_library_symbol(void *library, const char *symbol) {
+    (void)library, (void)symbol;
+    return NULL;
+}
+
+void fp3_library_unload(void *library) { (void)library; }
+
+static fp3_status board_open(fp3_engine *engine) {
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, HERE " has no serial ports");
+}
+
+static void board_close(fp3_engine *engine) { (void)engine; }
+
+const fp3_backend fp3_backend_board = {.name = "board", .open = board_open, .close = board_close};
+
+fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config, fp3_error *error) {
+    (void)baud, (void)config;
+    return fp3_fail(error, FP3_E_SYSTEM, "port %s: " HERE " has no serial ports", port);
+}
+
+fp3_status fp3_plot_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *error) {
+    *sink = NULL;
+    return fp3_fail(error, FP3_E_SYSTEM, "%s: " HERE " cannot start gnuplot", subject->path);
+}
+
+/* By GSL: stoermer_verlet starts from where objects were one step before. */
+fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
+                           double t, double *states, fp3_error *error) {
+    (void)model, (void)params, (void)initial, (void)t, (void)states;
+    return fp3_fail(error, FP3_E_SYSTEM,
+                    "an integrator that starts from the positions of two steps: " HERE
+                    " has no truth to find the first with");
+}
+
+static fp3_status no_native(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, HERE " neither makes nor loads native code");
+}
+
+fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, int may_compile,
+                                fp3_fast_native *native, fp3_error *error) {
+    (void)plan, (void)kind, (void)may_compile;
+    *native = (fp3_fast_native){0};
+    return no_native(error);
+}
+
+fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, const char *kind,
+                                 fp3_error *error) {
+    (void)plan, (void)path, (void)kind;
+    return no_native(error);
+}
+
+fp3_status fp3_fast_native_kind(const char *path, fp3_fast_kind *kind, fp3_error *error) {
+    (void)path, (void)kind;
+    return no_native(error);
+}
+
+fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, const char *kind,
+                                fp3_fast_native *native, fp3_error *error) {
+    return (void)path, fp3_fast_native_open(plan, kind, 0, native, error);
+}
+
+void fp3_fast_native_close(fp3_fast_native *native) { (void)native; }
+
+/* ---- commands that start compilers, load hardware or hold a truth of GSL beside a run ---- */
+
+static int no_command(const char *name) {
+    fp3_error error;
+    return fp3_cli_fail(name, fp3_fail(&error, FP3_E_SYSTEM, "not in " HERE), &error);
+}
+
+#define ABSENT(name)                                                                               \
+    int fp3_cmd_##name(int argc, char **argv) {                                                    \
+        (void)argc, (void)argv;                                                                    \
+        return no_command(#name);                                                                  \
+    }
+ABSENT(compare)
+ABSENT(view)
+ABSENT(tune)
+ABSENT(bench)
+ABSENT(stress)
+ABSENT(board)
