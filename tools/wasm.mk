@@ -35,6 +35,14 @@ $(WASM)/fp3.wasm: $(WASM_O)
 	@echo "  LD   $@"
 	@$(WASM_CC) -O2 -s -Wl,-z,stack-size=4194304 -o $@ $^ $(WASM_LIBS)
 
+.PHONY: playground
+playground: $(BUILD)/playground/index.html ## A page where models are edited and run, by WebAssembly: build/playground/index.html
+	@echo "Open it with a browser: $<"
+
+$(BUILD)/playground/index.html: tools/playground.py $(WASM)/fp3.wasm $(wildcard sw/playground/* programs/*.ode programs/integrators/*.cfg) sw/view/page/style.css
+	@echo "  PAGE $@"
+	@$(PYTHON) $< --wasm $(WASM)/fp3.wasm --output $@
+
 $(WASM)/operations.wasm: $(WASM)/obj/tests/everywhere/operations.o $(filter-out %/main.o,$(WASM_O))
 	@echo "  LD   $@"
 	@$(WASM_CC) -O2 -s -o $@ $^ $(WASM_LIBS)

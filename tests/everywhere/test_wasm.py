@@ -41,7 +41,7 @@ def test_it_says_what_the_other_says(wasm, fp3, root, words):
 def test_a_mistake_has_its_place_and_writes_nothing(wasm, tmp_path):
     (tmp_path / "a.ode").write_text("state x = 1\nx' = -x + * 2\nstep 1\n")
     done = wasm(tmp_path, "run", "a.ode", "-e", "isa", "--output", "a.csv")
-    assert done.returncode == 2 and "a.ode:2:10: " in done.stderr, done.stderr
+    assert done.returncode == 2 and "a.ode:2:11: " in done.stderr, done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["a.ode"]
 
 
