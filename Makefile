@@ -82,7 +82,7 @@ HDF5_C  := $(wildcard sw/hdf5/*.c)
 # What only measures or shows: in the command, in the tests and in make bench, not in the library.
 MEASURE_ROOMS := bench golden measure stress view
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
-LIB_C   := $(filter-out sw/cli/% sw/bare/% sw/wasm/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))

@@ -53,6 +53,8 @@ clang                | clang             | clang | libFuzzer, which runs all inp
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
 gcc-aarch64-linux-gnu | aarch64-linux-gnu-gcc | everywhere | compiles for arm64
 gcc-riscv64-linux-gnu | riscv64-linux-gnu-gcc | everywhere | compiles for riscv64
+libc6-dev-arm64-cross | /usr/aarch64-linux-gnu/include/stdio.h | everywhere | the headers of its C library, which the compiler only recommends
+libc6-dev-riscv64-cross | /usr/riscv64-linux-gnu/include/stdio.h | everywhere | ... for riscv64
 qemu-user            | qemu-aarch64      | everywhere | runs what they compile
 cmake                | cmake             | everywhere | compiles libjansson for them
 autotools-dev        | /usr/share/misc/config.sub | everywhere | knows riscv64, which older configure scripts do not

@@ -3,15 +3,17 @@
 ZIG      := .venv/bin/python -m ziglang
 WASM     := $(BUILD)/wasm
 WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
-# What needs other programs, loaded libraries, serial ports or GSL: sw/wasm/absent.c says so to whoever asks for it.
-WASM_NOT := $(wildcard sw/serial/*.c sw/fast/cache.c sw/fast/native.c sw/fast/text.c sw/fast/write*.c sw/tune/*.c) sw/base/cc.c sw/base/child.c \
-    sw/engine/board.c sw/engine/library.c sw/output/figure.c sw/output/gnuplot.c sw/output/plot.c \
+# What needs other programs, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
+WASM_NOT := sw/serial/port.c $(wildcard sw/fast/cache.c sw/fast/native.c sw/fast/text.c sw/fast/write*.c sw/tune/*.c) sw/base/cc.c sw/base/child.c \
+    sw/engine/library.c sw/output/figure.c sw/output/gnuplot.c sw/output/plot.c \
     $(addprefix sw/truth/,bsimp.c convergence.c crossing.c orbit.c part.c path.c reference.c slopes.c stiff.c truth.c) \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)
-WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/wasm/*.c)
-WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o) $(addprefix $(WASM)/obj/sw/fast/sweep_,flushed.o cut.o flushed_cut.o)
+WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/cli/wasm/*.c)
+WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
+WASM_OPERATIONS := $(WASM)/obj/tests/everywhere/operations.o
+WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/fast/sweep_,flushed.o cut.o flushed_cut.o)
 WASM_EMULATED := SIGNAL GETPID
-WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -DNDEBUG -include sw/wasm/posix.h -Isw/wasm/include \
+WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -DNDEBUG -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
     $(WASM_EMULATED:%=-D_WASI_EMULATED_%) $(INCLUDES) -isystem $(WASM)/root/include
 WASM_LIBS := -L$(WASM)/root/lib -lconfig -lz -lwasi-emulated-signal -lwasi-emulated-getpid
 
@@ -20,18 +22,18 @@ $(eval $(call NOTE,$(WASM)/flags,$(WASM_CC) $(WASM_CFLAGS)))
 $(WASM)/root/done: tools/sysroot.sh | need-playground
 	@tools/sysroot.sh wasm32-wasi $(@D)
 
-$(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
+$(WASM_O) $(WASM_OPERATIONS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm)"
 	@$(WASM_CC) $(WASM_CFLAGS) -MMD -MP -c -o $@ $<
 
-$(WASM)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
+$(WASM_SWEEPS): $(WASM)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm, $*)"
 	@$(WASM_CC) $(WASM_CFLAGS) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
 
-# Parsing and compiling are recursive: 1 MB of stack, which stands below all data, so that too little of it traps.
-$(WASM)/fp3.wasm: $(WASM_O)
+# Parsing and compiling are recursive.
+$(WASM)/fp3.wasm: $(WASM_O) $(WASM_SWEEPS)
 	@echo "  LD   $@"
 	@$(WASM_CC) -O2 -s -Wl,-z,stack-size=4194304 -o $@ $^ $(WASM_LIBS)
 
@@ -43,7 +45,7 @@ $(BUILD)/playground/index.html: tools/playground.py $(WASM)/fp3.wasm $(wildcard 
 	@echo "  PAGE $@"
 	@$(PYTHON) $< --wasm $(WASM)/fp3.wasm --output $@
 
-$(WASM)/operations.wasm: $(WASM)/obj/tests/everywhere/operations.o $(filter-out %/main.o,$(WASM_O))
+$(WASM)/operations.wasm: $(WASM_OPERATIONS) $(filter-out %/main.o,$(WASM_O)) $(WASM_SWEEPS)
 	@echo "  LD   $@"
 	@$(WASM_CC) -O2 -s -o $@ $^ $(WASM_LIBS)
 

@@ -1,7 +1,5 @@
 /* fpu_soft.c - see fpu_soft.h. */
-#include "fpu.h"
-
-#if FP3_FPU_IS_SOFT
+#include "fpu_soft.h"
 
 #include <math.h>
 #include <string.h>
@@ -74,5 +72,3 @@ float fp3_fpu_mul(float a, float b) { return result(a, b, (double)a * (double)b)
 float fp3_fpu_rint(float a) {
     return fp3_fpu_register & FP3_FPU_TO_ZERO ? truncf(a) : nearbyintf(a);
 }
-
-#endif

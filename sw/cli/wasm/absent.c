@@ -2,10 +2,10 @@
  * for one of them hears that.
  */
 #include "cli/cli.h"
-#include "engine/backend.h"
 #include "engine/library.h"
 #include "fast/native.h"
 #include "output/plot.h"
+#include "serial/port.h"
 
 #include <fp3/tune.h>
 
@@ -26,17 +26,23 @@ const void *fp3_library_symbol(void *library, const char *symbol) {
 
 void fp3_library_unload(void *library) { (void)library; }
 
-static fp3_status board_open(fp3_engine *engine) {
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, HERE " has no serial ports");
+fp3_status fp3_port_open(const char *name, uint32_t baud, fp3_port *port, fp3_error *error) {
+    (void)baud, (void)port;
+    return fp3_fail(error, FP3_E_SYSTEM, "port %s: " HERE " has no serial ports", name);
 }
 
-static void board_close(fp3_engine *engine) { (void)engine; }
+void fp3_port_close(fp3_port *port) { (void)port; }
 
-const fp3_backend fp3_backend_board = {.name = "board", .open = board_open, .close = board_close};
+int64_t fp3_port_now(void) { return 0; }
 
-fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config, fp3_error *error) {
-    (void)baud, (void)config;
-    return fp3_fail(error, FP3_E_SYSTEM, "port %s: " HERE " has no serial ports", port);
+fp3_status fp3_port_write(fp3_port *port, const uint8_t *bytes, size_t size, int64_t until) {
+    (void)bytes, (void)size, (void)until;
+    return fp3_port_open(port->name, 0, port, port->error);
+}
+
+fp3_status fp3_port_read(fp3_port *port, uint8_t *bytes, size_t room, int64_t until, size_t *size) {
+    (void)bytes, (void)room, (void)until, (void)size;
+    return fp3_port_open(port->name, 0, port, port->error);
 }
 
 fp3_status fp3_plot_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *error) {
