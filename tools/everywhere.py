@@ -42,6 +42,9 @@ SCENES = {
 OTHERS = {"arm64": "aarch64", "riscv64": "riscv64"}      # the triplet's first word, which qemu has, too
 
 
+# Those that fit the configuration of boards and of a netlist; its cycles are others, not its bits.
+ON_BOARD, BOARD = ("lorenz", "rigid body", "overflow", "almost 2^-126"), "many"
+
 LIMIT = 300     # seconds for a run
 
 
@@ -59,11 +62,12 @@ class Machine:
         mine = {name: value for name, value in os.environ.items() if not name.startswith("FP3_")}
         return mine | {"FP3_CACHE_DIR": str(self.folder / "cache"), "FP3_FAST": fast} | ({"FP3_CC": self.cc} if self.cc else {})
 
-    def run(self, scene, engine, fast="", threads=None, more=()):
+    def run(self, scene, engine, fast="", threads=None, more=(), config=None):
         """The hash, and how it was executed."""
         found = self.folder / "found.csv"
         found.unlink(missing_ok=True)
-        words = [*SCENES[scene], "--engine", engine, *(["--threads", threads] if threads else []), "--output", found, *more]
+        words = [config if config and before == "-c" else word for before, word in zip(["", *SCENES[scene]], SCENES[scene])]
+        words += ["--engine", engine, *(["--threads", threads] if threads else []), "--output", found, *more]
         try:
             done = subprocess.run([*self.command, "run", *map(str, words)], cwd=ROOT, env=self.environment(fast), capture_output=True, text=True, timeout=LIMIT)
         except subprocess.TimeoutExpired as why:
@@ -92,7 +96,7 @@ def on_fast(machine, scene, kind, platform):
         yield platform, f"{threads} thread{'s' * (threads > 1)}", found
 
 
-def here(machine, scene, replays):
+def here(machine, scene, replays, netlist):
     yield "isa", "", machine.run(scene, "isa")[0]
     for kind in kinds_here():
         yield from on_fast(machine, scene, kind, kind)
@@ -101,7 +105,23 @@ def here(machine, scene, replays):
     found, _ = machine.run(scene, "rtl", more=["--bus-log", log])
     yield "rtl-verilator", "", found
     if replays:
-        yield "rtl-icarus", "replay", replay(scene, log, found, replays)
+        yield "rtl-icarus", "replay", replay(scene, log, found, replays / f"replay_{config_of(scene)}.vvp")
+    if scene in ON_BOARD:
+        yield "board", BOARD, on_board(machine, scene)
+    if scene in ON_BOARD and netlist:
+        found, _ = machine.run(scene, "rtl", more=["--bus-log", log], config=BOARD)
+        yield "netlist", f"ECP5, {BOARD}", replay(scene, log, found, netlist)
+
+
+def on_board(machine, scene):
+    """The hardware with a serial line in front of it, which the command talks over."""
+    board = subprocess.Popen([*machine.command, "board", "-c", BOARD], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        port = board.stdout.readline().strip()
+        return machine.run(scene, "board", more=["--port", port], config=BOARD)[0]
+    finally:
+        board.terminate()
+        board.communicate()
 
 
 def config_of(scene):
@@ -109,9 +129,8 @@ def config_of(scene):
     return words[words.index("-c") + 1] if "-c" in words else "world"
 
 
-def replay(scene, log, found, replays):
+def replay(scene, log, found, bench):
     """Icarus has what Verilator had, word for word, or this fails: then it has the same hash."""
-    bench = replays / f"replay_{config_of(scene)}.vvp"
     done = subprocess.run(["vvp", "-n", bench, f"+session={log}"], capture_output=True, text=True)
     if not done.stdout.startswith("PASS "):
         raise Failed(f"{scene}: Icarus: {(done.stdout.strip().splitlines() or ['no word'])[-1]}")
@@ -181,7 +200,7 @@ def measure(options, folder):
         print(f"everywhere: {scene}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
         for platform, machine in machines.items():
             keep(scene, on_wasm(machine, scene) if platform == "wasm" else
-                 elsewhere(machine, scene, platform, LEAST[platform]) if platform else here(machine, scene, options.replays))
+                 elsewhere(machine, scene, platform, LEAST[platform]) if platform else here(machine, scene, options.replays, options.netlist))
     for platform, machine in machines.items() if not options.only else ():
         binary = (options.fp3.parent.parent / "tests/operations" if not platform else WASM / "operations.wasm" if platform == "wasm" else
                   ROOT / f"build/everywhere/{OTHERS[platform]}-linux-gnu/tests/operations")
@@ -211,6 +230,8 @@ hash. {machines}
 | `wasm` | the command compiled for [WebAssembly](playground.md), as it runs in browsers, under wasmtime: `isa` and `fast`, interpreted. It has one rounding and no flags: `sw/base/fpu_soft.h` finds them |
 | `rtl-verilator` | the hardware under Verilator |
 | `rtl-icarus` | the same session, replayed under Icarus Verilog: every word that was read is compared |
+| `netlist` | ... and what yosys makes of configuration `many` for an ECP5, before place and route: LUTs, block RAMs and multipliers, likewise |
+| `board` | a board with a serial line, simulated by `fp3 board`, for the scenes that fit configuration `many` |
 
 `operations` is each arithmetic operation in all four arithmetics, on {count:,} operands that are hard to get right: subnormal numbers, ties, NaNs, the
 ends of each range. ARM detects tininess before rounding, FP3 and the other machines after it: the scenes *almost 2^-126* are there for that.
@@ -260,6 +281,7 @@ def main():
     parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/bin/fp3")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/everywhere.json")
     parser.add_argument("--replays", type=pathlib.Path, help="benches for Icarus; without it rtl-icarus is left out")
+    parser.add_argument("--netlist", type=pathlib.Path, help="a bench of tools/netlist.sh; without it netlist is left out")
     parser.add_argument("--only", nargs="+", choices=SCENES, metavar="SCENE", help="these scenes")
     parser.add_argument("--all", action="store_true", help="fail if a platform cannot run")
     parser.add_argument("--report", type=pathlib.Path, help="write a page of what --output has; nothing is run")

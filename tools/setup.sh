@@ -165,7 +165,7 @@ check() {
     groups=$(needs "$1")
     rows=$(missing $groups)
     case $1 in
-    test | prove) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, the IEEE 754 model of the proofs" ;;
+    test | prove | everywhere) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis, and the IEEE 754 model of the proofs" ;;
     esac
     case $1 in
     test | ipxact | soc)
