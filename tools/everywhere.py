@@ -32,6 +32,7 @@ SCENES = {
     "van der Pol, adaptive": ["programs/van_der_pol.ode", "-c", "many_full", "-o", 24, "--spread", "mu=1:4", "--tolerance", "1e-3", "--times", "0.5,1,2"],
     "bouncing ball, located": ["programs/bouncing_ball.ode", "-c", "many_full", "-o", 8, "--spread", "e=0.5:0.9", "--set", "x=0.1", "--until", 0.1875, "--times", "0.125,0.1875"],
     "rigid body": ["programs/rigid_body.ode", "-c", "many_full", "-o", 30, "--spread", "w_x=0.1:2", "-n", 16, "--every", 8],
+    "ship": ["programs/ship.s", "-c", "many_full", "-o", 1, "-n", 60, "--params", "programs/ship.cfg", "--every", 20],
     "overflow": ["tests/everywhere/overflow.ode", "-c", "many_full", "-o", 30, "--spread", "a=1:1e6", "-n", 40, "--every", 20, "--allow-failures"],
     "almost 2^-126": ["tests/everywhere/edge.s", "-c", "many_full", "-o", 24, "-n", 3, "--set", "x=0"],
     "almost 2^-126, of neighbours": ["tests/everywhere/edge.ode", "-i", "euler", "-o", 24, "-n", 3],
@@ -42,8 +43,9 @@ SCENES = {
 OTHERS = {"arm64": "aarch64", "riscv64": "riscv64"}      # the triplet's first word, which qemu has, too
 
 
-# Those that fit the configuration of boards and of a netlist; its cycles are others, not its bits.
-ON_BOARD, BOARD = ("lorenz", "rigid body", "overflow", "almost 2^-126"), "many"
+# Those that fit a configuration of fp3 board, whose cycles are others, not its bits; of the one for one object there is a netlist, too.
+ON_BOARD = {"ship": "single", "lorenz": "many", "rigid body": "many", "overflow": "many", "almost 2^-126": "many"}
+NETLIST = "single"
 
 LIMIT = 300     # seconds for a run
 
@@ -107,18 +109,18 @@ def here(machine, scene, replays, netlist):
     if replays:
         yield "rtl-icarus", "replay", replay(scene, log, found, replays / f"replay_{config_of(scene)}.vvp")
     if scene in ON_BOARD:
-        yield "board", BOARD, on_board(machine, scene)
-    if scene in ON_BOARD and netlist:
-        found, _ = machine.run(scene, "rtl", more=["--bus-log", log], config=BOARD)
-        yield "netlist", f"ECP5, {BOARD}", replay(scene, log, found, netlist)
+        yield "board", ON_BOARD[scene], on_board(machine, scene)
+    if netlist and ON_BOARD.get(scene) == NETLIST:
+        found, _ = machine.run(scene, "rtl", more=["--bus-log", log], config=NETLIST)
+        yield "netlist", f"ECP5, {NETLIST}", replay(scene, log, found, netlist)
 
 
 def on_board(machine, scene):
     """The hardware with a serial line in front of it, which the command talks over."""
-    board = subprocess.Popen([*machine.command, "board", "-c", BOARD], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    board = subprocess.Popen([*machine.command, "board", "-c", ON_BOARD[scene]], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         port = board.stdout.readline().strip()
-        return machine.run(scene, "board", more=["--port", port], config=BOARD)[0]
+        return machine.run(scene, "board", more=["--port", port], config=ON_BOARD[scene])[0]
     finally:
         board.terminate()
         board.communicate()
@@ -230,8 +232,8 @@ hash. {machines}
 | `wasm` | the command compiled for [WebAssembly](playground.md), as it runs in browsers, under wasmtime: `isa` and `fast`, interpreted. It has one rounding and no flags: `sw/base/fpu_soft.h` finds them |
 | `rtl-verilator` | the hardware under Verilator |
 | `rtl-icarus` | the same session, replayed under Icarus Verilog: every word that was read is compared |
-| `netlist` | ... and what yosys makes of configuration `many` for an ECP5, before place and route: LUTs, block RAMs and multipliers, likewise |
-| `board` | a board with a serial line, simulated by `fp3 board`, for the scenes that fit configuration `many` |
+| `netlist` | ... and what yosys makes of configuration `single` for an ECP5, before place and route: LUTs, block RAMs and multipliers, likewise |
+| `board` | a board with a serial line, simulated by `fp3 board`, for the scenes that fit configuration `single` or `many` |
 
 `operations` is each arithmetic operation in all four arithmetics, on {count:,} operands that are hard to get right: subnormal numbers, ties, NaNs, the
 ends of each range. ARM detects tininess before rounding, FP3 and the other machines after it: the scenes *almost 2^-126* are there for that.
