@@ -28,6 +28,7 @@ typedef struct {
     fp3_engine *handle;
     char how[64];   /* fp3_engine_how, without why */
     double seconds; /* the shortest turn; 0: none yet */
+    uint64_t object_steps;
     uint32_t flags;
     size_t differ; /* words of states that the first one does not have */
 } side;
@@ -59,6 +60,7 @@ static fp3_status turn(const fp3_scene *scene, uint64_t steps, side *s, fp3_erro
     const fp3_status status = go(scene, steps, s, &stats, error);
     if (!status && (s->seconds == 0 || stats.seconds < s->seconds))
         s->seconds = stats.seconds;
+    s->object_steps = stats.object_steps;
     s->flags |= stats.flags;
     snprintf(s->how, sizeof s->how, "%s", fp3_engine_how(s->handle));
     char *const why = strstr(s->how, " (");
@@ -127,20 +129,21 @@ typedef struct {
     size_t differ;
 } beside;
 
-static json_t *row_of(const fp3_scene *scene, const side *s, uint64_t steps) {
-    const double step = s->seconds / (double)steps;
+/* Not every object makes every step: some are born late, or fall asleep. */
+static double ns_of(const side *s) { return 1e9 * s->seconds / (double)s->object_steps; }
+
+static double frame_of(const side *s, uint64_t steps) { return FRAME * (double)steps / s->seconds; }
+
+static json_t *row_of(const side *s, uint64_t steps) {
     return json_pack("{s:s, s:I, s:f, s:f, s:f, s:I}", "engine", s->how, "threads",
-                     (json_int_t)s->threads, "ns_per_object_step",
-                     1e9 * step / (double)scene->objects, "million_object_steps_per_second",
-                     1e-6 * (double)scene->objects / step, "steps_in_a_frame", FRAME / step,
-                     "words_differing", (json_int_t)s->differ);
+                     (json_int_t)s->threads, "ns_per_object_step", ns_of(s),
+                     "million_object_steps_per_second", 1e3 / ns_of(s), "steps_in_a_frame",
+                     frame_of(s, steps), "words_differing", (json_int_t)s->differ);
 }
 
-static void print_row(const fp3_scene *scene, const side *s, uint64_t steps) {
-    const double step = s->seconds / (double)steps;
-    printf("%-22s  %7" PRIu32 "  %14.4g  %9.4g  %15.4g  %12zu\n", s->how, s->threads,
-           1e9 * step / (double)scene->objects, 1e-6 * (double)scene->objects / step, FRAME / step,
-           s->differ);
+static void print_row(const side *s, uint64_t steps) {
+    printf("%-22s  %7" PRIu32 "  %14.4g  %9.4g  %15.4g  %12zu\n", s->how, s->threads, ns_of(s),
+           1e3 / ns_of(s), frame_of(s, steps), s->differ);
 }
 
 static void print_table(const fp3_scene *scene, uint64_t steps, const side *sides, size_t count,
@@ -150,7 +153,7 @@ static void print_table(const fp3_scene *scene, uint64_t steps, const side *side
     printf("%-22s  %7s  %14s  %9s  %15s  %12s\n", "engine fast", "threads", "ns/object-step",
            "million/s", "steps in 1/60 s", "words differ");
     for (size_t i = 0; i < count; i++)
-        print_row(scene, &sides[i], steps);
+        print_row(&sides[i], steps);
     if (isa->steps)
         printf("\nengine isa: %zu words differ after %" PRIu64 " steps\n", isa->differ, isa->steps);
     else
@@ -161,7 +164,7 @@ static fp3_status write_json(const char *path, const fp3_scene *scene, uint64_t 
                              const side *sides, size_t count, const beside *isa, fp3_error *error) {
     json_t *rows = json_array();
     for (size_t i = 0; i < count; i++)
-        json_array_append_new(rows, row_of(scene, &sides[i], steps));
+        json_array_append_new(rows, row_of(&sides[i], steps));
     return fp3_json_write(
         path,
         json_pack("{s:s, s:I, s:I, s:o, s:{s:I, s:I}}", "scene", scene->path, "objects",
@@ -213,6 +216,9 @@ static fp3_status measure(const fp3_scene *scene, uint64_t *steps, unsigned turn
         for (size_t i = 0; !status && i < count; i++)
             status = turn(scene, *steps, &sides[i], error);
     }
+    if (!status && !sides[0].object_steps)
+        status = fp3_fail(error, FP3_E_ARGUMENT, "%s: no object makes a step in the first %" PRIu64,
+                          scene->path, *steps);
     for (size_t i = 1; !status && i < count; i++)
         status = compare(scene, sides[0].handle, sides[i].handle, &sides[i].differ, error);
     return status;

@@ -59,6 +59,18 @@ def test_a_failure_is_told(bench, tmp_path):
     assert done.returncode == 3 and "an object failed in these steps" in done.stderr and "steps in 1/60 s" in done.stdout
 
 
+def test_objects_that_are_not_there_make_no_step(bench, tmp_path, root):
+    shutil.copy(root / "programs/oscillator.ode", tmp_path)
+    text = 'steps = 64; config = "many_full"; groups = ( {{ program = "oscillator.ode"; integrator = "rk4"; objects = 64; born = {}; }} );\n'
+    for born, code in ((1000, 2), (32, 0)):
+        (tmp_path / "late.scene").write_text(text.format(born))
+        done = bench(tmp_path / "late.scene", "--quick", "--steps", 64, "--json", tmp_path / "speed.json")
+        assert done.returncode == code, done.stderr
+        assert "no object makes a step in the first 64" in done.stderr or code == 0
+    found = json.loads((tmp_path / "speed.json").read_text())["rows"][0]    # half the steps
+    assert found["steps_in_a_frame"] == pytest.approx(2 * 1e9 / 60 / found["ns_per_object_step"] / 64)
+
+
 @pytest.mark.parametrize("arguments, words", [
     (["programs/mixed.scene", "--plot", "x.svg"], "found --plot and 'programs/mixed.scene'"),
     (["programs/mixed.scene", "kepler"], "expected one scene, or models"),
