@@ -30,6 +30,9 @@ before, each start 0.2 %. The error of an object is relative to the largest magn
 mean square over the states; tables and pictures have the median over the variants. The truth is GSL's rk8pd at 1e-14, with which
 the model's closed form, or GSL's rkck, must agree to 1e-9 for every variant; without that, there is no result.
 
+Models whose objects see each other (springs, contact, gravity) are measured on [their own page](world.md#beside-loops-written-by-hand),
+beside Warp, Taichi, MuJoCo, Bullet, LAMMPS, Box2D and REBOUND.
+
 Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
 on the same machine, so a change of its speed meets all of them. A run of `fast` has up to 16,384 objects; compiling the program and
 writing the start are not part of it. A time step is not run if a trial with 64 objects took 15 times
