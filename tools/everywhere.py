@@ -16,6 +16,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -117,12 +118,13 @@ def here(machine, scene, replays, netlist):
 
 def on_board(machine, scene):
     """The hardware with a serial line in front of it, which the command talks over."""
-    board = subprocess.Popen([*machine.command, "board", "-c", ON_BOARD[scene]], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    board = subprocess.Popen([*machine.command, "board", "-c", ON_BOARD[scene]], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                             start_new_session=True)
     try:
         port = board.stdout.readline().strip()
         return machine.run(scene, "board", more=["--port", port], config=ON_BOARD[scene])[0]
     finally:
-        board.terminate()
+        os.killpg(board.pid, signal.SIGTERM)     # also what a script has started
         board.communicate()
 
 
