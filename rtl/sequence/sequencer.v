@@ -10,6 +10,7 @@
 //                        └────────────────────────── reports ◄────────────────────────────────────┘
 //
 // Latency   See one_stream and two_streams. A sweep that has to wait for the one before is counted (stall_dependency).
+//           With NEIGHBOURS a register stands behind decode, so a round's first instruction comes a cycle later.
 // Hazard    Every running cycle is an issue or exactly one stall, and no other cycle is either.
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
