@@ -10,6 +10,7 @@
 #include <fp3/program.h>
 #include <inttypes.h>
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,6 +32,7 @@ typedef struct {
     uint64_t object_steps;
     uint32_t flags;
     size_t differ; /* words of states that the first one does not have */
+    size_t astray; /* values of states that are not finite in the end */
 } side;
 
 int fp3_bench_is_scene(const char *path) {
@@ -71,30 +73,32 @@ static fp3_status turn(const fp3_scene *scene, uint64_t steps, side *s, fp3_erro
 
 /* ---- bits ---- */
 
-/* Adds the words of one state in which the two differ. */
-static fp3_status compare_state(const fp3_scene_group *group, uint32_t reg, fp3_engine *one,
-                                fp3_engine *other, float *room, size_t *differ) {
+/* Adds what one state of a group has to *s. */
+static fp3_status compare_state(const fp3_scene_group *group, uint32_t reg, const side *first,
+                                float *room, side *s) {
     float *const a = room, *const b = room + group->objects;
-    fp3_status status = fp3_engine_read(one, group->first, group->objects, reg, a);
+    fp3_status status = fp3_engine_read(first->handle, group->first, group->objects, reg, a);
     if (!status)
-        status = fp3_engine_read(other, group->first, group->objects, reg, b);
-    for (size_t i = 0; !status && i < group->objects; i++)
-        *differ += memcmp(&a[i], &b[i], sizeof *a) != 0;
+        status = fp3_engine_read(s->handle, group->first, group->objects, reg, b);
+    for (size_t i = 0; !status && i < group->objects; i++) {
+        s->differ += memcmp(&a[i], &b[i], sizeof *a) != 0;
+        s->astray += !isfinite(b[i]);
+    }
     return status;
 }
 
-static fp3_status compare(const fp3_scene *scene, fp3_engine *one, fp3_engine *other,
-                          size_t *differ, fp3_error *error) {
+/* All states of the scene. */
+static fp3_status compare(const fp3_scene *scene, const side *first, side *s, fp3_error *error) {
     float *room = malloc(2 * scene->objects * sizeof *room);
     if (!room)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     fp3_status status = FP3_OK;
+    s->differ = s->astray = 0;
     for (size_t g = 0; !status && g < scene->group_count; g++) {
         const fp3_image *image = scene->groups[g].program->image;
         for (uint32_t i = 0; !status && i < image->symbol_count; i++)
             if (image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
-                status = compare_state(&scene->groups[g], image->symbols[i].index, one, other, room,
-                                       differ);
+                status = compare_state(&scene->groups[g], image->symbols[i].index, first, room, s);
     }
     free(room);
     return status;
@@ -117,7 +121,8 @@ static fp3_status beside_isa(const fp3_scene *scene, side *first, uint64_t of, u
     if (!status)
         status = go(scene, *steps, first, NULL, error);
     if (!status)
-        status = compare(scene, first->handle, isa.handle, differ, error);
+        status = compare(scene, first, &isa, error);
+    *differ = isa.differ;
     fp3_engine_close(&isa.handle);
     return status;
 }
@@ -179,7 +184,7 @@ static fp3_status judge(const side *sides, size_t count, const beside *isa, fp3_
         differ += sides[i].differ;
     if (differ)
         return fp3_fail(error, FP3_E_MISMATCH, "%zu words differ", differ);
-    if (sides[0].flags & FAILED_FLAGS)
+    if (sides[0].flags & FAILED_FLAGS || sides[0].astray)
         return fp3_fail(error, FP3_E_FAILED,
                         "an object failed in these steps; fp3 run --scene says which, and when");
     return FP3_OK;
@@ -219,8 +224,8 @@ static fp3_status measure(const fp3_scene *scene, uint64_t *steps, unsigned turn
     if (!status && !sides[0].object_steps)
         status = fp3_fail(error, FP3_E_ARGUMENT, "%s: no object makes a step in the first %" PRIu64,
                           scene->path, *steps);
-    for (size_t i = 1; !status && i < count; i++)
-        status = compare(scene, sides[0].handle, sides[i].handle, &sides[i].differ, error);
+    for (size_t i = 0; !status && i < count; i++)
+        status = compare(scene, &sides[0], &sides[i], error);
     return status;
 }
 

@@ -52,10 +52,13 @@ def test_more_objects_take_longer(bench, tmp_path, root):
     assert 2 < took[1] / took[0] < 8
 
 
-def test_a_failure_is_told(bench, tmp_path):
-    (tmp_path / "runaway.ode").write_text(LONG_WAY)
-    (tmp_path / "runaway.scene").write_text('steps = 100; config = "many_full"; groups = ( { program = "runaway.ode"; integrator = "euler"; objects = 4; } );\n')
-    done = bench(tmp_path / "runaway.scene", "--quick")
+@pytest.mark.parametrize("name, program, more", [
+    ("runaway.ode", LONG_WAY, 'integrator = "euler"'),
+    ("quiet.s", ".state x\n.const p inf\nstep:\n    mul x, p, p\n", "set = { x = 1.0; }")])      # raises no flag
+def test_a_failure_is_told(bench, tmp_path, name, program, more):
+    (tmp_path / name).write_text(program)
+    (tmp_path / "it.scene").write_text(f'steps = 100; config = "many_full"; groups = ( {{ program = "{name}"; {more}; objects = 4; }} );\n')
+    done = bench(tmp_path / "it.scene", "--quick")
     assert done.returncode == 3 and "an object failed in these steps" in done.stderr and "steps in 1/60 s" in done.stdout
 
 
