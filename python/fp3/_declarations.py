@@ -176,6 +176,7 @@ FP3_ROSENBROCK = 3
 FP3_RUNGE_KUTTA = 0
 FP3_SPLITTING = 1
 FP3_STAGES_MAX = 24
+FP3_STANDSTILL_TEXT_SIZE = 192
 FP3_STEPS_LIMIT = 16777216
 FP3_STOERMER = 2
 FP3_SYMBOL_CLASSES = 6
@@ -808,6 +809,8 @@ PROTOTYPES = {
     "fp3_model_copy": (c_int, (POINTER(fp3_model), POINTER(POINTER(fp3_model)), POINTER(fp3_error))),
     "fp3_model_free": (None, (POINTER(POINTER(fp3_model)),)),
     "fp3_model_evaluate": (None, (POINTER(fp3_model), POINTER(fp3_point), c_void_p)),
+    "fp3_model_standstill": (c_int,
+        (POINTER(fp3_model), POINTER(fp3_point), c_double, c_double, c_double, c_void_p, c_char_p)),
     "fp3_model_fire": (c_int, (POINTER(fp3_model), POINTER(fp3_point), c_void_p, c_double, c_void_p, c_void_p)),
     "fp3_model_check_alone": (c_int, (POINTER(fp3_model), POINTER(fp3_error))),
     "fp3_model_state": (c_uint32, (POINTER(fp3_model), c_char_p)),

@@ -29,7 +29,8 @@ struct fp3_run_loss {
     char *is_needed; /* expressions that derivatives and events are made of */
     char *is_read;   /* those that an instruction reads, if they are known before the run */
     double *columns; /* final states of the first `looked` objects */
-    double *states, *moved, *lost;
+    double *states, *lost;
+    double *room; /* for fp3_model_standstill */
     /* Of each expression: in double, and without what FP32 has no room for. */
     double *exact, *clipped;
     double t, span;
@@ -90,7 +91,7 @@ fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_
     l->is_needed = calloc(m->expr_count + 1u, 1);
     l->is_read = calloc(m->expr_count + 1u, 1);
     l->columns = calloc(m->state_count * l->looked + 1, sizeof *l->columns);
-    l->states = calloc(3u * m->state_count + 1u, sizeof *l->states);
+    l->states = calloc(3u * m->state_count + 2u * m->expr_count + 1u, sizeof *l->states);
     l->exact = calloc(2u * m->expr_count + 1u, sizeof *l->exact);
     fp3_status status = l->is_needed && l->is_read && l->columns && l->states && l->exact
                             ? fp3_object_values_open(part->program, part->params, &l->values, error)
@@ -102,8 +103,8 @@ fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_
         fp3_run_loss_close(loss);
         return status;
     }
-    l->moved = l->states + m->state_count;
-    l->lost = l->moved + m->state_count;
+    l->lost = l->states + m->state_count;
+    l->room = l->lost + m->state_count;
     l->clipped = l->exact + m->expr_count;
     mark(l);
     return FP3_OK;
@@ -254,41 +255,14 @@ static int warn_of_underflow(warner *w, size_t object) {
     return 0;
 }
 
-static int stands_still(double x, double increment) {
-    return increment != 0 && isfinite(x) && (double)(float)(x + (double)(float)increment) == x;
-}
-
-/* A state at an equilibrium stands still, too, and loses nothing: if it had moved on, its derivative would turn. */
-static int is_lost(fp3_run_loss *l, uint32_t state) {
-    const uint32_t of = l->model->states[state].derivative;
-    const double slope = l->exact[of];
-    memcpy(l->moved, l->states, l->model->state_count * sizeof *l->moved);
-    l->moved[state] += l->span * slope;
-    const fp3_point at = point_of(l, l->moved);
-    fp3_model_evaluate(l->model, &at, l->clipped);
-    return l->clipped[of] * slope > 0;
-}
-
 static int warn_of_standstill(warner *w, size_t object) {
     fp3_run_loss *l = w->loss;
-    const fp3_model *m = l->model;
-    for (uint32_t s = 0; s < m->state_count; s++) {
-        const double x = l->states[s];
-        const double slope =
-            m->states[s].derivative == FP3_NONE ? 0 : l->exact[m->states[s].derivative];
-        const double increment = slope * (double)(float)l->values.h;
-        if (!stands_still(x, increment) || !(fabs(slope * l->span) > w->bound * fabs(x)) ||
-            !is_lost(l, s))
-            continue;
-        const float single = fabsf((float)x);
-        warn(w,
-             "object %zu: %s stands still: a step adds %.2g, and FP32 rounds %s = %.6g by up to "
-             "%.2g; use --compensated or a longer step",
-             object, m->states[s].name, increment, m->states[s].name, x,
-             ((double)nextafterf(single, INFINITY) - (double)single) / 2);
-        return 1;
-    }
-    return 0;
+    const fp3_point at = point_of(l, l->states);
+    char text[FP3_STANDSTILL_TEXT_SIZE];
+    if (!fp3_model_standstill(l->model, &at, l->values.h, l->span, w->bound, l->room, text))
+        return 0;
+    warn(w, "object %zu: %s; use --compensated or a longer step", object, text);
+    return 1;
 }
 
 /* Each kind is said of the first object that has it. */

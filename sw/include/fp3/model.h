@@ -195,6 +195,15 @@ typedef struct {
  * expressions that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
+/* FP32 has no number near enough for steps of h, as FP32 has it, to change a state in plain arithmetic: the
+ * state stands still. Returns 1, and text says what a step adds, for the first state at this point that
+ * would change by more than `share` of its size in `span` of time, its derivative still having its
+ * sign then: at an equilibrium nothing is lost. Returns 0 if there is none; text is "" then. room:
+ * of 2 expr_count + state_count numbers. */
+#define FP3_STANDSTILL_TEXT_SIZE 192
+int fp3_model_standstill(const fp3_model *model, const fp3_point *point, double h, double span,
+                         double share, double *room, char text[FP3_STANDSTILL_TEXT_SIZE]);
+
 /* Applies the events of the model, in order, to these states at time t. `before` is the
  * beginning of the step; NULL: there was no step, and events with `armed` do not happen. values has
  * room for expr_count numbers. Returns whether a state has changed, where a change from 0 to -0 or
