@@ -219,4 +219,4 @@ def test_a_library_of_another_version_is_refused(python, environment, tmp_path):
 def test_no_memory_is_an_exception():
     """More results than a machine has room for."""
     with pytest.raises((MemoryError, fp3.Error, ValueError)):
-        fp3.solve_ivp(TEXT, (0, 2**24), h=0.0625, objects=2**25, t_eval=np.arange(0, 2**24, 4))
+        fp3.solve_ivp(TEXT, (0, 2**24), h=0.0625, objects=2**22, t_eval=np.arange(0, 2**24, 64))

@@ -114,8 +114,9 @@ def reset_in_the_middle(session, times, length):
 
 @pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), ("lanes", 8, (600,)), ("dual", 4, (300, 441)),
                                                     ("single", 1, (37, 150, 333))])
-def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, config, objects, times):
+def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, long, config, objects, times):
     """In the middle of a run it leaves what a long one leaves: memories as they are, and nothing on its way."""
+    times = times if long else times[-2:]
     shown = []
     for length in (1, 80):
         session = record(root, fp3, tmp_path, "ship_dual" if config == "dual" else "ship_madd", config, 2 if objects > 1 else 20, "-o", objects)
@@ -266,7 +267,7 @@ def texts_in_waves(dump):
 @pytest.mark.parametrize("preset, config, objects", [("fp3", "single", 1), ("many", "many", 24), ("many", "shared", 12),
                                                      ("many", "lanes", 16), ("many", "array", 12)])
 def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config, objects):
-    session, path = record(root, fp3, tmp_path, "ship_madd", config, 2, "-o", objects), tmp_path / "x.vcd"
+    session, path = record(root, fp3, tmp_path, "ship_madd", config, 1, "-o", objects), tmp_path / "x.vcd"
     done = replay(root, icarus(config), session, f"+waves={path}")
     assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
     dump = path.read_text()
