@@ -240,6 +240,9 @@ hash. {machines}
 `operations` is each arithmetic operation in all four arithmetics, on {count:,} operands that are hard to get right: subnormal numbers, ties, NaNs, the
 ends of each range. ARM detects tininess before rounding, FP3 and the other machines after it: the scenes *almost 2^-126* are there for that.
 
+A cell has the first 8 digits of the hash; all runs of a scene on a platform have it. A dash means that the platform has no room for the scene, or, in the row
+`operations`, that it is a program in C.
+
 """
 TAIL = """
 ## What the bits of a host depend on
