@@ -23,13 +23,14 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-# Goals that want those before them done: make clean all, make sim models prove synth report.
-ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS)),)
-.NOTPARALLEL:
-endif
-
 SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground,$(MAKECMDGOALS))
 REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
+
+# Goals that want those before them done: make clean all, make sim models prove synth report. Of several setups each installs packages,
+# for which there is one lock.
+ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS))$(word 2,$(SETUP)),)
+.NOTPARALLEL:
+endif
 
 .PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
@@ -49,6 +50,7 @@ setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 
 setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
+
 setup-everywhere: setup ## ... and compilers for arm64, riscv64 and WebAssembly, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
 

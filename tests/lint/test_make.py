@@ -1,5 +1,6 @@
 """The Makefile: what help promises, the order of `make setup test`, and the closing line."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -86,3 +87,12 @@ def test_the_closing_line_counts_errors_as_failures(root, tmp_path, run, workers
                           capture_output=True, text=True, timeout=120)
     assert done.stdout.splitlines()[-1] == line
     assert (done.returncode == 0) == success
+
+
+@pytest.mark.parametrize("goals, alone", [(["setup-view", "setup-bench"], True), (["setup-view"], False), (["setup-view", "test"], False)])
+def test_two_setups_do_not_run_at_once(root, goals, alone):
+    """There is one lock for installing packages."""
+    env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    done = subprocess.run(["make", "-pn", *goals], cwd=root, env=env, capture_output=True, text=True, timeout=60)
+    database = done.stdout[done.stdout.rindex("# Make data base"):]
+    assert (re.search(r"^\.NOTPARALLEL:", database, re.M) is not None) == alone
