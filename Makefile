@@ -558,6 +558,11 @@ $(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
 everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp $(BUILD)/netlist/ecp5_single.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64, WebAssembly and the hardware: build/results/everywhere.json
 	@$(PYTHON) tools/everywhere.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/everywhere.json --replays $(BUILD)/icarus --netlist $(BUILD)/netlist/ecp5_single.vvp --all
 
+PICTURE = $(PYTHON) tools/picture.py --fp3 $(BUILD)/bin/fp3 --output docs/picture.svg
+.PHONY: picture
+picture: all ## Draw README's picture, after make setup-bench; MEASURE=1: with new times of fp3 bench
+	@$(PICTURE) $(if $(MEASURE),--measure,--figures) docs/picture.json
+
 everywhere-report: ## Write docs/everywhere.md from it
 	@$(PYTHON) tools/everywhere.py --output $(RESULTS)/everywhere.json --report docs/everywhere.md
 

@@ -81,6 +81,20 @@ def walk(runs, synth):
     return table(["change", "configuration, program", "first", "next", "ns, grade 6", "difference, ns"], rows)
 
 
+# One row for each kind of machine: configuration, the best program of the ship for it.
+MACHINES = [("paper", "ship_paper"), ("single", "ship_madd"), ("many", "ship_madd"), ("dual", "ship_dual"), ("lanes", "ship_madd")]
+
+
+def machines(runs, synth):
+    rows = [["the paper's FPGA (Virtex-II, grade 4)", 1, number(PAPER["next"], 2), number(1000 * PAPER["next"] / PAPER["ns"], 1), "", number(PAPER["ns"], 1)]]
+    for config, program in MACHINES:
+        run = find(runs, "sim.json", config=config, program=program)
+        place = find(synth, "synth.json", top="fp3", config=config, grade=6)
+        rows.append([f"`{config}`", run["objects"], number(run["cycles_per_object_step"], 2), number(place["fmax_best"], 1), number(place["lut4"]),
+                     number(nanoseconds(run, synth, 6)[0], 1)])
+    return table(["machine", "objects in flight", "cycles per object-step", "MHz", "LUT4", "ns per object-step"], rows)
+
+
 def stalls(runs):
     causes = list(runs[0]["stalls"])
     return table(["configuration", "program", *causes],
@@ -365,8 +379,7 @@ Correctly rounded IEEE 754 binary32 with gradual underflow and flags. Latency is
     measured.keep()
     (ROOT / "docs/results.md").write_text(text, encoding="utf-8")
     readme = ROOT / "README.md"
-    text = between(readme.read_text(encoding="utf-8"), "<!-- results -->", "<!-- end -->", walk(runs, synth))
-    readme.write_text(between(text, "<!-- many -->", "<!-- many end -->", organisations(synth, runs)), encoding="utf-8")
+    readme.write_text(between(readme.read_text(encoding="utf-8"), "<!-- machines -->", "<!-- machines end -->", machines(runs, synth)), encoding="utf-8")
     print("wrote docs/results.md and README.md's table")
 
 
