@@ -8,6 +8,9 @@ PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 INCDIR  := $(DESTDIR)$(PREFIX)/include/fp3
 MAN     := $(DESTDIR)$(PREFIX)/share/man/man1/fp3.1
+BASH    := $(DESTDIR)$(PREFIX)/share/bash-completion/completions/fp3
+# Where zsh looks: below /usr is Debian's place for packages.
+ZSH     := $(DESTDIR)$(PREFIX)/share/zsh/$(if $(filter /usr,$(PREFIX)),vendor-completions,site-functions)/_fp3
 COMMAND := $(DESTDIR)$(PREFIX)/bin/fp3
 BARE    := $(DESTDIR)$(PREFIX)/share/fp3/bare
 RTL_DIR := $(DESTDIR)$(LIBDIR)/fp3
@@ -29,12 +32,15 @@ $(BUILD)/obj/sw/engine/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp
 $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
 	@$(PYTHON) $^ >$@.new && mv $@.new $@
 
+$(BUILD)/completion.%: tools/completion.py tools/manpage.py $(BUILD)/bin/fp3
+	@$(PYTHON) $< $* $(BUILD)/bin/fp3 >$@.new && mv $@.new $@
+
 # What is installed has no asserts: the same rules with RELEASE=1 make it, in build/release/. A build with
 # sanitizers is for development and is installed with its asserts.
 RELEASED := $(BUILD)$(if $(filter 0,$(SAN)),/release)
 
 .PHONY: made released
-made: $(LIB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1
+made: $(LIB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
 	@:
 released:
 	@+$(MAKE) $(if $(filter 0,$(SAN)),RELEASE=1) made
@@ -59,8 +65,8 @@ endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
-install: released $(HARDWARE) $(HDF5) ## Install library, headers, command, man page, driver; PREFIX=/usr/local, DESTDIR=
-	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
+install: released $(HARDWARE) $(HDF5) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
+	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(BASH)) $(dir $(ZSH)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
 	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
@@ -68,6 +74,8 @@ install: released $(HARDWARE) $(HDF5) ## Install library, headers, command, man 
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
 	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(RELEASED)/fp3.1 $(MAN)
+	@install -m 644 $(RELEASED)/completion.bash $(BASH)
+	@install -m 644 $(RELEASED)/completion.zsh $(ZSH)
 	@install $(RELEASED)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
@@ -77,7 +85,7 @@ install: released $(HARDWARE) $(HDF5) ## Install library, headers, command, man 
 uninstall: ## Remove what install put there
 	@rm -rf $(INCDIR) $(RTL_DIR) $(dir $(BARE))
 	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
-	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(COMMAND)
+	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(BASH) $(ZSH) $(COMMAND)
 
 # ---- within a Python package: setup.py ----------------------------------------------------------
 

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/host.h"
+#include "processor.h"
 
 #include <fp3/program.h>
 #include <stdlib.h>
@@ -102,21 +103,16 @@ static void put_word(FILE *out, const char *word) {
 }
 
 static void put_machine(FILE *out) {
-    char line[256] = "", *name = NULL, when[32] = "";
+    char name[128], when[32] = "";
     const time_t now = time(NULL);
     struct tm day;
     struct utsname system;
-    FILE *about = fopen("/proc/cpuinfo", "r");
-    while (about && !name && fgets(line, sizeof line, about))
-        if (!strncmp(line, "model name", 10) && (name = strchr(line, ':')))
-            name[strcspn(name, "\n")] = '\0';
-    if (about)
-        fclose(about);
+    fp3_processor_name(name, sizeof name);
     if (gmtime_r(&now, &day))
         strftime(when, sizeof when, "%Y-%m-%d", &day);
-    fprintf(out, "<p>Measured %s by fp3 " FP3_VERSION " on %ld processors", when,
+    fprintf(out, "<p>Measured %s by fp3 " FP3_VERSION " on %ld processors: ", when,
             sysconf(_SC_NPROCESSORS_ONLN));
-    put_text(out, name ? name : "");
+    put_text(out, name);
     if (!uname(&system)) {
         fputs(", ", out);
         put_text(out, system.sysname);

@@ -18,6 +18,7 @@ int fp3_cmd_view(int argc, char **argv);
 int fp3_cmd_tune(int argc, char **argv);
 int fp3_cmd_board(int argc, char **argv);
 int fp3_cmd_info(int argc, char **argv);
+int fp3_cmd_doctor(int argc, char **argv);
 
 /* Prints a line in which a name or a path from a file cannot control the terminal. */
 __attribute__((format(printf, 2, 3))) void fp3_cli_line(FILE *out, const char *format, ...);

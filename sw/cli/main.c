@@ -21,7 +21,8 @@
     X(bench, "Measure the ship, or another program, on the hardware")                              \
     X(stress, "Judge what FP32 does to integrators and models")                                    \
     X(board, "Simulate a board with a serial port, for the engine board")                          \
-    X(info, "Say what an image needs, or what this build has")
+    X(info, "Say what an image needs, or what this build has")                                     \
+    X(doctor, "Say what this machine has of all that fp3 can use")
 
 static const struct {
     const char *name;

@@ -279,6 +279,12 @@ def test_the_man_page_says_what_help_says(installed):
             assert option in shown, (command, option)
 
 
+def test_shells_find_the_completion(installed):
+    script = f"source {installed}/share/bash-completion/completions/fp3; COMP_WORDS=(fp3 doc); COMP_CWORD=1; _fp3; echo ${{COMPREPLY[*]}}"
+    assert succeeds("bash", "-c", script) == "doctor\n"
+    assert (installed / "share/zsh/site-functions/_fp3").read_text().startswith("#compdef fp3\n")
+
+
 def test_uninstall_leaves_no_file(root, build, tmp_path):
     make(root, build, "install", tmp_path)
     assert (tmp_path / PREFIX / "lib/libfp3.so").resolve().name == "libfp3.so.0"
