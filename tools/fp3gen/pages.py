@@ -79,6 +79,8 @@ def registers_page(regs):
                  "goes to all and a read gives the OR of all"],
                 [bit_text(parts["space"]), "the space: 0 for the registers and windows below"],
                 [bit_text(parts["word"]), "the word within objects and status; 0 above bit 15 in space 0"]]), "",
+            "![The address map: an address names a scheduler, a space and a word; space 0 has the registers, counters and windows with their "
+            "addresses, spaces 1 to 3 are copies, objects and status](drawings/address_map.svg)", "",
             f"The port of a configuration has as many of the scheduler's bits as it needs: none with one scheduler (`s_axi_awaddr[{parts['scheduler'][1] - 1}:0]`),",
             "else those that hold the number of schedulers. All ones there stand for all of them.", "",
             "A write of all four bytes and a read are answered with OKAY, or with SLVERR where there is no such register, no such access,",
