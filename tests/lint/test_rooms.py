@@ -139,6 +139,34 @@ def test_no_circle_between_files(arrows):
     assert circles(arrows) == []
 
 
+def shortest(arrows):
+    """The arrows without those beside which another way leads to the same node."""
+    graph = {}
+    for a, b in arrows:
+        graph.setdefault(a, set()).add(b)
+
+    def reaches(a, b):
+        return any(other == b or reaches(other, b) for other in graph.get(a, ()))
+    return {(a, b) for a, b in arrows if not any(reaches(other, b) for other in graph[a] - {b})}
+
+
+def test_a_longer_way_hides_an_arrow():
+    assert shortest({("a", "b"), ("b", "c"), ("a", "c"), ("a", "d")}) == {("a", "b"), ("b", "c"), ("a", "d")}
+
+
+@pytest.mark.parametrize("drawing, top, out", [("hardware", "rtl", {"gen", "fpga"}), ("software", "sw", {"gen", "include"})])
+def test_the_drawing_has_these_arrows(root, arrows, drawing, top, out):
+    """docs/drawings/rooms_*.dot: rooms within a room count as that room, and files beside the rooms of rtl/ as fp3."""
+    def drawn(name):
+        parts = name.split("/")
+        return "fp3" if len(parts) == 2 else parts[1]
+    found = {(drawn(a), drawn(b)) for a, b in arrows if a.startswith(top + "/") and b.startswith(top + "/")}
+    wanted = shortest({(a, b) for a, b in found if a != b and not {a, b} & out})
+    text = (root / f"docs/drawings/rooms_{drawing}.dot").read_text(encoding="utf-8")
+    said = re.findall(r"^  (\w+) -> \{?([\w ]+)\}?$", text, re.M)
+    assert {(a, b) for a, others in said for b in others.split()} == wanted
+
+
 def floors(arrows):
     """The longest chain of rooms; rooms within a room are on its floor."""
     graph = {}
