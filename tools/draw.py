@@ -25,7 +25,7 @@ from fp3draw.svg import themed
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FOLDER = "docs/drawings"
 WAVEDROM = "import sys, wavedrom; sys.stdout.write(wavedrom.render(sys.stdin.read()).tostring())"
-FONT = "DejaVu Sans"
+FONT, FONT_FILE = "DejaVu Sans", pathlib.Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")
 LOOK = ["-Gbgcolor=transparent", "-Gnodesep=0.25", "-Granksep=0.4", *[f"-{part}fontname={FONT}" for part in "GNE"], "-Gfontsize=13", "-Nfontsize=13",
         "-Efontsize=12", "-Nshape=box", "-Nstyle=rounded,filled", "-Nfillcolor=#e6e6e6", "-Nmargin=0.14,0.06", "-Nheight=0.4", "-Earrowsize=0.7"]
 # Of each kind of source: its tool, how the tool tells its version, and the version that drew what is in the tree.
@@ -41,7 +41,9 @@ def run(line, text=None):
 
 
 def version(kind):
-    """The version of a kind's tool, or None if it is not there."""
+    """The version of a kind's tool, or None if it or its font is not there."""
+    if kind == ".dot" and not FONT_FILE.exists():
+        return None
     try:
         done = run(TOOLS[kind][1])
     except OSError:

@@ -75,10 +75,9 @@ def view(root, margin):
     """The frame, in pixels: what the tool says, a margin, and on the left room for the names of waves."""
     left, top, width, height = (float(part) for part in re.split("[ ,]+", root.get("viewBox")))
     names = [len("".join(one.itertext())) for one in root.iter(f"{{{SVG}}}text") if one.get("class") == "info"]
-    lanes = next((one for one in root.iter(f"{{{SVG}}}g") if one.get("id") == "lanes_0"), None)
     if names:
-        start = float(re.search(r"\(([\d.]+)", lanes.get("transform"))[1])
-        less = max(names) * STEP + 10 - start
+        lanes = next(one for one in root.iter(f"{{{SVG}}}g") if one.get("id") == "lanes_0")
+        less = max(names) * STEP + 10 - float(re.search(r"\(([\d.]+)", lanes.get("transform"))[1])
         left, width = left - less, width + less
     return left - margin, top - margin, width + 2 * margin, height + 2 * margin
 
@@ -130,8 +129,8 @@ def themed(text, margin=8):
     sheet = ElementTree.Element(f"{{{SVG}}}style")
     sheet.text = style(used)
     root[:0] = [sheet, page]
-    for one in root.iter():
-        one.tail = "\n" if one.tag.endswith(("}g", "}path", "}text", "}rect", "}polygon", "}style", "}use", "}ellipse", "}circle", "}defs")) else one.tail
-        if one.tag == f"{{{SVG}}}g" or one is root:
+    for one in root.iter():                                     # a line for each element
+        one.tail = None if one.tag.endswith("}tspan") else "\n"
+        if one.tag.endswith(("}g", "}svg", "}defs")):
             one.text = "\n"
     return ElementTree.tostring(root, encoding="unicode") + "\n"
