@@ -61,7 +61,7 @@ setup-playground: setup ## ... and a compiler for WebAssembly for `make playgrou
 setup-view: setup ## ... and Chromium and Selenium for the tests of fp3 view
 	@PYTHON=$(PYTHON) tools/setup.sh --view
 
-setup-docs: setup ## ... and Graphviz, pikchr and WaveDrom for `make docs`
+setup-docs: setup ## ... and Graphviz, pikchr and WaveDrom for `make docs`, and Sphinx for `make site`
 	@PYTHON=$(PYTHON) tools/setup.sh --docs
 
 setup-packages: setup ## ... and what `make packages` needs
@@ -503,6 +503,12 @@ lint-generated: | need-lint
 .PHONY: docs
 docs: | need-docs ## Draw docs/drawings/*.svg from the text beside them, where it has changed
 	@$(PYTHON) tools/draw.py
+
+.PHONY: site
+site: all | need-docs ## README, docs, headers and options as web pages: build/site/html/index.html; with the playground if that was made
+	@$(PYTHON) tools/site.py --fp3 $(BUILD)/bin/fp3 --output $(BUILD)/site $(if $(wildcard $(BUILD)/playground/index.html),--playground $(BUILD)/playground)
+	@.venv/bin/python -m sphinx -q -W --keep-going -b html $(BUILD)/site/pages $(BUILD)/site/html
+	@echo "Open it with a browser: $(BUILD)/site/html/index.html"
 
 .PHONY: generate format
 generate: ## Write the files that come from isa/*.toml

