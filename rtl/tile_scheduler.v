@@ -85,8 +85,9 @@ module tile_scheduler #(
     assign access_address = address[STORE_W-1:0];
 
     // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
-    localparam ISSUES_W = `LANE_ISSUE_W, RETIRES_W = `LANE_RETIRE_W;
+    localparam ISSUES_W = `LANE_ISSUE_W, RETIRES_W = `LANE_RETIRE_W, REACHES_W = `REACH_W;
     wire [GROUPS:0]                 resets;
+    wire [REACHES_W*(GROUPS+1)-1:0] reaches;
     wire [ISSUES_W*(GROUPS+1)-1:0]  issues;
     wire [RETIRES_W*(GROUPS+1)-1:0] retires;
     wire [`ACCESS_W*(GROUPS+1)-1:0] accesses;
@@ -94,7 +95,7 @@ module tile_scheduler #(
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
     wire                           copy, abort, copied;
-    wire [RETIRES_W-1:0]           retire;
+    wire [REACHES_W-1:0]           reach;
     assign running_o = running;
     sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
@@ -103,26 +104,26 @@ module tile_scheduler #(
         .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
-        .issue_o(issues[0 +: ISSUES_W]), .retire_o(retire), .step_o(step_number),
+        .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
         .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
 
-    // Copies from lane to lane take the ways of instructions' ends and of the host's words.
+    // Copies from lane to lane take the ways of what instructions read of the store and of the host's words.
     generate
         if (EXCHANGE != 0) begin : g_exchange
             wire                 copying;
-            wire [RETIRES_W-1:0] copy_retire;
+            wire [REACHES_W-1:0] copy_reach;
             wire [`ACCESS_W-1:0] copy_access;
             exchange #(.CONFIG(CONFIG)) u_exchange (.clk_i(clk_i), .rst_i(rst_i),
                 .write_i(access && host_write && space == HOST_COPIES), .write_addr_i(address[STORE_W-1:0]), .write_value_i(host_wdata),
                 .settings_i(settings), .half_i(half), .copy_i(copy), .abort_i(abort), .copied_o(copied),
-                .busy_o(copying), .retire_o(copy_retire), .access_o(copy_access));
-            assign retires[0 +: RETIRES_W]  = copying ? copy_retire : retire;
+                .busy_o(copying), .reach_o(copy_reach), .access_o(copy_access));
+            assign reaches[0 +: REACHES_W]  = copying ? copy_reach : reach;
             assign accesses[0 +: `ACCESS_W] = copying ? copy_access : `ACCESS;
             assign data[31:0]               = copying ? lanes_answer : running ? step_number : host_wdata;
         end else begin : g_no_exchange
             assign copied                   = 1'b0;
-            assign retires[0 +: RETIRES_W]  = retire;
+            assign reaches[0 +: REACHES_W]  = reach;
             assign accesses[0 +: `ACCESS_W] = `ACCESS;
             assign data[31:0]               = running ? step_number : host_wdata;
             wire unused_copy = &{copy, abort};
@@ -145,6 +146,7 @@ module tile_scheduler #(
             localparam N = LANES - F < GROUP ? LANES - F : GROUP;
             lane_group #(.CONFIG(CONFIG), .N(N)) u_group (
                 .clk_i(clk_i), .first_i(F[LANE_W-1:0]), .rst_i(resets[g]), .rst_o(resets[g+1]),
+                .reach_i(reaches[REACHES_W*g +: REACHES_W]), .reach_o(reaches[REACHES_W*(g+1) +: REACHES_W]),
                 .issue_i(issues[ISSUES_W*g +: ISSUES_W]), .issue_o(issues[ISSUES_W*(g+1) +: ISSUES_W]),
                 .retire_i(retires[RETIRES_W*g +: RETIRES_W]), .retire_o(retires[RETIRES_W*(g+1) +: RETIRES_W]),
                 .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
@@ -157,23 +159,23 @@ module tile_scheduler #(
     endgenerate
 
     // The last group has no next one; sequencer hears the rest of its report.
-    wire unused = &{resets[GROUPS], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
+    wire unused = &{resets[GROUPS], reaches[REACHES_W*GROUPS +: REACHES_W], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
                     accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
                     report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted TO_END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
+    // What was granted AHEAD + TO_END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
     generate
         if (DUAL == 0) begin : g_granted
             wire granted;
             `RETIRE_FIELDS
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
-                                  retire_batch, retire_context, retire_register, retire_around, retire_copy};
-            delay #(.W(1), .N(TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+                                  retire_batch, retire_context, retire_register};
+            delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin
-                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", TO_END + 1); $stop;
+                    $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", AHEAD + TO_END + 1); $stop;
                 end
         end
     endgenerate

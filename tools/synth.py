@@ -149,11 +149,13 @@ module top #(
 {parameters}) (
     input  wire                 clk_i,
     input  wire                 rst_i,
+    input  wire [`REACH_W-1:0]  reach_i,
     input  wire [`LANE_ISSUE_W-1:0]  issue_i,
     input  wire [`LANE_RETIRE_W-1:0] retire_i,
     input  wire [`ACCESS_W-1:0] access_i,
     input  wire [`REPORT_W-1:0] report_i,
     input  wire [31:0]          data_i,
+    output reg  [`REACH_W-1:0]  reach_o,
     output reg  [`LANE_ISSUE_W-1:0]  issue_o,
     output reg  [`LANE_RETIRE_W-1:0] retire_o,
     output reg  [`ACCESS_W-1:0] access_o,
@@ -161,11 +163,13 @@ module top #(
     output reg  [31:0]          data_o
 );
     reg                  rst_q;
+    reg  [`REACH_W-1:0]  reach_q;
     reg  [`LANE_ISSUE_W-1:0]  issue_q;
     reg  [`LANE_RETIRE_W-1:0] retire_q;
     reg  [`ACCESS_W-1:0] access_q;
     reg  [`REPORT_W-1:0] report_q;
     reg  [31:0]          data_q;
+    wire [`REACH_W-1:0]  reach_d;
     wire [`LANE_ISSUE_W-1:0]  issue_d;
     wire [`LANE_RETIRE_W-1:0] retire_d;
     wire [`ACCESS_W-1:0] access_d;
@@ -174,12 +178,13 @@ module top #(
     wire [`OPERANDS_W*{n}*STREAMS-1:0] operands;
     wire [`RESULT_W*{n}*STREAMS-1:0]   results;
     always @(posedge clk_i) begin
+        {{reach_q, reach_o}} <= {{2*`REACH_W{{NEIGHBOURS != 0}}}} & {{reach_i, reach_d}};     // else it is 0, and costs nothing
         {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
         {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
     end
     lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .first_i({{LANE_W{{1'b0}}}}), .rst_i(rst_q), .rst_o(),
-        .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
-        .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
+        .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q),
+        .reach_o(reach_d), .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d),
         .operands_o(operands), .result_i(results), .written_o());
     genvar s;
     generate

@@ -39,6 +39,8 @@ parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
 // In cycles from what the lanes are told of an instruction: to its result, and to what they are told of its end.
 parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer TO_END    = TO_RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
+// How much earlier they are told what it reads of the store: a word of a neighbour is then there beside the operands.
+parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
 // schedulers share an adder that z may want at once, or where z is what is read for y.
@@ -46,6 +48,6 @@ parameter integer Z_LATE  = INTERLEAVE != 0 && CHAIN != 0 && VALUES == 0 && SCHE
 // And: from an issue to the next one of the same context, at least; and from the last issue
 // of a round to its last report, through the lanes and back.
 parameter integer GAP     = LATENCY + TIMING_GAP,
-parameter integer SETTLE  = LATENCY + LANES + TIMING_SETTLE,
+parameter integer SETTLE  = LATENCY + AHEAD + LANES + TIMING_SETTLE,
 // From an access of the host port to the word.
 parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS : TIMING_SOLO_ACCESS

@@ -40,6 +40,7 @@ rtl/lane/visits.v
 rtl/lane/visits_in_order.v
 rtl/lib/cut.v
 rtl/lib/delay.v
+rtl/lib/delay_ram.v
 rtl/lib/lutram_1r1w.v
 rtl/lib/lzc.v
 rtl/lib/mux4.v

@@ -59,5 +59,13 @@ localparam [7:0] OP_NEXT  = 8'd129;
 localparam [7:0] OP_LDN   = 8'd130;
 localparam [7:0] OP_LDL   = 8'd131;
 localparam [7:0] OP_PHASE = 8'd132;
+localparam [7:0] OP_ADDN  = 8'd133;
+localparam [7:0] OP_SUBN  = 8'd134;
+localparam [7:0] OP_RSBN  = 8'd135;
+localparam [7:0] OP_MULN  = 8'd136;
+localparam [7:0] OP_ADDL  = 8'd137;
+localparam [7:0] OP_SUBL  = 8'd138;
+localparam [7:0] OP_RSBL  = 8'd139;
+localparam [7:0] OP_MULL  = 8'd140;
 
 // verilator lint_on UNUSEDPARAM

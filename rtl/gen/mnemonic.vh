@@ -31,6 +31,14 @@ function [8*5-1:0] mnemonic(input [7:0] code);
         8'd130:  mnemonic = "ldn  ";
         8'd131:  mnemonic = "ldl  ";
         8'd132:  mnemonic = "phase";
+        8'd133:  mnemonic = "addn ";
+        8'd134:  mnemonic = "subn ";
+        8'd135:  mnemonic = "rsbn ";
+        8'd136:  mnemonic = "muln ";
+        8'd137:  mnemonic = "addl ";
+        8'd138:  mnemonic = "subl ";
+        8'd139:  mnemonic = "rsbl ";
+        8'd140:  mnemonic = "mull ";
         default: mnemonic = "?    ";
     endcase
 endfunction

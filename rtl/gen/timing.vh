@@ -2,6 +2,7 @@
 // Included by rtl/config/derived.vh. In cycles.
 parameter integer TIMING_SHARE       = 1,  // more latency where schedulers share the arithmetic: its operands are chosen and registered
 parameter integer TIMING_EARLY       = 2,  // more latency where a sum and a product issue at once: a sum's y is read so much earlier, as it may have to be scaled
+parameter integer TIMING_REACH       = 4,  // from the cycle in which a lane names what an instruction reads of the store to that of its registers, where objects see each other
 parameter integer TIMING_OPERANDS    = 3,  // from the cycle in which a lane names an instruction's registers to its operands
 parameter integer TIMING_TOLD        = 2,  // from a context's turn to the lane that hears of it: the sequencer's register, and that of the lane's group
 parameter integer TIMING_END         = 6,  // from the cycle in which a lane hears of an instruction's end to its result
@@ -9,7 +10,7 @@ parameter integer TIMING_DUAL_END    = 4,  // likewise where a sum and a product
 parameter integer TIMING_WRITE       = 1,  // from a result to its write
 parameter integer TIMING_GAP         = 5,  // from an issue to the next issue of the same context, beyond the latency
 parameter integer TIMING_ACCESS      = 5,  // from the host's access of a lane's word to the word, beyond a cycle for each group of lanes
-parameter integer TIMING_LIST        = 8,  // from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes
+parameter integer TIMING_LIST        = 12, // from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes
 parameter integer TIMING_SETTLE      = 14, // from the last issue of a round to the last report, beyond the latency and a cycle for each lane
 parameter integer TIMING_RESET       = 2,  // how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one
 parameter integer TIMING_BUS         = 8,  // from the handshake of a read to its response, beyond the memory that is read

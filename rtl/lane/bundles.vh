@@ -1,6 +1,7 @@
 // bundles.vh: all bundles of a lane: what it is told, what goes on inside, what it answers, and what goes to
 // its arithmetic and back.
 `include "lane/around.vh"
+`include "lane/reach.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 `include "lane/dual_issue.vh"

@@ -10,7 +10,9 @@
 //           retire             told TIMING_END (TIMING_DUAL_END) before W; the store's word there in W (W-1)
 //
 //           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
-//           cycle W-6). Where a sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
+//           cycle W-6). Where objects see each other, what is read of the store is told AHEAD before cycle 0 (reach), and
+//           counts up from there (_r3); it is there TIMING_END later, beside the registers in cycle 2, and what is loaded
+//           waits from then on. Where a sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
 //           is that much later for all else.
 //
 // Latency   A register that is named GAP cycles after the issue of the instruction that writes it, or later, has the new
@@ -26,6 +28,7 @@ module lane #(
     input  wire                           rst_i,
     input  wire [LANE_W-1:0]              index_i,       // this lane's number; does not change
     // What the sequencer and the host say
+    input  wire [`REACH_W-1:0]            reach_i,
     input  wire [`LANE_ISSUE_W-1:0]       issue_i,
     input  wire [`LANE_RETIRE_W-1:0]      retire_i,
     input  wire [`ACCESS_W-1:0]           access_i,
@@ -56,7 +59,8 @@ module lane #(
     wire [32*S-1:0]      values;
     wire [`MOVE_W-1:0]   move;
     wire [`END_W*S-1:0]  ends;                  // W
-    wire [31:0]          st_value_i3, word;     // of a store; loaded
+    wire [31:0]          st_value_i3, word;     // of a store; read of the store
+    wire [31:0]          loaded;                // W: what was read for this instruction
     wire [31:0]          other;                 // W: what is written where there is no result
     wire                 constant;              // W: the host writes a register
     wire [REG_W-1:0]     constant_register;
@@ -73,7 +77,7 @@ module lane #(
             always @(posedge clk_i) begin
                 constant_q <= !rst_i && to_constants;
                 register_q <= access_address[REGISTER_W-1:0];
-                other_q    <= loads ? word : data_i;
+                other_q    <= loads ? loaded : data_i;
             end
             assign {constant, constant_register, other} = {constant_q, {CONTEXT_W-1{1'b1}}, register_q, 1'b0, other_q};   // of both banks
             assign longest = {LENGTH_W{1'b0}};
@@ -88,12 +92,12 @@ module lane #(
             localparam [CONTEXT_W-1:0] SHARED = CONTEXTS[CONTEXT_W-1:0];
             wire less;
             assign {constant, constant_register} = {to_constants, SHARED, access_address[REGISTER_W-1:0]};
-            assign other       = loads ? word : data_i;
+            assign other       = loads ? loaded : data_i;
             assign scale_flags = 5'd0;
             lane_operands #(.CONFIG(CONFIG)) u_operands (.clk_i(clk_i),
                 .write_i(writes), .write_register_i(registers), .write_value_i(values),
-                .issue_i(issue_i), .operands_o(operands_o), .stored_o(st_value_i3), .less_o(less));
-            lane_end #(.CONFIG(CONFIG)) u_end (.clk_i(clk_i), .rst_i(rst_i), .issue_i(issue_i), .retire_i(retire_i),
+                .issue_i(issue_i), .word_i2_i(word), .operands_o(operands_o), .stored_o(st_value_i3), .less_o(less));
+            lane_end #(.CONFIG(CONFIG)) u_end (.clk_i(clk_i), .rst_i(rst_i), .reach_i(reach_i), .issue_i(issue_i), .retire_i(retire_i),
                 .access_i(access_i), .mine_i(mine), .data_i(data_i), .less_i(less), .word_i(word), .stored_i3_i(st_value_i3),
                 .move_o(move), .end_o(ends), .load_o(loads),
                 .count_o(count), .longest_o(longest), .sleeps_o(sleeps), .batch_o(batch), .context_o(context_number), .asleep_o(asleep));
@@ -126,21 +130,31 @@ module lane #(
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_word_i(data_i));
 
+    // In front of the operands it comes too early for what is loaded.
+    generate
+        if (NEIGHBOURS != 0) begin : g_early
+            delay_ram #(.W(32), .N(TO_RESULT-2)) u_loaded (.clk_i(clk_i), .rst_i(rst_i), .d_i(word), .q_o(loaded));
+        end else begin : g_in_time
+            assign loaded = word;
+            wire unused_reach = &reach_i;
+        end
+    endgenerate
+
     // Another lane gets a word of this one's store.
     wire copied;                                // W
     generate
         if (EXCHANGE != 0) begin : g_copied
-            `RETIRE_FIELDS
+            `REACH_FIELDS
             `AROUND_FIELDS
-            assign `RETIRE = retire_i;
-            assign `AROUND = retire_around;
+            assign `REACH  = reach_i;
+            assign `AROUND = reach_around;
             wire              copy_w1;
             wire [LANE_W-1:0] lane_w1;
             reg               copied_q;
-            delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i), .d_i({retire_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
+            delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i), .d_i({reach_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
             always @(posedge clk_i) copied_q <= !rst_i && copy_w1 && lane_w1 == index_i;
             assign copied = copied_q;
-            wire unused_copied = &{`RETIRE, `AROUND};
+            wire unused_copied = &{`REACH, `AROUND};
         end else begin : g_not_copied
             assign copied = 1'b0;
         end

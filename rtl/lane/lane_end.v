@@ -6,6 +6,8 @@
 //           cycle    W-6       W-3                    W
 //                    retire_i  row, store to be read  end_o; word_i is there
 //
+//           Where objects see each other, what is read of the store follows from reach_i, and is there as soon behind it (lists).
+//
 // Latency   As shown; of a store's row, two cycles after issue_i.
 // Hazard    One context does not come twice within GAP cycles. retire_i is about the instruction of TO_END cycles ago, data_i
 //           in W about the same (checked in issue). The host's accesses come when no instruction is in the lane.
@@ -16,6 +18,7 @@ module lane_end #(
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
+    input  wire [`REACH_W-1:0]  reach_i,
     input  wire [`ISSUE_W-1:0]  issue_i,
     input  wire [`RETIRE_W-1:0] retire_i,
     input  wire [`ACCESS_W-1:0] access_i,
@@ -47,13 +50,11 @@ module lane_end #(
     assign `ACCESS = access_i;
     assign {move_record, move_st, move_lasts, move_register} = {issue_record, issue_st, issue_lasts, issue_register};
     assign {move_o, end_o} = {`MOVE, `END};
-    wire unused_fields = &{`ISSUE, `ACCESS, data_i, retire_copy};
+    wire unused_fields = &{`ISSUE, `ACCESS, data_i};
 
     // Of the instruction, later
-    wire finds;                                 // W-6: an entry of a list is loaded, for no register
     wire [REGISTER_W-1:0] register_w3, register_w0;
     wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
-    delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && (retire_load || finds)), .q_o(move_load));
     wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
     delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
@@ -98,26 +99,23 @@ module lane_end #(
     // What it does with neighbours: what is loaded, and for whom nothing is executed -----------------
     generate
         if (NEIGHBOURS != 0) begin : g_lists
-            `AROUND_FIELDS
-            assign `AROUND = retire_around;
-            assign finds   = around_entry;
-            wire unused_around = &`AROUND;
-            wire                  of_other;
-            wire [ROW_W-1:0]      other_row;
-            wire [REGISTER_W-1:0] number;
+            `REACH_FIELDS
+            assign `REACH = reach_i;
+            wire unused_reach = reach_copy;
             lists #(.CONFIG(CONFIG)) u_lists (.clk_i(clk_i), .rst_i(rst_i),
                 .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent), .word_i3(stored_i3_i),
-                .longest_o(longest_o), .valid_i(retire_valid), .retire_context_i(retire_context), .around_i(retire_around),
-                .of_list_o(move_load_place), .place_o(move_place), .of_other_o(of_other), .row_o(other_row), .number_o(number),
+                .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row), .around_i(reach_around),
+                .of_list_o(move_load_place), .place_o(move_place), .row_o(move_load_row), .number_o(move_load_register),
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
-            assign move_load_row      = of_other ? other_row : own_row_w3;
-            assign move_load_register = of_other ? number : register_w3;
+            delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
+            wire unused_lists = &{own_row_w3, register_w3};
         end else begin : g_no_lists
-            assign {finds, ended, move_load_place, move_load_upper} = 4'd0;
+            delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
+            assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
             assign move_load_row      = own_row_w3;
             assign move_load_register = register_w3;
-            wire unused_lists = &{stored_i3_i, retire_around};
+            wire unused_lists = &{stored_i3_i, reach_i};
         end
     endgenerate
     assign executed      = executes && !ended;

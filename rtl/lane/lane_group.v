@@ -20,11 +20,13 @@ module lane_group #(
     input  wire                  clk_i,
     input  wire [LANE_W-1:0]     first_i,      // the number of the first lane; does not change
     input  wire                  rst_i,
+    input  wire [`REACH_W-1:0]        reach_i,
     input  wire [`LANE_ISSUE_W-1:0]   issue_i,
     input  wire [`LANE_RETIRE_W-1:0]  retire_i,
     input  wire [`ACCESS_W-1:0]  access_i,
     input  wire [31:0]           data_i,
     output wire                  rst_o,
+    output wire [`REACH_W-1:0]        reach_o,
     output wire [`LANE_ISSUE_W-1:0]   issue_o,
     output wire [`LANE_RETIRE_W-1:0]  retire_o,
     output wire [`ACCESS_W-1:0]  access_o,
@@ -37,17 +39,20 @@ module lane_group #(
     output wire [`WRITTEN_W*STREAMS*N-1:0]  written_o
 );
     reg                 rst_q = 1'b1;  // at power-up, until the first reset arrives
+    reg [`REACH_W-1:0]       reach_q;
     reg [`LANE_ISSUE_W-1:0]  issue_q;
     reg [`LANE_RETIRE_W-1:0] retire_q;
     reg [`ACCESS_W-1:0] access_q;
     reg [31:0]          data_q;
     always @(posedge clk_i) begin
         rst_q    <= rst_i;
+        reach_q  <= reach_i  & {`REACH_W{!rst_i}};
         issue_q  <= issue_i  & {`LANE_ISSUE_W{!rst_i}};
         retire_q <= retire_i & {`LANE_RETIRE_W{!rst_i}};
         access_q <= access_i & {`ACCESS_W{!rst_i}};
         data_q   <= data_i;
     end
+    assign reach_o = reach_q;
     assign {rst_o, issue_o, retire_o, access_o, data_o} = {rst_q, issue_q, retire_q, access_q, data_q};
 
     wire [`REPORT_W*(N+1)-1:0] reports;        // lane l adds to what is at l
@@ -59,7 +64,7 @@ module lane_group #(
             localparam [LANE_W-1:0] L = l;
             lane #(.CONFIG(CONFIG)) u_lane (
                 .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
                 .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
                 .operands_o(operands_o[`OPERANDS_W*S*l +: `OPERANDS_W*S]), .result_i(result_i[`RESULT_W*S*l +: `RESULT_W*S]),
                 .written_o(written_o[`WRITTEN_W*S*l +: `WRITTEN_W*S]));

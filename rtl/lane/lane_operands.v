@@ -2,7 +2,8 @@
 //
 // Purpose   Three copies of the registers, so that three are read in a cycle. A sum is z +/- x * 1 (or 2,
 //           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and the -0
-//           come from the set and reset inputs of the operands' registers.
+//           come from the set and reset inputs of the operands' registers. x may be a word of a neighbour, and what that is
+//           subtracted from is z; what is subtracted from it is z with the other sign: -z + x * 1.
 // Latency   Three cycles from the registers' numbers to the operands. z is named, and comes, Z_LATE cycles after
 //           x and y. less_o comes with the result.
 // Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
@@ -21,6 +22,7 @@ module lane_operands #(
     input  wire [REG_W-1:0]       write_register_i,
     input  wire [31:0]            write_value_i,
     input  wire [`ISSUE_W-1:0]    issue_i,        // cycle 0
+    input  wire [31:0]            word_i2_i,      // cycle 2: what a neighbour gives
     output wire [`OPERANDS_W-1:0] operands_o,     // cycle 3
     output wire [31:0]            stored_o,       // likewise: of a store, or of `each`
     output wire                   less_o          // with the result: |y| < x
@@ -51,6 +53,20 @@ module lane_operands #(
         end
     endgenerate
 
+    // What a neighbour gives instead of a register, and what it is subtracted from, with the other sign.
+    wire [31:0] x_or_word_i2, signed_z_i2;
+    generate
+        if (NEIGHBOURS != 0) begin : g_given
+            wire given_i2, minus_i2;
+            delay #(.W(2), .N(2)) u_given (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_given, issue_minus}), .q_o({given_i2, minus_i2}));
+            assign x_or_word_i2 = given_i2 ? word_i2_i : x_i2;
+            assign signed_z_i2  = {z_i2[31] ^ minus_i2, z_i2[30:0]};
+        end else begin : g_not_given
+            wire unused_given = &{word_i2_i, issue_given, issue_minus};
+            assign {x_or_word_i2, signed_z_i2} = {x_i2, z_i2};
+        end
+    endgenerate
+
     wire       twice_i2, half_i2, one_i2, zero_i2;
     reg [31:0] x_q, y_q, z_q;           // cycle 3
     delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
@@ -59,13 +75,13 @@ module lane_operands #(
     delay #(.W(CHOICE_W+1), .N(TIMING_OPERANDS)) u_choice (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({issue_choice, issue_subtract}), .q_o({operands_choice, operands_subtract}));
     always @(posedge clk_i) begin
-        x_q <= x_i2;
+        x_q <= x_or_word_i2;
         // 1 with its exponent as it is, one more or one less
         if (one_i2)  y_q <= {BITS_ONE[31], twice_i2, BITS_ONE[29:24] & {6{!twice_i2}},
                              BITS_ONE[23] && !twice_i2 && !half_i2, BITS_ONE[22:0]};
         else         y_q <= y_i2;
         if (zero_i2) z_q <= BITS_MINUS_ZERO;
-        else         z_q <= z_i2;
+        else         z_q <= signed_z_i2;
     end
     assign {operands_x, operands_y, operands_z} = {x_q, y_q, z_q};
     assign stored_o = y_q;

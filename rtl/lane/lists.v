@@ -6,11 +6,11 @@
 //
 //           cycle    0          3         4
 //           each     each_i     word_i3   noted, compared           longest_o is there from 5 on
-//           cycle    W-6        W-5       W-4       W-3             W              W+1
-//           load     around_i   list read  place    row, address    word_i, there  an entry's row is noted
+//           cycle    R          R+1        R+2      R+3             R+6       R+7
+//           load     around_i   list read  place    row, address    word_i    an entry's row is noted
 //
-// Latency   As shown.
-// Hazard    One context does not come twice within GAP cycles. W-5 of an `each` comes after its place is noted (config_rules).
+// Latency   As shown. ended_o comes with the result, AHEAD + TO_RESULT cycles after R.
+// Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its place is noted (issue).
 `default_nettype none
 `include "lane/around.vh"
 module lists #(
@@ -25,20 +25,19 @@ module lists #(
     input  wire                 absent_i2,      // 2: there is no object
     input  wire [31:0]          word_i3,        // 3: its register
     output wire [LENGTH_W-1:0]  longest_o,
-    // W-6: an instruction
+    // R: an instruction
     input  wire                 valid_i,
-    input  wire [CONTEXT_W-1:0] retire_context_i,
-    input  wire [AROUND_W-1:0] around_i,
-    // W-3: what is loaded
+    input  wire [CONTEXT_W-1:0] reach_context_i,
+    input  wire [ROW_W-1:0]     own_i,          // the row of its object
+    input  wire [AROUND_W-1:0]  around_i,
+    // R+3: what is read
     output wire                 of_list_o,      // a word of the list, at ...
     output wire [STORE_W-1:0]   place_o,
-    output wire                 of_other_o,     // a word of the neighbour: its row, the word's number
-    output wire [ROW_W-1:0]     row_o,
+    output wire [ROW_W-1:0]     row_o,          // ... or a word of the neighbour or of the object itself: the row, the word's number
     output wire [REGISTER_W-1:0] number_o,
     output wire                 half_o,
-    // W
-    input  wire [31:0]          word_i,
-    output wire                 ended_o         // not for this context: its list has ended
+    input  wire [31:0]          word_i,         // R+6
+    output wire                 ended_o         // W: not for this context: its list has ended
 );
 `include "gen/registers.vh"
     localparam LIST_W = LENGTH_W + STORE_W;
@@ -62,70 +61,74 @@ module lists #(
     end
     assign longest_o = longest_q;
 
-    wire [CONTEXT_W-1:0] context_w5, context_w4;
-    wire [LENGTH_W-1:0]  length_w5;
-    wire [STORE_W-1:0]   place_w5;
+    wire [CONTEXT_W-1:0] context_r1, context_r2;
+    wire [LENGTH_W-1:0]  length_r1;
+    wire [STORE_W-1:0]   place_r1;
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(LIST_W)) u_list (.clk_i(clk_i),
         .write_i(each_i4), .write_addr_i(context_q), .write_value_i({length_q, place_q}),
-        .read_addr_i(context_w5), .read_value_o({length_w5, place_w5}));
+        .read_addr_i(context_r1), .read_value_o({length_r1, place_r1}));
 
-    // W-5 to W-3
-    wire [AROUND_W-1:0] around_w5;
-    wire                 valid_w5;
-    delay #(.W(AROUND_W+CONTEXT_W), .N(1)) u_w5 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_i, retire_context_i}), .q_o({around_w5, context_w5}));
-    delay #(.W(1), .N(1)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_w5));
-    delay #(.W(CONTEXT_W), .N(1)) u_context_w4 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w5), .q_o(context_w4));
+    // R+1 to R+3
+    wire [AROUND_W-1:0] around_r1;
+    wire                valid_r1, other_r2;
+    wire [ROW_W-1:0]    own_r2;
+    delay #(.W(AROUND_W+CONTEXT_W), .N(1)) u_r1 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_i, reach_context_i}), .q_o({around_r1, context_r1}));
+    delay #(.W(1), .N(1)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_r1));
+    delay #(.W(CONTEXT_W), .N(1)) u_context_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_r1), .q_o(context_r2));
+    delay #(.W(1), .N(1)) u_other_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(around_ldn), .q_o(other_r2));
+    delay #(.W(ROW_W), .N(2)) u_own_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_i), .q_o(own_r2));
     `AROUND_FIELDS
-    assign `AROUND = around_w5;
+    assign `AROUND = around_r1;
     wire unused = &{around_each, word_i, word_i3};
 
-    wire [ROW_W-1:0]   row_w4;
-    wire               there_w4;
-    reg                turns_q;                         // W-4: this turn has an entry
-    reg  [STORE_W-1:0] base_q, offset_q, sum_q;         // W-4; W-3
-    reg                there_q;                         // W-3: the last entry was there
-    reg  [ROW_W-1:0]   other_q;
+    wire [ROW_W-1:0]   row_r2;
+    wire               there_r2;
+    reg                turns_q;                         // R+2: this turn has an entry
+    reg  [STORE_W-1:0] base_q, offset_q, sum_q;         // R+2; R+3
+    reg                there_q;                         // R+3: the last entry was there
+    reg  [ROW_W-1:0]   row_q;
     always @(posedge clk_i) begin
-        turns_q <= around_turn < length_w5;
-        {base_q, offset_q} <= {place_w5, around_offset};
+        turns_q <= around_turn < length_r1;
+        {base_q, offset_q} <= {place_r1, around_offset};
         sum_q   <= base_q + offset_q;
-        {there_q, other_q} <= {there_w4, row_w4};
+        there_q <= there_r2;
+        row_q   <= other_r2 ? row_r2 : own_r2;
     end
-    wire inside_w3;
-    delay #(.W(4), .N(2)) u_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_entry || around_ldl, around_ldn, around_half, around_inside}),
-        .q_o({of_list_o, of_other_o, half_o, inside_w3}));
+    wire inside_r3;
+    delay #(.W(3), .N(2)) u_r3 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_entry || around_ldl, around_half, around_inside}),
+        .q_o({of_list_o, half_o, inside_r3}));
     delay #(.W(REGISTER_W), .N(1)) u_number (.clk_i(clk_i), .rst_i(1'b0), .d_i(offset_q[REGISTER_W-1:0]), .q_o(number_o));
-    assign {place_o, row_o} = {sum_q, other_q};
-    delay #(.W(1), .N(3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_w3 && !there_q), .q_o(ended_o));
+    assign {place_o, row_o} = {sum_q, row_q};
+    delay #(.W(1), .N(AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_r3 && !there_q), .q_o(ended_o));
 
-    // W+1: the neighbour
-    wire                 entry_w0, turns_w0;
+    // R+7: the neighbour
+    wire                 entry_r6, turns_r6;
     reg                  entry_q, found_q;
     reg  [ROW_W-1:0]     found_row_q;
     reg  [CONTEXT_W-1:0] found_context_q;
-    wire [CONTEXT_W-1:0] context_w0;
-    delay #(.W(1), .N(5)) u_entry (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_w5 && around_entry), .q_o(entry_w0));
-    delay #(.W(1), .N(4)) u_turns (.clk_i(clk_i), .rst_i(1'b0), .d_i(turns_q), .q_o(turns_w0));
-    delay #(.W(CONTEXT_W), .N(4)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w0));
+    wire [CONTEXT_W-1:0] context_r6;
+    delay #(.W(1), .N(5)) u_entry (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_r1 && around_entry), .q_o(entry_r6));
+    delay #(.W(1), .N(4)) u_turns (.clk_i(clk_i), .rst_i(1'b0), .d_i(turns_q), .q_o(turns_r6));
+    delay #(.W(CONTEXT_W), .N(4)) u_context_r6 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_r2), .q_o(context_r6));
     always @(posedge clk_i) begin
-        entry_q         <= !rst_i && entry_w0;
-        found_q         <= turns_w0;
+        entry_q         <= !rst_i && entry_r6;
+        found_q         <= turns_r6;
         found_row_q     <= word_i[ROW_W-1:0];
-        found_context_q <= context_w0;
+        found_context_q <= context_r6;
     end
     lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(1+ROW_W)) u_other (.clk_i(clk_i),
         .write_i(entry_q), .write_addr_i(found_context_q), .write_value_i({found_q, found_row_q}),
-        .read_addr_i(context_w4), .read_value_o({there_w4, row_w4}));
+        .read_addr_i(context_r2), .read_value_o({there_r2, row_r2}));
 
 `ifdef FP3_CHECK
     // What all this rests on: a place is noted before it is read.
     reg [(1<<CONTEXT_W)-1:0] fresh_q;                   // `each` has been noted, its entry not yet read
     always @(posedge clk_i) begin
         if (each_i4) fresh_q[context_q] <= 1'b1;
-        if (valid_w5 && around_each) begin
-            fresh_q[context_w5] <= 1'b0;
-            if (!rst_i && fresh_q[context_w5] !== 1'b1) begin
-                $display("%m: the list of context %0d is read before it is noted", context_w5); $stop;
+        if (valid_r1 && around_each) begin
+            fresh_q[context_r1] <= 1'b0;
+            if (!rst_i && fresh_q[context_r1] !== 1'b1) begin
+                $display("%m: the list of context %0d is read before it is noted", context_r1); $stop;
             end
         end
     end

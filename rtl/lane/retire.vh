@@ -9,16 +9,12 @@
 //     batch                       two batches in a row differ in it
 //     context, register           whose register is written
 //     row                         the store's row of the context's object, without SLEEP
-//     around                      lane/around.vh
-//     copy                        no instruction: the lane of number `turn` in around says a word of its store (sequence/exchange.v)
-`define RETIRE_W (11 + REG_W + ROW_W + AROUND_W)
+`define RETIRE_W (10 + REG_W + ROW_W)
 `define RETIRE_FIELDS \
     wire retire_round, retire_valid, retire_begins, retire_ends, retire_lasts; \
     wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch; \
     wire [CONTEXT_W-1:0] retire_context; \
     wire [REGISTER_W-1:0] retire_register; \
-    wire [ROW_W-1:0] retire_row; \
-    wire [AROUND_W-1:0] retire_around; \
-    wire retire_copy;
+    wire [ROW_W-1:0] retire_row;
 `define RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
-    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register, retire_row, retire_around, retire_copy}
+    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register, retire_row}

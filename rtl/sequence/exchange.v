@@ -4,7 +4,7 @@
 //           goes through the list of copies once for each published word, a copy in each cycle: the lane that has the object
 //           says the word, as it would to the host, and a lane that needs it hears it, as it would of the host.
 //
-//           list ──► from: row, lane ──► retire_o ──► lanes ──► answer ──┐
+//           list ──► from: row, lane ──► reach_o ───► lanes ──► answer ──┐
 //           list ──► to: row, lane ────► access_o ──► lanes ◄── data ◄───┘    TIMING_END + 1 + GROUPS cycles later
 //
 // Latency   Two cycles between two words, and WAY + 3 behind the last: then the last copy is on its way through the lanes.
@@ -17,7 +17,7 @@
 `default_nettype none
 `include "gen/settings.vh"
 `include "lane/around.vh"
-`include "lane/retire.vh"
+`include "lane/reach.vh"
 `include "lane/access.vh"
 module exchange #(
 `include "config/config.vh"
@@ -36,13 +36,13 @@ module exchange #(
     output wire                  copied_o,
     // The lanes
     output wire                  busy_o,
-    output wire [`RETIRE_W-1:0]  retire_o,
+    output wire [`REACH_W-1:0]   reach_o,
     output wire [`ACCESS_W-1:0]  access_o       // its word is what the lanes answer
 );
 `include "gen/registers.vh"
 `include "host/lane_host.vh"
     localparam INDEX_W = STORE_W - 1;
-    localparam WAY     = TIMING_END + 1 + GROUPS;      // from retire_o to the answer
+    localparam WAY     = TIMING_END + 1 + GROUPS;      // from reach_o to the answer
     localparam DRAIN_W = $clog2(WAY + 1);
     localparam FROM_W  = LANE_W + ROW_W;
     localparam [31:0] WAY_32 = WAY;
@@ -109,20 +109,18 @@ module exchange #(
     ram_registered #(.ADDR_W(INDEX_W), .W(FROM_W)) u_froms (.clk_i(clk_i),
         .write_i(from_write), .write_addr_i(write_addr_i[STORE_W-1:1]), .write_value_i(write_place),
         .read_i(1'b1), .read_addr_i(index_q), .read_value_o(from));
-    `RETIRE_FIELDS
+    `REACH_FIELDS
     `AROUND_FIELDS
     assign {around_each, around_entry, around_ldn, around_ldl, around_inside} = 5'd0;
     assign around_half   = half_i;
     assign around_turn   = {{LENGTH_W-LANE_W{1'b0}}, from[FROM_W-1:ROW_W]};
-    assign around_offset = {STORE_W{1'b0}};
-    assign {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts} = 5'd0;
-    assign {retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch} = 5'd0;
-    assign retire_context  = {CONTEXT_W{1'b0}};
-    assign retire_register = from_register;
-    assign retire_row      = from[ROW_W-1:0];
-    assign retire_around   = `AROUND;
-    assign retire_copy     = from_valid;
-    assign retire_o        = `RETIRE;
+    assign around_offset = {{STORE_W-REGISTER_W{1'b0}}, from_register};
+    assign {reach_valid, reach_load} = 2'd0;
+    assign reach_context  = {CONTEXT_W{1'b0}};
+    assign reach_row      = from[ROW_W-1:0];
+    assign reach_around   = `AROUND;
+    assign reach_copy     = from_valid;
+    assign reach_o        = `REACH;
 
     // To: likewise, as the answer comes ----------------------------------------------------------------
     reg [INDEX_W-1:0] to_index_q;

@@ -1,21 +1,26 @@
-// issue: what the lanes are told of each instruction: at its issue, and again at its end.
+// issue: what the lanes are told of each instruction: what it reads of the store, its operands, and its end.
 //
 // Purpose   Turns the instruction and the one context that sweep shows into operands' addresses (ISSUE);
 //           some cycles later into what its end needs (RETIRE, and the number of its step).
-//           Operands: x is b, y is a or what is stored, z is c or a.
+//           Operands: x is b or what a neighbour gives, y is a or what is stored, z is c or a.
+//           Where objects see each other, what is read of the store (REACH) comes first, and all else AHEAD cycles later than
+//           without. `each` reads its register before it finds an entry, so its REACH waits until the lane's lists have that.
 //
-// Latency   issue_o one cycle after issue_i, z and zero in it Z_LATE cycles later. retire_o TO_END cycles after issue_o,
+// Latency   reach_o one cycle after issue_i, issue_o AHEAD cycles later; z, minus and zero in it Z_LATE cycles after
+//           that. retire_o TO_END cycles after issue_o,
 //           step_o TO_RESULT: so a lane has them where it needs them, TIMING_END cycles before the result and with it.
 // Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
 //           round from its first issue to its last.
+//           After `each` no instruction issues for LATE cycles (loops), so that its REACH has no other in its way (checked).
 //
-//     cycle     0          1           1 + TO_END      1 + TO_RESULT
-//               issue_i    issue_o     retire_o        step_o
+//     cycle     0          1          1 + AHEAD    1 + AHEAD + TO_END    1 + AHEAD + TO_RESULT
+//               issue_i    reach_o    issue_o      retire_o              step_o
 `default_nettype none
 `include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "lane/around.vh"
+`include "lane/reach.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 module issue #(
@@ -41,6 +46,7 @@ module issue #(
     output wire                        muls_o,
     output wire [4:0]                  issued_o,      // it issues: memory, sleep, chain, mul, add
     // Lanes
+    output wire [`REACH_W-1:0]   reach_o,
     output wire [`ISSUE_W-1:0]         issue_o,
     output wire [`RETIRE_W-1:0]        retire_o,
     output wire [31:0]                 step_o,
@@ -55,7 +61,7 @@ module issue #(
     `RETIRE_FIELDS
     assign `DECODED = decoded_i;
     assign `MARKS   = marks_i;
-    wire unused_decoded = &{ldn, ldl, phase};
+    wire unused_decoded = &{ldn, ldl, phase, takes, flips};
     wire valued     = choice != CHOICE_NONE;
     wire arithmetic = to_add || to_mul || to_chain;
     assign adds_o   = to_add || to_chain;
@@ -65,7 +71,6 @@ module issue #(
     reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, lasts_q;
     reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, half_q;
     reg                  each_q;
-    reg [AROUND_W-1:0]  around_q;
     reg [CHOICE_W-1:0]   choice_q;
     reg [CONTEXTS-1:0]   current_q;
     reg [REGISTER_W-1:0] d_q;
@@ -77,7 +82,6 @@ module issue #(
              & {6{issue_i && legal && !rst_i}};
         {begins_q, ends_q, newstep_q, lasts_q} <= {begins, ends, newstep, lasts};
         each_q   <= each && issue_i && legal && !rst_i;
-        around_q <= around_i;
         {batch_q, current_q, choice_q} <= {batch_i, current_i, choice};
         {twice_q, half_q}  <= {twice, half};
         one_q  <= to_add && !valued;        // a sum is z +/- x * 1
@@ -96,7 +100,8 @@ module issue #(
                 if (one[i]) number = number | i[CONTEXT_W-1:0];
         end
     endfunction
-    assign issue_context  = number(current_q);
+    wire [CONTEXT_W-1:0] context_now = number(current_q);
+    assign issue_context  = context_now;
 
     // The object's row where all are visited in order: contexts take the next rows, batch after batch. A list
     // says it where objects sleep.
@@ -112,7 +117,7 @@ module issue #(
                 opened_q <= open_i || (opened_q && !issue_i);
                 if (issue_i && first_i && begins) base_q <= opened_q ? {ROW_W{1'b0}} : base_q + BATCH;
             end
-            wire [ROW_W+CONTEXT_W-1:0] place = {{ROW_W{1'b0}}, issue_context};
+            wire [ROW_W+CONTEXT_W-1:0] place = {{ROW_W{1'b0}}, context_now};
             assign row = base_q + place[ROW_W-1:0];
             wire unused = &place;
         end
@@ -126,14 +131,47 @@ module issue #(
     assign issue_lasts    = lasts_q;
     assign issue_each     = each_q;
     assign issue_first    = each_q && first_q;
+    wire minus;
     generate
         if (NEIGHBOURS != 0) begin : g_around
+            reg                 reads_q, takes_q, flips_q, upper_q;
+            reg [AROUND_W-1:0]  around_q;
             `AROUND_FIELDS
-            assign `AROUND     = around_q;
-            assign issue_upper = around_half;
+            assign `AROUND = around_i;
+            always @(posedge clk_i) begin
+                {takes_q, flips_q, upper_q} <= {takes, flips, around_half};
+                reads_q  <= issue_i && legal && !rst_i && ((to_memory && !st && !each) || takes);
+                around_q <= around_i;
+            end
+            assign {issue_upper, issue_given, minus} = {upper_q, takes_q, flips_q};
+
+            // The place of a list is noted four cycles after issue_o, and read in the cycle after reach_o.
+            localparam LATE = AHEAD + 4;
+            wire                 finds;
+            wire [CONTEXT_W-1:0] context_late;
+            delay #(.W(1), .N(LATE)) u_finds (.clk_i(clk_i), .rst_i(rst_i), .d_i(each_q), .q_o(finds));
+            delay #(.W(CONTEXT_W), .N(LATE)) u_context_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_now), .q_o(context_late));
+            // Its entry is the first: all of AROUND is 0 but that it is an entry, and that of `each`.
+            localparam [AROUND_W-1:0] FIRST = {2'b11, {AROUND_W-2{1'b0}}};
+            `REACH_FIELDS
+            assign reach_valid   = finds || (valid_q && !each_q);
+            assign reach_load    = finds || reads_q;
+            assign reach_copy    = 1'b0;
+            assign reach_context = finds ? context_late : context_now;
+            assign reach_row     = row;
+            assign reach_around  = finds ? FIRST : around_q;
+            assign reach_o       = `REACH;
             wire unused_around = &`AROUND;
+`ifdef FP3_CHECK
+            always @(posedge clk_i)
+                if (!rst_i && finds && valid_q && !each_q) begin
+                    $display("%m: an entry is found in the cycle of another instruction"); $stop;
+                end
+`endif
         end else begin : g_no_around
-            assign issue_upper = 1'b0;
+            assign {issue_upper, issue_given, minus} = 3'd0;
+            assign reach_o = 1'b0;
+            wire unused_around = &around_i;
         end
     endgenerate
     `SETTINGS_FIELDS
@@ -143,9 +181,9 @@ module issue #(
     assign issue_row      = row;
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
     assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
-    delay #(.W(1+REG_W), .N(Z_LATE)) u_z (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({zero_q, z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]}), .q_o({issue_zero, issue_z}));
-    assign issue_o        = `ISSUE;
+    delay #(.W(2+REG_W), .N(Z_LATE)) u_z (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({minus, zero_q, z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]}), .q_o({issue_minus, issue_zero, issue_z}));
+    delay #(.W(`ISSUE_W), .N(AHEAD)) u_issue (.clk_i(clk_i), .rst_i(rst_i), .d_i(`ISSUE), .q_o(issue_o));
 
     assign retire_round      = open_i;
     assign retire_valid      = valid_q;
@@ -160,16 +198,14 @@ module issue #(
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
     assign retire_row        = row;
-    assign retire_around     = around_q;
-    assign retire_copy       = 1'b0;
-    delay #(.W(`RETIRE_W), .N(TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
+    delay #(.W(`RETIRE_W), .N(AHEAD+TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`RETIRE), .q_o(retire_o));
     assign valid_o   = valid_q;
-    assign context_o = issue_context;
+    assign context_o = context_now;
 
     // The number of the step changes with the first of a sweep.
     wire       late, late_begins, late_newstep, late_lasts;
     reg [31:0] step_q;
-    delay #(.W(4), .N(TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
+    delay #(.W(4), .N(AHEAD+TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
         .q_o({late, late_begins, late_newstep, late_lasts}));
     always @(posedge clk_i)
         if (late)
@@ -184,7 +220,7 @@ module issue #(
                              : (begins ? base_i : now_q) + {31'd0, newstep};
     wire                 valid_late;
     wire [31:0]          now_late;
-    delay #(.W(33), .N(TO_RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
+    delay #(.W(33), .N(AHEAD+TO_RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
     reg                  swept_q;              // an instruction has issued: instruction_q for batch_q
     reg  [`DECODED_W+`MARKS_W:0] instruction_q;
     always @(posedge clk_i) begin

@@ -8,6 +8,8 @@
 //           A phase is a round (rounds): at its end, a `phase` or the program's end, the next batch begins it again, and
 //           behind the last batch the next round begins behind the `phase`.
 //
+//           An entry ends behind the last field that a turn has read, by `ldl` or by a number.
+//
 //           Loops do not stand within each other, and a phase ends outside of them; software sees to that.
 //
 //           Words of published registers are in both halves of the store: a phase loads from one and stores in the other.
@@ -59,14 +61,16 @@ module loops #(
     assign `DECODED  = decoded_i;
     assign `SETTINGS = settings_i;
     assign around_o  = `AROUND;
-    wire unused = &{legal, to_add, to_mul, to_chain, to_sleep, subtract, lds, twice, half, choice, a, b, c, `SETTINGS};
+    wire unused = &{legal, to_add, to_mul, to_chain, to_sleep, subtract, lds, flips, twice, half, choice, a, b, c, `SETTINGS};
 
     reg                 inside_q, skips_q;             // in a loop; whose words are dropped
     reg                 waits_q, knows_q;              // its length is not yet known; was not, a cycle ago
     reg [WAIT_W-1:0]    wait_q;
     reg [LENGTH_W-1:0]  turn_q, turns_q;
     reg                 last_q;                        // turn
-    reg [STORE_W-1:0]   offset_q;                      // of the next entry or field
+    reg [STORE_W-1:0]   fields_q, load_q, end_q;       // of an entry: its fields begin, the next `ldl`, behind what has been read
+    reg                 entry_q, field_q;              // an entry begins with, or a field is, what was taken a cycle ago ...
+    reg [STORE_W-1:0]   offset_q;                      // ... from here
     reg [PROGRAM_W-1:0] loop_q, phase_q;               // where they begin
     reg                 jump_q, on_q, begins_q, partial_q, half_q;
     reg [PROGRAM_W-1:0] target_q;
@@ -76,7 +80,7 @@ module loops #(
     wire turns  = take_i && legal && next && !skips_q;
     wire back   = turns && !last_q;
     wire over   = take_i && ((legal && phase) || ends_i) && !back;
-    wire reads  = begins || back || (take_i && ldl && !skips_q);
+    wire field  = take_i && legal && ldl && !skips_q;
     wire known  = waits_q && still_i && wait_q == {WAIT_W{1'b0}};
 
     always @(posedge clk_i)
@@ -110,7 +114,14 @@ module loops #(
         if (begins)    turn_q <= {LENGTH_W{1'b0}};
         else if (back) turn_q <= turn_q + 1'b1;
         last_q   <= turn_q + 1'b1 == turns_q;
-        if (reads) offset_q <= around_offset + 1'b1;
+        // What is not dropped is taken in every second cycle at most: there is time for a register in between.
+        {entry_q, field_q} <= {begins || back, field};
+        offset_q           <= around_offset;
+        if (entry_q) {fields_q, load_q, end_q} <= {3{offset_q + 1'b1}};
+        else begin
+            if (field && !takes)              load_q <= load_q + 1'b1;
+            if (field_q && offset_q >= end_q) end_q  <= offset_q + 1'b1;
+        end
         if (start_i)          half_q <= setting_half;
         else if (round_end_i) half_q <= !half_q;
     end
@@ -121,16 +132,18 @@ module loops #(
 
     // Of the word that is taken
     wire [63:0] published = {setting_published_more, setting_published};
-    wire [REGISTER_W-1:0] word = ldn ? a[REGISTER_W-1:0] : d;
+    wire [REGISTER_W-1:0] word = ldn ? b[REGISTER_W-1:0] : d;      // ldn has no b: it repeats a
     wire [5:0]  number = {{6-REGISTER_W{1'b0}}, word};
+    wire [STORE_W-1:0] numbered = fields_q + {{STORE_W-REGISTER_W{1'b0}}, b[REGISTER_W-1:0]};
     assign around_each   = each;
     assign around_entry  = each || next;
     assign around_ldn    = ldn;
     assign around_ldl    = ldl;
     assign around_inside = inside_q && !next;
-    assign around_half   = to_memory && !ldl && !around_entry && published[number] && half_q != st;
+    assign around_half   = (to_memory || ldn) && !ldl && !around_entry && published[number] && half_q != st;
     assign around_turn   = each ? {LENGTH_W{1'b0}} : turn_q + 1'b1;
-    assign around_offset = ldn ? {{STORE_W-REGISTER_W{1'b0}}, word} : each ? {STORE_W{1'b0}} : offset_q;
+    assign around_offset = ldl  ? (takes ? numbered : load_q)
+                         : next ? end_q : each ? {STORE_W{1'b0}} : {{STORE_W-REGISTER_W{1'b0}}, word};
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)

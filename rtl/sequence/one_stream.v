@@ -5,7 +5,7 @@
 //
 //           the next instruction ──► pace: not yet ──► sweep ──► issue ──► lanes
 //
-// Latency   From the sweep to the lane two cycles. A sweep of GAP contexts or more needs no pause.
+// Latency   From the sweep to the lane two cycles, AHEAD more to what it hears of operands. A sweep of GAP contexts or more needs no pause.
 // Hazard    Nothing but pace protects a context from itself: between two issues of one context at least GAP cycles pass.
 //           What describes the next instruction stays while valid_i is high. take_i ends it: with load_o, or with known_o
 //           where its mask is empty.
@@ -15,6 +15,7 @@
 `include "front/marks.vh"
 `include "sequence/issued.vh"
 `include "lane/around.vh"
+`include "lane/reach.vh"
 `include "lane/issue.vh"
 `include "lane/retire.vh"
 module one_stream #(
@@ -50,6 +51,7 @@ module one_stream #(
     output wire [4:0]            kinds_o,       // it issues: memory, sleep, chain, mul, add
     output wire                  issued_late_o, // it has issued in the cycle before
     // Lanes and trace
+    output wire [`REACH_W-1:0]   reach_o,
     output wire [`ISSUE_W-1:0]   issue_o,
     output wire [`RETIRE_W-1:0]  retire_o,
     output wire [31:0]           step_o,        // the number of the step
@@ -91,7 +93,7 @@ module one_stream #(
         .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
         .issue_i(issue), .first_i(first_q), .batch_i(batch_q), .current_i(current),
         .decoded_i(decoded_q), .marks_i(marks_q), .around_i(around_q),
-        .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),
+        .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),
         .valid_o(issued_valid), .context_o(context_number));
     assign {adds_o, muls_o, last_o} = {busy && adds, busy && muls, last};
     assign issued_pc      = {{16-PROGRAM_W{1'b0}}, pc_late_q};

@@ -47,6 +47,7 @@ module sequencer #(
     output wire                 last_o,         // the last of a sweep
     input  wire                 grant_i,
     // To the first lane, from the last
+    output wire [`REACH_W-1:0]       reach_o,
     output wire [`LANE_ISSUE_W-1:0]  issue_o,
     output wire [`LANE_RETIRE_W-1:0] retire_o,
     output wire [31:0]               step_o,    // the number of the step
@@ -189,6 +190,7 @@ module sequencer #(
                 .mask_i(mask_q), .row_i(row_q), .known_o(known), .load_o(load), .busy_o(busy),
                 .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
+            assign reach_o = {`REACH_W{1'b0}};
             assign {adds_o, muls_o, last_o, step_o} = 35'd0;       // nobody shares, and nobody asks for the number of the step
             wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one
@@ -198,12 +200,12 @@ module sequencer #(
                 .mask_i(mask_q), .around_i(around_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
                 .kinds_o(kinds), .issued_late_o(issued_late),
-                .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .issued_o(issued_o));
+                .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .issued_o(issued_o));
             assign paired = 1'b0;
             wire unused_two = &row_q;
         end
     endgenerate
-    delay #(.W(1), .N(TIMING_TOLD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
+    delay #(.W(1), .N(TIMING_TOLD + AHEAD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
     reg under_lasts_q;                 // the last that was taken is in a last part
     always @(posedge clk_i) if (load) under_lasts_q <= lasts_q;
     assign issuing = !fetch_empty || !decoded_empty || valid_q || busy || jump;

@@ -145,7 +145,7 @@ module two_streams #(
             assign issued_o[`ISSUED_W*p +: `ISSUED_W] = `ISSUED;
         end
     endgenerate
-    wire unused = &{to_chain, to_sleep, lds, each, next, ldn, ldl, phase, choice, c, sum_memory};
+    wire unused = &{to_chain, to_sleep, lds, each, next, ldn, ldl, takes, flips, phase, choice, c, sum_memory};
 
 `ifdef FP3_CHECK
     reg  [15:0]         age [0:CONTEXTS-1];    // cycles since a context issued

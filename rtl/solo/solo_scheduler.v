@@ -103,7 +103,7 @@ module solo_scheduler #(
 
     `DECODED_FIELDS
     assign `DECODED = decoded_q;
-    wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, phase, twice, half};      // for many objects
+    wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half};      // for many objects
 
     // What fp_value makes reaches the adder where a product would.
     wire valued = choice != CHOICE_NONE;

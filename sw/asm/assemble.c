@@ -96,6 +96,18 @@ static void check_slept(asm_source *a, fp3_token t, uint32_t operand) {
     a->slept_at = t;
 }
 
+/* Digits alone: it is no constant of the program. */
+static uint32_t number_of_field(asm_source *a, fp3_token t) {
+    uint32_t number = 0;
+    for (size_t i = 0; i < t.length && number < FP3_BANK_SHARED_BASE; i++)
+        number = t.text[i] >= '0' && t.text[i] <= '9' ? 10 * number + (uint32_t)(t.text[i] - '0')
+                                                      : FP3_BANK_SHARED_BASE;
+    if (number < FP3_BANK_SHARED_BASE)
+        return number;
+    fp3_report_expected(&a->report, t, "the number of a field, 0 to 63");
+    return ASM_NOWHERE;
+}
+
 static void encode(asm_source *a, uint32_t *code) {
     for (uint32_t i = 0; i < a->statement_count && !fp3_report_full(&a->report); i++) {
         const asm_statement *s = &a->statements[i];
@@ -105,7 +117,9 @@ static void encode(asm_source *a, uint32_t *code) {
             const char *only_object = letter != 'd'                              ? NULL
                                       : s->operation->writes == FP3_WRITES_NEVER ? "to store"
                                                                                  : "as destination";
-            uint32_t operand = resolve(a, s->operands[j], only_object);
+            uint32_t operand = fp3_operation_counts(s->operation, letter)
+                                   ? number_of_field(a, s->operands[j])
+                                   : resolve(a, s->operands[j], only_object);
             if (operand == ASM_NOWHERE)
                 continue;
             if (letter == 'd' && (word.op == FP3_OP_SLEEP || word.op == FP3_OP_LDS))

@@ -57,7 +57,10 @@ static fp3_status word_text(const view *v, uint32_t word, char text[FP3_WORD_TEX
     size_t used = (size_t)snprintf(text, FP3_WORD_TEXT_SIZE, "%-4s", operation->name);
     for (const char *letter = operation->operands; *letter; letter++) {
         char operand[FP3_NAME_SIZE];
-        operand_text(v, fp3_operand(&decoded, *letter), operand);
+        if (fp3_operation_counts(operation, *letter))
+            snprintf(operand, sizeof operand, "%u", fp3_operand(&decoded, *letter));
+        else
+            operand_text(v, fp3_operand(&decoded, *letter), operand);
         used += (size_t)snprintf(text + used, FP3_WORD_TEXT_SIZE - used, "%s%s",
                                  letter == operation->operands ? " " : ", ", operand);
     }
@@ -87,6 +90,8 @@ static int numbers_fall_into_place(const view *v) {
             const fp3_decoded *word = &image->decoded[i];
             for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++) {
                 uint32_t operand = fp3_operand(&word->in, *letter);
+                if (fp3_operation_counts(word->of, *letter))
+                    continue;
                 if (pass == 0 && !v->numbers[operand])
                     taken[operand] = 1;
                 if (pass == 0 || !v->numbers[operand] || seen[operand])

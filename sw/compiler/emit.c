@@ -126,8 +126,10 @@ static void put_line(const fp3_step *step, const fp3_names *names, const fp3_lin
     int column = fprintf(out, "    %-5s", operation->name);
     for (const char *letter = operation->operands; *letter; letter++) {
         const uint32_t operand = *letter == 'd' ? line->d : line->operand[*letter - 'a'];
-        column += fprintf(out, "%s %s", letter == operation->operands ? "" : ",",
-                          operand_name(names, operand));
+        const char *comma = letter == operation->operands ? "" : ",";
+        column += fp3_operation_counts(operation, *letter)
+                      ? fprintf(out, "%s %" PRIu32, comma, operand)
+                      : fprintf(out, "%s %s", comma, operand_name(names, operand));
     }
     const char *note = fp3_note_text(&step->notes, line->note);
     if (!fp3_operation_is_arithmetic(operation) && line->note == FP3_NONE_INDEX)

@@ -41,7 +41,7 @@ typedef struct {
     const fp3_list *list; /* NULL: there is no loop */
     uint32_t begin;       /* index of its `each` */
     uint32_t turn, turns; /* from 0; of the longest list */
-    uint32_t field;       /* of an entry, that the next `ldl` loads */
+    uint32_t loaded;      /* fields of an entry, by `ldl` */
 } loop;
 
 /* A round of a run, for one group. */
@@ -184,21 +184,33 @@ static uint32_t neighbours_word(const round_of *r, uint32_t object, uint32_t wor
     return ((const isa *)engine->self)->store[other * engine->config->registers + word];
 }
 
-static uint32_t entrys_field(const round_of *r, uint32_t object) {
+static uint32_t entrys_field(const round_of *r, uint32_t object, uint32_t number) {
     const fp3_list *list = r->loop.list;
     const size_t entry = list->begin[object - members(r)->first] + r->loop.turn;
-    return list->field[entry * list->fields + r->loop.field];
+    return list->field[entry * list->fields + number];
+}
+
+/* What a neighbour gives an instruction. */
+static uint32_t given(const round_of *r, uint32_t object, const fp3_decoded *word) {
+    const char letter = word->of->number;
+    const uint32_t number = letter ? fp3_operand(&word->in, letter) : r->loop.loaded;
+    return word->of->gives == FP3_GIVES_WORD ? neighbours_word(r, object, number)
+                                             : entrys_field(r, object, number);
 }
 
 /* An instruction that an object executes. */
-static void execute(const round_of *r, uint32_t object, const fp3_instruction *in) {
+static void execute(const round_of *r, uint32_t object, const fp3_decoded *word) {
     const fp3_config *config = r->engine->config;
+    const fp3_instruction *in = &word->in;
     isa *self = r->engine->self;
     const uint32_t *registers = &self->registers[(size_t)object * config->registers];
     uint32_t *record = &self->store[(size_t)object * config->registers];
-    const uint32_t operands[3] = {operand(self, registers, in->a), operand(self, registers, in->b),
-                                  operand(self, registers, in->c)};
+    uint32_t operands[3] = {operand(self, registers, in->a), operand(self, registers, in->b),
+                            operand(self, registers, in->c)};
     uint32_t flags, bits;
+    if (word->of->computes)
+        fp3_operation_place(word->of, operands[0], given(r, object, word), &operands[0],
+                            &operands[1]);
     switch (in->op) {
     case FP3_OP_ST:
         record[in->d] = registers[in->d];
@@ -207,10 +219,8 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
         retire(r, object, in->d, record[in->d], 0);
         break;
     case FP3_OP_LDN:
-        retire(r, object, in->d, neighbours_word(r, object, in->a), 0);
-        break;
     case FP3_OP_LDL:
-        retire(r, object, in->d, entrys_field(r, object), 0);
+        retire(r, object, in->d, given(r, object, word), 0);
         break;
     case FP3_OP_LDS:
         if (record[in->d]) {
@@ -227,7 +237,8 @@ static void execute(const round_of *r, uint32_t object, const fp3_instruction *i
         }
         break;
     default:
-        bits = fp3_execute(config, in->op, operands, &flags);
+        bits =
+            fp3_execute(config, word->of->computes ? word->of->computes : in->op, operands, &flags);
         note_flags(r, object, flags);
         retire(r, object, in->d, bits, flags);
     }
@@ -246,7 +257,7 @@ static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
     const fp3_members *group = members(r);
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
         if ((self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP)) && has_turn(r, i))
-            execute(r, i, &word->in);
+            execute(r, i, word);
     uint64_t *counter = r->engine->counters[0];
     counter[word->of->counter] += self->executed - before;
     counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
@@ -313,7 +324,7 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
         return fp3_neighbourhood_end(program, pc) + 1;
     }
     if (program[pc].in.op == FP3_OP_NEXT && ++l->turn < l->turns) {
-        l->field = 0;
+        l->loaded = 0;
         return l->begin + 1;
     }
     l->list = NULL;
@@ -361,7 +372,7 @@ static fp3_status make_round(round_of *r) {
             pc = follow(r, program->decoded, pc);
         } else {
             sweep(r, word, pc >= program->last);
-            r->loop.field += word->in.op == FP3_OP_LDL;
+            r->loop.loaded += word->in.op == FP3_OP_LDL;
             pc++;
         }
         if (self->executed >= self->told + TELL_INSTRUCTIONS)

@@ -48,31 +48,30 @@ static int has(const fp3_fast_given *list, uint32_t object, uint32_t turn) {
     return list->begin ? turn < list->begin[object + 1] - list->begin[object] : turn != object;
 }
 
-/* A word of the neighbours of these lanes, or a field. which: lanes of the block. */
-static void look(const interpreter *in, const fp3_fast_given *list, const fp3_instruction *word,
-                 uint32_t turn, uint32_t field, const uint32_t *which, fp3_fast_lanes *to) {
+/* A word of the neighbours of these lanes, or a field, to this row. which: lanes of the block. */
+static void look(const interpreter *in, const fp3_fast_given *list, const fp3_fast_word *word,
+                 uint32_t turn, const uint32_t *which, fp3_fast_lanes *to, uint32_t row) {
     for (uint32_t i = 0; i < to->count; i++) {
         const size_t at = list->begin ? list->begin[in->first + which[i]] + (size_t)turn : 0;
-        const void *from = word->op == FP3_OP_LDL
-                               ? &list->field[at * list->fields + field]
-                               : &in->group->own[word->a][list->begin ? list->other[at] : turn];
-        memcpy(&to->rows[word->d][i], from, sizeof(float));
+        const void *from =
+            word->gives == FP3_GIVES_FIELD
+                ? &list->field[at * list->fields + word->number]
+                : &in->group->own[word->number][list->begin ? list->other[at] : turn];
+        memcpy(&to->rows[row][i], from, sizeof(float));
     }
-    fp3_fast_fill(to, UINT64_C(1) << word->d, 0);
+    fp3_fast_fill_row(to, row);
 }
 
 static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t turn,
                      const uint32_t *which, fp3_fast_lanes *lanes) {
     const fp3_fast_given *list = &in->group->lists[loop->list].given;
-    uint32_t field = 0;
     for (uint32_t pc = loop->first; pc < loop->end; pc++) {
-        const fp3_instruction *word = &in->fast->plan.code[pc].in;
-        if (word->op == FP3_OP_LDN || word->op == FP3_OP_LDL) {
-            look(in, list, word, turn, field, which, lanes);
-            field += word->op == FP3_OP_LDL;
-        } else {
+        const fp3_fast_word *word = &in->fast->plan.code[pc];
+        const int is_load = word->in.op == FP3_OP_LDN || word->in.op == FP3_OP_LDL;
+        if (word->gives != FP3_GIVES_NOTHING)
+            look(in, list, word, turn, which, lanes, is_load ? word->in.d : FP3_BANK_OBJECT_COUNT);
+        if (!is_load)
             run_words(in, lanes, pc, pc + 1);
-        }
     }
 }
 

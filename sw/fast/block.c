@@ -49,14 +49,25 @@ static void fill(void *row, uint32_t count, const four is_there[4]) {
         at[i] = (at[i] & is_there[i]) | (last & ~is_there[i]);
 }
 
-void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
+static void find_there(int left, four is_there[4]) {
     static const four lanes[4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {12, 13, 14, 15}};
+    for (int i = 0; i < 4; i++)
+        is_there[i] = lanes[i] < left;
+}
+
+void fp3_fast_fill_row(fp3_fast_lanes *l, uint32_t row) {
+    four is_there[4];
+    find_there((int)(l->count % 16), is_there);
+    if (l->count % 16)
+        fill(l->rows[row], l->count, is_there);
+}
+
+void fp3_fast_fill(fp3_fast_lanes *l, uint64_t rows, uint64_t records) {
     const int left = (int)(l->count % 16);
     four is_there[4];
     if (!left)
         return;
-    for (int i = 0; i < 4; i++)
-        is_there[i] = lanes[i] < left;
+    find_there(left, is_there);
     FP3_EACH_REGISTER (rows, reg)
         fill(l->rows[reg], l->count, is_there);
     FP3_EACH_REGISTER (records, reg)

@@ -10,7 +10,7 @@
 #include <machine/watch.h>
 
 typedef struct {
-    float rows[FP3_BANK_OBJECT_COUNT][FP3_BLOCK];
+    float rows[FP3_FAST_ROWS][FP3_BLOCK];
     float own[FP3_BANK_OBJECT_COUNT]
              [FP3_BLOCK]; /* records, unless they are the columns themselves */
     int awake[FP3_BLOCK]; /* -1, or 0: it sleeps */
@@ -88,6 +88,8 @@ void fp3_fast_keep(fp3_fast_lanes *lanes, const uint32_t *which, uint32_t count,
                    uint64_t records);
 /* The last lane's values in all lanes that its vector has beyond it. Records are there. */
 void fp3_fast_fill(fp3_fast_lanes *lanes, uint64_t rows, uint64_t records);
+/* Likewise one row. */
+void fp3_fast_fill_row(fp3_fast_lanes *lanes, uint32_t row);
 /* From and to the columns of the objects. */
 void fp3_fast_gather(fp3_fast_lanes *lanes, float (*to)[FP3_BLOCK], uint32_t *const *columns,
                      uint64_t set);

@@ -36,7 +36,7 @@ static inline void fp3_table_finish(int table[FP3_TABLE]) {
 
 /* Rows have FP3_BLOCK lanes, one for each object. */
 typedef struct {
-    float *rows;           /* [64][FP3_BLOCK], aligned to 64 bytes: registers */
+    float *rows; /* [65][FP3_BLOCK], aligned to 64 bytes: registers, and what a neighbour gives */
     float *const *records; /* [64]: rows of words in the store, aligned to 4 bytes */
     const int *constants;  /* [64]: bits of FP32 numbers */
     const int *table;      /* [FP3_TABLE] */

@@ -22,9 +22,8 @@ static int is_of_neighbour(const fp3_instruction *in) {
     return in->op == FP3_OP_LDN || in->op == FP3_OP_LDL;
 }
 
-/* Sources that are registers: what `ldn` names is a word of another object. */
 static uint32_t sources_of(const fp3_instruction *in) {
-    return is_of_neighbour(in) ? 0 : fp3_operation_find(in->op)->sources;
+    return fp3_operation_find(in->op)->sources;
 }
 
 uint32_t fp3_fast_record(const fp3_fast_plan *plan) {
@@ -65,13 +64,13 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
     const fp3_instruction *in = &plan->code[pc].in;
     for (uint32_t i = 0; i < sources_of(in); i++) {
         const uint32_t operand = fp3_operand(in, "abc"[i]);
-        if (operand >= FP3_BANK_SHARED_BASE)
+        if (operand >= FP3_BANK_SHARED_BASE && operand != FP3_FAST_GIVEN)
             plan->constants |= (uint64_t)1 << (operand - FP3_BANK_SHARED_BASE);
     }
     if (is_load(in))
         plan->read |= bit(in->d);
-    if (in->op == FP3_OP_LDN)
-        plan->read |= bit(in->a);
+    if (plan->code[pc].gives == FP3_GIVES_WORD)
+        plan->read |= bit(plan->code[pc].number);
     if (in->op == FP3_OP_ST)
         plan->stored |= bit(in->d);
     for (int i = 0; i < FP3_PARTS; i++) {
@@ -85,8 +84,24 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
     plan->sleeps |= in->op == FP3_OP_SLEEP;
 }
 
+/* What a neighbour gives a word; arithmetic with it becomes that of registers. loaded: by `ldl`, of this turn. */
+static void find_given(fp3_fast_word *p, const fp3_operation *of, uint32_t *loaded) {
+    const fp3_instruction in = p->in;
+    if (in.op == FP3_OP_EACH)
+        *loaded = 0;
+    p->gives = of->gives;
+    if (p->gives == FP3_GIVES_NOTHING)
+        return;
+    p->number = of->number ? fp3_operand(&in, of->number) : (*loaded)++;
+    if (!of->computes)
+        return;
+    p->in = (fp3_instruction){.op = of->computes, .d = in.d};
+    fp3_operation_place(of, in.a, FP3_FAST_GIVEN, &p->in.a, &p->in.b);
+}
+
 static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *error) {
     fp3_status status = FP3_OK;
+    uint32_t loaded = 0;
     for (uint32_t pc = 0; !status && pc < code->count; pc++) {
         plan->code[pc].in = code->decoded[pc].in;
         if (!code->decoded[pc].of)
@@ -94,8 +109,10 @@ static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *e
                             "word %" PRIu32 " is no instruction: engine 'fast' runs none of it",
                             pc - code->in_front);
         status = check(plan, pc, code->in_front, error);
-        if (!status)
-            note(plan, pc);
+        if (status)
+            break;
+        find_given(&plan->code[pc], code->decoded[pc].of, &loaded);
+        note(plan, pc);
     }
     return status;
 }

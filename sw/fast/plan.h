@@ -21,12 +21,19 @@ static inline uint32_t fp3_register_from(uint64_t set, uint32_t first) {
     for (uint32_t reg = fp3_register_from((set), 0); reg < FP3_BANK_OBJECT_COUNT;                  \
          reg = fp3_register_from((set), reg + 1))
 
+/* An operand that a neighbour gives. Sets of registers and of constants do not have it; its row is behind those of registers. */
+#define FP3_FAST_GIVEN (FP3_BANK_SHARED_BASE + FP3_BANK_SHARED_COUNT)
+#define FP3_FAST_ROWS (FP3_BANK_OBJECT_COUNT + 1)
+
 typedef struct {
-    fp3_instruction in;
-    int is_dead;    /* nothing reads its result: it counts for its flags alone */
-    int is_masked;  /* objects that sleep keep what is in d */
-    int is_one_nan; /* what is written is seen as it is: a NaN is made the one of the machine */
-    int is_behind;  /* an operand may be a NaN that the host wrote, or the operation makes one: see
+    fp3_instruction
+        in; /* arithmetic with what a neighbour gives: of registers, one of them FP3_FAST_GIVEN */
+    fp3_gives gives; /* what a neighbour gives: to register d, or as that operand */
+    uint32_t number; /* ... of the word or of the field */
+    int is_dead;     /* nothing reads its result: it counts for its flags alone */
+    int is_masked;   /* objects that sleep keep what is in d */
+    int is_one_nan;  /* what is written is seen as it is: a NaN is made the one of the machine */
+    int is_behind;   /* an operand may be a NaN that the host wrote, or the operation makes one: see
                        fp3_behind in lanes.h */
 } fp3_fast_word;
 

@@ -51,6 +51,10 @@ static void find_sources(machine *m) {
             m->from[i] = (source){row_of(m->place, operand[i]), 1};
             continue;
         }
+        if (operand[i] == FP3_FAST_GIVEN) {
+            m->from[i] = (source){row_of(m->place, FP3_BANK_OBJECT_COUNT), 1};
+            continue;
+        }
         m->constant[i] = (fp3_v)fp3_all(m->place->constants[operand[i] - FP3_BANK_SHARED_BASE]);
         m->from[i] = (source){&m->constant[i], 0};
     }

@@ -1,7 +1,7 @@
 /* write_around.c - see write_around.h and, in place.h, fp3_fast_list.
  *
- * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1). What turn s gives for word 7 of the
- * program, an ldn or ldl, is n7_s. Where some objects have no neighbour, another pair stands in, which raises nothing that it does
+ * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1), what arithmetic there is given by
+ * the neighbour given_(s + 1). What turn s gives for word 7 of the program is n7_s. Where some objects have no neighbour, another pair stands in, which raises nothing that it does
  * not raise anyway, and sums take -0 (`takes_s`).
  */
 #include "write_around.h"
@@ -36,7 +36,8 @@ static void declare(const writer *w) {
 /* Turns side by side: of a list, as FP3_TURN_PLAIN, or any; of all others, objects that are none of this vector, or any. */
 typedef enum { PLAIN, LIST, ALL, ALL_BUT_ONE } kind;
 
-static int is_given(const fp3_fast_word *p) {
+/* Whether it is given to a register. */
+static int is_loaded(const fp3_fast_word *p) {
     return p->in.op == FP3_OP_LDN || p->in.op == FP3_OP_LDL;
 }
 
@@ -45,13 +46,12 @@ static uint32_t stride(const writer *w, const fp3_fast_loop *l) {
     return FP3_TURN_HEAD + w->plan->around.lists[l->list].fields;
 }
 
-/* The words (ldn) or fields (ldl) of turn s, n7_s for word 7; how: the C that finds one, by the column's or the field's number. */
-static void take(const writer *w, const fp3_fast_loop *l, unsigned s, uint32_t op,
+/* The words or fields of turn s, n7_s for word 7; how: the C that finds one, by the column's or the field's number. */
+static void take(const writer *w, const fp3_fast_loop *l, unsigned s, fp3_gives gives,
                  const char *how) {
-    uint32_t field = 0;
     for (uint32_t pc = l->first; pc < l->end; pc++)
-        if (w->plan->code[pc].in.op == op) {
-            const uint32_t number = op == FP3_OP_LDN ? w->plan->code[pc].in.a : field++;
+        if (w->plan->code[pc].gives == gives) {
+            const uint32_t number = w->plan->code[pc].number;
             fprintf(w->to, "                n%" PRIu32 "_%u = (fp3_v)", pc, s);
             fprintf(w->to, how, number, number);
             fprintf(w->to, ";\n");
@@ -66,10 +66,10 @@ static uint32_t place_of(const writer *w, uint32_t reg) {
 static void take_from_records(const writer *w, const fp3_fast_loop *l, unsigned s) {
     uint64_t quads = 0;
     for (uint32_t pc = l->first; pc < l->end; pc++) {
-        const fp3_instruction *in = &w->plan->code[pc].in;
-        if (in->op != FP3_OP_LDN)
+        const fp3_fast_word *p = &w->plan->code[pc];
+        if (p->gives != FP3_GIVES_WORD)
             continue;
-        const uint32_t place = place_of(w, in->a);
+        const uint32_t place = place_of(w, p->number);
         if (!(quads >> place / 4 & 1))
             fprintf(w->to,
                     "                fp3_v c%" PRIu32 "[4];\n"
@@ -89,22 +89,22 @@ static void take_from_list(const writer *w, const fp3_fast_loop *l, unsigned s) 
             "            takes_%u = fp3_takes(kind, lanes);\n"
             "            if (base >= 0) {\n",
             s);
-    take(w, l, s, FP3_OP_LDN, "fp3_row((const int *)s%" PRIu32 " + base)");
+    take(w, l, s, FP3_GIVES_WORD, "fp3_row((const int *)s%" PRIu32 " + base)");
     fprintf(w->to, "                if (others != base) {\n");
     for (uint32_t pc = l->first; pc < l->end; pc++)
-        if (w->plan->code[pc].in.op == FP3_OP_LDN)
+        if (w->plan->code[pc].gives == FP3_GIVES_WORD)
             fprintf(w->to,
                     "                n%" PRIu32 "_%u = fp3_choose(takes_%u, n%" PRIu32
                     "_%u, (fp3_v)fp3_row((const int *)s%" PRIu32 " + others));\n",
-                    pc, s, s, pc, s, w->plan->code[pc].in.a);
+                    pc, s, s, pc, s, w->plan->code[pc].number);
     fprintf(w->to, "                }\n            } else {\n");
     take_from_records(w, l, s);
     fprintf(w->to, "                at += FP3_LANES;\n            }\n");
     if (count) {
         fprintf(w->to, "            if (kind & FP3_TURN_SAME) {\n");
-        take(w, l, s, FP3_OP_LDL, "fp3_all(at[%" PRIu32 "])");
+        take(w, l, s, FP3_GIVES_FIELD, "fp3_all(at[%" PRIu32 "])");
         fprintf(w->to, "                at += %" PRIu32 ";\n            } else {\n", count);
-        take(w, l, s, FP3_OP_LDL, "fp3_row(at + %" PRIu32 " * FP3_LANES)");
+        take(w, l, s, FP3_GIVES_FIELD, "fp3_row(at + %" PRIu32 " * FP3_LANES)");
         fprintf(w->to, "                at += %" PRIu32 " * FP3_LANES;\n            }\n", count);
     }
     fprintf(w->to, "            }\n");
@@ -119,7 +119,7 @@ static void take_from_all(const writer *w, const fp3_fast_loop *l, unsigned s) {
         "            const unsigned one = t < turns ? t : turns - 1, another = one ? one - 1 : 1;\n"
         "            const fp3_i own = ((lanes < last) & lanes) | (~(lanes < last) & last);\n"
         "            const fp3_i is_other = own != (int)(one - mine);\n");
-    take(w, l, s, FP3_OP_LDN,
+    take(w, l, s, FP3_GIVES_WORD,
          "fp3_choose(is_other, (fp3_v)fp3_all(((const int *)s%" PRIu32
          ")[one]), (fp3_v)fp3_all(((const int *)s%" PRIu32 ")[another]))");
     fprintf(w->to,
@@ -132,7 +132,7 @@ static void begin(const writer *w, const fp3_fast_loop *l, unsigned s, kind of) 
     if (of == PLAIN || of == ALL)
         return;
     for (uint32_t pc = l->first; pc < l->end; pc++)
-        if (is_given(&w->plan->code[pc]))
+        if (w->plan->code[pc].gives != FP3_GIVES_NOTHING)
             fprintf(w->to, "            fp3_v n%" PRIu32 "_%u;\n", pc, s);
     fprintf(w->to, "            fp3_i takes_%u;\n", s);
     if (of == ALL_BUT_ONE)
@@ -143,21 +143,22 @@ static void begin(const writer *w, const fp3_fast_loop *l, unsigned s, kind of) 
 
 /* A word that the neighbour or the link gives. Where the turn has it in a known place, it is read here. */
 static void give(const writer *w, const fp3_fast_loop *l, uint32_t pc, unsigned s, kind of) {
-    const fp3_instruction *in = &w->plan->code[pc].in;
-    uint32_t field = 0;
-    for (uint32_t i = l->first; i < pc; i++)
-        field += w->plan->code[i].in.op == FP3_OP_LDL;
-    fprintf(w->to, "            r%" PRIu32 "_%u = ", in->d, s + 1);
+    const fp3_fast_word *p = &w->plan->code[pc];
+    const uint32_t number = p->number;
+    if (is_loaded(p))
+        fprintf(w->to, "            r%" PRIu32 "_%u = ", p->in.d, s + 1);
+    else
+        fprintf(w->to, "            given_%u = ", s + 1);
     if (of == ALL)
-        fprintf(w->to, "(fp3_v)fp3_all(((const int *)s%" PRIu32 ")[t + %u]);\n", in->a, s);
+        fprintf(w->to, "(fp3_v)fp3_all(((const int *)s%" PRIu32 ")[t + %u]);\n", number, s);
     else if (of != PLAIN)
         fprintf(w->to, "n%" PRIu32 "_%u;\n", pc, s);
-    else if (in->op == FP3_OP_LDN)
-        fprintf(w->to, "(fp3_v)fp3_row((const int *)s%" PRIu32 " + at[%" PRIu32 "]);\n", in->a,
+    else if (p->gives == FP3_GIVES_WORD)
+        fprintf(w->to, "(fp3_v)fp3_row((const int *)s%" PRIu32 " + at[%" PRIu32 "]);\n", number,
                 s * stride(w, l));
     else
         fprintf(w->to, "(fp3_v)fp3_all(at[%" PRIu32 "]);\n",
-                s * stride(w, l) + FP3_TURN_HEAD + field);
+                s * stride(w, l) + FP3_TURN_HEAD + number);
 }
 
 /* ---- turns side by side ---- */
@@ -180,7 +181,7 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
     const fp3_fast_word *p = &w->plan->code[pc];
     const uint64_t kept = fp3_fast_touched(p) & l->kept;
     char mask[16];
-    if (is_given(p)) {
+    if (is_loaded(p)) {
         t->given[p->in.d] = 1 + pc;
         return;
     }
@@ -189,6 +190,8 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
             give(w, l, t->given[reg] - 1, s, of);
         t->given[reg] = 0;
     }
+    if (p->gives != FP3_GIVES_NOTHING)
+        give(w, l, pc, s, of);
     FP3_EACH_REGISTER (kept & ~t->taken, reg)
         copy(w, reg, s + 1, s);
     t->taken |= kept;
@@ -217,6 +220,7 @@ static void body(const writer *w, const fp3_fast_loop *l, kind of) {
         named |= (uint64_t)1 << w->plan->code[pc].in.d;
     for (unsigned s = 0; s < turns; s++) {
         t[s].at = l->first;
+        fprintf(w->to, "            fp3_v given_%u;\n            (void)given_%u;\n", s + 1, s + 1);
         FP3_EACH_REGISTER (named, reg)
             fprintf(w->to, "            fp3_v r%" PRIu32 "_%u;\n", reg, s + 1);
         FP3_EACH_REGISTER (l->outside, reg)

@@ -7,7 +7,9 @@
 typedef fp3_writer writer;
 
 void fp3_write_operand(const writer *w, uint32_t number, unsigned vector) {
-    if (number >= FP3_BANK_SHARED_BASE)
+    if (number == FP3_FAST_GIVEN)
+        fprintf(w->to, "given_%u", vector);
+    else if (number >= FP3_BANK_SHARED_BASE)
         fprintf(w->to, "k%" PRIu32, number - FP3_BANK_SHARED_BASE);
     else
         fprintf(w->to, "r%" PRIu32 "_%u", number, vector);
@@ -81,7 +83,7 @@ uint64_t fp3_write_registers(const fp3_fast_plan *plan) {
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
         set |= (uint64_t)1 << in->d;
-        for (uint32_t i = 0; in->op != FP3_OP_LDN && i < fp3_operation_find(in->op)->sources; i++)
+        for (uint32_t i = 0; i < fp3_operation_find(in->op)->sources; i++)
             if (fp3_operand(in, "abc"[i]) < FP3_BANK_SHARED_BASE)
                 set |= (uint64_t)1 << fp3_operand(in, "abc"[i]);
     }

@@ -24,7 +24,7 @@ typedef struct {
     uint32_t estimate;        /* 1: `rcp` and `rsqrt` exist */
     uint32_t round;           /* 1: `rint`, `exp2` and `logb` exist */
     uint32_t sleep;           /* 1: `sleep` and `lds` exist */
-    uint32_t neighbours;      /* 1: objects read the records of others: `each`, `next`, `ldn`, `ldl`, `phase` */
+    uint32_t neighbours;      /* 1: objects read the records of others: `each`, `next`, `phase`, loads of what a neighbour has (`ldn`, `ldl`) and arithmetic with it */
     uint32_t exchange;        /* 1: neighbours may be in other lanes: between phases published words are copied from lane to lane */
     uint32_t flags;           /* 1: exceptions are flagged */
     uint32_t status;          /* 1: for each object, too, with the step of the first invalid or overflow */

@@ -6,6 +6,7 @@
 /* In cycles. */
 #define FP3_TIMING_SHARE         1u  /* more latency where schedulers share the arithmetic: its operands are chosen and registered */
 #define FP3_TIMING_EARLY         2u  /* more latency where a sum and a product issue at once: a sum's y is read so much earlier, as it may have to be scaled */
+#define FP3_TIMING_REACH         4u  /* from the cycle in which a lane names what an instruction reads of the store to that of its registers, where objects see each other */
 #define FP3_TIMING_GRANT         1u  /* from a sweep's request for a shared unit to its grant */
 #define FP3_TIMING_OPERANDS      3u  /* from the cycle in which a lane names an instruction's registers to its operands */
 #define FP3_TIMING_TOLD          2u  /* from a context's turn to the lane that hears of it: the sequencer's register, and that of the lane's group */
@@ -14,7 +15,7 @@
 #define FP3_TIMING_WRITE         1u  /* from a result to its write */
 #define FP3_TIMING_GAP           5u  /* from an issue to the next issue of the same context, beyond the latency */
 #define FP3_TIMING_ACCESS        5u  /* from the host's access of a lane's word to the word, beyond a cycle for each group of lanes */
-#define FP3_TIMING_LIST          8u  /* from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes */
+#define FP3_TIMING_LIST          12u /* from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes */
 #define FP3_TIMING_COPY          11u /* of the copies before a round, beyond those of its words and a cycle for each group of lanes */
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */
 #define FP3_TIMING_ROUND         13u /* of a round, beyond its sweeps and one settling: plan, open, fetch and decode, and the last issue's way out */

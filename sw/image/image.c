@@ -202,7 +202,8 @@ static void count_used(fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
         const fp3_decoded *word = &image->decoded[i];
         for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++)
-            count_operand(image, fp3_operand(&word->in, *letter));
+            if (!fp3_operation_counts(word->of, *letter))
+                count_operand(image, fp3_operand(&word->in, *letter));
     }
     for (uint32_t i = 0; i < image->constant_count; i++)
         raise_to(&image->shared, image->constants[i].index + 1);

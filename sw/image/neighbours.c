@@ -14,7 +14,7 @@ typedef struct {
     fp3_error *error;
     uint32_t at;
     int loop;                        /* index of the `each` of the loop around, or -1 */
-    uint32_t fields;                 /* `ldl` of that loop so far */
+    uint32_t fields, loaded;         /* of an entry, as far as that loop says; its `ldl` so far */
     int has_stored;                  /* in this phase */
     uint64_t stored;                 /* words that this phase stores */
     uint64_t stored_any, stored_all; /* by some phase; by all that have ended */
@@ -28,8 +28,13 @@ static uint32_t op_at(const fp3_image *image, uint32_t at) {
     return image->decoded[at].of ? image->decoded[at].in.op : 0;
 }
 
-static int is_of_neighbours(uint32_t op) {
-    return op == FP3_OP_EACH || op == FP3_OP_NEXT || op == FP3_OP_LDN || op == FP3_OP_LDL ||
+static fp3_gives gives_at(const fp3_image *image, uint32_t at) {
+    return image->decoded[at].of ? image->decoded[at].of->gives : FP3_GIVES_NOTHING;
+}
+
+static int is_of_neighbours(const fp3_image *image, uint32_t at) {
+    const uint32_t op = op_at(image, at);
+    return gives_at(image, at) != FP3_GIVES_NOTHING || op == FP3_OP_EACH || op == FP3_OP_NEXT ||
            op == FP3_OP_PHASE;
 }
 
@@ -58,35 +63,49 @@ static fp3_status end_loop(walk *w) {
     return FP3_OK;
 }
 
+/* An instruction that a neighbour gives something. */
+static fp3_status visit_given(walk *w) {
+    const fp3_decoded *word = &w->image->decoded[w->at];
+    const uint32_t number =
+        word->of->number ? fp3_operand(&word->in, word->of->number) : w->loaded++;
+    if (w->loop < 0)
+        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+    if (word->of->gives == FP3_GIVES_WORD) {
+        w->found->published |= BIT(number & (FP3_BANK_OBJECT_COUNT - 1));
+        if (number >= FP3_BANK_SHARED_BASE)
+            return refuse(w, "a word of a neighbour's record is read, not a shared constant");
+        return w->has_stored ? refuse(w, "a phase loads all words before it stores any") : FP3_OK;
+    }
+    if (number >= FP3_FIELDS_MAX)
+        return refuse(w, "an entry of a list has at most 64 fields");
+    if (number >= w->fields)
+        w->fields = number + 1;
+    return FP3_OK;
+}
+
 static fp3_status visit_word(walk *w) {
     const fp3_image *image = w->image;
     const fp3_instruction *in = &image->decoded[w->at].in;
     const uint32_t op = op_at(image, w->at);
+    if (gives_at(image, w->at) != FP3_GIVES_NOTHING)
+        return visit_given(w);
     if (op == FP3_OP_SLEEP || op == FP3_OP_LDS)
         return refuse(w, "no object sleeps in a program with neighbours");
     if ((op == FP3_OP_EACH || op == FP3_OP_PHASE) && w->loop >= 0)
         return refuse(w, "a loop over neighbours ends before another, or a phase, begins or ends");
-    if ((op == FP3_OP_NEXT || op == FP3_OP_LDN || op == FP3_OP_LDL) && w->loop < 0)
-        return refuse(w, "'next', 'ldn' and 'ldl' belong in a loop, behind 'each'");
-    if ((op == FP3_OP_LDN || op == FP3_OP_LD) && w->has_stored)
+    if (op == FP3_OP_NEXT && w->loop < 0)
+        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+    if (op == FP3_OP_LD && w->has_stored)
         return refuse(w, "a phase loads all words before it stores any");
     if (op == FP3_OP_ST && w->loop >= 0)
         return refuse(w, "a loop over neighbours stores nothing");
     switch (op) {
     case FP3_OP_EACH:
         w->loop = (int)w->at;
-        w->fields = 0;
+        w->fields = w->loaded = 0;
         return FP3_OK;
     case FP3_OP_NEXT:
         return end_loop(w);
-    case FP3_OP_LDN:
-        w->found->published |= BIT(in->a & (FP3_BANK_OBJECT_COUNT - 1));
-        return in->a < FP3_BANK_SHARED_BASE
-                   ? FP3_OK
-                   : refuse(w, "'ldn' reads a word of a record, not a shared constant");
-    case FP3_OP_LDL:
-        return w->fields++ < FP3_FIELDS_MAX ? FP3_OK
-                                            : refuse(w, "an entry of a list has at most 64 fields");
     case FP3_OP_PHASE:
         return end_phase(w);
     case FP3_OP_ST:
@@ -100,7 +119,7 @@ static fp3_status visit_word(walk *w) {
 
 static int uses_neighbours(const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++)
-        if (is_of_neighbours(op_at(image, i)))
+        if (is_of_neighbours(image, i))
             return 1;
     return 0;
 }

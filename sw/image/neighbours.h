@@ -15,18 +15,18 @@
 /* A list of neighbours that each object has. */
 typedef struct {
     uint32_t reg;    /* that `each` names */
-    uint32_t fields; /* of an entry: the `ldl` of the loop */
+    uint32_t fields; /* of an entry: as many as its loops read, by `ldl` or by number */
 } fp3_list_shape;
 
 typedef struct {
     fp3_list_shape lists[FP3_LISTS_MAX];
     uint32_t list_count;
-    uint64_t published; /* words that `ldn` reads: bit r for register r */
+    uint64_t published; /* words that neighbours read: bit r for register r */
     uint32_t phases;    /* of a step */
     int is_any;         /* there is an instruction with neighbours */
 } fp3_neighbourhood;
 
-/* FP3_E_PROGRAM: a loop within a loop, or without its end; `ldn` or `ldl` outside of a loop; a phase within a loop;
+/* FP3_E_PROGRAM: a loop within a loop, or without its end; something that reads a neighbour outside of a loop; a phase within a loop;
  * a first or a last part; a store in a loop; a load behind a store of the same phase; a phase that
  * does not store a word which neighbours read and another phase stores; loops over one list with different
  * numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of an entry; `sleep` beside all this. */

@@ -16,14 +16,14 @@ typedef struct {
     uint64_t reads, writes; /* object registers; sleep may write, or not */
 } effect;
 
-/* An illegal word has no effect: it ends the run. What `ldn` reads is a neighbour's. */
+/* An illegal word has no effect: it ends the run. What a neighbour gives is in no register. */
 static effect effect_of(const fp3_decoded *word) {
     effect e = {.op = word->in.op};
     for (const char *letter = word->of ? word->of->operands : ""; *letter; letter++) {
         const uint32_t operand = fp3_operand(&word->in, *letter);
         if (*letter == 'd' && word->of->writes != FP3_WRITES_NEVER)
             e.writes = BIT(operand);
-        else if (operand < FP3_BANK_SHARED_BASE && !(*letter == 'a' && e.op == FP3_OP_LDN))
+        else if (operand < FP3_BANK_SHARED_BASE && *letter != word->of->number)
             e.reads |= BIT(operand);
     }
     return e;
@@ -89,9 +89,11 @@ static void choose(const fp3_image *image, fp3_visit *v) {
 /* Words of a record that neighbours read. */
 static uint64_t read_by_others(const fp3_image *image) {
     uint64_t found = 0;
-    for (uint32_t i = 0; i < image->code_count; i++)
-        if (image->decoded[i].of && image->decoded[i].in.op == FP3_OP_LDN)
-            found |= BIT(image->decoded[i].in.a & (FP3_BANK_OBJECT_COUNT - 1));
+    for (uint32_t i = 0; i < image->code_count; i++) {
+        const fp3_decoded *word = &image->decoded[i];
+        if (word->of && word->of->gives == FP3_GIVES_WORD)
+            found |= BIT(fp3_operand(&word->in, word->of->number) & (FP3_BANK_OBJECT_COUNT - 1));
+    }
     return found;
 }
 

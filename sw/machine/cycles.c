@@ -161,7 +161,11 @@ static int is_shared(const fp3_config *config) { return config->schedulers > 1; 
 
 #define LANES_OF_GROUP 4
 
-/* LATENCY, GAP, SETTLE and GROUPS of rtl/config/derived.vh. */
+/* AHEAD, LATENCY, GAP, SETTLE and GROUPS of rtl/config/derived.vh. */
+static uint32_t ahead_of(const fp3_config *config) {
+    return config->neighbours ? FP3_TIMING_REACH : 0;
+}
+
 static uint32_t latency_of(const fp3_config *config) {
     if (config->dual)
         return (config->mul_latency > config->add_latency ? config->mul_latency
@@ -173,7 +177,7 @@ static uint32_t latency_of(const fp3_config *config) {
 uint32_t fp3_cycles_gap(const fp3_config *config) { return latency_of(config) + FP3_TIMING_GAP; }
 
 uint32_t fp3_cycles_settle(const fp3_config *config) {
-    return latency_of(config) + config->lanes + FP3_TIMING_SETTLE;
+    return latency_of(config) + ahead_of(config) + config->lanes + FP3_TIMING_SETTLE;
 }
 
 uint32_t fp3_cycles_groups(const fp3_config *config) {
@@ -188,7 +192,7 @@ uint32_t fp3_cycles_operands(const fp3_config *config) {
     if (!config->interleave)
         return FP3_TIMING_SOLO_OPERANDS;
     return FP3_TIMING_OPERANDS + (is_shared(config) ? FP3_TIMING_SHARE : 0) +
-           (config->dual ? FP3_TIMING_EARLY : 0);
+           (config->dual ? FP3_TIMING_EARLY : 0) + ahead_of(config);
 }
 
 uint32_t fp3_cycles_write(const fp3_config *config) {

@@ -22,13 +22,17 @@ typedef struct {
     uint32_t code;
     const char *name;
     const char *operands; /* a letter each, in the order of the assembly language: "dab" */
-    uint32_t sources;     /* how many of them are read: a, a and b, or a, b and c */
+    uint32_t sources;     /* how many registers are read: none, a, a and b, or a, b and c */
     unsigned path;        /* FP3_UNIT_*: the units that it goes through */
     fp3_counter counter;  /* where the hardware counts it */
     fp3_key needs;        /* what a configuration must have for it, or FP3_KEY_NONE */
     unsigned raises;      /* FP3_FLAG_*: what it can raise, in any configuration */
     fp3_writes writes;    /* whether it writes d when it is executed */
     int commutes;         /* a and b can be exchanged */
+    fp3_gives gives;      /* what it has of a neighbour */
+    char number;          /* the operand that numbers this, which is no register; 0: none */
+    uint32_t computes; /* what it makes of this and of register a, as an operation; 0: nothing, */
+    int is_first;      /* ... in which this is operand a, and not b */
 } fp3_operation;
 
 extern const fp3_operation fp3_operations[];
@@ -63,6 +67,18 @@ fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 /* Where a configuration keeps sums and products apart (`dual`): what this instruction does that it must
  * not, or NULL. As in rtl/front/decode.v. */
 const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *word);
+
+/* Whether this operand is the number of a field, and so stands in assembly as one. */
+static inline int fp3_operation_counts(const fp3_operation *of, char letter) {
+    return of->gives == FP3_GIVES_FIELD && letter == of->number;
+}
+
+/* Of an operation that computes with what a neighbour gives: its operands a and b as those of `computes`. */
+static inline void fp3_operation_place(const fp3_operation *of, uint32_t own, uint32_t given,
+                                       uint32_t *a, uint32_t *b) {
+    *a = of->is_first ? given : own;
+    *b = of->is_first ? own : given;
+}
 
 /* The operand that a letter of `operands` stands for. */
 static inline uint32_t fp3_operand(const fp3_instruction *word, char letter) {

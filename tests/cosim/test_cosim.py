@@ -38,6 +38,16 @@ def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long):
         assert re.fullmatch(r"\d{3,} runs, 0 failed\n", out), out
 
 
+@pytest.mark.smoke
+@pytest.mark.parametrize("config, objects", [("world", 64), ("fabric", 40)])
+def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, long, config, objects):
+    """Programs by chance; of the fast engine both native code and the interpreter have some."""
+    for seed in range(1, 11 if long else 2):
+        out = start(build / "tests/given", str(seed), config, "150", str(objects), cwd=tmp_path)
+        runs, native = map(int, re.fullmatch(r"(\d+) runs, (\d+) of native code, 0 failed\n", out).groups())
+        assert runs == 450 and native > 30, out
+
+
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):
     """Every seventh operand, so that the next ones in a row differ in all three; or every one, as of the fast engine always."""
     out = start(build / "tests/chosen_values", "1" if long else "7", cwd=tmp_path)

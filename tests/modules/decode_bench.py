@@ -16,7 +16,8 @@ ISA = tomllib.loads(Path(os.environ["FP3_ISA"]).read_text())
 KEYS = {"interleave": 0, "dual": 0, "chain": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0,
         **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
-SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "phase", "twice", "half")
+SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "takes", "flips",
+          "phase", "twice", "half")
 MORE = 31                                                  # as op: the code is 128 and field c
 
 
@@ -50,11 +51,12 @@ def expected(word):
         return None
     if KEYS["dual"] and row["path"] != ["store"] and mixes(row, d, a, b):
         return None
-    name, path = row["name"], row["path"]
-    return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"])), "to_mul": int(path == ["multiplier"]),
+    name, path, gives, takes = row["name"], row["path"], row.get("gives"), row.get("computes")
+    return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
             "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
-            "subtract": int(name in ("sub", "msub", "subh", "subt")), "st": int(name == "st"), "lds": int(name == "lds"),
-            **{other: int(name == other) for other in ("each", "next", "ldn", "ldl", "phase")},
+            "subtract": int(name in ("sub", "msub", "subh", "subt", "subn", "subl")), "st": int(name == "st"), "lds": int(name == "lds"),
+            **{other: int(name == other) for other in ("each", "next", "phase")},
+            "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
             "twice": int(name in ("addt", "subt")), "half": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and
                                                                 path[0] != "value"})}
@@ -77,7 +79,7 @@ async def decode_says_what_is_legal(dut):
     chance = random.Random(1)
     legal = set()
     for _ in range(int(os.environ["FP3_WORDS"])):
-        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(8)))
+        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(16)))
         row, word = ROWS.get(code), min(code, MORE) << ISA["field"]["op"][1]
         for name in "dabc":
             if row and name not in row["operands"] and chance.random() < 0.95:

@@ -18,7 +18,7 @@ class Bench:
         parameter = lambda name: int(getattr(dut, name).value)
         self.lanes, self.registers, self.store = (parameter(name) for name in ("LANES", "REGISTERS", "STORE_WORDS"))
         self.way = parameter("TIMING_END") + 1 + parameter("GROUPS")
-        self.retire, self.around, self.access = (Bundle(dut, name) for name in ("RETIRE", "AROUND", "ACCESS"))
+        self.reach, self.around, self.access = (Bundle(dut, name) for name in ("REACH", "AROUND", "ACCESS"))
         self.record, self.published, self.half, self.list = 0, 0, 0, []
 
     def settings(self, copies):
@@ -64,13 +64,13 @@ class Bench:
         while ended is None or cycle < ended + 4 * self.way:
             dut.abort_i.value = int(cycle == abort_at)
             await FallingEdge(dut.clk_i)
-            retire, access = self.retire.fields_of(seen(dut.retire_o)), self.access.fields_of(seen(dut.access_o))
-            around = self.around.fields_of(retire["around"])
+            reach, access = self.reach.fields_of(seen(dut.reach_o)), self.access.fields_of(seen(dut.access_o))
+            around = self.around.fields_of(reach["around"])
             busy = dut.busy_o.value == 1
-            assert not any(retire[name] for name in ("round", "valid", "begins", "ends", "lasts", "lds", "sleep", "load", "arithmetic")), "an instruction ends"
-            if retire["copy"]:
+            assert not any(reach[name] for name in ("valid", "load")), "an instruction reads"
+            if reach["copy"]:
                 assert busy and not any(around[name] for name in ("each", "entry", "ldn", "ldl", "inside"))
-                says.append((cycle, around["turn"], retire["row"], retire["register"], around["half"]))
+                says.append((cycle, around["turn"], reach["row"], around["offset"], around["half"]))
             if access["valid"]:
                 assert busy and access["write"] == 1
                 gets.append((cycle, access["space"], access["lane"], access["address"]))

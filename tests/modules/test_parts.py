@@ -90,7 +90,7 @@ BUGS = {
         Bug("all loads are of sums", "two_streams.v", "to_mul || (to_memory && !st && d[0])", "to_mul"),
         Bug("a load of a sum writes nothing", "dual_end.v", "{retire_sum_adds || retire_sum_loads, retire_sum_adds}", "{2{retire_sum_adds}}"),
         Bug("a load of a product is a product", "dual_end.v", "retire_product_valid && !retire_product_loads}", "retire_product_valid}"),
-        Bug("a load writes the host's word", "lane.v", "other_q    <= loads ? word : data_i", "other_q    <= data_i"),
+        Bug("a load writes the host's word", "lane.v", "other_q    <= loads ? loaded : data_i", "other_q    <= data_i"),
         Bug("loads are known a cycle late", "dual_end.v", ".N(TIMING_DUAL_END-1)) u_load", ".N(TIMING_DUAL_END)) u_load"),
         Bug("an absent object is stored", "dual_end.v", "{1'b0, issue_st_row} >= count_q", "1'b0"),
     ],

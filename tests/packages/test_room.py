@@ -203,11 +203,11 @@ meaning  = "d = a + b"
 """
 
 
-@pytest.mark.parametrize("code", [133, 134, 255])
+@pytest.mark.parametrize("code", [142, 143, 255])
 def test_an_instruction_may_have_its_code_in_field_c(root, copy, code):
     with open(copy / "isa/isa.toml", "a", encoding="utf-8") as file:
         file.write(OP.format(code=code))
-    replace(copy / "rtl/front/decode.v", ("to_add    = op == OP_ADD ||", "to_add    = op == OP_ADD || op == OP_PLUS ||"))
+    replace(copy / "rtl/front/decode.v", ("plain_add   = op == OP_ADD ||", "plain_add   = op == OP_ADD || op == OP_PLUS ||"))
     one = 0x3f800000
     word = 31 << 27 | 1 << 21 | 64 << 14 | 65 << 7 | code - 128                                           # r1 = k0 + k1
     session = [f"w 2000 {one:x}", f"w 2004 {one:x}", "w 20 1", "w 24 0", "w 28 1", "w 2c 1"]

@@ -504,7 +504,7 @@ step:
 
 @pytest.mark.parametrize("body, expected", [
     ("each list\n ldn d, x\n add x, x, d", "the program ends within a loop over neighbours"),
-    ("ldn d, x\n st x", "code word 2: 'next', 'ldn' and 'ldl' belong in a loop, behind 'each'"),
+    ("ldn d, x\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
     ("each list\n each list\n next\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
     ("each list\n phase\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
     ("st x\n each list\n ldn d, x\n next", "code word 4: a phase loads all words before it stores any"),
@@ -512,7 +512,15 @@ step:
     ("each list\n ldn d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),
     ("each list\n ldl d\n next\n each list\n next\n st x", "code word 6: two loops over one list read different numbers of fields"),
     ("each list\n" + " ldl d\n" * 65 + " next\n st x", "code word 67: an entry of a list has at most 64 fields"),
-    ("each list\n next\n st x\nlast:\n add x, x, x", "a program with neighbours has a step part alone, no first and no last part")])
+    ("each list\n next\n st x\nlast:\n add x, x, x", "a program with neighbours has a step part alone, no first and no last part"),
+    ("rsbn x, x, x\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
+    ("mull x, x, 0\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
+    ("st x\n each list\n addn d, d, x\n next", "code word 4: a phase loads all words before it stores any"),
+    ("each list\n muln d, d, k3\n next\n st x", "code word 3: a word of a neighbour's record is read, not a shared constant"),
+    ("each list\n addn d, d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),
+    ("each list\n mull d, d, 1\n next\n each list\n ldl d\n next\n st x", "code word 7: two loops over one list read different numbers of fields"),
+    ("each list\n mull d, d, 64\n next\n st x", "expected the number of a field, 0 to 63"),
+    ("each list\n mull d, d, x\n next\n st x", "expected the number of a field, 0 to 63")])
 def test_programs_that_cannot_be(fp3, tmp_path, body, expected):
     (tmp_path / "p.s").write_text(ASSEMBLY.format(body=body))
     done = subprocess.run([fp3, "asm", "p.s", "-o", "p.fp3"], cwd=tmp_path, capture_output=True, text=True, timeout=60)

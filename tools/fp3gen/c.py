@@ -3,7 +3,7 @@
 from .check import Bad, NAME
 from .configs import config_value
 from .estimates import estimates
-from .isa import MORE, UNITS, WRITES, counter_of
+from .isa import GIVES, MORE, UNITS, WRITES, counter_of
 from .registers import address_rows, counter_rows, exceptions, field_rows, shown, shown_word
 from .text import MARK, columns
 
@@ -73,18 +73,23 @@ def isa_c(isa, regs):
 def operations_c(isa, flags):
     def row(op):
         return [("code", f"FP3_OP_{op['name'].upper()}"), ("name", quote(op["name"])),
-                ("operands", quote("".join(op["operands"]))), ("sources", max(0, len(op["operands"]) - 1)),
+                ("operands", quote("".join(op["operands"]))), ("sources", max(0, len(op["operands"]) - 1) - ("number" in op)),
                 ("path", " | ".join(f"FP3_UNIT_{unit.upper()}" for unit in op["path"])),
                 ("counter", f"FP3_COUNTER_{counter_of(op).upper()}"),
                 ("needs", f"FP3_KEY_{op.get('needs', 'none').upper()}"),
                 ("raises", f"0x{sum(1 << flags[name][0] for name in op.get('raises', [])):02x}"),
                 ("writes", f"FP3_WRITES_{op.get('writes', 'always').upper()}"),
-                ("commutes", int(op.get("commutes", False)))]
+                ("commutes", int(op.get("commutes", False))),
+                ("gives", f"FP3_GIVES_{op.get('gives', 'nothing').upper()}"),
+                ("number", f"'{op['number']}'" if "number" in op else "0"),
+                ("computes", f"FP3_OP_{op['computes'].upper()}" if "computes" in op else "0"),
+                ("is_first", int(op.get("stands") == "a"))]
 
     return c_header("operations", "isa/isa.toml", [
         "/* Functional units. */", "enum {",
         *columns([(f"    FP3_UNIT_{unit.upper()} ", f"= 1u << {i},") for i, unit in enumerate(UNITS)]), "};", "",
         "typedef enum {", *[f"    FP3_WRITES_{word.upper()}," for word in WRITES], "} fp3_writes;", "",
+        "typedef enum {", *[f"    FP3_GIVES_{word.upper()}," for word in GIVES], "} fp3_gives;", "",
         "/* Of fp3_operations. */", *initialisers("FP3_OPERATION_ROWS", [row(op) for op in isa["op"]])])
 
 

@@ -10,10 +10,13 @@ PATHS = {
     ("value", "adder"): "issued_add",
     ("comparison",): "issued_sleep",
     ("store",): "issued_memory",
+    ("store", "adder"): "issued_add",
+    ("store", "multiplier"): "issued_mul",
     ("sequence",): "issued_memory",
 }
 UNITS = ("adder", "multiplier", "value", "comparison", "store", "sequence")
 WRITES = ("always", "sometimes", "never")
+GIVES = ("nothing", "word", "field")  # of a neighbour: nothing, a word of its record, a field of its entry
 BITS = ("nan", "one", "minus_zero")
 MORE = 128  # codes from here on: all ones in field op, and what is more than this in field c
 FILE = "isa.toml"
@@ -45,7 +48,8 @@ def check_banks(isa, width):
 def check_op(op, width, config_keys, flags):
     where = f"op '{op.get('name', '?')}'"
     keys(op, FILE, where, {"name": str, "code": int, "operands": list, "path": list, "meaning": str},
-         {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str})
+         {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str,
+          "gives": str, "number": str, "computes": str, "stands": str})
     need(op["operands"] == list("dabc")[:len(op["operands"])], FILE,
          f"{where}: operands must be none, or d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
     last, most = (1 << width["op"]) - 2, MORE + (1 << width["c"]) - 1
@@ -61,6 +65,19 @@ def check_op(op, width, config_keys, flags):
     need(not op.get("commutes") or "b" in op["operands"], FILE, f"{where}: commutes, but has no operand b")
     need(op.get("writes", "always") in WRITES, FILE,
          f"{where}: writes '{op.get('writes')}' is not one of {', '.join(WRITES)}")
+
+
+def check_given(op, ops):
+    """What an instruction has of a neighbour, and what it makes of it."""
+    where, base = f"op '{op['name']}'", next((row for row in ops if row["name"] == op.get("computes")), None)
+    need(op.get("gives", "nothing") in GIVES, FILE, f"{where}: gives '{op.get('gives')}' is not one of {', '.join(GIVES)}")
+    need("gives" in op or not {"number", "computes", "stands"} & op.keys(), FILE, f"{where}: gives nothing that it could number or compute with")
+    need("number" not in op or op["operands"][-1:] == [op["number"]], FILE,
+         f"{where}: number must be the last operand")
+    need(("computes" in op) == ("stands" in op), FILE, f"{where}: computes and stands go together")
+    if "computes" in op:
+        need(base and base["operands"] == list("dab") and "gives" not in base, FILE, f"{where}: computes must name an instruction of registers d, a, b")
+        need(op["stands"] in ("a", "b") and op.get("number") == "b", FILE, f"{where}: stands must be a or b, and b the number")
 
 
 def check_isa(isa, config_keys, flags):
@@ -79,6 +96,8 @@ def check_isa(isa, config_keys, flags):
         need(code not in taken, FILE, f"op '{op['name']}': code {code} is already taken by '{taken.get(code)}'")
         taken[code] = op["name"]
     named(isa["op"], FILE, "op")
+    for op in isa["op"]:
+        check_given(op, isa["op"])
     for key in (key for key, row in config_keys.items() if "lack" in row):
         need(any(op.get("needs") == key for op in isa["op"]), "configs.toml",
              f"key '{key}': it has a 'lack', but no instruction needs it")

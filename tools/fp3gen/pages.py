@@ -21,7 +21,10 @@ def layout(fields, used):
 def example(isa, op):
     banks = isa["bank"]
     pick = {"d": ("object", 2), "a": ("object", 0), "b": ("shared", 1), "c": ("object", 3)}
-    text = ", ".join(f"{banks[b]['prefix']}{n}" for b, n in (pick[x] for x in op["operands"]))
+    if "number" in op:
+        pick[op["number"]] = ("object", 1)
+    is_field = op.get("gives") == "field"
+    text = ", ".join(str(pick[x][1]) if is_field and x == op.get("number") else f"{banks[pick[x][0]]['prefix']}{pick[x][1]}" for x in op["operands"])
     code = word(isa, op, {x: banks[b]["base"] + n for x, (b, n) in pick.items()})
     return text, code
 

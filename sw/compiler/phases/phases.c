@@ -196,7 +196,7 @@ static void find_use(const maker *m, phase *p) {
         const fp3_operation *of = fp3_operation_find(l->op);
         for (const char *letter = of->operands; *letter; letter++) {
             const uint32_t r = *letter == 'd' ? l->d : l->operand[*letter - 'a'];
-            const int is_read = *letter == 'd' ? l->op == FP3_OP_EACH : l->op != FP3_OP_LDN;
+            const int is_read = *letter == 'd' ? l->op == FP3_OP_EACH : *letter != of->number;
             if (is_read && r < FP3_BANK_SHARED_BASE && !(p->writes & BIT(r)))
                 p->reads |= BIT(r);
         }

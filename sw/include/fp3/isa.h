@@ -63,6 +63,14 @@ enum fp3_opcode {
     FP3_OP_LDN   = 130,
     FP3_OP_LDL   = 131,
     FP3_OP_PHASE = 132,
+    FP3_OP_ADDN  = 133,
+    FP3_OP_SUBN  = 134,
+    FP3_OP_RSBN  = 135,
+    FP3_OP_MULN  = 136,
+    FP3_OP_ADDL  = 137,
+    FP3_OP_SUBL  = 138,
+    FP3_OP_RSBL  = 139,
+    FP3_OP_MULL  = 140,
 };
 
 /* The hardware's counters: docs/registers.md. */
