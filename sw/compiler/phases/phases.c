@@ -1,8 +1,9 @@
-/* phases.c - sections are converted and scheduled one by one, then put in a row. */
+/* phases.c - sections are converted and scheduled one by one, then put in a row, loads of neighbours in their use. */
 #include "phases.h"
 
 #include "compiler/code/check.h"
 #include "cut.h"
+#include "fold.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
 #include "schedule/schedule.h"
@@ -165,6 +166,7 @@ static uint64_t fields_of(const maker *m, uint32_t relation) {
 static void put_section(maker *m, uint32_t i) {
     const fp3_section *s = &m->cut.sections[i];
     const fp3_schedule *schedule = m->schedules[i];
+    const uint32_t each = m->line_count;
     if (s->relation != FP3_NONE) {
         const uint32_t list = fp3_code_variable(&m->code->code, m->cut.list[s->relation]);
         const uint64_t fields = fields_of(m, s->relation);
@@ -177,8 +179,11 @@ static void put_section(maker *m, uint32_t i) {
     }
     for (uint32_t k = 0; k < schedule->step_count; k++)
         put(m, schedule->step[k]);
-    if (s->relation != FP3_NONE)
-        put_word(m, FP3_OP_NEXT, 0, 0);
+    if (s->relation == FP3_NONE)
+        return;
+    if (!m->has_failed)
+        m->line_count = each + 1 + fp3_phases_fold(&m->lines[each + 1], m->line_count - each - 1);
+    put_word(m, FP3_OP_NEXT, 0, 0);
 }
 
 typedef struct {
