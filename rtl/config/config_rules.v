@@ -29,8 +29,8 @@ module config_rules #(
         if (INTERLEAVE != 0 && ADD_LATENCY + MUL_LATENCY < 3) begin : g_latency
             INTERLEAVE_needs_latencies_of_3_in_all u_error ();
         end
-        if (NEIGHBOURS != 0 && (ADD_LATENCY + MUL_LATENCY < 7 || SCHEDULERS != 1)) begin : g_neighbours_shape
-            NEIGHBOURS_needs_one_SCHEDULER_and_latencies_of_7_in_all u_error ();
+        if (NEIGHBOURS != 0 && SCHEDULERS != 1) begin : g_neighbours_shape
+            NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end
         if (ADD_SPARE < 1) begin : g_add_latency
             ADD_LATENCY_must_be_more_than_the_cuts u_error ();

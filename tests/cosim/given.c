@@ -58,6 +58,10 @@ static const char *own(program *p) {
     return below(p->c, 6) ? word(p) : numbers[below(p->c, 5)];
 }
 
+static int has_select(void) {
+    return fp3_operation_lacks(fp3_config_find(config), FP3_OP_MIN) == FP3_KEY_NONE;
+}
+
 static uint32_t state(program *p) { return below(p->c, WORDS); }
 
 /* In a loop over a list whose `ldl` have read so many fields. */
@@ -75,8 +79,8 @@ static void put_word(program *p, uint32_t fields, uint32_t *loaded) {
         *loaded += *loaded < fields;
         return;
     case 2:
-        put(p, "%s x%" PRIu32 ", %s, x%" PRIu32 "\n", plain[below(p->c, 4)], state(p), own(p),
-            state(p));
+        put(p, "%s x%" PRIu32 ", %s, x%" PRIu32 "\n", plain[below(p->c, has_select() ? 4 : 3)],
+            state(p), own(p), state(p));
         return;
     case 3:
         put(p, "madd x%" PRIu32 ", %s, x%" PRIu32 ", x%" PRIu32 "\n", state(p), own(p), state(p),

@@ -48,6 +48,22 @@ def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, lo
         assert runs == 450 and native > 30, out
 
 
+@pytest.mark.parametrize("keys", [{"mul_latency": 1, "add_latency": 2, "mul_cuts": 0, "add_cuts": 2}, {"select": 0, "estimate": 0, "round": 0}],
+                         ids=["the least latency", "z comes late"])
+def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
+    """With the store as early before the registers, and results sooner; without fp_value z is read behind x, and so is its sign."""
+    monkeypatch.syspath_prepend(root / "tools")
+    import one_config
+    from fp3gen.read import load
+    row = next(row for row in load(root).configs if row["name"] == "world") | {"name": "some"} | keys
+    tree = tmp_path / "some"
+    one_config.build(row, tree, build)
+    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+    one_config.run("gcc", *sanitize, "-o", tree / "given", build / "obj/tests/cosim/given.o", tree / "own.o", build / "lib/libfp3.a", *one_config.LIBS)
+    done = subprocess.run([tree / "given", "1", "some", "100"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0 and done.stdout.endswith(", 0 failed\n"), done.stdout + done.stderr
+
+
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):
     """Every seventh operand, so that the next ones in a row differ in all three; or every one, as of the fast engine always."""
     out = start(build / "tests/chosen_values", "1" if long else "7", cwd=tmp_path)
