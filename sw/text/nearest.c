@@ -33,14 +33,20 @@ static unsigned distance(const char *a, size_t a_length, const char *b, size_t b
     return last[b_length];
 }
 
+/* How far a candidate is from what is wanted. Who writes F and has F_x, F_y meant that vector. */
+static unsigned edits(fp3_token wanted, const char *candidate) {
+    const size_t n = wanted.length;
+    if (n && strncmp(candidate, wanted.text, n) == 0 && candidate[n] == '_')
+        return 0;
+    return distance(wanted.text, n, candidate, strlen(candidate));
+}
+
 void fp3_nearest(fp3_token wanted, const char *candidate, const char **best) {
-    size_t length = strlen(candidate);
-    if (wanted.length >= FP3_NAME_SIZE || length >= FP3_NAME_SIZE)
+    if (wanted.length >= FP3_NAME_SIZE || strlen(candidate) >= FP3_NAME_SIZE)
         return;
-    const unsigned edits = distance(wanted.text, wanted.length, candidate, length);
-    const unsigned too_many = *best ? distance(wanted.text, wanted.length, *best, strlen(*best))
+    const unsigned too_many = *best               ? edits(wanted, *best)
                               : wanted.length < 2 ? 1
                                                   : 2 + (unsigned)wanted.length / 4;
-    if (edits < too_many)
+    if (edits(wanted, candidate) < too_many)
         *best = candidate;
 }

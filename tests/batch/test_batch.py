@@ -279,6 +279,10 @@ def test_what_is_refused_changes_nothing(root, script, line, message, engine):
     assert told[1:] == good
 
 
+def test_who_names_a_vector_is_told_its_first_component(root, script):
+    assert script(root / "examples/drone.ode", ["set F 1"]) == ["error 1: the model has no 'F'; did you mean 'F_x'?"]
+
+
 def test_the_ends_of_fp32(root, script):
     """Rounded once: what becomes 0 or an infinity is refused, the last that does not is taken."""
     model = "model m\nparam l = 1\nparam k = 2\nstate x = 0\nstate v = 0\nstep 1\nspan 1\nx' = v\nv' = l*k - x\n"
