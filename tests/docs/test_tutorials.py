@@ -3,7 +3,7 @@
 A page runs in one folder, in the order of the page. An indented block that begins with a comment with the name of a file is that file.
 In any other block `$ ` begins a command, and what follows is its output, with errors; `exit code N` at its end is what a command
 ends with that fails. In the output a line `...` stands for any lines, and `<...>` for any text within a line. Commands without `$ ` are not
-run: test_printed.py has the reason for each. A picture on the page is one that its commands draw.
+run: test_printed.py has the reason for each. A PNG on a page is one that its commands draw; an SVG shows times of one machine.
 """
 
 import difflib
