@@ -85,7 +85,8 @@ static fp3_status count_objects(fp3_engine *engine) {
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                         "%" PRIu32 " objects: configuration '%s' has room for %" PRIu32 " %s",
                         engine->objects, config->name, most,
-                        config->interleave ? "at most" : "object");
+                        config->interleave ? "at most"
+                                           : "object; 'many' and 'many_full' have room for more");
     return FP3_OK;
 }
 

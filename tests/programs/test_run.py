@@ -113,7 +113,7 @@ def test_the_pipeline_is_logged(run, image, params, root, tmp_path):
 
 
 def test_only_so_many_objects_fit(run, image, params):
-    fails(run(image, "--objects", "2", *params), 2, "2 objects: configuration 'single' has room for 1 object")
+    fails(run(image, "--objects", "2", *params), 2, "2 objects: configuration 'single' has room for 1 object; 'many' and 'many_full' have room for more")
     fails(run(image, "--config", "array", "--objects", "10000", *params), 2, "has room for 512 at most")
     fails(run(image, "--objects", "0", *params), 2, "'0' is no number from 1 to 4294967295")
     fails(run(image, "--visit", "0", *params), 2, "'0' is no number from 1")
