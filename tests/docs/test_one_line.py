@@ -1,4 +1,4 @@
-"""The words that docs/one_line.md tells of a wave are those of the wave. (test_printed.py compares what its commands print.)"""
+"""The words that docs/one_line.md tells of a wave are those of the wave. (test_tutorials.py compares what its commands print.)"""
 
 import re
 import subprocess

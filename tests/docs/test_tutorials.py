@@ -1,4 +1,4 @@
-"""Each page of docs/tutorials runs from its first command to its last, and prints what the page prints.
+"""Each page of docs/tutorials, and docs/one_line.md, runs from its first command to its last, and prints what the page prints.
 
 A page runs in one folder, in the order of the page. An indented block that begins with a comment with the name of a file is that file.
 In any other block `$ ` begins a command, and what follows is its output, with errors; `exit code N` at its end is what a command
@@ -16,7 +16,7 @@ import zlib
 import pytest
 from test_printed import ROOT, blocks, commands, exception, files, is_session
 
-PAGES = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("docs/tutorials/*.md"))
+PAGES = sorted(path.relative_to(ROOT).as_posix() for path in [ROOT / "docs/one_line.md", *ROOT.glob("docs/tutorials/*.md")])
 
 
 def ended(lines):
@@ -89,12 +89,6 @@ def test_a_tutorial_prints_what_it_says(folder, build, page):
             assert not differs, f"{page}: $ {first}\n{differs}"
     for picture in re.findall(r"!\[[^]]*\]\((.*\.png)\)", text):
         assert pixels(folder / picture) == pixels((ROOT / page).with_name(picture)), f"{page}: {picture} has other pixels: {folder / picture}"
-
-
-@pytest.mark.parametrize("page", PAGES)
-def test_links_lead_somewhere(page):
-    for link in re.findall(r"\]\(([^)#:]+)[^):]*\)", (ROOT / page).read_text(encoding="utf-8")):
-        assert (ROOT / page).parent.joinpath(link).exists(), link
 
 
 def test_what_differs_is_found(tmp_path):
