@@ -176,7 +176,7 @@ $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 
 all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BULLET) ## Build the command and everything else that the tests start
 
-$(BUILD)/obj/%.o: %.c $(BUILD)/ready
+$(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
@@ -196,7 +196,7 @@ $(call obj,sw/fast/fast.c sw/fast/block.c sw/fast/drive.c sw/engine/near.c): CFL
 $(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/turns.h
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
-$(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/ready
+$(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< ($*)"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
@@ -241,7 +241,7 @@ $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 
 # One more time with flags and rounding by software, as WebAssembly has them. SOFT=1: all software so.
 SOFT_O := $(patsubst %.c,$(BUILD)/obj/soft/%.o,tests/everywhere/operations.c sw/base/fpu_soft.c sw/machine/execute.c)
-$(SOFT_O): $(BUILD)/obj/soft/%.o: %.c $(BUILD)/ready
+$(SOFT_O): $(BUILD)/obj/soft/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (soft)"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(INCLUDES) -DFP3_FPU_SOFT -MMD -MP -c -o $@ $<
@@ -258,7 +258,7 @@ $(BUILD)/tests/operations_soft: $(SOFT_O) $(LIB)
 # $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object, $(6): for Verilator,
 # $(7): for the shim
 define VERILATED
-$(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/ready
+$(BUILD)/verilated/$(1)/hardware.a: $(3) $(RTL) rtl/fp3.f $(BUILD)/flags | $(BUILD)/ready
 	@echo "  RTL  $(2)"
 	@mkdir -p $$(@D)
 	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(6) $(3)
@@ -294,7 +294,7 @@ $(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/obj/sim/fp3_shim_%.o $(BUILD)/verilated/%/ha
 	@$(call link_shared,g++)
 
 # Verilator's run time.
-$(BUILD)/obj/verilator/%.o: $(BUILD)/ready
+$(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
@@ -400,7 +400,7 @@ $(call obj,$(BENCH_C)): | need-bench
 $(eval $(call NOTE,$(BUILD)/bench/bodies,$(HAS_BOX2D) $(HAS_ODE)))
 $(call obj,bench/speed.c) $(BUILD)/bench/bench: $(BUILD)/bench/bodies
 $(call obj,bench/speed.c): MORE = $(if $(HAS_BOX2D),-DBENCH_BOX2D) $(if $(HAS_ODE),-DBENCH_ODE)
-$(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/ready
+$(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CCACHE) g++ $(CXXFLAGS) -Ibench -MMD -MP -c -o $@ $<
@@ -413,7 +413,7 @@ $(BUILD)/bench/bench: $(BENCH_O) $(MEASURE) $(LIB)
 # A scene of objects that see each other, beside a loop by hand, which is compiled for two kinds of processor.
 WORLD_HAND := net stars balls
 define HAND
-$(BUILD)/obj/bench/world/$(1)_$(2).o: bench/world/$(1).c $(BUILD)/ready
+$(BUILD)/obj/bench/world/$(1)_$(2).o: bench/world/$(1).c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $$(@D)
 	@echo "  CC   $$< ($(2))"
 	@$$(CCACHE) gcc $$(CFLAGS) -O3 -march=x86-64-$(2) -mprefer-vector-width=512 -Wno-psabi $$(INCLUDES) -MMD -MP -c -o $$@ $$<
@@ -428,7 +428,7 @@ $(BUILD)/bench/world: $(WORLD_O) $(LIB)
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 # The same net by another, where it is installed: make setup-bench. -isystem: its headers are not as strict as ours.
-$(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/ready
+$(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CCACHE) g++ $(CXXFLAGS) -isystem /usr/include/bullet $(LDFLAGS) -o $@ $< -lBulletSoftBody -lBulletDynamics -lBulletCollision -lLinearMath
@@ -607,7 +607,8 @@ include tools/wasm.mk
 need-%:
 	@PYTHON=$(PYTHON) tools/setup.sh --check $*
 
-# Nothing is compiled before the tools are there and the generated files are fresh.
+# Nothing is compiled before the tools are there and the generated files are fresh. What is compiled depends on these files, not on
+# this check of all of them (|): a new integrator compiles no hardware.
 $(BUILD)/ready: $(BUILD)/flags tools/generate.py $(wildcard tools/fp3gen/*.py isa/*.toml programs/integrators/*) | need-$(firstword $(filter test,$(MAKECMDGOALS)) sim)
 	@$(PYTHON) tools/generate.py --check
 	@mkdir -p $(@D)

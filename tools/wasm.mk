@@ -22,12 +22,12 @@ $(eval $(call NOTE,$(WASM)/flags,$(WASM_CC) $(WASM_CFLAGS)))
 $(WASM)/root/done: tools/sysroot.sh | need-playground
 	@tools/sysroot.sh wasm32-wasi $(@D)
 
-$(WASM_O) $(WASM_OPERATIONS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
+$(WASM_O) $(WASM_OPERATIONS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm)"
 	@$(WASM_CC) $(WASM_CFLAGS) -MMD -MP -c -o $@ $<
 
-$(WASM_SWEEPS): $(WASM)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(WASM)/root/done $(WASM)/flags $(BUILD)/ready
+$(WASM_SWEEPS): $(WASM)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm, $*)"
 	@$(WASM_CC) $(WASM_CFLAGS) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<

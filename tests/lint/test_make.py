@@ -35,6 +35,15 @@ def test_an_unknown_configuration_is_named_before_anything_is_built(root, target
     assert "no configuration 'nonesuch': there are " in done.stderr and "single" in done.stderr
 
 
+def test_what_is_compiled_waits_for_the_check_of_generated_files_but_does_not_depend_on_it(root):
+    """So a new integrator or a row in isa/ compiles what includes the generated files, and not all the hardware."""
+    rules = make(root, "--print-data-base", "--question", "help").stdout
+    found = dict(re.findall(r"^(build/(?:obj|verilated)/[^:%\s]+): (.*build/ready.*)$", rules, re.M))
+    assert "build/verilated/single/hardware.a" in found and any(name.startswith("build/obj/sw/") for name in found), found.keys()
+    for name, needs in found.items():
+        assert "build/ready" in needs.partition("|")[2].split() and "build/flags" in needs.partition("|")[0].split(), f"{name}: {needs}"
+
+
 def test_a_path_with_a_space_is_refused_at_once(root, tmp_path):
     folder = tmp_path / "my work"
     folder.mkdir()
