@@ -1,11 +1,21 @@
 """The command, started by a test, and the numbers that it prints as bits."""
 
 import os
+import pathlib
+import re
 import struct
 import subprocess
 
 BUILD = os.environ["FP3_BUILD"]
 FP3 = os.path.join(BUILD, "fp3")
+
+
+ROWS = pathlib.Path(__file__).resolve().parents[2] / "sw/language/function_rows.h"
+
+
+def functions():
+    """Those of the language that are computed with constants."""
+    return set(re.findall(r"^    X\(\w+, (\w+), POLYNOMIAL", ROWS.read_text(encoding="utf-8"), re.M))
 
 
 def fp3(*arguments, status=0):

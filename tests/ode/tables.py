@@ -3,7 +3,10 @@
 import cmath
 import functools
 import math
+import pathlib
 import re
+
+NAMES = sorted(path.stem for path in (pathlib.Path(__file__).resolve().parents[2] / "programs/integrators").glob("*.cfg"))
 
 TOKEN = re.compile(r'"[^"]*"|[][{}();,=]|[^][\s{}();,="]+')
 

@@ -4,7 +4,7 @@ import cmath
 
 import pytest
 from runs import fp3
-from tables import read, step
+from tables import NAMES, read, step
 
 CIRCLE = """model circle "a mass on a spring"
 
@@ -19,9 +19,6 @@ x' = v
 """
 H, TIME = 2.0**-6, 4096
 SAME = {"stoermer_verlet": "verlet"}  # the same positions, and a table with substeps
-NAMES = ["blanes_moan6", "cash_karp", "dopri5", "euler", "forest_ruth", "heun", "leapfrog", "midpoint", "pefrl", "ralston3", "rk38", "rk4",
-         "rk4_paper", "rk6", "rk8", "rkc12", "rkc6_damped", "rkc8", "rodas3", "ros2", "ros3p", "semi_implicit_euler", "stoermer_verlet", "tsit5",
-         "verlet", "yoshida6"]
 
 
 def power(matrix, n):
