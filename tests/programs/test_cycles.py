@@ -19,7 +19,8 @@ def test_ship_takes_the_cycles_it_took(fp3, root, tmp_path):
     subprocess.run([fp3, "bench", "--steps", "100", "--json", path], cwd=root, check=True, capture_output=True)
     now = sorted(rows(json.loads(path.read_text())["runs"]))
     lines = (root / "tests/programs/cycles.txt").read_text().splitlines()
-    assert now == sorted(line for line in lines if line and not line.startswith("#"))
+    then = sorted(line for line in lines if line and not line.startswith("#"))
+    assert now == then, "\n".join(["now:", *sorted({*now} - {*then}), "then:", *sorted({*then} - {*now})])
 
 
 # A program, its configuration, and what 10 steps of it must stall for, and how often in each step.
