@@ -50,8 +50,9 @@ def test_every_target_that_is_named_exists():
     assert unknown(PAGE) == []
 
 
-@pytest.mark.parametrize("text, wrong", [("`isa/isas.toml`", "isa/isas.toml"), ("see [it](docs/nonesuch.md#a)", "docs/nonesuch.md"), ("`rtl/nonesuch/NAME.v`", "rtl/nonesuch/NAME.v"),
-                                         ("`rtl/gen/*.none`", "rtl/gen/*.none"), ("    tools/nonesuch.sh rtl\n", "tools/nonesuch.sh"), ("`NONE.md`", "NONE.md")])
+@pytest.mark.parametrize("text, wrong", [
+    ("`isa/isas.toml`", "isa/isas.toml"), ("see [it](docs/nonesuch.md#a)", "docs/nonesuch.md"), ("`rtl/nonesuch/NAME.v`", "rtl/nonesuch/NAME.v"),
+    ("`rtl/gen/*.none`", "rtl/gen/*.none"), ("    tools/nonesuch.sh rtl\n", "tools/nonesuch.sh"), ("`NONE.md`", "NONE.md")])
 def test_a_file_that_is_not_there_is_seen(text, wrong):
     assert missing(text) == [wrong]
 
