@@ -179,11 +179,11 @@ MISTAKES = [
 @pytest.mark.parametrize("file, old, new, message", MISTAKES, ids=[m[3] for m in MISTAKES])
 def test_a_mistake_is_reported_and_nothing_is_written(copy, file, old, new, message):
     replace(copy / "isa" / file, old, new)
-    before = {path: path.read_text() for path in copy.rglob("*") if path.is_file()}
+    before = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
     done = generate(copy)
     assert done.returncode != 0
     assert done.stderr.startswith(f"generate.py: isa/{file}: ") and message in done.stderr
-    assert {path: path.read_text() for path in copy.rglob("*") if path.is_file()} == before
+    assert {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()} == before
 
 
 def test_a_missing_file_is_named(copy):
