@@ -291,6 +291,10 @@ static void loop_around(const writer *w, const fp3_fast_loop *l) {
     if (!w->plan->around.lists[l->list].fields)
         loop_over_all(w, l);
     fprintf(w->to, "        }\n        }\n");
+    /* A sum that nothing reads behind the loop reads itself in it, and counts for its flags. */
+    if (w->plan->config->flags)
+        FP3_EACH_REGISTER (l->kept, reg)
+            fp3_write_keep(w, reg, 0);
 }
 
 /* ---- a phase ---- */

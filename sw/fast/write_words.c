@@ -40,7 +40,11 @@ static void value(const writer *w, const fp3_fast_word *p, unsigned vector) {
     fprintf(w->to, "%s)%s", is_estimate(in->op) ? ", table" : "", is_around ? ")" : "");
 }
 
-/* The results of what has flags alone must be computed all the same. */
+void fp3_write_keep(const writer *w, uint32_t reg, unsigned vector) {
+    fprintf(w->to, "        __asm__ volatile(\"\" : : FP3_ANYWHERE(r%" PRIu32 "_%u));\n", reg,
+            vector);
+}
+
 void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vector) {
     const int is_masked = p->is_masked;
     if (p->is_dead && !w->plan->config->flags)
@@ -55,8 +59,7 @@ void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vect
         fprintf(w->to, ", r%" PRIu32 "_%u)", p->in.d, vector);
     fprintf(w->to, ";\n");
     if (p->is_dead)
-        fprintf(w->to, "        __asm__ volatile(\"\" : : FP3_ANYWHERE(r%" PRIu32 "_%u));\n",
-                p->in.d, vector);
+        fp3_write_keep(w, p->in.d, vector);
 }
 
 void fp3_write_sum(const writer *w, const fp3_fast_word *p, unsigned vector, const char *mask) {
