@@ -34,7 +34,7 @@ Models whose objects see each other (springs, contact, gravity) are measured on 
 beside Warp, Taichi, MuJoCo, Bullet, LAMMPS, Box2D and REBOUND.
 
 Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
-on the same machine, so a change of its speed meets all of them. A run of `fast` has up to 16,384 objects; compiling the program and
+on the same machine, so a slow machine slows all of them. A run of `fast` has up to 16,384 objects; compiling the program and
 writing the start are not part of it. A time step is not run if a trial with 64 objects took 15 times
 as long as another point that is as accurate; every other one is run once. A point that takes at most 1.5 times as long as the fastest of its
 engine that is as accurate is near the front: it is run up to 5 times, and with all threads too. Time steps are the span over 1, 2, 3, 4, 6, 8, 12, ..., for everybody who has fixed ones; their sweep ends at the floor, or 1,024 times below the first that solves the model. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the

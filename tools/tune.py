@@ -149,7 +149,7 @@ def page(data):
         f"Each start and each param of an object of a model lies anywhere within {100 * a['around']:g} % of its default ("
         + ", ".join(f"`{name}`: {100 * share:g} %" for name, share in AROUND_OF.items()) + "). A cell has the "
         "cycles of the choice of `fp3 tune` for an object over the span on `many_full`, as a share of those of rk4 with the model's default step; "
-        "integrator, arithmetic, and h (`cut`: of steps that are cut at events), or `tol` with the tolerance of adaptive steps. 1.00 is what switching the tuner off costs. `error of rk4` is the largest error of that.", "",
+        "integrator, arithmetic, and h (`cut`: of steps that are cut at events), or `tol` with the tolerance of adaptive steps. 1.00 is rk4 with the default step. `error of rk4` is the largest error of that.", "",
         *summary(rows), first_rounds(rows), "", *table(rows), "",
         *(["Not met:", "", *missed, ""] if missed else [])])
 

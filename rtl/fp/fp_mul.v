@@ -127,8 +127,8 @@ module fp_mul #(
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
     mux4 #(.W(W1)) u_ones (.n_i(by_1), .q_o(fine),
         .d0_i(fours_4[0 +: W1]), .d1_i(fours_4[1 +: W1]), .d2_i(fours_4[2 +: W1]), .d3_i(fours_4[3 +: W1]));
-    // ONE adder rounds: the top bit, from a register, chooses in front of it, and what it chooses (lower) is asked in front
-    // of the register.
+    // With CUTS[5] one adder rounds, and its operand is selected before that register (lower). Without it two adders work side
+    // by side, and the top bit selects one of their sums.
     localparam [0:0] ONE = CUTS[5];
     wire            lower, st;
     cut #(.W(W1+2+`PLACE_W+5), .ON(CUTS[5])) u_5 (.clk_i(clk_i),

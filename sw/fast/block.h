@@ -23,7 +23,7 @@ typedef struct {
     int is_counted;
     const uint32_t *list; /* until then: numbers of the objects, or NULL: first and those behind */
     uint32_t first;
-    uint32_t common; /* flags of which nothing new is to be known of any lane */
+    uint32_t common; /* flags that are already set for every element */
     uint32_t count;
     unsigned seen; /* FP3_SEEN_* of the last stretch */
     int is_tiny;   /* the next stretch is executed as in tiny.h */

@@ -42,8 +42,8 @@ typedef struct {
 /* By number, in the order in which the names were first given; 0: there are no more. */
 int fp3_values_look(const fp3_params *params, size_t number, fp3_value_look *look);
 
-/* Refuses a value that nobody asks for: has(of, name) says whether the program does; else a
- * reciprocal does that the program asks for. */
+/* Rejects a value that the program does not use, neither itself (has(of, name) tells) nor through its
+ * reciprocal. */
 typedef int fp3_values_has_fn(const void *of, const char *name);
 fp3_status fp3_values_check(const fp3_params *params, fp3_values_has_fn *has, const void *of,
                             fp3_error *error);

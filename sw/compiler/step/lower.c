@@ -66,7 +66,7 @@ static int is_exact(const lowering *l) {
     return (l->g->passes & FP3_PASS(FP3_PASS_EXACT_DIVISION)) != 0;
 }
 
-/* Of which a reciprocal is made without the root. */
+/* Whether 1/sqrt(x) can be computed directly, without the root. */
 static int is_unknown_root(const lowering *l, uint32_t expr) {
     return !is_exact(l) && expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
 }
