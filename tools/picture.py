@@ -94,10 +94,10 @@ def draw(fp3, figures):
     matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "axes.grid": True,
                                 "grid.color": "#dddddd", "lines.linewidth": 1.4, "axes.titlesize": 10})
     figure = Figure(figsize=(13, 3.2), facecolor="white", layout="constrained")
-    text, motion, error, cost = figure.subplots(1, 4, width_ratios=[0.8, 1, 1, 1])
-    text.set_axis_off()
-    text.set_title("1. The equations", loc="left")
-    text.text(0, 0.9, "\n".join(equations()), family="monospace", size=11, va="top", linespacing=2, transform=text.transAxes)
+    words, motion, error, cost = figure.subplots(1, 4, width_ratios=[0.8, 1, 1, 1])
+    words.set_axis_off()
+    words.set_title("1. The equations", loc="left")
+    words.text(0, 0.9, "\n".join(equations()), family="monospace", size=11, va="top", linespacing=2, transform=words.transAxes)
     motion.set_title("2. Seven of its orbits", loc="left")
     rows = run(fp3, *ORBITS, "--observe", "r_x,r_y")
     for n in range(7):
@@ -118,7 +118,9 @@ def draw(fp3, figures):
     cost.legend(frameon=False)
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return re.sub(r"'DejaVu Sans( Mono)?'[^;\"]*", lambda found: "monospace" if found[1] else "sans-serif", out.getvalue())
+    clips = {}      # their names are made of addresses, which differ from run to run
+    text = re.sub(r"\bp[0-9a-f]{10}\b", lambda found: clips.setdefault(found[0], f"clip{len(clips)}"), out.getvalue())
+    return re.sub(r"'DejaVu Sans( Mono)?'[^;\"]*", lambda found: "monospace" if found[1] else "sans-serif", text)
 
 
 def main():
