@@ -174,6 +174,8 @@ def listed(root, files):
 
 def make(program, output, playground):
     pages, files = output / "pages", set()
+    if output.exists() and any(output.iterdir()) and not (pages / "conf.py").exists():
+        sys.exit(f"tools/site.py: {output} has files that are no site of this tool; it would remove them")
     shutil.rmtree(output, ignore_errors=True)
     sources = sorted(ROOT.glob("docs/**/*.md")) + [ROOT / name for name in ASIDE if (ROOT / name).exists()]
     known = {f"docs/{page}.md" for part in PARTS.values() for page in part}

@@ -53,6 +53,13 @@ def test_a_page_that_nobody_put_into_a_part_is_an_error(site, monkeypatch, build
         site.make(str(build / "bin/fp3"), tmp_path / "x", None)
 
 
+def test_a_folder_with_other_files_is_left_alone(site, build, tmp_path):
+    (tmp_path / "mine.txt").write_text("x")
+    with pytest.raises(SystemExit, match="no site of this tool"):
+        site.make(str(build / "bin/fp3"), tmp_path, None)
+    assert (tmp_path / "mine.txt").read_text() == "x"
+
+
 def test_links_are_those_of_the_site(site, root):
     files = set()
     text = "[a](../README.md#try-it) [b](models.md) [c](../sw/include/fp3/batch.h) [d](../examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) [g](https://x.y)"

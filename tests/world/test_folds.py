@@ -61,3 +61,24 @@ def test_a_load_becomes_an_operand(fp3, folder, record, term, given, engine):
     words = [line.split()[0] for line in made.stdout.split(" each ")[1].split(" next")[0].splitlines()[1:] if line.strip()]
     assert sorted(word for word in words if word in FORMS) == sorted(given.split()), made.stdout
     assert [one["s"] for one in record(SCENE, "-e", engine)[-1]] == [value(term, i) for i in range(len(X))]
+
+
+SPHERES = """
+shared far = 0.01
+state x[3] = (0, 0, 0)
+state n = 0
+all others
+step 1
+c = sum(o in others: dot(o.x - x, o.x - x) < far ? 1 : 0)
+x' = (0*c, 0, 0)
+n' = c
+"""
+
+
+def test_a_turn_takes_the_cycles_that_the_pages_tell(fp3, root, tmp_path):
+    """Of docs/architecture.md: a sphere test, a pair of stars, a link of a net."""
+    (tmp_path / "spheres.ode").write_text(SPHERES)
+    for model, integrator, turn in ((tmp_path / "spheres.ode", "euler", "10 per turn of others"), (root / "programs/world/stars.ode", "leapfrog", "21 per turn of others"),
+                                    (root / "programs/world/net.ode", "semi_implicit_euler", "19 per turn of springs")):
+        done = subprocess.run([fp3, "compile", model, "-i", integrator, "-c", "world", "--report"], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0 and turn in done.stdout, done.stdout + done.stderr
