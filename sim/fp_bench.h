@@ -21,15 +21,18 @@ typedef enum { FP3_BENCH_ADD, FP3_BENCH_SUB, FP3_BENCH_MUL } fp3_bench_op;
 /* Rows of the bench; each has an adder and a multiplier. */
 enum {
     FP3_BENCH_SMALL = 0, /* + 2 gradual, + 1 nearest: 4-bit exponent, 3-bit fraction */
-    FP3_BENCH_BINARY16 = 4,
-    FP3_BENCH_BINARY32 = 5,
-    FP3_BENCH_CUT = 6 /* and on: binary32 with the cuts of named configurations, each pair once */
+    FP3_BENCH_SMALL_CELL = 4,
+    FP3_BENCH_BINARY16 = 5,
+    FP3_BENCH_CELL = 6, /* binary32's format in Cell's arithmetic */
+    FP3_BENCH_BINARY32 = 7,
+    FP3_BENCH_CUT = 8 /* and on: binary32 with the cuts of named configurations, each pair once */
 };
 
 /* How the core behind a row and an operation was built, read back from the hardware. */
 typedef struct {
     unsigned exp, frac;          /* widths in bits */
     unsigned subnormal, nearest; /* 1: gradual underflow, 1: nearest-even */
+    unsigned finite;             /* 1: no infinity, no NaN */
     unsigned cuts;               /* mask */
     unsigned latency;            /* set bits of the mask */
 } fp3_bench_core;

@@ -38,7 +38,8 @@ fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_benc
     core.frac = info >> 18 & 63;
     core.subnormal = info >> 17 & 1;
     core.nearest = info >> 16 & 1;
-    core.cuts = info & 0xffff;
+    core.finite = info >> 15 & 1;
+    core.cuts = info & 0x7fff;
     core.latency = static_cast<unsigned>(__builtin_popcount(core.cuts));
     return core;
 }

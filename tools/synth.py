@@ -132,13 +132,13 @@ def registered(name, inputs, outputs, instance, clock="clk_i"):
 def depths(top):
     """The core by number of cuts, each as if it were a configuration."""
     mask = "add_cuts" if top == "fp_add" else "mul_cuts"
-    return [{"name": f"cuts{cuts.bit_count()}", mask: cuts, "subnormal": 1, "nearest": 1} for cuts in DEPTHS[top]]
+    return [{"name": f"cuts{cuts.bit_count()}", mask: cuts, "subnormal": 1, "nearest": 1, "finite": 0} for cuts in DEPTHS[top]]
 
 
 def core(top, row, around):
     cuts = row["add_cuts" if top == "fp_add" else "mul_cuts"]
     inputs = [("sub_i", 1)] * (top == "fp_add") + [("a_i", 32), ("b_i", 32)]
-    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .CUTS(7'd{cuts})"
+    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .FINITE({row['finite']}), .CUTS(7'd{cuts})"
     wrapper = around("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 

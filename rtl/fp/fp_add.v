@@ -10,6 +10,8 @@
 // Modes     NEAREST = 0 truncates: overflow gives the largest finite number.
 //           SUBNORMAL = 0 reads subnormals as zeros of their sign. An exact sum that is not
 //           zero and below the smallest normal number gives a zero of its sign, UF and NX.
+//           FINITE = 1, with both of these, is the arithmetic of Cell's SPU: the largest exponent is a number's, overflow
+//           gives the largest number, and every zero result is +0.
 //
 //     fp_add #(.CUTS(7'b001_0010)) u_add (.clk_i(clk_i), .sub_i(sub), .a_i(a), .b_i(b),
 //         .z_o(z), .flags_o(flags));              // two cycles later
@@ -19,6 +21,7 @@ module fp_add #(
     parameter       FRAC      = 23,    // fraction bits, 2 to 30
     parameter       SUBNORMAL = 1,     // 1: gradual underflow, 0: flush to zero
     parameter       NEAREST   = 1,     // 1: to nearest, ties to even, 0: toward zero
+    parameter       FINITE    = 0,     // 1: no infinity and no NaN: see above
     // A register after: 0 compare, 1 swap, 2 align in part, 3 align, 4 add, 5 pick, 6 choose.
     parameter [6:0] CUTS      = 0
 ) (
@@ -38,6 +41,9 @@ module fp_add #(
         if (EXP <= N) begin : g_exp
             EXP_must_be_more_than_clog2_of_FRAC_plus_4 u_error ();
         end
+        if (FINITE != 0 && (SUBNORMAL != 0 || NEAREST != 0)) begin : g_finite
+            FINITE_needs_SUBNORMAL_0_and_NEAREST_0 u_error ();
+        end
     endgenerate
 
     wire [FRAC:0]   big1, little1;
@@ -45,7 +51,7 @@ module fp_add #(
     wire [N-1:0]    n1;
     wire [EXP-1:0]  e1;
     wire gone1, sign1, minus1, special1, nought1, invalid1;
-    fp_add_swap #(.EXP(EXP), .FRAC(FRAC), .N(N), .SUBNORMAL(SUBNORMAL), .CUTS(CUTS[1:0])) u_swap (
+    fp_add_swap #(.EXP(EXP), .FRAC(FRAC), .N(N), .SUBNORMAL(SUBNORMAL), .FINITE(FINITE), .CUTS(CUTS[1:0])) u_swap (
         .clk_i(clk_i), .sub_i(sub_i), .a_i(a_i), .b_i(b_i), .big_o(big1), .little_o(little1),
         .diff_o(diff1), .n_o(n1), .gone_o(gone1), .e_o(e1), .sign_o(sign1), .minus_o(minus1),
         .special_o(special1), .nought_o(nought1), .invalid_o(invalid1));
@@ -55,7 +61,7 @@ module fp_add #(
     wire [EXP-1:0]  near_e5;
     wire            near_hidden5;
     wire [EXP-1:0]  e3;
-    fp_add_near #(.EXP(EXP), .FRAC(FRAC), .NEAREST(NEAREST), .CUTS(CUTS[5:2])) u_near (
+    fp_add_near #(.EXP(EXP), .FRAC(FRAC), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(CUTS[5:2])) u_near (
         .clk_i(clk_i), .diff_i(diff1), .e_i(e1), .e1_i(e3), .close_i(close1),
         .frac_o(near_frac5), .e_o(near_e5), .hidden_o(near_hidden5));
 
@@ -105,7 +111,8 @@ module fp_add #(
         .d_i({sum3, e3, sticky3, NEAREST != 0 && minus3 && sticky3, close3, made3, sign3, invalid3}),
         .q_o({sum4, e4, sticky4, below4, close4, made4, sign4, invalid4}));
 
-    fp_add_round #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS[6:5])) u_round (
+    fp_add_round #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE),
+                   .CUTS(CUTS[6:5])) u_round (
         .clk_i(clk_i), .sum_i(sum4), .sticky_i(sticky4), .below_i(below4), .e_i(e4),
         .close_i(close4), .made_i(made4), .sign_i(sign4), .invalid_i(invalid4),
         .near_frac_i(near_frac5), .near_e_i(near_e5), .near_hidden_i(near_hidden5),

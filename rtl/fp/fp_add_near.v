@@ -12,6 +12,7 @@ module fp_add_near #(
     parameter       EXP     = 8,
     parameter       FRAC    = 23,
     parameter       NEAREST = 1,
+    parameter       FINITE   = 0,
     parameter [3:0] CUTS    = 0        // after: subtract, count, move by much, move by little
 ) (
     input  wire            clk_i,
@@ -61,7 +62,7 @@ module fp_add_near #(
     wire           unused_guard = normal[0];
     wire           hidden = close2 && normal[D-1];
     wire [FRAC-1:0] frac  = close2 ? normal[1 +: FRAC] : {FRAC{NEAREST == 0}};
-    wire [EXP-1:0]  e     = close2 ? {e2[EXP-1:1], e2[0] && hidden} : {{EXP-1{1'b1}}, NEAREST != 0};
+    wire [EXP-1:0]  e     = close2 ? {e2[EXP-1:1], e2[0] && hidden} : {{EXP-1{1'b1}}, NEAREST != 0 || FINITE != 0};
     cut #(.W(FRAC + EXP + 1), .ON(CUTS[3])) u_little (.clk_i(clk_i),
         .d_i({frac, e, hidden}), .q_o({frac_o, e_o, hidden_o}));
 endmodule

@@ -12,6 +12,7 @@ module fp_add_round #(
     parameter       FRAC      = 23,
     parameter       SUBNORMAL = 1,
     parameter       NEAREST   = 1,
+    parameter       FINITE    = 0,
     parameter [1:0] CUTS      = 0       // after: pick, choose
 ) (
     input  wire              clk_i,
@@ -32,8 +33,9 @@ module fp_add_round #(
     localparam S = FRAC + 4;
 
     // Pick. An overflow before rounding has its value from the near path as well.
-    wire       full  = &e_i[EXP-1:1] && !e_i[0];        // the largest exponent
-    wire       full1 = &e_i[EXP-1:2] && !e_i[1] && e_i[0];
+    localparam [0:0] TOP = FINITE != 0;                  // the last bit of the largest exponent
+    wire       full  = &e_i[EXP-1:1] && e_i[0] == TOP;
+    wire       full1 = &e_i[EXP-1:2] && e_i[1] == TOP && e_i[0] != TOP;
     wire       least = ~|e_i[EXP-1:1] && e_i[0];        // no further: the result is subnormal
     wire       over  = sum_i[S-1] && full;
     wire       last  = sum_i[S-1] ? full1 : full && sum_i[S-2];
@@ -80,7 +82,7 @@ module fp_add_round #(
     wire inc, dec, up1, sign1, invalid1, over1, last1, tiny1, inexact1;
     cut #(.W(FRAC + EXP + 9), .ON(CUTS[1])) u_choose (.clk_i(clk_i),
         .d_i({f & {FRAC{!tiny}}, field, pick0 == 2'd0 && s[S-1], pick0 == 2'd2, NEAREST != 0 && up,
-              sign0, invalid0, over0, last0, tiny, over0 || rest || sticky || tiny}),
+              sign0 && !(FINITE != 0 && tiny), invalid0, over0, last0, tiny, over0 || rest || sticky || tiny}),
         .q_o({frac1, field1, inc, dec, up1, sign1, invalid1, over1, last1, tiny1, inexact1}));
 
     // Round. A carry out of the fraction counts into the exponent.

@@ -13,6 +13,7 @@ module fp_add_swap #(
     parameter       FRAC      = 23,
     parameter       N         = 5,      // bits of the distance
     parameter       SUBNORMAL = 1,
+    parameter       FINITE    = 0,
     parameter [1:0] CUTS      = 0       // after: compare, swap
 ) (
     input  wire              clk_i,
@@ -34,7 +35,7 @@ module fp_add_swap #(
     localparam M = EXP + FRAC;          // the magnitude, and the place of the sign
 
     wire [EXP-1:0] ea = a_i[FRAC +: EXP], eb = b_i[FRAC +: EXP];
-    wire a_zero = ea == 0, b_zero = eb == 0, a_ones = &ea, b_ones = &eb;
+    wire a_zero = ea == 0, b_zero = eb == 0, a_ones = FINITE == 0 && &ea, b_ones = FINITE == 0 && &eb;
     wire a_some = |a_i[FRAC-1:0], b_some = |b_i[FRAC-1:0];
     wire differ = a_i[M] ^ b_i[M] ^ sub_i;
     // Whether both magnitudes are the same is asked a quarter at a time, and of the quarters behind the cut.
@@ -85,7 +86,7 @@ module fp_add_swap #(
 
     cut #(.W(2*FRAC + N + EXP + 8), .ON(CUTS[1])) u_swap (.clk_i(clk_i),
         .d_i({big, little, n, special || (less0 ? gone_b0 : gone_a0),
-              x[FRAC+1 +: EXP-1], x[FRAC] || !x_some, x[M] && !nan && !(nought && differ0),
+              x[FRAC+1 +: EXP-1], x[FRAC] || !x_some, x[M] && !nan && !(nought && (FINITE != 0 || differ0)),
               differ0 && !special, special, nought, invalid}),
         .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
 

@@ -11,7 +11,8 @@
 // Options   SUBNORMAL = 0: a subnormal operand is a zero of its sign; a nonzero product whose
 //           exact value lies below the least normal number (tiny before rounding) becomes a
 //           zero of its sign with UF and NX. NEAREST = 0: truncate; overflow then gives the
-//           largest finite number with OF and NX.
+//           largest finite number with OF and NX. FINITE = 1, with both of these, is the arithmetic of Cell's SPU: the
+//           largest exponent is a number's, overflow gives the largest number, and every zero result is +0.
 //
 //     fp_mul #(.CUTS(7'b0101000)) u (.clk_i(clk), .a_i(x), .b_i(y), .z_o(z), .flags_o(f));
 //     // two edges later z = x * y: 3F800001 * 40000000 = 40000001, f = 0
@@ -22,6 +23,7 @@ module fp_mul #(
     parameter       FRAC      = 23,
     parameter       SUBNORMAL = 1,
     parameter       NEAREST   = 1,
+    parameter       FINITE    = 0,
     parameter [6:0] CUTS      = 0
 ) (
     input  wire                clk_i,
@@ -36,6 +38,9 @@ module fp_mul #(
         end
         if (EXP < 3) begin : g_exp
             EXP_must_be_at_least_3 u_error ();
+        end
+        if (FINITE != 0 && (SUBNORMAL != 0 || NEAREST != 0)) begin : g_finite
+            FINITE_needs_SUBNORMAL_0_and_NEAREST_0 u_error ();
         end
     endgenerate
 
@@ -56,7 +61,7 @@ module fp_mul #(
     wire a_normal_0, b_normal_0, a_empty_0, b_empty_0, a_top_0, b_top_0, a_quiet_0, b_quiet_0, sign_0;
     cut #(.W(2*EXP+2*FRAC+9), .ON(CUTS[0])) u_0 (.clk_i(clk_i),
         .d_i({ae, be, CUTS[0] ? {either, either} : {af, bf}, a_normal, b_normal, a_empty, b_empty,
-              &ae, &be, af[FRAC-1], bf[FRAC-1], a_i[EXP+FRAC] ^ b_i[EXP+FRAC]}),
+              FINITE == 0 && &ae, FINITE == 0 && &be, af[FRAC-1], bf[FRAC-1], a_i[EXP+FRAC] ^ b_i[EXP+FRAC]}),
         .q_o({ae_0, be_0, af_0, bf_0, a_normal_0, b_normal_0, a_empty_0, b_empty_0,
               a_top_0, b_top_0, a_quiet_0, b_quiet_0, sign_0}));
 
@@ -72,7 +77,7 @@ module fp_mul #(
     // Beside the product: how far to shift it, its exponent, its class.
     wire [SW-1:0] shift_2;
     wire [`PLACE_W-1:0] place_2, place_3, place_4, place_5;
-    fp_mul_scale #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .SW(SW), .CUTS(CUTS[2:1]))
+    fp_mul_scale #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .FINITE(FINITE), .SW(SW), .CUTS(CUTS[2:1]))
         u_scale (.clk_i(clk_i), .ae_i(ae_0), .be_i(be_0), .af_i(af_0), .bf_i(bf_0),
                  .a_normal_i(a_normal_0), .b_normal_i(b_normal_0),
                  .shift_o(shift_2), .place_o(place_2));
@@ -160,13 +165,13 @@ module fp_mul #(
     wire [1:0] tiny   = {place_gone, place_gone || place_low};
     wire [1:0] flush  = tiny & {2{SUBNORMAL == 0}};
     wire [1:0] beyond = {place_over || place_by1, place_over} & {2{usual && !place_gone}};
-    wire [1:0] brink  = {place_by2, place_by1 && !place_low} & {2{usual && !place_gone}};     // beyond if it carries
+    wire [1:0] brink  = {place_by2, place_by1 && !place_low} & {2{HALF && usual && !place_gone}};     // beyond if it carries
     wire [11:0] early [0:1];
     generate
         for (i = 0; i < 2; i = i + 1) begin : g_top
             wire [1:0] rounded  = {1'b1, right[i]};
             wire [1:0] exponent = nan_5 || inf_5 || beyond[i] ? ALL_1 : zero_5 || flush[i] ? ALL_0 : rounded;
-            wire [1:0] lowest   = beyond[i] && !HALF ? ALL_0 : exponent;        // truncated: the largest finite number
+            wire [1:0] lowest   = beyond[i] && !HALF && FINITE == 0 ? ALL_0 : exponent;     // truncated: the largest finite number
             wire [1:0] rest     = !usual || flush[i] || (beyond[i] && HALF) ? ALL_0 : beyond[i] ? ALL_1 : rounded;
             wire [1:0] of       = beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0;
             assign early[i] = {exponent, lowest, nan_5 ? ALL_1 : rest, rest, of,
@@ -186,7 +191,7 @@ module fp_mul #(
     wire nv_6, sign_6;
     cut #(.W(2*EXP+2*FRAC+16), .ON(CUTS[6])) u_6 (.clk_i(clk_i),
         .d_i({hi[EXP+FRAC:2], hi_odd, lo[EXP+FRAC:2], lo_odd, exponent_5, lowest_5, top_5, rest_5, of_5, uf_5, nx_5,
-              nv_5, sign_5}),
+              nv_5, sign_5 && !(FINITE != 0 && exponent_5 == ALL_0)}),
         .q_o({hi_6, lo_6, exponent_6, lowest_6, top_6, rest_6, of_6, uf_6, nx_6, nv_6, sign_6}));
 
     wire of, uf, nx;

@@ -17,6 +17,7 @@ module fp_mul_scale #(
     parameter       EXP       = 8,
     parameter       FRAC      = 23,
     parameter       SUBNORMAL = 1,
+    parameter       FINITE    = 0,
     parameter       SW        = 6,     // width of the shift
     parameter [1:0] CUTS      = 0
 ) (
@@ -28,8 +29,9 @@ module fp_mul_scale #(
     output wire [`PLACE_W-1:0] place_o
 );
     localparam XW  = (EXP > SW ? EXP : SW) + 2;     // signed exponent
-    localparam TOP = (1 << EXP) - 1;                // exponent field of an infinity
-    localparam MID = FRAC + TOP / 2;
+    localparam BIAS = (1 << (EXP - 1)) - 1;
+    localparam TOP = (1 << EXP) - (FINITE == 0 ? 1 : 0);      // the first exponent that is too large: that of an infinity
+    localparam MID = FRAC + BIAS;
 
     function [SW-1:0] leading;            // index of the leading one, four bits at a time
         input [FRAC-1:0] x;

@@ -3,7 +3,7 @@
 // Purpose   The same bits and flags as a product with 2 or 1/2. Only the exponent changes, unless
 //           the result is not a normal number.
 // Latency   0, or 1 with CUTS.
-// Options   SUBNORMAL = 0 and NEAREST = 0 as in fp_mul. SUM_LAST = 1: the same bits, the result comes out of an adder.
+// Options   SUBNORMAL = 0, NEAREST = 0 and FINITE = 1 as in fp_mul. SUM_LAST = 1: the same bits, the result comes out of an adder.
 // Promise   With neither twice_i nor half_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
 //           passes even with SUBNORMAL = 0, where the adder behind reads it as zero.
 //           A NaN passes unchanged: the adder behind makes it quiet, and raises invalid for a
@@ -18,6 +18,7 @@ module fp_scale #(
     parameter FRAC       = 23,
     parameter SUBNORMAL  = 1,
     parameter NEAREST    = 1,
+    parameter FINITE     = 0,
     parameter SUM_LAST   = 0,          // 1: nothing is chosen behind the sum, so that a register may be in its cells; slower without CUTS
     parameter [0:0] CUTS = 1'b0        // a register between what kind of number it is and the result
 ) (
@@ -32,9 +33,9 @@ module fp_scale #(
     localparam [1:0] SAME = 2'd0, MOVED = 2'd1, OVER = 2'd2, ZERO = 2'd3;       // what the fraction becomes
 
     wire [EXP-1:0] e       = d_i[EXP+FRAC-1:FRAC];
-    wire           top     = &e;                          // infinity or NaN
+    wire           top     = FINITE == 0 && &e;         // infinity or NaN
     wire           low     = e == {EXP{1'b0}};            // zero or subnormal
-    wire           over    = twice_i && e == {{EXP-1{1'b1}}, 1'b0};
+    wire           over    = twice_i && e == {{EXP-1{1'b1}}, FINITE != 0};
     wire           up      = twice_i && low;
     wire           down    = half_i && (low || e == ONE); // is or becomes subnormal
     wire [1:0]     kind    = over ? OVER : SUBNORMAL == 0 && (down || up) ? ZERO : down ? MOVED : SAME;
@@ -70,12 +71,13 @@ module fp_scale #(
                 default: x = {FRAC{1'b0}};
             endcase
             wire [FRAC-1:0] more = {f[FRAC-1:1] & {FRAC-1{up_1}}, up_1 ? f[0] : round && kind_1 == MOVED};
-            wire           lesser = NEAREST == 0 && kind_1 == OVER;     // the largest finite number
-            wire [EXP-1:0] y = top_1 ? {EXP{1'b1}} : low_1 ? {EXP{1'b0}} : {next_1[EXP-1:1], next_1[0] && !lesser};
+            wire           lesser = NEAREST == 0 && kind_1 == OVER && FINITE == 0;     // the largest finite number
+            wire           ones   = top_1 || (FINITE != 0 && kind_1 == OVER);
+            wire [EXP-1:0] y = ones ? {EXP{1'b1}} : low_1 ? {EXP{1'b0}} : {next_1[EXP-1:1], next_1[0] && !lesser};
             assign z = {y, x} + {{EXP{1'b0}}, more};
         end else begin : g_choice_last
             wire [FRAC:0]       tiny = {1'b0, moved} + {{FRAC{1'b0}}, round};
-            wire [EXP+FRAC-1:0] most = NEAREST != 0 ? {{EXP{1'b1}}, {FRAC{1'b0}}} : {{EXP-1{1'b1}}, 1'b0, {FRAC{1'b1}}};
+            wire [EXP+FRAC-1:0] most = NEAREST != 0 ? {{EXP{1'b1}}, {FRAC{1'b0}}} : {{EXP-1{1'b1}}, FINITE != 0, {FRAC{1'b1}}};
             assign z = kind_1 == ZERO ? {EXP+FRAC{1'b0}} : kind_1 == OVER ? most : up_1 ? {{EXP-1{1'b0}}, f, 1'b0}
                      : kind_1 == MOVED ? {{EXP-1{1'b0}}, tiny} : {next_1, f};
             wire unused = top_1;
@@ -84,7 +86,7 @@ module fp_scale #(
 
     wire is_over = kind_1 == OVER;
     wire uf      = SUBNORMAL != 0 ? kind_1 == MOVED && f[0] : kind_1 == ZERO && !low_1;
-    assign z_o     = {sign_1, z};
+    assign z_o     = {sign_1 && !(FINITE != 0 && kind_1 == ZERO), z};
     assign flags_o = {2'b00, is_over, uf, is_over || uf};
 endmodule
 `default_nettype wire

@@ -38,8 +38,8 @@ module fp_value #(
             wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
             delay #(.W(1), .N(MUL_LATENCY-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
 
-            // Magnitudes are ordered as integers. What is known of the operands, and then what follows.
-            wire        a_nan = &a_i[30:23] && |a_i[22:0], b_nan = &b_i[30:23] && |b_i[22:0];
+            // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as zeros. What is known of the operands, and then what follows.
+            wire        a_nan = FINITE == 0 && &a_i[30:23] && |a_i[22:0], b_nan = FINITE == 0 && &b_i[30:23] && |b_i[22:0];
             reg         a_lower_q, b_lower_q, nan_q, zeros_q, true_q;
             reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, rint_q, exponent_q, made_q;
             reg  [31:0] a_q, b_q;
@@ -47,7 +47,7 @@ module fp_value #(
                 a_lower_q   <= a_i[30:0] < b_i[30:0];
                 b_lower_q   <= b_i[30:0] < a_i[30:0];
                 nan_q       <= a_nan || b_nan;
-                zeros_q     <= {a_i[30:0], b_i[30:0]} == 62'd0;
+                zeros_q     <= {a_i[30:23], b_i[30:23]} == 16'd0 && (FINITE != 0 || {a_i[22:0], b_i[22:0]} == 46'd0);
                 true_q      <= true_i;
                 {minimum_q, maximum_q, sel_q, lt_q, le_q} <= {minimum, maximum, sel, lt, le} & {5{SELECT != 0}};
                 estimated_q <= ESTIMATE != 0 && estimated;
@@ -57,8 +57,8 @@ module fp_value #(
                 a_q         <= {a_i[31] && !(SELECT != 0 && choice_i == CHOICE_ABS), a_i[30:0]};
                 b_q         <= b_i;
             end
-            wire        a_less  = !nan_q && (a_q[31] ? (b_q[31] ? b_lower_q : !zeros_q) : !b_q[31] && a_lower_q);
-            wire        b_less  = !nan_q && (b_q[31] ? (a_q[31] ? a_lower_q : !zeros_q) : !a_q[31] && b_lower_q);
+            wire        a_less  = !nan_q && !(FINITE != 0 && zeros_q) && (a_q[31] ? (b_q[31] ? b_lower_q : !zeros_q) : !b_q[31] && a_lower_q);
+            wire        b_less  = !nan_q && !(FINITE != 0 && zeros_q) && (b_q[31] ? (a_q[31] ? a_lower_q : !zeros_q) : !a_q[31] && b_lower_q);
             wire        takes_b = (minimum_q && !a_less) || (maximum_q && !b_less) || (sel_q && !true_q);
             wire        is_one  = (lt_q && a_less) || (le_q && !nan_q && !b_less);
 
@@ -70,7 +70,7 @@ module fp_value #(
 
             wire [31:13] estimate;
             if (ESTIMATE != 0) begin : g_estimate
-                fp_estimate #(.CUT(STAGES == 3)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
+                fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;
                 assign estimate = 19'd0;
@@ -78,7 +78,7 @@ module fp_value #(
             wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint
                 fp_rint #(.CUT(STAGES == 3), .NEAREST(NEAREST)) u_rint (.clk_i(clk_i), .a_i(a_i), .z_o(rounded));
-                fp_exponent #(.CUT(STAGES == 3)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a_i[31:16]), .z_o(scaled));
+                fp_exponent #(.CUT(STAGES == 3), .FINITE(FINITE)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a_i[31:16]), .z_o(scaled));
             end else begin : g_no_rint
                 wire unused = logb;
                 assign rounded = 32'd0;

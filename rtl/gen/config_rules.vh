@@ -138,6 +138,15 @@ end
 if (NEAREST < 0 || NEAREST > 1) begin : g_nearest_must_be_0_to_1
     NEAREST_must_be_0_to_1 u_error ();
 end
+if (FINITE < 0 || FINITE > 1) begin : g_finite_must_be_0_to_1
+    FINITE_must_be_0_to_1 u_error ();
+end
+if (FINITE > 0 && SUBNORMAL != 0) begin : g_finite_excludes_subnormal
+    FINITE_excludes_SUBNORMAL u_error ();
+end
+if (FINITE > 0 && NEAREST != 0) begin : g_finite_excludes_nearest
+    FINITE_excludes_NEAREST u_error ();
+end
 if (ADD_LATENCY < 1 || ADD_LATENCY > 255) begin : g_add_latency_must_be_1_to_255
     ADD_LATENCY_must_be_1_to_255 u_error ();
 end

@@ -72,6 +72,7 @@ module fp3_shared_full (
         .STATUS          (1),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (8),
         .MUL_LATENCY     (8),
         .ADD_CUTS        (7'h7f),

@@ -72,6 +72,7 @@ module fp3_single_full (
         .STATUS          (0),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (2),
         .MUL_LATENCY     (2),
         .ADD_CUTS        (7'h04),

@@ -72,6 +72,7 @@ module fp3_sixteen (
         .STATUS          (1),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (6),
         .MUL_LATENCY     (5),
         .ADD_CUTS        (7'h6e),

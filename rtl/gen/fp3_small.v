@@ -72,6 +72,7 @@ module fp3_small (
         .STATUS          (0),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (3),
         .MUL_LATENCY     (4),
         .ADD_CUTS        (7'h0a),

@@ -72,6 +72,7 @@ module fp3_uncut (
         .STATUS          (0),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (1),
         .MUL_LATENCY     (1),
         .ADD_CUTS        (7'h00),

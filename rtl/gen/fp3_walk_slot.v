@@ -72,6 +72,7 @@ module fp3_walk_slot (
         .STATUS          (0),
         .SUBNORMAL       (1),
         .NEAREST         (1),
+        .FINITE          (0),
         .ADD_LATENCY     (14),
         .MUL_LATENCY     (13),
         .ADD_CUTS        (7'h7f),

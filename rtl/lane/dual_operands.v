@@ -59,7 +59,7 @@ module dual_operands #(
         if (SCALE != 0) begin : g_scale
             wire [4:0] flags;
             wire       of, uf;
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .SUM_LAST(1), .CUTS(1'b1)) u_scale (.clk_i(clk_i),
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1), .CUTS(1'b1)) u_scale (.clk_i(clk_i),
                 .twice_i(twice_i1), .half_i(half_i1), .d_i(sum_y_q), .z_o(scaled), .flags_o(flags));
             delay #(.W(2), .N(UNIT_LATENCY+1)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags[2:1]), .q_o({of, uf}));
             assign scale_flags_o = {2'b00, of, uf, of || uf};

@@ -86,12 +86,12 @@ module lane_operands #(
     assign {operands_x, operands_y, operands_z} = {x_q, y_q, z_q};
     assign stored_o = y_q;
 
-    // sleep compares magnitudes as integers; a NaN is not less.
+    // sleep compares magnitudes as integers; a NaN is not less, and nothing is less than a number that is read as zero.
     generate
         if (SLEEP != 0) begin : g_less
             reg less_q;
             always @(posedge clk_i)
-                less_q <= y_q[30:0] < x_q[30:0] && !x_q[31] && x_q[30:0] <= 31'h7f800000;
+                less_q <= y_q[30:0] < x_q[30:0] && !x_q[31] && (FINITE == 0 ? x_q[30:0] <= 31'h7f800000 : |x_q[30:23]);
             delay #(.W(1), .N(UNIT_LATENCY-1)) u_less (.clk_i(clk_i), .rst_i(1'b0), .d_i(less_q), .q_o(less_o));
         end else begin : g_no_less
             assign less_o = 1'b0;

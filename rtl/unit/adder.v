@@ -19,7 +19,7 @@ module adder #(
 );
     wire [31:0] sum;
     wire [4:0]  flags;
-    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
+    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
         .sub_i(subtract_i), .a_i(a_i), .b_i(b_i), .z_o(sum), .flags_o(flags));
     delay #(.W(37), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}), .q_o({flags_o, value_o}));
 endmodule

@@ -34,7 +34,7 @@ module lane_arith #(
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
-        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .no_product_o(no_product));
+        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
 
     wire [4:0] sum_flags, earlier_flags;
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(subtract),

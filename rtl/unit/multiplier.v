@@ -20,7 +20,7 @@ module multiplier #(
 `include "gen/isa.vh"
     wire [31:0] product, product_late;
     wire [4:0]  flags, flags_late;
-    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
+    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
         .a_i(a_i), .b_i(b_i), .z_o(product), .flags_o(flags));
     delay #(.W(37), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({flags, product}), .q_o({flags_late, product_late}));

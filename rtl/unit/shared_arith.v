@@ -44,7 +44,7 @@ module shared_arith #(
     always @(posedge clk_i) begin
         {mul_x_q, mul_y_q, x_q, z_q} <= {mul, operands_x, operands_z};
         {subtract_q, chain_q, twice_q, half_q} <= {operands_subtract, |(adds_i & muls_i), operands_twice, operands_half};
-        {true_q, choice_q} <= {|operands_y[30:0], operands_choice};
+        {true_q, choice_q} <= {|operands_y[30:NONZERO_FROM], operands_choice};
     end
     wire unused = operands_y[31];
 
@@ -56,7 +56,7 @@ module shared_arith #(
     wire        subtract_late, chain_late;
     generate
         if (SCALE != 0) begin : g_scale
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .half_i(half_q),
+            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .half_i(half_q),
                 .d_i(x_q), .z_o(scaled), .flags_o(scale_flags));
         end else begin : g_no_scale
             wire unused_scale = twice_q | half_q;

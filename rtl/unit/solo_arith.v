@@ -50,7 +50,7 @@ module solo_arith #(
             delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(operands_subtract), .q_o(chain_subtract));
             fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
-                .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]),
+                .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]),
                 .z_o(chain_z_o), .no_product_o(no_product));
             delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? product_flags : 5'd0), .q_o(chain_flags));

@@ -120,7 +120,8 @@ fp3_status fp3_field_list(const fp3_image *image, const fp3_compiled *compiled, 
     const fp3_model *model = compiled ? fp3_start_model(compiled) : NULL;
     const size_t most =
         (model ? model->param_count + model->state_count : image->symbol_count) + 2u;
-    *table = (fp3_field_table){.list = calloc(most, sizeof *table->list), .model = model};
+    *table = (fp3_field_table){
+        .list = calloc(most, sizeof *table->list), .model = model, .needs_finite = model != NULL};
     if (!table->list)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (model)
@@ -169,5 +170,5 @@ const char *fp3_field_word(const fp3_field_table *table, const fp3_field *q, dou
         return NULL;
     }
     const char *expected = fp3_number_single(value, word);
-    return !expected && table->model && !isfinite(*word) ? "a finite number" : expected;
+    return !expected && table->needs_finite && !isfinite(*word) ? "a finite number" : expected;
 }

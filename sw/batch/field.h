@@ -43,6 +43,7 @@ typedef struct {
     fp3_field *list;
     uint32_t count;
     const fp3_model *model; /* NULL: of an image */
+    int needs_finite;       /* of a model, or of a configuration that has no infinity */
     int has_before;         /* objects keep where they were one step ago */
     int has_count;          /* the program counts steps, of which t is made */
 } fp3_field_table;

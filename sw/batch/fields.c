@@ -5,6 +5,7 @@
 #include "field.h"
 
 #include "compiler/value/known.h"
+#include "engine/inside.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@ fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_e
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     q->def = *def;
     fp3_status status = fp3_field_list(def->image, def->compiled, def->h, &q->table, error);
+    q->table.needs_finite |= fp3_engine_config(def->engine)->finite != 0;
     if (!status && def->compiled)
         status = fp3_derive_open(&q->def, &q->table, &q->derive, error);
     if (status)
@@ -104,7 +106,8 @@ static fp3_status put(fp3_fields *q, const fp3_field *of, int reg, int part, siz
 static fp3_status put_numbers(fp3_fields *q, const fp3_field *of, size_t first, size_t count,
                               fp3_numbers values, fp3_error *error) {
     const int is_plain = of->kind == FP3_FIELD_STATE || of->kind == FP3_FIELD_PARAM;
-    if (values.single && is_plain && !(q->table.model && is_any_infinite(values.single, count)))
+    if (values.single && is_plain &&
+        !(q->table.needs_finite && is_any_infinite(values.single, count)))
         return fp3_engine_write(q->def.engine, q->def.first + first, count, (uint32_t)of->place,
                                 values.single);
     return put(q, of, of->place, 0, first, count, values, error);
@@ -192,7 +195,7 @@ fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_err
     float word;
     if (!of)
         return FP3_E_ARGUMENT;
-    const char *expected = q->table.model && !isfinite(value) ? "a finite number"
+    const char *expected = q->table.needs_finite && !isfinite(value) ? "a finite number"
                            : of->kind == FP3_FIELD_STEP || !of->is_kept
                                ? fp3_field_word(&q->table, of, value, &word)
                                : NULL;

@@ -253,7 +253,9 @@ static void say_what(const fp3_engine *engine, const fp3_failure *f, char *text,
     const char *state = fp3_image_name(group->image, FP3_BANK_OBJECT_BASE + f->state);
     if (!f->flags)
         snprintf(text, size, "state %s is %s", state ? state : "?",
-                 f->value != f->value ? "NaN" : "infinite");
+                 engine->config->finite ? "2^128 or more"
+                 : f->value != f->value ? "NaN"
+                                        : "infinite");
     for (size_t i = 0, used = 0; f->flags && i < sizeof grave / sizeof *grave; i++)
         if (f->flags & grave[i].flag)
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " and " : "",

@@ -230,7 +230,7 @@ static void execute(const round_of *r, uint32_t object, const fp3_decoded *word)
         retire(r, object, in->d, record[in->d], 0);
         break;
     case FP3_OP_SLEEP:
-        if (self->now[object] == AWAKE && fp3_execute_sleeps(operands)) {
+        if (self->now[object] == AWAKE && fp3_execute_sleeps(config, operands)) {
             self->now[object] = ASLEEP;
             self->listed[object] = 0;
             retire(r, object, in->d, r->number, 0);

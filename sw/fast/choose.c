@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-extern const fp3_sweep fp3_sweep_plain, fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut;
+extern const fp3_sweep fp3_sweep_plain, fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut,
+    fp3_sweep_finite;
 
 /* The kinds of this family, from the least on, and those among them that this processor is. */
 #if defined __x86_64__
@@ -28,8 +29,10 @@ static int is_kind(int kind) {
 #endif
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* Flushing and truncation are rare: for them the least kind of processor has to do. */
+/* Other arithmetic is rare: for them the least kind of processor has to do. */
 static const fp3_sweep *rare(const fp3_config *config) {
+    if (config->finite)
+        return &fp3_sweep_finite;
     if (config->subnormal)
         return &fp3_sweep_cut;
     return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;

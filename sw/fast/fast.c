@@ -277,7 +277,7 @@ static void look_for_failures(const block *b, fp3_fast_lanes *l) {
 
 /* Registers that nothing stores are as the processor left them: a NaN becomes the one of the machine. */
 static void make_one_nan(const block *b, const fp3_fast_lanes *l) {
-    if (is_interleaved(b->fast) || b->fast->plan.sleeps)
+    if (is_interleaved(b->fast) || b->fast->plan.sleeps || b->fast->plan.config->finite)
         return;
     FP3_EACH_REGISTER (b->fast->plan.written, reg)
         for (uint32_t i = 0; i < l->count; i++) {

@@ -3,7 +3,7 @@
  * It is compiled into the interpreter (sw/fast/sweep.c), once for each kind of processor, and its text
  * stands in front of the C that sw/fast/write.c writes for a program: so it includes nothing. Who uses
  * it defines, as 0 or 1,
- *     FP3_NEAREST, FP3_SUBNORMAL, FP3_FLAGS      the configuration's keys
+ *     FP3_NEAREST, FP3_SUBNORMAL, FP3_FINITE, FP3_FLAGS      the configuration's keys
  * and compiles it with -ffp-contract=off -frounding-math. The processor has the rounding of the
  * configuration while it runs.
  *
@@ -53,13 +53,16 @@ FP3_OPERATION fp3_v fp3_choose(fp3_i mask, fp3_v a, fp3_v b) {
     return (fp3_v)((mask & (fp3_i)a) | (~mask & (fp3_i)b));
 }
 FP3_OPERATION fp3_i fp3_magnitude(fp3_v a) { return (fp3_i)a & ~FP3_SIGN; }
-FP3_OPERATION fp3_i fp3_is_nan(fp3_v a) { return fp3_magnitude(a) > FP3_INFINITE; }
+FP3_OPERATION fp3_i fp3_is_nan(fp3_v a) {
+    return (fp3_magnitude(a) > FP3_INFINITE) & (FP3_FINITE ? 0 : -1);
+}
+FP3_OPERATION fp3_i fp3_exponent(fp3_v a) { return ((fp3_i)a >> 23) & 255; }
 
 FP3_OPERATION fp3_v fp3_one_nan(fp3_v a) {
     return fp3_choose(fp3_is_nan(a), (fp3_v)fp3_all(FP3_QUIET), a);
 }
 
-/* ---- adder and multiplier ---- */
+/* ---- what is flushed, and halves in double ---- */
 
 FP3_OPERATION fp3_v fp3_flushed(fp3_v a) {
     if (FP3_SUBNORMAL)
@@ -84,9 +87,6 @@ FP3_OPERATION fp3_v fp3_sum(fp3_v sum) {
     const fp3_i size = fp3_magnitude(sum);
     return fp3_underflown((size < FP3_LEAST) & (size != 0), (fp3_i)sum, sum);
 }
-FP3_OPERATION fp3_v fp3_add(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) + fp3_flushed(b)); }
-FP3_OPERATION fp3_v fp3_sub(fp3_v a, fp3_v b) { return fp3_sum(fp3_flushed(a) - fp3_flushed(b)); }
-
 /* Halves of a vector, and a vector of its halves. */
 #if FP3_LANES == 16
 #define FP3_LOW 0, 1, 2, 3, 4, 5, 6, 7
@@ -131,7 +131,90 @@ FP3_OPERATION fp3_l fp3_is_below(fp3_v a, fp3_v b, int part, long long bits) {
     return (size < bits) & (size != 0);
 }
 
+/* ---- numbers without infinities, as doubles ---- */
+
+#define FP3_MOST 0x7fffffff               /* the largest number */
+#define FP3_MOST_ESTIMATE 0x7fffe000      /* ... of those that an estimate can be */
+#define FP3_WIDE_BIAS (896ll << 52)       /* by how much a double's exponent has more */
+#define FP3_WIDE_TOP 0x4800000000000000ll /* 2^129: the first that is too large */
+#define FP3_WIDE_BELOW 0x1fffffffll       /* bits of a double below a float's last */
+
+/* What was lost of each number, as masks. */
+typedef struct {
+    fp3_v value;
+    fp3_i over, under, inexact;
+} fp3_finite;
+
+FP3_OPERATION fp3_d fp3_finite_wide(fp3_v a, int part) {
+    const fp3_l bits = __builtin_convertvector(fp3_part_i((fp3_i)a, part), fp3_l);
+    const fp3_l size = (bits & 0x7fffffff) << 29, is_some = (bits & FP3_INFINITE) != 0;
+    return (fp3_d)((is_some & (size + FP3_WIDE_BIAS)) | (bits & (long long)0x8000000000000000ull));
+}
+
+/* Halves that are exact, or truncated by the processor: truncated. is_cut: by the processor. */
+FP3_OPERATION fp3_finite fp3_finite_of(fp3_d low, fp3_d high, fp3_i is_cut) {
+    const fp3_l x[2] = {(fp3_l)low & 0x7fffffffffffffffll, (fp3_l)high & 0x7fffffffffffffffll};
+    const fp3_i sign = fp3_whole_i(__builtin_convertvector((fp3_l)low >> 32, fp3_narrow),
+                                   __builtin_convertvector((fp3_l)high >> 32, fp3_narrow)) &
+                       FP3_SIGN;
+    const fp3_i bits =
+        fp3_whole_i(__builtin_convertvector((x[0] - FP3_WIDE_BIAS) >> 29, fp3_narrow),
+                    __builtin_convertvector((x[1] - FP3_WIDE_BIAS) >> 29, fp3_narrow));
+    const fp3_i small = fp3_joined(x[0] < FP3_WIDE_LEAST, x[1] < FP3_WIDE_LEAST);
+    const fp3_i over = fp3_joined(x[0] >= FP3_WIDE_TOP, x[1] >= FP3_WIDE_TOP);
+    const fp3_i below = fp3_joined((x[0] & FP3_WIDE_BELOW) != 0, (x[1] & FP3_WIDE_BELOW) != 0);
+    const fp3_i under = small & fp3_joined(x[0] != 0, x[1] != 0);
+    const fp3_i size = (over & FP3_MOST) | (~over & bits);
+    return (fp3_finite){(fp3_v)(~small & (size | sign)), over, under,
+                        over | under | below | is_cut};
+}
+/* That the processor cut a sum shows in the difference with the larger one, which is exact in every rounding (Dekker 1971). */
+FP3_OPERATION fp3_l fp3_is_cut(fp3_d a, fp3_d b, fp3_d sum) {
+    return (sum - a != b) | (sum - b != a);
+}
+FP3_OPERATION fp3_finite fp3_finite_sum(fp3_v a, fp3_v b, int is_told) {
+    const fp3_d x[2] = {fp3_finite_wide(a, 0), fp3_finite_wide(a, 1)};
+    const fp3_d y[2] = {fp3_finite_wide(b, 0), fp3_finite_wide(b, 1)};
+    const fp3_d sum[2] = {x[0] + y[0], x[1] + y[1]};
+    fp3_i is_cut = fp3_all(0);
+    if (is_told)
+        is_cut = fp3_joined(fp3_is_cut(x[0], y[0], sum[0]), fp3_is_cut(x[1], y[1], sum[1]));
+    return fp3_finite_of(sum[0], sum[1], is_cut);
+}
+/* Exact as a double. */
+FP3_OPERATION fp3_finite fp3_finite_product(fp3_v a, fp3_v b) {
+    return fp3_finite_of(fp3_finite_wide(a, 0) * fp3_finite_wide(b, 0),
+                         fp3_finite_wide(a, 1) * fp3_finite_wide(b, 1), fp3_all(0));
+}
+/* The value; the processor raises what a product of this number with itself does: all that was lost. */
+FP3_OPERATION fp3_v fp3_finite_raised(fp3_finite of) {
+    if (FP3_FLAGS) {
+        const fp3_i lost = (of.over & 0x7f7fffff) | (of.under & (FP3_LEAST + 1)) |
+                           (of.inexact & ~(of.over | of.under) & (FP3_ONE + 1));
+        fp3_v x = (fp3_v)(lost | (~of.inexact & FP3_ONE));
+        x *= x;
+        __asm__ volatile("" : : FP3_ANYWHERE(x));
+    }
+    return of.value;
+}
+FP3_OPERATION fp3_v fp3_minus(fp3_v a) { return (fp3_v)((fp3_i)a ^ FP3_SIGN); }
+
+/* ---- adder and multiplier ---- */
+
+FP3_OPERATION fp3_v fp3_add(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_raised(fp3_finite_sum(a, b, 0));
+    return fp3_sum(fp3_flushed(a) + fp3_flushed(b));
+}
+FP3_OPERATION fp3_v fp3_sub(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_add(a, fp3_minus(b));
+    return fp3_sum(fp3_flushed(a) - fp3_flushed(b));
+}
+
 FP3_OPERATION fp3_v fp3_mul(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_raised(fp3_finite_product(a, b));
     const fp3_v x = fp3_flushed(a), y = fp3_flushed(b), product = x * y;
     if (FP3_SUBNORMAL)
         return product;
@@ -153,6 +236,10 @@ FP3_OPERATION fp3_v fp3_subt(fp3_v a, fp3_v b) { return fp3_sub(a, fp3_mul(b, FP
 
 /* Signed integers in the order of the numbers, but for the zeros. */
 FP3_OPERATION fp3_i fp3_order(fp3_v a) { return (fp3_i)a ^ (((fp3_i)a < 0) & ~FP3_SIGN); }
+/* Without infinities: subnormal numbers are read as zeros. */
+FP3_OPERATION fp3_i fp3_finite_order(fp3_v a) {
+    return fp3_order((fp3_v)((fp3_i)a & (fp3_exponent(a) != 0)));
+}
 FP3_OPERATION fp3_i fp3_is_number(fp3_v a, fp3_v b) { return ~(fp3_is_nan(a) | fp3_is_nan(b)); }
 FP3_OPERATION fp3_i fp3_are_zero(fp3_v a, fp3_v b) {
     return (((fp3_i)a | (fp3_i)b) & ~FP3_SIGN) == 0;
@@ -168,8 +255,16 @@ FP3_OPERATION fp3_i fp3_are_zero(fp3_v a, fp3_v b) {
 #endif
 
 #ifdef FP3_COMPARE
-FP3_OPERATION fp3_i fp3_is_less(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 17); }
-FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) { return FP3_COMPARE(a, b, 18); }
+FP3_OPERATION fp3_i fp3_is_less(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_order(a) < fp3_finite_order(b);
+    return FP3_COMPARE(a, b, 17);
+}
+FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_order(a) <= fp3_finite_order(b);
+    return FP3_COMPARE(a, b, 18);
+}
 /* Of any operands: even a quiet comparison raises invalid for a signalling NaN, so each is made a quiet one. */
 FP3_OPERATION fp3_v fp3_quieted(fp3_v a) {
     return (fp3_v)((fp3_i)a | (fp3_is_nan(a) & (FP3_QUIET ^ FP3_INFINITE)));
@@ -183,9 +278,13 @@ FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
 #else
 /* In integers. */
 FP3_OPERATION fp3_i fp3_is_less_raw(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_order(a) < fp3_finite_order(b);
     return (fp3_order(a) < fp3_order(b)) & fp3_is_number(a, b) & ~fp3_are_zero(a, b);
 }
 FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return fp3_finite_order(a) <= fp3_finite_order(b);
     return ((fp3_order(a) <= fp3_order(b)) & fp3_is_number(a, b)) | fp3_are_zero(a, b);
 }
 #define fp3_is_less fp3_is_less_raw
@@ -196,6 +295,8 @@ FP3_OPERATION fp3_i fp3_is_at_most_raw(fp3_v a, fp3_v b) {
  * asm hides the constant, as the compiler takes x + -0 for x. */
 FP3_OPERATION fp3_v fp3_behind(fp3_v a) {
     const fp3_v value = fp3_flushed(a);
+    if (FP3_FINITE)
+        return (fp3_v)((fp3_i)a & (fp3_exponent(a) != 0));
     if (!FP3_FLAGS)
         return value;
     fp3_i zero = fp3_all(FP3_SIGN);
@@ -222,12 +323,10 @@ FP3_OPERATION fp3_v fp3_le_raw(fp3_v a, fp3_v b) {
 }
 FP3_OPERATION fp3_v fp3_abs(fp3_v a) { return (fp3_v)fp3_magnitude(a); }
 FP3_OPERATION fp3_v fp3_sel(fp3_v a, fp3_v b, fp3_v c) {
-    return fp3_choose(fp3_magnitude(c) != 0, a, b);
+    return fp3_choose((FP3_FINITE ? fp3_exponent(c) : fp3_magnitude(c)) != 0, a, b);
 }
 
 /* ---- estimates, rounding, exponents ---- */
-
-FP3_OPERATION fp3_i fp3_exponent(fp3_v a) { return ((fp3_i)a >> 23) & 255; }
 
 FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
 #if FP3_LANES == 16
@@ -295,8 +394,8 @@ FP3_OPERATION fp3_v fp3_rcp_any(fp3_v a, const int *table) {
     const fp3_i down = is_small & (e - 253) & 3;
     fp3_i bits = (is_small & (((entry | 512) >> down) << 13)) |
                  (~is_small & (((253 - e) << 23) | (entry << 14)));
-    bits &= e != 255;
-    bits = (~(e == 0) & bits) | ((e == 0) & FP3_INFINITE);
+    bits &= e < (FP3_FINITE ? 253 : 255);
+    bits = (~(e == 0) & bits) | ((e == 0) & (FP3_FINITE ? FP3_MOST_ESTIMATE : FP3_INFINITE));
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)(bits | sign));
 }
 
@@ -304,6 +403,10 @@ FP3_OPERATION fp3_v fp3_rsqrt_any(fp3_v a, const int *table) {
     const fp3_i e = fp3_exponent(a), odd = e & 1;
     const fp3_i entry = fp3_entry(table + 1024, odd * 512 + (((fp3_i)a & 0x7fffff) >> 14));
     fp3_i bits = ((190 - ((e + 1) >> 1)) << 23) | (entry << (13 + odd));
+    if (FP3_FINITE) {
+        const fp3_i is_right = (e != 0) & ((fp3_i)a >= 0);
+        return (fp3_v)((is_right & bits) | (~is_right & FP3_MOST_ESTIMATE));
+    }
     bits &= e != 255;
     bits = (((fp3_i)a < 0) & FP3_SIGNALLING) | (~((fp3_i)a < 0) & bits);
     bits = ((e == 0) & FP3_INFINITE) | (~(e == 0) & bits);
@@ -346,7 +449,9 @@ FP3_OPERATION fp3_v fp3_exp2(fp3_v a) {
     const fp3_i is_tiny = n > 126; /* 2^-n */
     const fp3_i below = (is_tiny & (n < 150)) & (fp3_all(1) << ((149 - n) & 31));
     const fp3_i down = (is_tiny & below) | (~is_tiny & ((127 - n) << 23));
-    const fp3_i up = ((n > 127) & FP3_INFINITE) | (~(n > 127) & ((127 + n) << 23));
+    const fp3_i is_high = n > (FP3_FINITE ? 128 : 127);
+    const fp3_i up =
+        (is_high & (FP3_FINITE ? FP3_MOST : FP3_INFINITE)) | (~is_high & ((127 + n) << 23));
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)((is_minus & down) | (~is_minus & up)));
 }
 
@@ -355,6 +460,8 @@ FP3_OPERATION fp3_v fp3_logb(fp3_v a) {
     const fp3_i e = fp3_exponent(a);
     fp3_i n = e - 127;
     fp3_i bits = (fp3_i) __builtin_convertvector(n, fp3_v);
+    if (FP3_FINITE)
+        return (fp3_v)(((e == 0) & (FP3_MOST | FP3_SIGN)) | (~(e == 0) & bits));
     bits = ((e == 255) & FP3_INFINITE) | (~(e == 255) & bits);
     bits = ((e == 0) & (FP3_INFINITE | FP3_SIGN)) | (~(e == 0) & bits);
     return fp3_choose(fp3_is_nan(a), a, (fp3_v)bits);

@@ -218,7 +218,8 @@ static int makes_subnormal(uint32_t op) { return op == FP3_OP_RCP || op == FP3_O
 
 /* From what is known before an instruction to what is known after it. mixed: registers that are stored
  * and may hold either. */
-static void follow(fp3_fast_word *p, int subnormal, unsigned char *from, uint64_t *mixed) {
+static void follow(fp3_fast_word *p, const fp3_config *config, unsigned char *from,
+                   uint64_t *mixed) {
     const fp3_instruction *in = &p->in;
     if (in->op == FP3_OP_ST && from[in->d] == (OF_HOST | OF_ADDER))
         *mixed |= bit(in->d);
@@ -230,7 +231,9 @@ static void follow(fp3_fast_word *p, int subnormal, unsigned char *from, uint64_
         from[in->d] |= OF_HOST;
     if (!is_arithmetic(in))
         return;
-    p->is_behind = in->op == FP3_OP_RSQRT || (!subnormal && makes_subnormal(in->op));
+    /* Without infinities, a zero of any sign becomes +0 there. */
+    p->is_behind = in->op == FP3_OP_RSQRT || (!config->subnormal && makes_subnormal(in->op)) ||
+                   (config->finite && !is_sum(in->op));
     for (uint32_t i = 0; !is_sum(in->op) && i < sources_of(in); i++)
         p->is_behind |= origin(from, fp3_operand(in, "abc"[i])) & OF_HOST;
     from[in->d] = OF_ADDER;
@@ -242,7 +245,7 @@ static void follow_part(fp3_fast_plan *plan, fp3_fast_part_number part, unsigned
     uint32_t loop = 0;
     int turns = 0;
     for (uint32_t pc = plan->part[part].first; pc < plan->part[part].end; pc++) {
-        follow(&plan->code[pc], plan->config->subnormal != 0, from, mixed);
+        follow(&plan->code[pc], plan->config, from, mixed);
         if (loop == plan->loop_count)
             continue;
         if (plan->code[pc].in.op == FP3_OP_EACH)

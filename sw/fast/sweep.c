@@ -1,10 +1,14 @@
-/* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST and FP3_SUBNORMAL. */
+/* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
+ * FP3_FINITE. */
 #include "sweep.h"
 
 #ifndef FP3_SWEEP
 #define FP3_SWEEP fp3_sweep_plain
 #define FP3_NEAREST 1
 #define FP3_SUBNORMAL 1
+#endif
+#ifndef FP3_FINITE
+#define FP3_FINITE 0
 #endif
 #ifndef FP3_SWEEP_NAME
 #define FP3_SWEEP_NAME FP3_SWEEP_LEAST
@@ -167,7 +171,7 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    if (m->is_tiny && has_product(m->now->in.op))
+    if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
         calculate_tiny(m);
     else
         calculate(m);
@@ -290,9 +294,16 @@ static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask &
 /* Halves of a mask: |x| >= 2^128. */
 static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & FP3_WIDE_SIZE) >= FP3_WIDE_END; }
 
+static fp3_i flags_of_finite(fp3_finite of) {
+    return marked(of.over, FP3_FLAG_OVERFLOW) | marked(of.under, FP3_FLAG_UNDERFLOW) |
+           marked(of.inexact, FP3_FLAG_INEXACT);
+}
+
 /* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact shows in
  * the difference with the larger one, which is exact in every rounding (Dekker 1971). */
 static fp3_i flags_of_sum(fp3_v x, fp3_v y) {
+    if (FP3_FINITE)
+        return flags_of_finite(fp3_finite_sum(x, y, 1));
     const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), d = a + b;
     const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
     const fp3_i over =
@@ -307,6 +318,8 @@ static fp3_i flags_of_sum(fp3_v x, fp3_v y) {
 }
 
 static fp3_i flags_of_product(fp3_v a, fp3_v b) {
+    if (FP3_FINITE)
+        return flags_of_finite(fp3_finite_product(a, b));
     const fp3_product_of p = fp3_tiny_product(a, b);
     const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
     const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(p.value) & ~nan);
@@ -316,7 +329,9 @@ static fp3_i flags_of_product(fp3_v a, fp3_v b) {
            marked(finite & p.inexact, FP3_FLAG_INEXACT);
 }
 
-static fp3_v minus(fp3_v a) { return (fp3_v)((fp3_i)a ^ FP3_SIGN); }
+static fp3_v product_of(fp3_v a, fp3_v b) {
+    return FP3_FINITE ? fp3_mul(a, b) : fp3_tiny_product(a, b).value;
+}
 
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
  * and what is chosen or estimated is known from the operands. */
@@ -327,23 +342,21 @@ static fp3_i flags_of(machine *m, unsigned j) {
     case FP3_OP_ADD:
         return flags_of_sum(a, b);
     case FP3_OP_SUB:
-        return flags_of_sum(a, minus(b));
+        return flags_of_sum(a, fp3_minus(b));
     case FP3_OP_MUL:
         return flags_of_product(a, b);
     case FP3_OP_MADD:
-        return flags_of_product(a, b) | flags_of_sum(c, fp3_tiny_product(a, b).value);
+        return flags_of_product(a, b) | flags_of_sum(c, product_of(a, b));
     case FP3_OP_MSUB:
-        return flags_of_product(a, b) | flags_of_sum(c, minus(fp3_tiny_product(a, b).value));
+        return flags_of_product(a, b) | flags_of_sum(c, fp3_minus(product_of(a, b)));
     case FP3_OP_ADDH:
-        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_tiny_product(b, FP3_HALF).value);
+        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, product_of(b, FP3_HALF));
     case FP3_OP_SUBH:
-        return flags_of_product(b, FP3_HALF) |
-               flags_of_sum(a, minus(fp3_tiny_product(b, FP3_HALF).value));
+        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_minus(product_of(b, FP3_HALF)));
     case FP3_OP_ADDT:
-        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_tiny_product(b, FP3_TWO).value);
+        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, product_of(b, FP3_TWO));
     case FP3_OP_SUBT:
-        return flags_of_product(b, FP3_TWO) |
-               flags_of_sum(a, minus(fp3_tiny_product(b, FP3_TWO).value));
+        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_minus(product_of(b, FP3_TWO)));
     case FP3_OP_MIN:
         return marked(is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_MAX:

@@ -4,6 +4,7 @@
 #include "machine/config.h"
 
 #include "ship.h"
+#include <base/fpu.h>
 #include <fp3/tune.h>
 #include <inttypes.h>
 #include <machine/operation.h>
@@ -185,6 +186,7 @@ static fp3_status fill_golden(bench *b, uint64_t object, fp3_error *error) {
     if (status)
         return status;
     const fp3_ship ship = {.T = x[0], .C = x[1], .rm = x[2], .h = x[3]};
+    const uint64_t callers = fp3_fpu_begin(fp3_config_find(b->what->config)->nearest != 0);
     for (uint64_t step = 0; step <= steps; step++) {
         if (step)
             fp3_ship_step(&ship, &x[4], &x[5]);
@@ -192,6 +194,7 @@ static fp3_status fill_golden(bench *b, uint64_t object, fp3_error *error) {
             b->golden[i][begin + step] =
                 bits_of(x[strcmp(fp3_bench_state(b->image, i)->name, "v") ? 5 : 4]);
     }
+    fp3_fpu_set(callers);
     return FP3_OK;
 }
 

@@ -6,6 +6,7 @@
 #include "execute.h"
 
 #include "estimate.h"
+#include "finite.h"
 
 #include <assert.h>
 #include <float.h>
@@ -181,6 +182,13 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
 
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags) {
+    if (config->finite) {
+        uint32_t raised_there;
+        const uint32_t bits = fp3_finite_execute(op, operands, &raised_there);
+        if (flags)
+            *flags = config->flags ? raised_there : 0;
+        return bits;
+    }
     if (flags)
         fp3_fpu_forget();
     const float d = calculate(config, op, operands);
@@ -189,8 +197,9 @@ uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t opera
     return bits_of(d);
 }
 
-int fp3_execute_sleeps(const uint32_t operands[3]) {
-    return is_less(operands[0] & 0x7fffffffu, operands[1]);
+int fp3_execute_sleeps(const fp3_config *config, const uint32_t operands[3]) {
+    const uint32_t size = operands[0] & 0x7fffffffu;
+    return config->finite ? fp3_finite_is_less(size, operands[1]) : is_less(size, operands[1]);
 }
 
 double fp3_execute_exact(uint32_t op, double a, double b, double c) {

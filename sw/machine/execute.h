@@ -22,7 +22,7 @@ uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t opera
                      uint32_t *flags);
 
 /* Whether `sleep` with these operands puts an object to sleep: |a| < b. */
-int fp3_execute_sleeps(const uint32_t operands[3]);
+int fp3_execute_sleeps(const fp3_config *config, const uint32_t operands[3]);
 
 /* What fp3_execute gives, in double and without the machine's roundings; an estimate is what it estimates. */
 double fp3_execute_exact(uint32_t op, double a, double b, double c);

@@ -23,6 +23,7 @@ typedef struct {
     fp3_watched watched;
 } fp3_failed;
 
+/* Of a configuration with `finite`, too: the host has no number for a state from 2^128 on. */
 static inline int fp3_watch_is_finite(uint32_t bits) { return (~bits & 0x7f800000u) != 0; }
 
 static inline void fp3_watch_flags(fp3_watched *w, uint32_t step, uint32_t flags) {

@@ -13,6 +13,7 @@
 #include "base/host.h"
 #include "batch/field.h"
 #include "batch/relations.h"
+#include "engine/inside.h"
 #include "text/number.h"
 
 #include <assert.h>
@@ -95,6 +96,7 @@ static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
     const unsigned words = fp3_values_words(image);
     fp3_field_table table;
     fp3_status status = fp3_field_list(image, NULL, 0, &table, error);
+    table.needs_finite |= fp3_engine_config(to->engine)->finite != 0;
     for (uint32_t i = 0; i < table.count && !status; i++)
         status = apply_field(params, to, &table, &table.list[i], words, error);
     fp3_field_close(&table);

@@ -74,7 +74,58 @@ static uint32_t power_of_two(float integral) {
     return n < -126 ? 1u << (n + 149) : (uint32_t)(n + 127) << 23;
 }
 
+/* ---- without infinities: numbers as doubles ---- */
+
+static double finite_value(uint32_t bits) {
+    const int e = (int)(bits >> 23 & 255);
+    const double size = e ? ldexp((bits & 0x7fffff) | 0x800000, e - 150) : 0;
+    return bits >> 31 ? -size : size;
+}
+
+static uint32_t finite_integer(double x) {
+    int e;
+    const double fraction = frexp(fabs(x), &e);
+    const uint32_t size =
+        x != 0 ? (uint32_t)(e + 126) << 23 | ((uint32_t)ldexp(fraction, 24) & 0x7fffff) : 0;
+    return size | (x < 0 ? 0x80000000u : 0);
+}
+
+static uint32_t choose_finite(uint32_t op, const uint32_t *in) {
+    const double a = finite_value(in[0]), b = finite_value(in[1]), c = finite_value(in[2]);
+    const uint32_t sign = in[0] & 0x80000000u, most_estimate = 0x7fffe000u;
+    switch (op) {
+    case FP3_OP_MIN:
+        return a < b ? in[0] : in[1];
+    case FP3_OP_MAX:
+        return b < a ? in[0] : in[1];
+    case FP3_OP_ABS:
+        return in[0] & 0x7fffffffu;
+    case FP3_OP_LT:
+        return a < b ? 0x3f800000u : 0;
+    case FP3_OP_LE:
+        return a <= b ? 0x3f800000u : 0;
+    case FP3_OP_SEL:
+        return c != 0 ? in[0] : in[1];
+    case FP3_OP_RCP:
+        return a == 0 ? sign | most_estimate : fabs(a) >= 0x1p126 ? 0 : fp3_estimate_rcp(in[0]);
+    case FP3_OP_RINT:
+        return finite_integer(trunc(a));
+    case FP3_OP_EXP2:
+        return trunc(a) > 128    ? 0x7fffffffu
+               : trunc(a) < -126 ? 0
+                                 : (uint32_t)((int)trunc(a) + 127) << 23;
+    case FP3_OP_LOGB:
+        return a == 0 ? 0xffffffffu : finite_integer(logb(a));
+    default: /* half of that of a quarter, where the table has no exponent */
+        return a <= 0         ? most_estimate
+               : a >= 0x1p128 ? fp3_estimate_rsqrt(in[0] - 0x01000000u) - 0x00800000u
+                              : fp3_estimate_rsqrt(in[0]);
+    }
+}
+
 static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in) {
+    if (config->finite)
+        return choose_finite(op, in);
     const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
     switch (op) {
     case FP3_OP_MIN:
@@ -105,6 +156,9 @@ static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in
 /* The sum with -0. */
 static uint32_t finished(const fp3_config *config, uint32_t bits, uint32_t *flags) {
     const uint32_t magnitude = bits & 0x7fffffffu;
+    *flags = 0;
+    if (config->finite)
+        return magnitude < 0x00800000u ? 0 : bits;
     const int is_nan = magnitude > 0x7f800000u, is_signalling = is_nan && !(bits & 0x00400000u);
     *flags = config->flags && is_signalling ? INVALID : 0;
     if (is_nan)

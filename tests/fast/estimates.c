@@ -5,6 +5,7 @@
  */
 #define FP3_NEAREST 1
 #define FP3_SUBNORMAL 1
+#define FP3_FINITE 0
 #define FP3_FLAGS 1
 #include <fast/place.h>
 

@@ -160,7 +160,7 @@ def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
     """The same numbers, in the lanes of the fast engine alone."""
     text = (root / "sw/fast/lanes.h").read_text()
     (tmp_path / "lanes.h").write_text(bug.put(text) if bug else text)
-    (tmp_path / "x.c").write_text("#define FP3_NEAREST 1\n#define FP3_SUBNORMAL 1\n#define FP3_FLAGS 1\n#include <stdio.h>\n#include \"lanes.h\"\n"
+    (tmp_path / "x.c").write_text("#define FP3_NEAREST 1\n#define FP3_SUBNORMAL 1\n#define FP3_FINITE 0\n#define FP3_FLAGS 1\n#include <stdio.h>\n#include \"lanes.h\"\n"
                                   "int main(void) {" + "".join(f'printf("%d ", ((fp3_i)fp3_exp2((fp3_v){{0}} + {number}f))[0]);' for number in POWERS) + "}\n")
     subprocess.run(["gcc", "-O1", "-ffp-contract=off", "-frounding-math", "-Wno-psabi", tmp_path / "x.c", "-o", tmp_path / "x"], check=True)
     said = subprocess.run([tmp_path / "x"], capture_output=True, text=True, check=True).stdout

@@ -22,6 +22,8 @@ class Proof:
 
     def __init__(self, fmt):
         self.fmt, self.g = fmt, Aig()
+        # IEEE 754 has no format without infinities, but each finite one is in the format with an exponent bit more.
+        self.model = fmt._replace(exp=fmt.exp + 1) if fmt.finite else fmt
         self.a, self.b = (self.g.word(name, fmt.exp + fmt.frac + 1) for name in "ab")
         self.ours = self.theirs = None                   # {z_o, flags_o}; (value, flags)
 
@@ -33,8 +35,30 @@ class Proof:
             return word, normal
         return [self.g.both(normal, bit) for bit in fraction] + word[self.fmt.frac:], normal
 
+    def modelled(self, word):
+        """An operand in the model's format: the exponent's bias is larger by its top bit."""
+        if not self.fmt.finite:
+            return word
+        *low, top = field = word[self.fmt.frac:-1]
+        normal = self.g.differ(field, [FALSE] * len(field))
+        return word[:self.fmt.frac] + low + [self.g.both(normal, top ^ 1), top] + word[-1:]
+
+    def narrowed(self, result):
+        """A result of the model's in the format without infinities: the largest number, or +0, if it is not in there."""
+        g, ((*fraction_and_low, below, top, sign), flags) = self.g, result
+        fraction, low = fraction_and_low[:self.fmt.frac], fraction_and_low[self.fmt.frac:]
+        over = g.both(top, below)
+        in_range = g.either(top, g.both(below, g.differ(low, [FALSE] * len(low))))
+        under = in_range ^ 1
+        lost = g.both(under, g.differ(fraction_and_low + [below], [FALSE] * (len(fraction_and_low) + 1)))
+        value = [g.both(in_range, g.either(over, bit)) for bit in fraction + low + [top]] + [g.both(in_range, sign)]
+        nx, uf, of, dz, nv = flags
+        return value, [g.either(g.either(over, lost), nx), g.either(uf, lost), g.either(of, over), dz, nv]
+
     def expect(self, result, tiny):
         """The model's result; if it is tiny and the core flushes, a zero of its sign, with UF and NX."""
+        if self.fmt.finite:
+            return self.narrowed(result)
         if self.fmt.subnormal:
             return result
         value, flags = result
@@ -64,7 +88,8 @@ class Add(Proof):
         operands = {"a_i": self.a, "b_i": self.b, "sub_i": sub}
         self.ours = yosys.map(core(yosys, files, "fp_add", fmt, 0), "fp_add").graft(g, operands)
         (a, _), (b, _) = self.read(self.a), self.read(self.b)
-        both = [self.result(model(yosys, operation, fmt).graft(g, {"a": a, "b": b})) for operation in ("sub", "add")]
+        a, b = self.modelled(a), self.modelled(b)
+        both = [self.result(model(yosys, operation, self.model).graft(g, {"a": a, "b": b})) for operation in ("sub", "add")]
         value, flags = (g.choose(sub[0], x, y) for x, y in zip(*both))
         fraction = value[:fmt.frac]                      # a tiny sum is exact: it shows
         tiny = g.both(self.read(value)[1] ^ 1, g.differ(fraction, [FALSE] * len(fraction)))
@@ -111,16 +136,17 @@ class Mul(Proof):
         width = 2 * fmt.frac + 2
         operands = {"a_i": self.a, "b_i": self.b}
         free = g.word("product", width)
-        of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": self.a[:-1], "b_i": self.b[:-1], "product_i": free})
+        of = facts(yosys, "mul_facts", self.model).graft(
+            g, {"a_i": self.modelled(self.a)[:-1], "b_i": self.modelled(self.b)[:-1], "product_i": free})
         self.ours = yosys.map(uncut, "fp_mul").graft(g, {**operands, "product.Y": free})
         (a, a_normal), (b, b_normal) = self.read(self.a), self.read(self.b)
         self.finite = of["finite_o"][0]
         if not fmt.subnormal:
             self.finite = g.both(self.finite, g.both(a_normal, b_normal))
         normal = g.choose(self.finite, of["normal_product_o"], g.word("otherwise", width))
-        factors = {"a": a, "b": b, "product.Y": normal}
-        outputs = model(yosys, "mul", fmt).graft(g, factors)
-        cut_off = model(yosys, "mul", fmt._replace(nearest=False)).graft(g, factors)
+        factors = {"a": self.modelled(a), "b": self.modelled(b), "product.Y": normal}
+        outputs = model(yosys, "mul", self.model).graft(g, factors)
+        cut_off = model(yosys, "mul", self.model._replace(nearest=False)).graft(g, factors)
         tiny = g.both(self.finite, self.read(cut_off["o"])[1] ^ 1)       # before rounding
         self.theirs = self.expect(self.result(outputs), tiny)
         self.facts, self.factors = of, (outputs["product.A"], outputs["product.B"])

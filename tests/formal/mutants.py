@@ -27,7 +27,7 @@ BUGS = [
     Bug("add", "sticky dropped", "fp_add.v", "(lost2 || more2 ||", "(more2 ||"),
     Bug("add", "ties away from zero", "fp_add_round.v", "s[2] && (s[3] ||", "s[2] && (1'b1 ||"),
     Bug("add", "overflow at rounding missed", "fp_add_round.v", "over1 || rounded_over, tiny1", "over1, tiny1"),
-    Bug("add", "sign of an exact zero", "fp_add_swap.v", "&& !(nought && differ0)", ""),
+    Bug("add", "sign of an exact zero", "fp_add_swap.v", "&& !(nought && (FINITE != 0 || differ0))", ""),
     Bug("add", "inf - inf is valid", "fp_add_swap.v", "|| (clash && !a_some0 && !b_some0)", ""),
     Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero0 ^ b_zero0", "odd = 1'b0"),
     Bug("mul", "sticky dropped", "fp_mul.v", "stick = lost_4 ||", "stick ="),

@@ -19,6 +19,7 @@ class Format(NamedTuple):
     frac: int = 23
     nearest: bool = True
     subnormal: bool = True
+    finite: bool = False
 
 
 def sources(rtl):
@@ -65,7 +66,7 @@ def module(yosys, files, name, **parameters):
 def core(yosys, files, name, fmt, cuts):
     """fp_add or fp_mul as JSON; refuses any state but plain registers."""
     design = module(yosys, files, name, EXP=fmt.exp, FRAC=fmt.frac,
-                    SUBNORMAL=int(fmt.subnormal), NEAREST=int(fmt.nearest), CUTS=cuts)
+                    SUBNORMAL=int(fmt.subnormal), NEAREST=int(fmt.nearest), FINITE=int(fmt.finite), CUTS=cuts)
     check_plain(design)
     return design
 

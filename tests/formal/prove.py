@@ -44,6 +44,7 @@ def arguments():
     parser.add_argument("--frac", type=int, default=23, help="fraction width (default: %(default)s)")
     parser.add_argument("--truncate", action="store_true", help="round toward zero, not to nearest even")
     parser.add_argument("--flush", action="store_true", help="subnormal operands and results are zeros")
+    parser.add_argument("--cell", action="store_true", help="Cell's arithmetic: truncated, flushed, no infinity and no NaN")
     parser.add_argument("--rtl", type=Path, default=ROOT / "rtl", help="the cores' folder (default: %(default)s)")
     parser.add_argument("--results", type=Path, default=ROOT / "build/results/prove.json",
                         help="where the times go (default: %(default)s)")
@@ -63,12 +64,12 @@ def configured_cuts(parser, args):
     """Fill in the masks that the named configurations use, each with its format: (mask, format) pairs."""
     path = ROOT / "isa/configs.toml"
     table = tomllib.loads(path.read_text()) if path.exists() else {}
-    configs = [{"subnormal": 1, "nearest": 1, **table.get("default", {}), **c} for c in table.get("config", [])]
+    configs = [{"subnormal": 1, "nearest": 1, "finite": 0, **table.get("default", {}), **c} for c in table.get("config", [])]
     for core in ("add", "mul"):
         if (given := getattr(args, f"cuts_{core}")) is not None:
             used = {(mask, format_of(args)) for mask in given}
         else:
-            used = {(c[f"{core}_cuts"], Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
+            used = {(c[f"{core}_cuts"], Format(args.exp, args.frac, *(bool(c[key]) for key in ("nearest", "subnormal", "finite"))))
                     for c in configs if f"{core}_cuts" in c}
         if not used:
             parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
@@ -76,7 +77,7 @@ def configured_cuts(parser, args):
 
 
 def format_of(args):
-    return Format(args.exp, args.frac, not args.truncate, not args.flush)
+    return Format(args.exp, args.frac, not (args.truncate or args.cell), not (args.flush or args.cell), args.cell)
 
 
 def cases(args):
@@ -104,6 +105,8 @@ def cases(args):
 
 
 def name_of(fmt):
+    if fmt.finite:
+        return ", Cell's"
     return ("" if fmt.nearest else ", truncated") + ("" if fmt.subnormal else ", flushed")
 
 

@@ -4,15 +4,15 @@ from pathlib import Path
 
 from mutants import Bug
 
-MODES = [(1, 1), (1, 0), (0, 1), (0, 0)]  # subnormal, nearest
+MODES = [(1, 1, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (0, 0, 1)]  # subnormal, nearest, finite
 CASES = Path(__file__).with_name("scale_cases.v")
 
 BUGS = [
     Bug("scale", "a tie goes up", "fp_scale.v", "&d_i[1:0]", "d_i[0]"),
     Bug("scale", "an exact half underflows", "fp_scale.v", "kind_1 == MOVED && f[0]", "kind_1 == MOVED"),
     Bug("scale", "halved unless doubled", "fp_scale.v", "down    = half_i &&", "down    = !twice_i &&"),
-    Bug("scale", "infinity is halved", "fp_scale.v", "top     = &e;", "top     = &e && |d_i[FRAC-1:0];"),
-    Bug("scale", "a NaN is counted up", "fp_scale.v", "top_1 ? {EXP{1'b1}} : low_1", "low_1"),
+    Bug("scale", "infinity is halved", "fp_scale.v", "top     = FINITE == 0 && &e;", "top     = &e && |d_i[FRAC-1:0];"),
+    Bug("scale", "a NaN is counted up", "fp_scale.v", "ones ? {EXP{1'b1}} : low_1", "low_1"),
     Bug("scale", "a fraction's top bit lost", "fp_scale.v", "{y, x} + {{EXP{1'b0}}, more}", "{y, x + more}"),
     Bug("scale", "a rounded half loses its top bit", "fp_scale.v", "{{EXP-1{1'b0}}, tiny}", "{{EXP{1'b0}}, tiny[FRAC-1:0]}"),
     Bug("scale", "a NaN is counted up, too", "fp_scale.v", "next = top ? e : twice_i", "next = twice_i"),
@@ -22,11 +22,11 @@ BUGS = [
 
 
 def prove(yosys, files, mode):
-    subnormal, nearest = mode
+    subnormal, nearest, finite = mode
     names = " ".join(sorted(name for name in files if name.startswith(("fp_mul", "fp_scale", "cut.v", "lzc.v", "mux4.v"))))
     # A proof that fails makes yosys fail.
     yosys.run(f"read_verilog {names} scale_cases.v; "
-              f"chparam -set SUBNORMAL {subnormal} -set NEAREST {nearest} scale_cases; "
+              f"chparam -set SUBNORMAL {subnormal} -set NEAREST {nearest} -set FINITE {finite} scale_cases; "
               "hierarchy -top scale_cases; setattr -mod -unset keep_hierarchy *; prep -flatten; opt -full; "
               "sat -verify -prove wrong_o 0 scale_cases; write_json done.json",
               {**files, "scale_cases.v": CASES.read_text()}, "done.json")
@@ -54,7 +54,7 @@ def find(yosys, files, bug):
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
     for mode in MODES:
-        name = f"scale{'' if mode[0] else ', flushed'}{'' if mode[1] else ', truncated'}"
+        name = f"scale{'' if mode[0] else ', flushed'}{'' if mode[1] else ', truncated'}{', finite' if mode[2] else ''}"
         yield name, lambda yosys, files, mode=mode: prove(yosys, files, mode)
     for bug in BUGS:
         yield f"seeded: {bug.name}", lambda yosys, files, bug=bug: find(yosys, files, bug)

@@ -20,6 +20,7 @@ SHORT = {
     **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
        for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
     "scale": ["scale"],
+    "Cell's arithmetic in 12 bits": ["add", "--only", "mul", "--cell", "--exp", "5", "--frac", "6"],
 }
 
 
@@ -39,3 +40,9 @@ def test_much_is_proved(root, build, name):
 @pytest.mark.parametrize("part", PARTS)
 def test_everything_is_proved(root, build, part):
     prove(root, build, part)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("part", ["add", "mul"])
+def test_cells_arithmetic_is_proved(root, build, part):
+    prove(root, build, part, "--cell")

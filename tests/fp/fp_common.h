@@ -101,12 +101,9 @@ typedef struct {
 
 static inline const char *fp3_row_name(unsigned row) {
     static const char *const rows[] = {
-        "8-bit, flushed, truncated",
-        "8-bit, flushed, nearest",
-        "8-bit, gradual, truncated",
-        "8-bit, gradual, nearest",
-        "binary16",
-        "binary32, uncut",
+        "8-bit, flushed, truncated", "8-bit, flushed, nearest", "8-bit, gradual, truncated",
+        "8-bit, gradual, nearest",   "8-bit, Cell's",           "binary16",
+        "binary32, Cell's",          "binary32, uncut",
     };
     return row < FP3_BENCH_CUT ? rows[row] : "binary32, cut";
 }

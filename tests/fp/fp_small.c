@@ -1,6 +1,6 @@
 /* fp_small - the cores in small formats against tables of all representable numbers.
  *
- * The 8-bit format (4-bit exponent, 3-bit fraction) in its four modes with all 65,536 pairs, and
+ * The 8-bit format (4-bit exponent, 3-bit fraction) in its five modes with all 65,536 pairs, and
  * binary16 with random pairs. The exact result is a double, as these formats are small enough. It
  * is rounded by looking up its two neighbours: once among the format's own numbers, for the value,
  * and once among numbers with the same fractions and all exponents, for overflow and underflow.
@@ -21,13 +21,14 @@ typedef struct {
 
 typedef struct {
     fp3_bench_core core;
-    table format;    /* index = code without sign; one more entry, where infinity is */
+    table
+        format; /* index = code without sign; one more entry, where infinity is or, without one, would be */
     table unbounded; /* no subnormal numbers: exponents far beyond any result's */
 } reference;
 
 static bool reference_open(reference *ref, fp3_bench_core core) {
-    const unsigned fractions = 1u << core.frac, exponents = (1u << core.exp) - 1;
-    const int bias = (int)exponents / 2, least = 1 - bias - (int)core.frac; /* of an ulp */
+    const unsigned fractions = 1u << core.frac, exponents = (1u << core.exp) - !core.finite;
+    const int bias = (1 << (core.exp - 1)) - 1, least = 1 - bias - (int)core.frac; /* of an ulp */
     const int low = 2 * least - 1, binades = 4 * (int)exponents + 2 * (int)core.frac;
 
     ref->core = core;
@@ -103,11 +104,11 @@ static uint32_t expected(const reference *ref, fp3_bench_op op, uint32_t a, uint
     if (isinf(exact))
         return sign | infinity;
     if (exact == 0)
-        return sign;
+        return ref->core.finite ? 0 : sign;
 
     if (!ref->core.subnormal && magnitude < least_normal) {
         *flags = UF | NX;
-        return sign;
+        return ref->core.finite ? 0 : sign;
     }
     const double unbounded =
         ref->unbounded.value[nearest_entry(&ref->unbounded, magnitude, ref->core.nearest)];

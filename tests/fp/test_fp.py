@@ -8,8 +8,8 @@ from typing import NamedTuple
 import pytest
 
 OPS = ("add", "sub", "mul")
-MODES = {"flushed_truncated": 0, "flushed_nearest": 1, "gradual_truncated": 2, "gradual_nearest": 3}
-BINARY16 = 4
+MODES = {"flushed_truncated": 0, "flushed_nearest": 1, "gradual_truncated": 2, "gradual_nearest": 3, "cell": 4}
+BINARY16 = 5
 
 
 def start(program, *arguments, **options):
@@ -44,6 +44,12 @@ def test_small(build, op, mode):
 @pytest.mark.parametrize("op", OPS)
 def test_binary16(build, op):
     passes(start(build / "tests/fp_small", "--op", op, "--row", BINARY16))
+
+
+@pytest.mark.parametrize("op", OPS)
+def test_cell(build, op, long):
+    """Cell's arithmetic in binary32's format: the cores and the functions of the engine isa, 10^6 random pairs (10^8)."""
+    passes(start(build / "tests/fp_cell", "--op", op, "--pairs", 10**8 if long else 10**6))
 
 
 @pytest.mark.smoke
@@ -95,7 +101,7 @@ class Bug(NamedTuple):
 
 
 ADD, SWAP, NEAR, ROUND = "rtl/fp/fp_add.v", "rtl/fp/fp_add_swap.v", "rtl/fp/fp_add_near.v", "rtl/fp/fp_add_round.v"
-MUL, PRODUCT, CUT = "rtl/fp/fp_mul.v", "rtl/fp/fp_mul_product.v", "rtl/lib/cut.v"
+MUL, SCALE, PRODUCT, CUT = "rtl/fp/fp_mul.v", "rtl/fp/fp_mul_scale.v", "rtl/fp/fp_mul_product.v", "rtl/lib/cut.v"
 BUGS = [
     Bug("sum sticky forgets a shift", "add", 3, ADD, "(lost2 || more2 ||", "(lost2 ||"),
     Bug("sum truncated without its borrow", "sub", 2, ADD, "(NEAREST != 0 || !sticky3)", "1'b1"),
@@ -104,17 +110,23 @@ BUGS = [
     Bug("sum overflows unseen at rounding", "add", 3, ROUND, "rounded_over = last1 &&", "rounded_over = 1'b0 &&"),
     Bug("sum flushed without a flag", "sub", 0, ROUND, "rest || sticky || tiny", "rest || sticky"),
     Bug("sum keeps a subnormal operand", "add", 1, SWAP, "y & {FRAC{SUBNORMAL != 0 || y_some}}", "y"),
-    Bug("difference zero keeps its sign", "sub", 3, SWAP, "&& !(nought && differ0)", ""),
+    Bug("difference zero keeps its sign", "sub", 3, SWAP, "&& !(nought && (FINITE != 0 || differ0))", ""),
     Bug("difference moved too far", "sub", 3, NEAR, "== D - i", "== D - 1 - i"),
     Bug("product sticky forgets a shift", "mul", 3, MUL, "stick = lost_4 ||", "stick ="),
     Bug("product tiny before rounding", "mul", 3, MUL, "near ? {1'b1, top || place_low} : ALL_1", "ALL_1"),
     Bug("product overflows unseen at rounding", "mul", 3, MUL, "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0",
         "beyond[i] ? ALL_1 : ALL_0"),
-    Bug("product truncated to no number", "mul", 2, MUL, "lowest   = beyond[i] && !HALF ? ALL_0 : exponent", "lowest   = exponent"),
+    Bug("product truncated to no number", "mul", 2, MUL, "lowest   = beyond[i] && !HALF && FINITE == 0 ? ALL_0 : exponent",
+        "lowest   = exponent"),
     Bug("product not flushed", "mul", 1, MUL, "flush  = tiny & {2{SUBNORMAL == 0}}", "flush  = tiny & 2'b00"),
-    Bug("product loses a carry between tiles", "mul", 5, PRODUCT, "{1'b0, lh_c} + {1'b0, hl_c}",
+    Bug("product loses a carry between tiles", "mul", 7, PRODUCT, "{1'b0, lh_c} + {1'b0, hl_c}",
         "{1'b0, lh_c + hl_c}"),
-    Bug("register inverts a bit", "add", 6, CUT, "d_q <= d_i;", "d_q <= d_i ^ 1'b1;"),
+    Bug("sum without infinities overflows too early", "add", 4, ROUND, "TOP = FINITE != 0;", "TOP = 1'b0;"),
+    Bug("sum without infinities is -0", "add", 4, SWAP, "(FINITE != 0 || differ0)", "differ0"),
+    Bug("sum without infinities underflows to -0", "sub", 4, ROUND, "sign0 && !(FINITE != 0 && tiny)", "sign0"),
+    Bug("product without infinities overflows too early", "mul", 4, SCALE, "(FINITE == 0 ? 1 : 0)", "1"),
+    Bug("product without infinities is -0", "mul", 4, MUL, "sign_5 && !(FINITE != 0 && exponent_5 == ALL_0)", "sign_5"),
+    Bug("register inverts a bit", "add", 8, CUT, "d_q <= d_i;", "d_q <= d_i ^ 1'b1;"),
 ]
 
 

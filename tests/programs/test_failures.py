@@ -11,6 +11,7 @@ import pytest
 ROOT = pathlib.Path(__file__).parents[2]
 # The program adds a product to itself: not where sums and products are apart.
 CONFIGS = [row["name"] for row in tomllib.loads((ROOT / "isa/configs.toml").read_text())["config"] if not row.get("dual")]
+FINITE = [row["name"] for row in tomllib.loads((ROOT / "isa/configs.toml").read_text())["config"] if row.get("finite")]
 # x doubles a times; t is no state; y has a part of its own in the last part.
 GROWS = ".state x y\n.param a\n.temp t\nfirst: add t, -0.0, -0.0\nstep: mul x, x, a\nlast: add y, x, x\n"
 
@@ -48,6 +49,11 @@ def test_every_configuration_tells_the_first_failure(run, config):
         assert not done.stderr and not re.search("^failed", done.stdout, re.M)
         done = run(GROWS, *which, "--steps", "9", "--allow-failures", *grows)
         assert not done.stderr and "first object 0 in step 7: overflow" in done.stdout
+        if config in FINITE:
+            for number in ("inf", "nan"):
+                done = run(GROWS, *which, *values(a=number, x=1, y=0), code=2)
+                assert f"parameter 'a' is {number}: expected a finite number" in done.stderr
+            continue
         # 0 times infinity; a state that is infinite without any exception; one that is NaN from the start.
         assert told(run(GROWS, *which, "--steps", "9", *values(a="inf", x=0, y=0), code=3))[0] == "object 0 in step 1: invalid"
         assert told(run(GROWS, *which, *values(a="inf", x=1, y=0), code=3))[0] == "object 0 in step 1: state x is infinite"
