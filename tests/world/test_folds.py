@@ -76,7 +76,7 @@ n' = c
 
 
 def test_a_turn_takes_the_cycles_that_the_pages_tell(fp3, root, tmp_path):
-    """Of docs/architecture.md: a sphere test, a pair of stars, a link of a net."""
+    """Of docs/neighbours.md: a sphere test, a pair of stars, a link of a net."""
     (tmp_path / "spheres.ode").write_text(SPHERES)
     for model, integrator, turn in ((tmp_path / "spheres.ode", "euler", "10 per turn of others"), (root / "programs/world/stars.ode", "leapfrog", "21 per turn of others"),
                                     (root / "programs/world/net.ode", "semi_implicit_euler", "19 per turn of springs")):
