@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "constant.h"
+#include "dimension_check.h"
 #include "event.h"
 #include "expression.h"
 #include "keyword.h"
@@ -195,7 +196,8 @@ static void exact_statement(ode_parser *p) {
 static void definition(ode_parser *p, fp3_token name, ode_class class) {
     fp3_definition *array = class == ODE_INVARIANT ? p->invariants : p->definitions;
     uint32_t *count = class == ODE_INVARIANT ? &p->invariant_count : &p->definition_count;
-    int is_new = fp3_ode_is_new_name(p, name, 1);
+    int is_new = fp3_ode_is_new_name(p, name, 1), is_number = 1;
+    const uint32_t from = p->expr_count;
     ode_value value =
         fp3_ode_right_side(p, class == ODE_INVARIANT ? ODE_IN_INVARIANT : ODE_IN_EQUATION, 0);
     if (is_new && value.size > 1)
@@ -212,7 +214,10 @@ static void definition(ode_parser *p, fp3_token name, ode_class class) {
         fp3_definition *d = &array[(*count)++];
         *d = (fp3_definition){.expr = value.expr[i], .line = name.location.line};
         fp3_ode_scalar_name(name, value.size, i, d->name);
+        is_number &= p->is_number[value.expr[i]];
     }
+    if (is_number) /* values of params and states below may be made of it */
+        fp3_ode_check_dimensions(p, from);
 }
 
 static void invariant_statement(ode_parser *p) {
@@ -226,7 +231,7 @@ static int begins_equation(const ode_parser *p) {
     return fp3_ode_at(&p->in, "'") || fp3_ode_at(&p->in, "''") || fp3_ode_at(&p->in, "[");
 }
 
-/* What stands in a `for`: an equation, a closed form, an event, or another `for`. */
+/* What stands in a `for`: an equation, a closed form, an event, a projection, or another `for`. */
 static void repeated_statement(ode_parser *p) {
     const fp3_token first = p->in.next;
     const int is_name = first.kind == FP3_TOKEN_NAME;
@@ -240,7 +245,7 @@ static void repeated_statement(ode_parser *p) {
     else if (is_name && !fp3_ode_is_keyword(first) && begins_equation(p))
         equation(p, first, 0);
     else
-        fp3_ode_lost_at(&p->in, first, "an equation q[i]' = ..., exact, when or for");
+        fp3_ode_lost_at(&p->in, first, "an equation q[i]' = ..., exact, when, at, project or for");
 }
 
 static void for_statement(ode_parser *p) {

@@ -119,9 +119,14 @@ def folded(m, i):
 
 def test_the_page_of_the_language(model, root):
     page = (root / "docs" / "models.md").read_text().split("## Ranges\n")[1]
-    text = "".join(line[4:] + "\n" for line in page.split("\n\n")[0].split("\n"))
-    m = model("step 0.5 [s]\n" + text)
+    m = model("".join(line[4:] + "\n" for line in page.split("\n\n")[0].split("\n")))
     assert (len(m["states"]), len(m["params"]), m.definition("n")) == (10, 6, "5")
+
+
+@pytest.mark.parametrize("first", ["", "step 1 [s]\n", "c = 2\nstep 1 [s]\n"])
+def test_numbers_that_are_defined_take_the_unit_of_a_value(model, first):
+    m = model(first + "n = 5\nk = (n, sqrt(2*n))\nparam p = sin(n/2) [kg]\nstate q[2] = k [m]\nq' = (0, 0)\n" + ("" if first else "step 1 [s]\n"))
+    assert [s["value"] for s in m["states"]] == [5, 10**0.5]
 
 
 def test_names_of_components(model):
@@ -216,7 +221,7 @@ WRONG = [
     ("a = (i in 1..2: r)", 5, "'('", "expected a vector of numbers (there is a vector of 2 in it) (where i = 1)"),
     ("a = cross(k, k)", 5, "'cross'", "expected two vectors of 2 or 3 for 'cross' (these are vectors of 4)"),
     ("a = dot(q, k)", 5, "'dot'", "expected two vectors of the same size for 'dot' (these are a vector of 5 and a vector of 4)"),
-    ("for i in 1..3: a = i", 16, "'a'", "expected an equation q[i]' = ..., exact, when or for (where i = 1)"),
+    ("for i in 1..3: a = i", 16, "'a'", "expected an equation q[i]' = ..., exact, when, at, project or for (where i = 1)"),
     ("for q[1]' = 3", 5, "'q'", "expected an index and its range, as in `for i in 1..4: q[i]' = ...`"),
     ("for i in 1..2: exact q[i] = 1 2", 31, "'2'", "expected an operator or the end of the line"),
     ("for i in 1..2: exact q[1] = 1", 22, "'q'", f"expected only one equation like this (line {LINE} has another) (where i = 2)"),
