@@ -23,7 +23,7 @@ PARTS = {
     "Models": ["models", "integrators", "adaptive", "relations", "scenes", "outputs", "view"],
     "Command and libraries": ["command", "tuner", "fast", "batch", "python", "playground", "installing"],
     "Hardware": ["integration", "configurations", "arithmetic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
-    "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "glossary"],
+    "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "truth", "glossary"],
     "Measured": ["results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "everywhere"],
 }
 ASIDE = {"README.md": "index.md", "CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "tests/README.md": "verification.md"}
