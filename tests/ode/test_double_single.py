@@ -69,7 +69,7 @@ def test_sums_and_products_are_exact_and_pairs_within_their_bounds(measured, roo
     rows = {}
     for name, row in re.findall(r"^(\w+): \d+ checked, 0 wrong, (.*) at most$", measured, re.M):
         rows[name] = max(rows.get(name, row), row, key=lambda text: float(text.split()[2]))  # loose ones in four ways, by signs
-    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("### Double-single")[1].split("\n### ")[0]
+    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("### Double-single")[1].split("\n##")[0]
     stated = re.findall(r"^\| `(\w+)` \| .* \| (\d+) \| (\S+) \| \S+ \|$", section, re.M)
     assert {name for name, *_ in stated} == {"loose_add", "loose_sub", "loose_mul", "add", "sub", "mul", "quotient", "root", "inverse_root"}
     for name, nodes, most in stated:
@@ -84,7 +84,7 @@ def test_functions_are_within_their_bounds_and_right_or_flagged_at_their_ends(ro
     assert done.returncode == 0, done.stdout
     rows = dict(re.findall(r"^(.*): \d+ checked, 0 wrong, (.*) at most$", done.stdout, re.M))
     assert "ends: 66 checked, 0 wrong" in done.stdout and "0^n: 3 checked, 0 wrong" in done.stdout
-    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("#### Its functions")[1].split("\n### ")[0]
+    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("#### Its functions")[1].split("\n##")[0]
     stated = re.findall(r"^\| `([^`]+)` \| .* \| (\d+) \| ([\d.]+) \| .* \|$", section, re.M)
     assert {name.split("(")[0] for name, *_ in stated} == functions() | {"x^n"}
     for name, nodes, most in stated:
@@ -93,6 +93,17 @@ def test_functions_are_within_their_bounds_and_right_or_flagged_at_their_ends(ro
         assert found and all(f[1] == nodes or name == "x^n" for f in found), (name, nodes, found)
         worst = max(float(f[2]) for f in found)
         assert float(most)/3 < worst <= float(most), (name, worst)
+
+
+def test_the_page_says_what_it_costs(root):
+    """Cycles of many_full by rk4: plain, double-single, and their ratio."""
+    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("#### What it costs")[1].split("\n##")[0]
+    rows = re.findall(r"\| `(\w+)`[^|]* \| (\d+) \| (\d+) \| ([\d.]+) (?=\|)", section)
+    assert len(rows) == 20
+    for name, *stated in rows:
+        plain, pairs = (float(re.search(r"cycles per object-step +(\S+)", fp3("compile", root / f"programs/{name}.ode", "-c", "many_full", "--report", *more).stdout)[1])
+                        for more in ((), ("--double-single",)))
+        assert stated == [f"{plain:g}", f"{pairs:g}", f"{pairs/plain:.1f}"], name
 
 
 def test_kepler_to_1e_10_after_ten_orbits():
