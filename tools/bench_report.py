@@ -24,33 +24,33 @@ from fp3gen.text import table
 
 LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
 INTRODUCTION = """\
-A model of `programs/` is integrated from 0 to its span by every way there is here: how large the error is at the end, and how
-long one object takes. Objects are 64 variants of the model: each one's parameters are 0.1 % larger than those of the one
-before, each start 0.2 %. The error of an object is relative to the largest magnitude that each state reaches, root of the
-mean square over the states; tables and pictures have the median over the variants. The truth is GSL's rk8pd at 1e-14, with which
-the model's closed form, or GSL's rkck, must agree to 1e-9 for every variant; without that, there is no result.
+Every method here integrates every model of `programs/` from 0 to its span. The tables and pictures have the error at the end and the time that one object
+takes.
 
-Models whose objects see each other (springs, contact, gravity) are measured on [their own page](world.md#beside-loops-written-by-hand),
-beside Warp, Taichi, MuJoCo, Bullet, LAMMPS, Box2D and REBOUND.
+- *Objects* are 64 variants of the model: each one's params are 0.1 % larger than those of the one before, and its start 0.2 %.
+- *Errors* are relative to the largest magnitude that each state reaches, and the root mean square over the states. Tables and pictures have the median of
+  the variants. Errors are measured against the [truth](truth.md). A model has no results if one of its variants has no truth.
+- *Times* are nanoseconds for one object over the whole span, medians of repeats. Methods that solve the same model take turns on the same machine, so a
+  slow machine slows all of them. A run of `fast` has up to 16,384 objects. Compiling the program and writing the start are not timed.
+- *Fixed time steps* are the span over 1, 2, 3, 4, 6, 8, 12, ..., until smaller steps gain nothing, or down to 1,024 times below the first that solves the
+  model. A step is not run if a trial with 64 objects takes 15 times as long as another point with the same accuracy. A point that takes at most 1.5 times
+  as long as the fastest of its engine with the same accuracy is run up to 5 times, and with all threads, too. All others are run once.
+- *Adaptive steps* (`dopri5 adaptive` and so on) have tolerances from 1e-2 down, until an object does not reach the end or the arithmetic has no such
+  tolerance. `absolute` is the tolerance times the smallest size of a state.
+- *Events.* Fixed steps are measured as they are, so that an event happens up to a step late, and cut at events (`rk4 cut`), with a condition located to
+  2^-14 of the step.
+- *Cycles* of adaptive and of cut steps are measured under Verilator, from the coarsest steps on, until the runs of an integrator in an arithmetic have
+  600,000 instructions together, and only where no other way takes a quarter of the cycles.
+- *Checks.* Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the hardware the cycles that the compiler predicts.
+- *Peers* run in double, one object after another, with tolerances from 1e-2 to 1e-10 relative to the size of each state. Their right-hand side is C,
+  compiled with `cc -O3 -march=native`. Memory is allocated once, not for each object. Jacobians are differences. GSL's `rk4` has fixed steps, and makes two
+  of h/2 for each h. The sweep of a peer ends when two tolerances in a row are no better than the best, or when a run of the 64 objects takes more than half
+  a second. Models with events are measured without peers, because these do not look for events.
+- *`plain_c`* is the loop that a game has: rk4 in FP32, one object at a time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. It
+  handles events.
 
-Times are nanoseconds for one object over the whole span, medians of repeats. Everybody who solves the same model takes turns
-on the same machine, so a slow machine slows all of them. A run of `fast` has up to 16,384 objects; compiling the program and
-writing the start are not part of it. A time step is not run if a trial with 64 objects took 15 times
-as long as another point that is as accurate; every other one is run once. A point that takes at most 1.5 times as long as the fastest of its
-engine that is as accurate is near the front: it is run up to 5 times, and with all threads too. Time steps are the span over 1, 2, 3, 4, 6, 8, 12, ..., for everybody who has fixed ones; their sweep ends at the floor, or 1,024 times below the first that solves the model. Before it is timed, `fast` must have the bits of `isa` and of the Verilated hardware, and the
-hardware the cycles that the compiler predicts.
-
-Adaptive steps (`dopri5 adaptive` and so on) are points by tolerances from 1e-2 on, until an object does not end or the arithmetic has no such tolerance. Their
-`absolute` is the tolerance times the smallest size of a state. Of a model with events, fixed steps are measured twice: as they are, so that an event happens up to a step late,
-and cut at events (`rk4 cut`), with a condition located to 2^-14 of the step. Cycles of both are those of runs under Verilator, the coarsest first, as long as those of an integrator in an arithmetic have 600,000
-instructions together, and where no other way takes a quarter of the cycles.
-
-The others run in double, one object after another, with the right-hand side as C that `cc -O3 -march=native` compiles, tolerances
-from 1e-2 to 1e-10, relative to the size of each state. Memory is allocated once, not for each object. Jacobians are differences.
-GSL's `rk4` has fixed steps, and makes two of h/2 for each h. `plain_c` is the loop that a game has: rk4 in FP32, one object at a
-time (`scalar`, -O2) or 64 in columns (`vectors`, -O3), with libm's functions. A sweep of one of them ends when two tolerances in a row
-are no better than the best, or when a run of the 64 objects took more than half a second. Nobody but fp3 and `plain_c` looks for events, so models that
-have some are measured without the others."""
+Models whose objects see each other (springs, contact, gravity) are measured on [their own page](world.md#beside-loops-written-by-hand), beside Warp,
+Taichi, MuJoCo, Bullet, LAMMPS, Box2D and REBOUND."""
 
 
 def number(x):
@@ -215,19 +215,19 @@ def markdown(data):
              "heyoka.py was not measured: `make setup-bench` installs it.",
              "The same as pictures: [benchmarks.html](benchmarks.html), for a browser; it loads nothing. `make bench` writes `build/results/bench.html`, "
              "with a picture of all integrators for each model, and the data behind it, `bench.json`, `bench.csv` and `bench_speed.csv`.",
-             "## The models side by side", "GSL / fast: at each error from 1e-1 down to the smallest that FP32 reaches, the shortest time of GSL "
-             "by the shortest time of the fast engine with one thread. Below that is double-single, in the tables of the models alone.", overview(data),
+             "## The models side by side", "*GSL / fast* is the shortest time of GSL divided by that of the engine `fast` with one thread, "
+             "at each error from 1e-1 down to the smallest that FP32 reaches. Only the tables of the models have smaller errors, which need double-single.", overview(data),
              f"### Where fast is not {LEAST_RATIO} times as fast as GSL", "\n".join(short) if short else "Nowhere.",
-             "## Model by model", "Shortest times to get below an error (median of the variants). Hardware: cycles of the best of `many_full` and "
-             "`single_full` at its routed clock (speed grade 6, " +
+             "## Model by model", "The shortest time of each engine to get below an error (median of the variants). Hardware is the better of `many_full` and "
+             "`single_full`, at its routed clock (speed grade 6, " +
              ", ".join(f"`{name}` {data['about']['mhz'][name]} MHz" for name in ("many_full", "single_full") if name in data["about"]["mhz"]) +
              ", from [results](results.md)); `many_full` has 24 objects in flight, and the figure is the time for one of them."]
     for problem in data["problems"]:
         parts += [f"### {problem['model']}", f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
                   model_table(data, problem["model"])]
-    parts += ["## Speed", "Steps of the ship, Equations (1), as `programs/ship.s` has them, nanoseconds for a step of one object. The loop by hand "
-              "(`bench/ship.c`) is written with vectors of 16 floats, 1 to 8 of them interleaved; the results of all have its bits but those of GSL and of physics engines. "
-              "In brackets, the time by that of the best loop by hand in the same cell.", *bodies(data), *speed_tables(data),
+    parts += ["## Speed", "Nanoseconds for a step of one object: the ship, Equations (1), as `programs/ship.s` has it. The loop by hand "
+              "(`bench/ship.c`) has vectors of 16 floats, 1 to 8 of them interleaved. All results have its bits, except those of GSL and of physics engines. "
+              "The figure in brackets is the time relative to the best loop by hand in the same cell.", *bodies(data), *speed_tables(data),
               *recording(data), "## Left out", left_out(data) if data["left_out"] else "Nothing."]
     return "\n\n".join(parts) + "\n"
 
@@ -241,6 +241,15 @@ nav{display:flex;flex-wrap:wrap;gap:.2em .8em}"""
 AXES = "time for one object over the whole span", "error at the end, relative, median of the variants"
 
 
+def blocks(text):
+    """Markdown's paragraphs and lists as HTML; of links and emphasis the words."""
+    for block in html.escape(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text)).replace("`", "").replace("*", "").split("\n\n"):
+        if block.startswith("- "):
+            yield "<ul>\n" + "\n".join(f"<li>{item}</li>" for item in block[2:].split("\n- ")) + "\n</ul>"
+        else:
+            yield f"<p>{block}</p>"
+
+
 def page(data, has_integrators):
     """has_integrators: also a picture of all of them for each model."""
     from plot import inline     # matplotlib is for pages with pictures alone
@@ -250,7 +259,7 @@ def page(data, has_integrators):
 
     parts = ["<!doctype html><html lang=en><meta charset=utf-8><title>FP3: error against run time</title><style>", STYLE, "</style>",
              f"<!-- Generated by tools/bench_report.py from data {digest(data)} -->", "<h1>FP3: error against run time</h1>", f"<p>{html.escape(about(data)).replace('`', '')}</p>"]
-    parts += [f"<p>{html.escape(text).replace('`', '')}</p>" for text in INTRODUCTION.split("\n\n")]
+    parts += blocks(INTRODUCTION)
     parts.append("<p>Both axes are logarithmic. Lines join the points that nothing of the same colour beats; the pointer over a point "
                  "says what it is.</p><nav>" + "".join(f"<a href='#{p['model']}'>{p['model']}</a>" for p in data["problems"]) + "</nav>")
     for problem in data["problems"]:

@@ -9,54 +9,66 @@ COLOURS = {name: INTEGRATORS[name][0] for name in ("rk4", "verlet", "yoshida6")}
 DASHES = {"plain": "-", "compensated": "--", "truncated": ":"}
 
 INTRODUCTION = """\
-Every figure here stands beside what it should be: by theory, computed from the integrator's table, or as published. A result holds if
-it is within its tolerance. `fp3 stress` is the suite on equations of its own, `fp3 stress MODEL` what applies to a model; `make stress` is both, for
-every integrator and every model of `programs/`, into `build/results/stress.json`, and `make stress-report` writes this page from it.
+The stress suite measures what integrators and arithmetics do, and compares it with what they should do: by theory, computed from the integrator's table, or
+as published. A result holds if it is within its tolerance.
 
-Everything runs on the engine `fast`, as `many_full` runs it, in five arithmetics: *plain*; *compensated* updates (`-k`); *flushed*, plain without gradual
-underflow; *truncated*, plain and rounded to zero; *double_single* (`--double-single`), where the program fits `many_full`. Flushed and truncated are configurations
-with the keys `subnormal` and `nearest` at 0, which no named one has. *In double* means the same steps by the same table without roundings, by the
-coefficients that the program has (`fp3_compiled_exact_given`)."""
+- `fp3 stress` runs the suite on equations of its own, `fp3 stress MODEL` on a model. `make stress` does both, for every integrator and every model of
+  `programs/`, and writes `build/results/stress.json`. `make stress-report` makes this page of it.
+- Everything runs on the engine `fast`, as `many_full` runs it. The arithmetics are *plain*, *compensated* (`-k`), *double_single* (`--double-single`, where
+  the program fits), and plain on two configurations without a name: *flushed*, without gradual underflow (the key `subnormal` is 0), and *truncated*,
+  rounded to zero (the key `nearest` is 0).
+- *In double* means the same steps without roundings, with the coefficients of the program (`fp3_compiled_exact_given`).
+
+The columns of the tables below: model, integrator and arithmetic; what is measured; the expected figure; how the measured one has to compare with it; the
+measured figure, in bold if it does not hold; the tolerance."""
 
 FARTHEST = 8    # what goes further along the axis (stabilised methods) would make the picture of regions too flat to see
 
 # section: heading, of equations or of models, text
 SECTIONS = {
     "stability": ("Stability limits", """\
-x' = v, v' = -k x - c v with eigenvalues at an angle from the decay (0 degrees: x' = -a x), and a step of 1. 512 objects differ in h |lambda|; the first one that
-grows is found, and then, in 512 more between its neighbours, the limit. Theory: |R| = 1 of the stability polynomial R(z) = 1 + sum of z^j b A^(j-1) 1, or
-the largest eigenvalue of the matrix of a step; both from the table, in double. Where a method grows at every step (limit 0), or so slowly above its limit that
-a million steps do not show it within the tolerance, it is the step from which growth in 2^14 steps is a quarter. Tolerance 0.1 %. Of linearly implicit methods R is
-rational; ∞: nothing grows up to h |lambda| = 1e6 in theory, up to 512 as measured. Stabilised methods, which go far along the axis, are not in the picture."""),
+The equation is x' = v, v' = -k x - c v. Its eigenvalues λ are at an angle from the negative real axis (0 degrees: x' = -a x), and the step is 1. 512
+objects differ in |hλ|. The first one that grows is found, and then the limit, with 512 more between its neighbours. Theory: |R| = 1 for the stability
+polynomial R(z) = 1 + sum of z^j b A^(j-1) 1, or for the largest eigenvalue of the matrix of a step, both in double. For linearly implicit methods R is
+rational. ∞ means: nothing grows, in theory up to |hλ| = 1e6, measured up to 512. The tolerance is 0.1 %. Some methods grow at every step (limit 0), or so slowly that a million steps do not
+show it; their figure is the step from which growth in 2^14 steps is a quarter. The picture leaves out stabilised methods, which go far along the axis."""),
     "steps": ("Errors by step size", """\
-x'' = -x to t = 8, and x'' = -x + cos(2 t) (`driven`), 64 objects, root of the mean square. On the left the error falls with the order p: its slope is that of the
-same 8 objects in double. On the right roundings grow: with N^(1/2) where they are independent, up to N (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
-section 2.8); all in one direction where they are cut off. Of compensated updates and of double-single, nothing grows but a walk of roundings at the end of the second
-word. Stoermer's method takes a rounding r of x for one of the velocity, r/h, and below h = u^(1/3) = 0.005, u = 2^-23, its roundings are alike from step to step where
-the acceleration is stationary: they grow with h^-3, cut off with h^-2. Compensated, it carries h v as one float: a walk of its roundings."""),
+The equations are x'' = -x, and x'' = -x + cos(2 t) (`driven`), to t = 8, for 64 objects. Errors are root mean squares. On the left of the picture the error
+falls with the order p; its slope has to be that of the same 8 objects in double. On the right rounding errors grow with the number N of steps: with N^(1/2)
+if they are independent, with up to N otherwise (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 2.8). Truncated, all have one
+direction. With compensated updates and with double-single only a random walk of roundings at the end of the second word grows. Stoermer's method turns a
+rounding r of x into one of the velocity, r/h. Below h = u^(1/3) = 0.005, u = 2^-23, its roundings are alike from step to step where the acceleration is
+stationary: they grow with h^-3, truncated with h^-2. Compensated, it carries h v as one float, and the error is a random walk of its roundings."""),
     "events": ("Order under events", """\
-A bouncing ball, 4,096 objects. An event happens at the end of a step ([models.md](models.md#events)), so the order is 1 for every integrator."""),
+A bouncing ball, 4,096 objects. Events happen at the ends of steps ([models.md](models.md#when-it-happens)), so every integrator has order 1."""),
     "drift": ("A million steps", """\
-Kepler's problem with eccentricity 0.2, 64 orbits that differ by a turn, so that their roundings are independent; 65,536 steps in double-single. Their mean is what the
-method does, and its coefficients, which are FP32 numbers; their spread is the random walk of roundings. A symplectic method keeps energy and momentum; another drifts as in
-double. A rounding is 2.5e-8 of a number, root of the mean square, and the tolerance is four standard deviations of the walk. The error of a coefficient c is less than half a
-unit of c k, and may be rounded away or doubled with it, alike in all orbits: the tolerance has once more what rounded coefficients do in double. Truncation takes 4.3e-8
-of each update in the mean: a linear drift. An error of place, over an orbit and since the first, grows with t (symplectic) or t^2, the spread with t^(3/2) (Hairer, Lubich and
-Wanner, Geometric Numerical Integration, X.3; Brouwer 1937)."""),
-    "reversal": ("Forth and back", """\
-A planet goes to t = 12, its velocity is turned, and it goes as far again. A symmetric method comes back but for roundings; another is off by h^p for an odd order p, h^(p+1) for an even one."""),
-    "chance": ("Parameters over many decades", """\
-4,096 oscillators with k from 1e-6 to 1e3 and any damping below the critical one, 512 steps of 1. Those fail whose growth reaches the end of FP32, by theory; each is told, with its step."""),
+Kepler's problem with eccentricity 0.2, for 64 orbits that differ by a turn, so that their roundings are independent (65,536 steps in double-single). Their
+mean shows what the method does, and its coefficients, which are FP32 numbers. Their spread is the random walk of roundings. A symplectic method keeps
+energy and momentum; another drifts as in double. A rounding is 2.5e-8 of a number, root mean square, and the tolerance is four standard deviations of the
+walk. The error of a coefficient c is less than half a unit of c k; rounding may remove or double it, alike in all orbits. So the tolerance has once more
+what rounded coefficients do in double. Truncation takes 4.3e-8 of each update on average, which is a linear drift. An error of place, over an orbit and
+since the first, grows with t (symplectic) or t^2, and its spread with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical Integration, X.3; Brouwer
+1937)."""),
+    "reversal": ("There and back", """\
+A planet goes to t = 12, its velocity is reversed, and it goes as far again. A symmetric method comes back to the start, but for roundings. Another is off
+by h^p for an odd order p, and by h^(p+1) for an even one."""),
+    "chance": ("Params over many decades", """\
+4,096 oscillators with k from 1e-6 to 1e3 and any damping below the critical one make 512 steps of 1. By theory, those fail whose growth reaches the end of
+FP32. The engine has to report each of them, with its step."""),
     "stagnation": ("Where nothing moves", """\
-`move`: 1 + h f is 1 up to half a unit (2^-24; the tie goes to the even 1), truncated below a unit. `calm`: x' = p - q x stops where h f is below half a unit of x, so
-the distance from p/q has a bound, which is 1 here. In double-single all sums of `move` are exact."""),
+`move`: 1 + h f stays 1 if h f is up to half a unit (2^-24; the tie goes to the even 1), truncated below a unit. `calm`: x' = p - q x stops where h f is
+below half a unit of x. That bounds the distance from p/q, which is given as a share of this bound. In double-single all sums of `move` are exact."""),
     "subnormal": ("The lower end", """\
-A decay by a at each step ends, exactly, at floor(1/(2 a)) units of 2^-149, truncated at ceil(1/a) - 1; flushed it ends above 2^-126."""),
-    "failures": ("Overflow and NaN", "One object of 600 gets a number that overflows later, a NaN or an infinity; the engine names it and the step. In double-single a number overflows from 2^116 on, when it is split."),
+A decay by a at each step ends exactly at floor(1/(2 a)) units of 2^-149, truncated at ceil(1/a) - 1. Flushed, it ends above 2^-126."""),
+    "failures": ("Overflow and NaN", """\
+One object of 600 gets a number that overflows later, a NaN or an infinity. The engine has to name the object and the step. In double-single a number
+overflows from 2^116 on, when it is split."""),
     "chaos": ("Chaos", """\
-The largest Lyapunov exponent of Lorenz's equations, of 512 objects, by the linearised equations. Published: 0.9056 (Sprott, Chaos and Time-Series Analysis, 2003; Viswanath 1998). Tolerance 5 %."""),
+The largest Lyapunov exponent of Lorenz's equations, from the linearised equations of 512 objects. Published: 0.9056 (Sprott, Chaos and Time-Series
+Analysis, 2003; Viswanath 1998). The tolerance is 5 %."""),
     "invariants": ("Invariants of the models", """\
-The largest change of each `invariant`, at most that in double and four standard deviations of a random walk: one rounding of each state in each step, by the derivatives of the invariant."""),
+The largest change of each `invariant`. It may be as large as in double, plus four standard deviations of a random walk: one rounding of each state in each
+step, by the derivatives of the invariant."""),
 }
 
 

@@ -3,9 +3,9 @@
 from fp3gen.text import markdown
 
 HEAD = """\
-`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs all of them, compares them with what they
-should do, and writes `build/results/world.json`; `make world-report` makes this page of it. It takes half an hour on two busy processors;
-`make world QUICK=1` takes a minute, `PARTS="hashes physics"` runs some parts alone. The exit code is 1 if a word differs, something does not hold or a peer fails."""
+`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them, compares the results with what they should be, and
+writes `build/results/world.json`; `make world-report` makes this page of it. That takes half an hour on two busy processors. `make world QUICK=1` takes a
+minute, and `PARTS="hashes physics"` runs only these parts. The exit code is 1 if a word differs, a row does not hold or a peer fails."""
 
 SCENES = """\
 | scene | what it shows |
@@ -20,31 +20,33 @@ SCENES = """\
 | `dam` | a column of water in particles falls and runs along the floor |"""
 
 HASHES = """\
-All rows of a scene must have the same words in all states of all objects. The first row is from engine `isa`, which runs one instruction of
-one object at a time, or from the interpreter, where a scene is too large for `isa`. The other rows are
+All runs of a scene must give the same words in all states of all objects. The columns: the scene; its steps; the runs, by engine; the hash of all words;
+how many words differ. The first run is by the engine `isa`, which runs one instruction of one object at a time, or by the interpreter of `fast` if a scene
+is too large for `isa`. The others are
 
-- engine `fast`, interpreted, and as native code for each kind of processor that this one can be;
-- with up to 4 threads. A thread takes 512 objects at a time, so there are larger forms of the scenes for these;
-- with lists of those that are near made in each phase (skin 0), and reaching a little or ten times farther than the model asks;
-- with objects in another order, each with its links in the order that it had (`chain`, `cloth`). Where the number of an object is part of
-  the sum (`near` and `all`), another order is another scene;
+- by the engine `fast`, interpreted, and as native code for each kind of processor that this one can be;
+- with up to 4 threads. A thread takes 512 objects at a time, so these have larger forms of the scenes;
+- with lists of near objects that are made in each phase (skin 0), or that reach a little or ten times farther than the model asks;
+- with objects in another order, each with its links in the old order (`chain`, `cloth`). `near` and `all` add up in the order of the objects' numbers, so
+  another order is another scene there;
 - on the simulated hardware, with fewer steps and fewer objects."""
 
 SPEED = """\
-`bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They make the bits of FP3,
-and so show what a scene could cost. All sides take turns; the figure is the shortest turn. For one thread it is the time that the
-processor gave it; for several it is the time on the clock, which says nothing where the load is above the number of processors.
+`bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They give the bits of FP3, and so show
+what a scene could cost. All sides take turns, and the figure is the shortest turn. For one thread it is processor time. For several it is elapsed time,
+which says nothing if the load is above the number of processors.
 
-- *Springs.* A block of 16 objects goes through its lists together. Where the neighbours of the block stand side by side, as on a
-  grid, they are loaded as they lie; at an edge some of the block do nothing.
-- *Contact.* Objects stand in the order of the cells of a grid, and each has a record of 32 bytes. Those of 16 neighbours are loaded whole
-  and transposed. The order of a sum stays that of the objects' numbers.
+- *Springs.* A block of 16 objects goes through its lists together. If the neighbours of the block lie side by side, as on a grid, they are loaded as one
+  vector; at an edge some objects of the block do nothing.
+- *Contact.* Objects are in the order of the cells of a grid, and each has a record of 32 bytes. The records of 16 neighbours are loaded whole and
+  transposed. Sums keep the order of the objects' numbers.
 - *All pairs.* Two vectors of 16 objects meet all others, one at a time.
-- *Estimates.* An estimate is an entry of a table with 1,024 places for roots. A gather costs more than to compute it: the entry is 1/sqrt
-  of an interval's end, cut to 9 or 10 bits. The processor's `vrsqrt14ps` and one step of Newton give that with an error below 22 units
-  of 2^-23, on the side where no cut is near. When a loop is opened, it compares all entries with `sw/machine/estimate.c`.
+- *Estimates.* FP3 takes the estimate of a root from a table with 1,024 entries: 1/sqrt of an interval's end, cut to 9 or 10 bits. Computing it is cheaper
+  than a gather. The processor's `vrsqrt14ps` and one step of Newton give it with an error below 22 units of 2^-23, on the side where no cut is near. When a
+  loop is opened, it compares all entries with `sw/machine/estimate.c`.
 
-The others are measured, where `make setup-bench` has installed them, in time that the processor gave them, on one thread:
+The peers are measured if `make setup-bench` has installed them, in processor time on one thread. The columns: the peer; the scene; what it solves; its
+arithmetic; what differs from FP3.
 
 | peer | scene | what it solves | arithmetic | what is not the same |
 |---|---|---|---|---|
@@ -58,8 +60,9 @@ The others are measured, where `make setup-bench` has installed them, in time th
 | Box2D 3 | `heap, 2D` | another scene, in two dimensions: 10,000 circles at rest, 31 deep | float32 | contacts are constraints; a step is 1/60 s in 4 substeps, where `heap` has 1/1024 s; the package is built with its assertions |
 | REBOUND | `stars` | the same equations and steps | double | |
 
-The column *error* says how far a result is from what it should be, for FP3 and for its peers. It is empty where a peer solves something
-else, where a step takes too long for many of them, and where nothing is known to compare with.
+The columns of the table at the end: the scene; who computes it; threads; objects; nanoseconds for a step of an object; this time relative to the loop by
+hand; the error, which is how far a result is from what it should be. There is no error if a peer solves something else, if many steps take too long, or if
+nothing is known to compare with.
 
 - `net`: the largest difference of a coordinate, after 1,024 steps, from the same steps made in double precision, as a share of the
   length of the net. It is the error of rounding alone, not that of the step.
@@ -67,18 +70,18 @@ else, where a step takes too long for many of them, and where nothing is known t
 - `heap`: the largest difference of a coordinate from where FP3 has the balls, after 256 steps from the same start at rest, as a share
   of the width of the box. It has the errors of both, and the difference of their integrators.
 
-The program that has Bullet's nets is `bench/world/bullet.cpp`; the functions in `tools/world_peers_net.py`, `world_peers_heap.py` and
-`world_peers_stars.py` have the others. A result that is too far off makes no row, and neither does a peer that fails: `make world` names
-it and ends with exit code 1."""
+The program with Bullet's nets is `bench/world/bullet.cpp`; `tools/world_peers_net.py`, `world_peers_heap.py` and `world_peers_stars.py` have the other
+peers. A result that is too far off makes no row, and neither does a peer that fails: `make world` names it and ends with exit code 1."""
 
 CHIP = """\
-Clock cycles of the simulated hardware for a step of an object: those of a longer run less those of a shorter one. Scenes are small, because
-objects and their lists share the store of a lane. The last column is the share of the cycles in which lanes exchange what others see."""
+Clock cycles of the simulated hardware for a step of an object: those of a longer run less those of a shorter one. Scenes are small, because objects and
+their lists share the store of a lane. The columns: the scene; the configuration; lanes; objects; the cycles; the share of them in which lanes exchange what
+others see."""
 
 PHYSICS = """\
-Each row has what theory or an experiment says, what the objects do, and how far apart the two may be; `why` in the JSON file argues for that.
-The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world` changes
-each scene a little, and then a row no longer holds."""
+The columns: the scene; a quantity; what theory or an experiment says; what the objects do; how far apart the two may be, for which `why` in the JSON file
+has the reasons. The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world`
+changes each scene a little, and then a row no longer holds."""
 
 
 def number(value):

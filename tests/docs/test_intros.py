@@ -1,0 +1,38 @@
+"""Pages of measurements say in words what the tool says that makes them: who changes the one changes the other."""
+
+import importlib
+import sys
+import types
+
+import pytest
+
+
+@pytest.fixture
+def tool(root, monkeypatch):
+    """A tool, without what it draws with."""
+    def tool(name):
+        monkeypatch.syspath_prepend(root / "tools")
+        monkeypatch.setitem(sys.modules, "plot", types.SimpleNamespace(draw=None))
+        monkeypatch.delitem(sys.modules, name, raising=False)
+        return importlib.import_module(name)
+
+    return tool
+
+
+def test_stress(root, tool):
+    made, page = tool("stress_report"), (root / "docs/stress.md").read_text(encoding="utf-8")
+    assert f"# Stress\n\n{made.INTRODUCTION}\n\n" in page
+    for heading, text in made.SECTIONS.values():
+        assert f"## {heading}\n\n{text}\n" in page and f"| {heading} |" in page
+
+
+def test_benchmarks(root, tool):
+    made = tool("bench_report")
+    assert f"\n\n{made.INTRODUCTION}\n\n" in (root / "docs/benchmarks.md").read_text(encoding="utf-8")
+    assert "\n" + "\n".join(made.blocks(made.INTRODUCTION)) + "\n" in (root / "docs/benchmarks.html").read_text(encoding="utf-8")
+
+
+def test_world(root, tool):
+    made, page = tool("world_report"), (root / "docs/world.md").read_text(encoding="utf-8")
+    for text in (made.HEAD, made.SCENES, made.PHYSICS, made.HASHES, made.SPEED, made.CHIP):
+        assert f"\n\n{text}\n\n" in page
