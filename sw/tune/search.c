@@ -216,15 +216,18 @@ static void explain(const seeker *s, uint64_t most) {
         snprintf(row->why, sizeof row->why, "meets the target");
     else if (isfinite(s->search->cheaper) && s->candidate->is_cut)
         snprintf(row->why, sizeof row->why,
-                 "steps that cost less, up to %" PRIu64 " and what events add, miss the target",
+                 "misses the target with %" PRIu64
+                 " steps and what events add; more would cost more than the best so far",
                  most);
     else if (isfinite(s->search->cheaper))
-        snprintf(row->why, sizeof row->why, "the %" PRIu64 " steps that cost less miss the target",
+        snprintf(row->why, sizeof row->why,
+                 "misses the target with %" PRIu64
+                 " steps; more would cost more than the best so far",
                  most);
     else
         snprintf(row->why, sizeof row->why,
-                 "the %" PRIu64 " steps that were tried miss the target, and by its order %" PRIu64
-                 " would, too",
+                 "misses the target with %" PRIu64 " steps, and by its order also with %" PRIu64
+                 ", the most that are tried",
                  row->steps, most);
 }
 

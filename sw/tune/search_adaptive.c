@@ -215,10 +215,12 @@ static void explain(const seeker *s) {
     if (row->is_met)
         snprintf(row->why, sizeof row->why, "meets the target");
     else if (isfinite(s->search->cheaper))
-        snprintf(row->why, sizeof row->why, "the %.0f attempts that cost less miss the target",
+        snprintf(row->why, sizeof row->why,
+                 "misses the target with %.0f attempts; more would cost more than the best so far",
                  s->most);
     else
-        snprintf(row->why, sizeof row->why, "no tolerance that was tried meets the target");
+        snprintf(row->why, sizeof row->why,
+                 "misses the target with every tolerance that was tried");
 }
 
 fp3_status fp3_search_tolerance(const fp3_search *search, const fp3_candidate *candidate,
