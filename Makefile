@@ -146,7 +146,7 @@ FORCE:
 # Below build/ things lie as `make install` lays them out: bin/fp3 finds lib/fp3/ in both places.
 obj = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
 LIB      := $(BUILD)/lib/libfp3.a
-MEASURE  := $(BUILD)/obj/measure.a
+MEASURE_LIB := $(BUILD)/obj/measure.a
 LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
@@ -202,9 +202,9 @@ $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BU
 	@echo "  CC   $< ($*)"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<
 
-$(MEASURE): $(call obj,$(MEASURE_C))
+$(MEASURE_LIB): $(call obj,$(MEASURE_C))
 $(LIB): $(LIB_O)
-$(LIB) $(MEASURE):
+$(LIB) $(MEASURE_LIB):
 	@echo "  AR   $@"
 	@mkdir -p $(@D)
 	@rm -f $@ && $(CROSS)ar rcs $@ $^
@@ -214,7 +214,7 @@ $(LIB_SO): $(LIB_O) $(EXPORTS)
 	@mkdir -p $(@D)
 	@$(call link_shared,$(CC_FOR)) -Wl,-soname,$(@F) $(LIB_LIBS)
 
-$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE) $(LIB)
+$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LIB)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
@@ -233,7 +233,7 @@ $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
-$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE) $(LIB)
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE_LIB) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
 	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
@@ -406,10 +406,10 @@ $(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/flags | $(BUILD)/ready
 	@echo "  CXX  $<"
 	@$(CCACHE) g++ $(CXXFLAGS) -Ibench -MMD -MP -c -o $@ $<
 
-$(BUILD)/bench/bench: $(BENCH_O) $(MEASURE) $(LIB)
+$(BUILD)/bench/bench: $(BENCH_O) $(MEASURE_LIB) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE) $(LIB) $(BENCH_LIBS) $(LDLIBS)
+	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE_LIB) $(LIB) $(BENCH_LIBS) $(LDLIBS)
 
 # A scene of objects that see each other, beside a loop by hand, which is compiled for two kinds of processor.
 WORLD_HAND := net stars balls

@@ -28,6 +28,15 @@ def test_every_listed_target_exists(root):
         assert re.search(rf"^{target}:", rules, re.MULTILINE), target
 
 
+def test_a_variable_that_help_offers_is_no_name_of_ours(root):
+    """What make gets on its command line would replace ours everywhere: MEASURE=1 made an archive with the name 1."""
+    offered = set(re.findall(r"\b([A-Z]+)=", make(root, "help").stdout))
+    texts = [path.read_text() for path in (root / "Makefile", *sorted(root.glob("tools/*.mk")))]
+    ours = {name for text in texts for name in re.findall(r"^([A-Z]+) *:?=", text, re.M)}
+    assert {"CONFIG", "MEASURE", "QUICK"} <= offered and {"LIB", "CFLAGS"} <= ours
+    assert not offered & ours
+
+
 @pytest.mark.parametrize("target", ["sim", "waves", "synth"])
 def test_an_unknown_configuration_is_named_before_anything_is_built(root, target):
     done = make(root, target, "CONFIG=nonesuch")
