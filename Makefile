@@ -578,6 +578,10 @@ PICTURE = $(PYTHON) tools/picture.py --fp3 $(BUILD)/bin/fp3 --output docs/pictur
 picture: all ## Draw README's picture, after make setup-bench; MEASURE=1: with new times of fp3 bench
 	@$(PICTURE) $(if $(MEASURE),--measure,--figures) docs/picture.json
 
+.PHONY: gallery
+gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/gallery.md: five minutes; MEASURE=0: only draw, ONLY="eight dam"
+	@$(PYTHON) tools/gallery.py --fp3 $(BUILD)/bin/fp3 $(if $(filter 0,$(MEASURE)),,--measure) $(if $(ONLY),--only $(ONLY))
+
 everywhere-report: ## Write docs/everywhere.md from it
 	@$(PYTHON) tools/everywhere.py --output $(RESULTS)/everywhere.json --report docs/everywhere.md
 

@@ -30,10 +30,10 @@ def names():
     return sorted(path.stem for path in FOLDER.glob("*.scene"))
 
 
-def text_of(name):
-    """The scene's text, which may stand in any folder."""
-    text = (FOLDER / f"{name}.scene").read_text(encoding="utf-8")
-    return re.sub(r'(\b(?:program|points|file|params) *= *")([^/"][^"]*")', lambda found: f"{found[1]}{FOLDER}/{found[2]}", text)
+def text_of(name, folder=FOLDER):
+    """The text of a scene in the folder, which may stand in any other."""
+    text = (folder / f"{name}.scene").read_text(encoding="utf-8")
+    return re.sub(r'(\b(?:program|points|file|params) *= *")([^/"][^"]*")', lambda found: f"{found[1]}{folder}/{found[2]}", text)
 
 
 def replace(text, old, new):

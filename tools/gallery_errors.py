@@ -1,0 +1,153 @@
+"""How far what a scene of the gallery gives is from what it should give.
+
+Each function yields rows with what is said, what is expected and what is found. Scenes of programs/world have the rows of
+tools/world.py. What is expected of the others comes from a closed form, from a published value, or from the model's equations,
+which tools/ode_reader.py reads, by rk4 in double with a quarter of the step.
+"""
+
+import re
+
+import numpy as np
+import ode_reader
+import world_bodies
+import world_contact
+import world_physics
+import world_scene as ws
+import world_water
+
+FINER = 4
+
+
+def row(what, expected, found):
+    return {"what": what, "expected": float(expected), "found": float(found)}
+
+
+# ---- runs, and the same in double ----
+
+def record(lab, scene, *options):
+    return ws.record(lab.fp3, ws.put(lab.folder, scene.text(lab.folder), scene.name), *options)
+
+
+def in_double(scene, found, start, steps, every):
+    """[snapshot, state, object]: the model's equations from where the recording begins, by rk4."""
+    text = scene.path.read_text(encoding="utf-8")
+    model = ode_reader.read(scene.folder / re.search(r'program *= "(.*?)"', text)[1])
+    params = {name: np.float32(value).astype(float) for name, value in model.params.items()}
+    given = dict(re.findall(r"(\w+) = ([\d.e+-]+);", re.search(r"\bset += \{(.*?)\}", text)[1]))
+    params |= {name: np.float32(float(value)).astype(float) for name, value in given.items() if name in params}
+    h, y = float(np.float32(float(given["h"]))) / FINER, np.array([found[name][start] for name in model.names])
+    rows = [y]
+    for n in range(steps * FINER):
+        k = []
+        for share in (0, 0.5, 0.5, 1):
+            k.append(model.slopes((n + share) * h, y + share * h * k[-1] if k else y, params))
+        y = y + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])
+        if (n + 1) % (every * FINER) == 0:
+            rows.append(y)
+    return np.array(rows), model.names
+
+
+def apart(found, truth, names, shown):
+    """[snapshot, object]: the distance of these states."""
+    return np.sqrt(sum((found[name][:len(truth)] - truth[:, names.index(name)]) ** 2 for name in shown))
+
+
+def chaotic(distance, times, one, unit, looks, off, length=""):
+    """What is left of a prediction: the worst object at some times, and when the first and half of all are far off."""
+    for t in looks:
+        worst = distance[np.searchsorted(times, t * 0.999999)].max()
+        yield row(f"largest distance of {one} from where it is in double{', ' + length if length else ''}, at {t:g} {unit}", 0, worst)
+    far = f"{off:g} {length}".strip() + f" off, {unit}"
+    for which, of_all in ((f"when the first {one.split()[-1]} is", distance.max(1)), ("when half of them are", np.median(distance, 1))):
+        late = np.flatnonzero(of_all > off)
+        if len(late):
+            yield {"what": f"{which} {far}", "expected": None, "found": float(times[late[0]])}
+
+
+# ---- scenes of their own ----
+
+def flag(lab, scene, steps=512):
+    found, _ = record(lab, scene, "--every", steps, "--steps", steps)
+    h, m, air, c, wave = 2.0 ** -10, *(float(np.float32(x)) for x in (0.001, 0.004, 0.005, 6.2831853 / 0.9))
+    count = (20, 32)
+    springs = world_physics.springs_of_grid(count, 0.05, [(["structural", "shear"], 100), (["bending"], 10)])
+    x, v = ws.vectors(found, "x")[0], ws.vectors(found, "v")[0]
+    moves = (np.arange(len(x)) >= count[0])[:, None]
+    for n in range(steps):
+        wind = np.zeros_like(x)
+        wind[:, 0], wind[:, 2] = 6, 3 * np.sin(wave * (x[:, 0] - 6 * n * h))
+        v = v + h * moves * ((springs.forces(x, v, c) + air * (wind - v)) / m + np.array([0, -9.81, 0]))
+        x = x + h * v
+    yield row(f"largest difference of a coordinate from the same {steps} steps in double, m", 0, abs(ws.vectors(found, "x")[-1] - x).max())
+
+
+def bobs(found):
+    """Places of both masses of double pendulums."""
+    x, y = np.sin(found["a1"]), -np.cos(found["a1"])
+    return x, y, x + np.sin(found["a2"]), y - np.cos(found["a2"])
+
+
+def pendulums(lab, scene):
+    found, times = record(lab, scene, "--every", 64, "--observe", "w1,w2,a1,a2,energy")
+    truth, names = in_double(scene, found, 0, 8192, 64)
+    *_, x, y = bobs(found)
+    *_, true_x, true_y = bobs({name: truth[:, names.index(name)] for name in names})
+    yield row("largest change of the energy in 8 s, J", 0, abs(found["energy"] - found["energy"][0]).max())
+    yield from chaotic(np.hypot(x - true_x, y - true_y), times, "a lower mass", "s", (2, 4), 0.1, "m")
+
+
+def arenstorf(lab, scene):
+    found, _ = record(lab, scene, "--observe", "r_x,r_y,jacobi", "--times", f"0,{17.0652165601579625588917206249!r}")
+    x, y, jacobi = (abs(found[name][-1] - found[name][0])[0] for name in ("r_x", "r_y", "jacobi"))
+    yield row("distance from the start after a period, of the moon's distance", 0, np.hypot(x, y))
+    yield row("change of Jacobi's integral after a period", 0, jacobi)
+
+
+def van_der_pol(lab, scene):
+    """The test set for initial value problem solvers (Mazzia and Magherini, Bari, 2008) has the solution at 2000."""
+    found, _ = record(lab, scene, "--times", "0,2000")
+    yield row("x at t = 2000, as the Test Set for Initial Value Problem Solvers has it", 1.706167732170469, found["x"][-1, 0])
+
+
+def duffing(lab, scene):
+    found, _ = record(lab, scene, "--every", 256, "--steps", 256 * 30)
+    truth, names = in_double(scene, found, 0, 256 * 30, 256)
+    yield from chaotic(apart(found, truth, names, ["x", "v"]), np.arange(len(truth)), "an oscillator", "periods", (1, 5), 0.1)
+
+
+def ships(lab, scene):
+    """Of v' = (T - C v)/m from rest, after as many seconds as a ship has been under way."""
+    found, times = record(lab, scene)
+    m, c, thrust = 8.7e5, 4.1e4, np.float32(np.linspace(1.2e5, 3.6e5, 48)).astype(float)
+    t = times[-1] - np.arange(48) * 235 // 47
+    true_v = thrust / c * (1 - np.exp(-c * t / m))
+    true_s = thrust / c * (t - m / c * (1 - np.exp(-c * t / m)))
+    yield row("largest error of a speed at the end, as a share of it", 0, abs(found["v"][-1] / true_v - 1).max())
+    yield row("largest error of a place at the end, as a share of the way", 0, abs(found["s"][-1] / true_s - 1).max())
+
+
+def lorenz(lab, scene):
+    found, times = record(lab, scene, "--every", 64)
+    truth, names = in_double(scene, found, 0, 16384, 64)
+    yield from chaotic(apart(found, truth, names, ["x", "y", "z"]), times, "a point", "units of time", (1, 8), 1)
+
+
+# ---- all of them ----
+
+# Of the scenes of programs/world: the function, and the first words of the rows.
+WORLD = {"heap": (world_contact.heap, ["force on the floor"]),
+         "plummer": (world_bodies.plummer, ["energy after", "change of angular momentum", "radius that has"]),
+         "dam": (world_water.dam, ["speed of the front", "largest change of density"]),
+         "eight": (world_bodies.eight, ["how far bodies are from where they were", "largest change of energy"]),
+         "chain": (world_physics.chain, ["angular frequency of mode 1,", "largest error of the 32"])}
+OWN = {function.__name__: function for function in (flag, pendulums, arenstorf, van_der_pol, duffing, ships, lorenz)}
+
+
+def of(lab, scene):
+    if scene.name in OWN:
+        yield from OWN[scene.name](lab, scene)
+        return
+    check, words = WORLD[scene.name]
+    for found in check(lab):
+        if found["what"].startswith(tuple(words)):
+            yield row(found["what"], found["expected"], found["found"])

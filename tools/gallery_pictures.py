@@ -1,0 +1,228 @@
+"""Pictures of the gallery: PNGs, 960 pixels wide, the same bytes in each run of one matplotlib.
+
+Motion is recorded by fp3 run. Balls are drawn by fp3 view. All have the ground of fp3 view's pictures, so that they can be read on
+light pages and on dark ones.
+"""
+
+import subprocess
+
+import gallery_errors
+import matplotlib.image
+import numpy as np
+import world_scene as ws
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from picture import COLOURS
+
+WIDTH, HEIGHT, DPI = 960, 540, 120
+GROUND, INK, FAINT = "#eef0f4", "#22252b", "#9aa0aa"
+matplotlib.rcParams.update({"font.family": "DejaVu Sans", "font.size": 8, "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
+                            "axes.edgecolor": FAINT, "axes.facecolor": GROUND, "axes.spines.top": False, "axes.spines.right": False})
+
+
+def canvas(height=HEIGHT, **keys):
+    figure = Figure(figsize=(WIDTH / DPI, height / DPI), dpi=DPI, facecolor=GROUND, layout="constrained")
+    return figure, figure.subplots(**keys)
+
+
+def bare(axes, x, y):
+    """Equal scales and no axes; x, y: what is seen."""
+    axes.set(aspect="equal", xlim=x, ylim=y)
+    axes.set_axis_off()
+
+
+def record(fp3, folder, scene, *options):
+    return ws.record(fp3, ws.put(folder, scene.text(folder), scene.name), *options)
+
+
+def trails(axes, x, y, colours, width=1.5, power=2.0):
+    """A line for each column of [time, object], fainter the older it is."""
+    for a, b, colour in zip(x.T, y.T, colours):
+        points = np.stack([a, b], -1)
+        shade = np.tile(matplotlib.colors.to_rgba(colour), (len(points) - 1, 1))
+        shade[:, 3] = np.linspace(0, 1, len(shade)) ** power
+        axes.add_collection(LineCollection(np.stack([points[:-1], points[1:]], 1), colors=shade, linewidths=width, capstyle="butt"))
+
+
+def colours_of(name, count, first=0.0, last=0.92):
+    return matplotlib.colormaps[name](np.linspace(first, last, count))
+
+
+# ---- objects that see each other ----
+
+def flag(fp3, folder, scene):
+    """Squares of cloth, the nearest last. The colour is the speed, the shade how a square faces the light."""
+    found, _ = record(fp3, folder, scene, "--every", 64, "--steps", 2816)
+    x = ws.vectors(found, "x")[-1].reshape(32, 20, 3)
+    speed = np.linalg.norm(ws.vectors(found, "v")[-1], axis=1).reshape(32, 20)
+    turn, lift = np.radians(24), np.radians(14)
+    right = np.array([np.cos(turn), 0, np.sin(turn)])
+    away = np.array([np.sin(turn) * np.cos(lift), -np.sin(lift), -np.cos(turn) * np.cos(lift)])
+    up = np.cross(right, away)
+    corners = np.stack([x[:-1, :-1], x[1:, :-1], x[1:, 1:], x[:-1, 1:]], 2).reshape(-1, 4, 3)
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    light = np.array([0.75, 0.25, 0.61])
+    shade = 0.3 + 0.75 * abs(normal @ light) / np.linalg.norm(normal, axis=1)
+    of_square = (speed[:-1, :-1] + speed[1:, :-1] + speed[1:, 1:] + speed[:-1, 1:]).ravel() / 4
+    paint = np.clip(matplotlib.colormaps["YlOrRd_r"](np.clip(0.25 + of_square / 3.2, 0, 0.9))[:, :3] * shade[:, None], 0, 1)
+    order = np.argsort(-(corners.mean(1) @ away))
+    figure, axes = canvas(400)
+    flat = np.stack([corners @ right, corners @ up], -1)
+    axes.add_collection(PolyCollection(flat[order], facecolors=paint[order], edgecolors=paint[order] * 0.9, linewidths=0.5))
+    pole = np.array([[0, -0.1, 0], [0, 1.0, 0]])
+    axes.plot(pole @ right, pole @ up, color=INK, linewidth=3, solid_capstyle="round", zorder=0)
+    bare(axes, (-0.55, 2.05), (-0.06, 1.0))
+    return figure
+
+
+def heap(fp3, folder, scene):
+    recording, picture = folder / "heap.h5", folder / "heap.png"
+    ws.call(fp3, ws.put(folder, scene.text(folder), scene.name), "--steps", 384, "--every", 384, "--output", recording)
+    subprocess.run([fp3, "view", recording, "--png", picture, "--width", "1440", "--height", "810", "--turn", "30:15", "--box", "0:3.2,0:2.4,0:3.2"],
+                   check=True, capture_output=True)
+    pixels = matplotlib.image.imread(picture)[190:190 + HEIGHT, 220:220 + WIDTH]
+    figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI)
+    figure.figimage(pixels)
+    return figure
+
+
+def plummer(fp3, folder, scene):
+    found, _ = record(fp3, folder, scene, "--every", 2, "--steps", 320)
+    x, v = ws.vectors(found, "x"), ws.vectors(found, "v")
+    speed = np.linalg.norm(v[-1], axis=1)
+    paint = matplotlib.colormaps["plasma"](np.clip(speed / 1.4, 0, 0.9))
+    figure, axes = canvas()
+    trails(axes, x[..., 0], x[..., 1], paint, 0.7)
+    axes.scatter(x[-1, :, 0], x[-1, :, 1], s=7, c=paint, linewidths=0, zorder=3)
+    bare(axes, (-3.2, 3.2), (-1.8, 1.8))
+    return figure
+
+
+def dam(fp3, folder, scene):
+    found, times = record(fp3, folder, scene, "--every", 200)
+    figure, axes = canvas(nrows=2, ncols=2)
+    for one, n in zip(axes.flat, (0, 5, 8, 11)):
+        x, y = found["x_x"][n], found["x_y"][n]
+        speed = np.hypot(found["v_x"][n], found["v_y"][n])
+        one.plot([0, 0, 4.6], [2.15, 0, 0], color=INK, linewidth=1)
+        one.scatter(x, y, s=9, c=matplotlib.colormaps["viridis"](np.clip(speed / 2.4, 0, 0.92)), linewidths=0)
+        one.text(4.5, 1.9, f"t = {times[n]:.1f}", ha="right")
+        bare(one, (-0.1, 4.6), (-0.1, 2.2))
+    return figure
+
+
+def eight(fp3, folder, scene):
+    found, _ = record(fp3, folder, scene, "--every", 8)
+    x = ws.vectors(found, "x")
+    figure, axes = canvas()
+    end = 500
+    axes.plot(x[:, 0, 0], x[:, 0, 1], color=FAINT, linewidth=0.7)
+    trails(axes, x[end - 150:end, :, 0], x[end - 150:end, :, 1], COLOURS, 3.5)
+    axes.scatter(x[end - 1, :, 0], x[end - 1, :, 1], s=130, c=COLOURS[:3], zorder=3, linewidths=0)
+    bare(axes, (-1.25, 1.25), (-0.7, 0.7))
+    return figure
+
+
+def chain(fp3, folder, scene):
+    """Where each mass is, over time: a wave that meets its end and comes back."""
+    found, times = record(fp3, folder, scene, "--every", 2, "--steps", 768)
+    figure, axes = canvas()
+    shown = axes.imshow(found["u"].T, aspect="auto", origin="lower", cmap="RdBu_r", vmin=-0.06, vmax=0.06, extent=(0, times[-1], -0.5, 33.5),
+                        interpolation="nearest")
+    axes.set(xlabel="time, s", ylabel="mass", yticks=[0, 8, 16, 24, 33])
+    bar = figure.colorbar(shown, ax=axes, shrink=0.8, pad=0.01, label="displacement, m")
+    bar.outline.set_visible(False)
+    return figure
+
+
+# ---- each for itself ----
+
+def pendulums(fp3, folder, scene):
+    found, times = record(fp3, folder, scene, "--every", 64)
+    x1, y1, x2, y2 = gallery_errors.bobs(found)
+    paint = colours_of("turbo", x1.shape[1], 0.05, 0.95)
+    figure, axes = canvas(360, ncols=3)
+    for one, t in zip(axes, (5, 6, 7)):
+        n = np.searchsorted(times, t)
+        rods = np.stack([np.stack([np.zeros_like(x1[n]), x1[n], x2[n]], -1), np.stack([np.zeros_like(x1[n]), y1[n], y2[n]], -1)], -1)
+        one.add_collection(LineCollection(rods, colors=paint, linewidths=0.6, alpha=0.6))
+        one.scatter(x2[n], y2[n], s=7, c=paint, linewidths=0, zorder=3)
+        one.plot([0], [0], "o", color=INK, markersize=3, zorder=4)
+        one.set_title(f"{t} s", y=0)
+        bare(one, (-2.1, 2.1), (-2.4, 2.1))
+    return figure
+
+
+def arenstorf(fp3, folder, scene):
+    times = np.linspace(0, 17.0652165601579625588917206249, 3000)
+    found, _ = record(fp3, folder, scene, "--times", ",".join(f"{t!r}" for t in times))
+    x, y = found["r_x"][:, 0], found["r_y"][:, 0]
+    figure, axes = canvas()
+    points = np.stack([x, y], -1)
+    speed = np.hypot(found["v_x"][:, 0], found["v_y"][:, 0])
+    paint = matplotlib.colormaps["viridis_r"](np.clip(0.1 + speed[:-1] / 2.5, 0, 1))
+    axes.add_collection(LineCollection(np.stack([points[:-1], points[1:]], 1), colors=paint, linewidths=1.6))
+    for place, name, size, colour in ((-0.012277471, "earth", 14, COLOURS[1]), (1 - 0.012277471, "moon", 7, "#666666")):
+        axes.plot([place], [0], "o", color=colour, markersize=size, zorder=3)
+        axes.annotate(name, (place, 0), (0, -14 if name == "earth" else 9), textcoords="offset points", ha="center")
+    bare(axes, (-2.1, 2.1), (-1.2, 1.2))
+    return figure
+
+
+def van_der_pol(fp3, folder, scene):
+    times = np.unique(np.concatenate([np.linspace(0, 2000, 401), 807.1 + np.linspace(-0.6, 0.6, 201)]))
+    found, times = record(fp3, folder, scene, "--times", ",".join(f"{float(t)!r}" for t in times))
+    figure, (long, near) = canvas(ncols=2, width_ratios=[2, 1])
+    for one in (long, near):
+        one.plot(times, found["x"][:, 0], color=COLOURS[1], linewidth=1.6)
+        one.set(xlabel="time", ylim=(-2.4, 2.4))
+        one.grid(color="#dcdfe5", linewidth=0.6)
+    long.set(ylabel="x", title="creeps for hundreds of units ...")
+    near.set(xlim=(806.5, 807.7), title="... and jumps within one")
+    near.ticklabel_format(useOffset=False)
+    return figure
+
+
+def duffing(fp3, folder, scene):
+    found, _ = record(fp3, folder, scene, "--every", 256)
+    x, v = found["x"][20:].ravel(), found["v"][20:].ravel()
+    figure, axes = canvas()
+    axes.plot(x, v, ",", color="#153a6b", alpha=0.75)
+    axes.set(xlabel="x", ylabel="rate of x", xlim=(-1.6, 1.7), ylim=(-0.9, 1.25))
+    return figure
+
+
+def ships(fp3, folder, scene):
+    found, times = record(fp3, folder, scene, "--every", 2)
+    figure, axes = canvas()
+    paint = colours_of("viridis", 48)
+    for k in range(48):
+        alive = found["life"][:, k] == 1
+        axes.plot(times[alive], found["s"][alive, k] / 1000, color=paint[k], linewidth=1.1)
+    axes.set(xlabel="time, s", ylabel="way, km", xlim=(0, 512), ylim=(0, None))
+    scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(120, 360), matplotlib.colors.ListedColormap(paint))
+    bar = figure.colorbar(scale, ax=axes, shrink=0.8, pad=0.01, label="thrust, kN")
+    bar.outline.set_visible(False)
+    return figure
+
+
+def lorenz(fp3, folder, scene):
+    found, times = record(fp3, folder, scene, "--every", 8)
+    paint = colours_of("turbo", 2000, 0.05, 0.95)
+    figure, axes = canvas(360, ncols=3)
+    for one, t in zip(axes, (21, 23, 30)):
+        n = np.searchsorted(times, t)
+        one.plot(found["x"][:, 0], found["z"][:, 0], color="#cdd1d9", linewidth=0.4, zorder=0)
+        one.scatter(found["x"][n], found["z"][n], s=4, c=paint, linewidths=0)
+        one.set_title(f"t = {t}", y=0.0)
+        bare(one, (-22, 22), (-5, 51))
+    return figure
+
+
+# ---- all of them ----
+
+def draw(fp3, folder, scene, path):
+    """path: the PNG."""
+    figure = globals()[scene.name](fp3, folder, scene)
+    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None}, pil_kwargs={"optimize": True})
