@@ -165,16 +165,14 @@ def clocks():
 
 def take(fp3, folder, scenes, data):
     """The file, with these scenes measured again."""
-    about = bench.about(types.SimpleNamespace(quick=False))
-    data["about"] = {name: about[name] for name in ("date", "processor", "processors", "load", "revision")} | {"device": DEVICE, "grade": GRADE}
-    found = data.setdefault("scenes", {})
+    found = data.get("scenes", {})
     for scene in scenes:
         print(f"gallery: {scene.name}", file=sys.stderr, flush=True)
-        found[scene.name] = measure(fp3, folder, scene)
-    data["scenes"] = {scene.name: found[scene.name] for scene in SCENES if scene.name in found}
-    configs = {row["config"] for part in data["scenes"].values() for row in part["rows"] if row["engine"] == "rtl"}
-    data["mhz"] = {config: mhz for config, mhz in clocks().items() if config in configs}
-    return data
+        about = bench.about(types.SimpleNamespace(quick=False))
+        found[scene.name] = {name: about[name] for name in ("date", "processor", "processors", "load", "revision")} | measure(fp3, folder, scene)
+    found = {scene.name: found[scene.name] for scene in SCENES if scene.name in found}
+    configs = {row["config"] for part in found.values() for row in part["rows"] if row["engine"] == "rtl"}
+    return {"device": DEVICE, "grade": GRADE, "mhz": {config: mhz for config, mhz in clocks().items() if config in configs}, "scenes": found}
 
 
 def main():

@@ -39,7 +39,7 @@ The second table has a row for each engine and configuration:
   The clock is nextpnr's estimate after place and route ([sizes](sizes.md)).
 - *Hash*: the hash of all words of all states at the end. Rows of one form must have the same.
 
-Measured {date} on {processors} processors, {processor}, at a load of {load:.1f}; revision `{revision}`.
+Measured {date} on {processors} processors, {processor}, at a load of {load}; revision {revision}.
 """
 
 # What the picture shows, and what there is to say of the error.
@@ -51,7 +51,7 @@ NOTES = {
                "the error is that of what must not change: energy, angular momentum and the cluster's size.",
     "dam": "The water at four times. Fast water is bright. The front is compared with an experiment: Martin and Moyce, Philosophical Transactions\n"
            "of the Royal Society A 244 (1952).",
-    "eight": "The three bodies, the way that they have just come, and the whole orbit. After a period each body is back where it began.",
+    "eight": "One period: the three bodies, the way that they have just come, and the whole orbit. After a period each body is back where it began.",
     "pendulums": "All pendulums at three times. The colour is the angle at which they began, from blue to red. The swing is chaotic.",
     "arenstorf": "The orbit in axes that turn with earth and moon. It is dark where the satellite is fast. After a period the satellite is back where\n"
                  "it began. It chooses its steps: short ones near the moon, long ones elsewhere.",
@@ -109,10 +109,20 @@ def section(scene, found, mhz):
     yield ""
 
 
+def measured(parts):
+    """When and where, of scenes that may have been measured one by one."""
+    def all_of(name, form="{}"):
+        return ", ".join(dict.fromkeys(form.format(part[name]) for part in parts))
+    loads = sorted(part["load"] for part in parts)
+    said = {name: all_of(name) for name in ("date", "processors", "processor")}
+    return said | {"revision": all_of("revision", "`{}`"), "load": f"{loads[0]:.1f} to {loads[-1]:.1f}"}
+
+
 def page(scenes, data):
-    about, mhz = data["about"], data["mhz"]
+    mhz = data["mhz"]
     clocks = ", ".join(f"`{config}` {clock:.1f} MHz" for config, clock in sorted(mhz.items()))
-    lines = HEAD.format(**about, clocks=clocks).splitlines() + [""]
+    where = measured(data["scenes"].values())
+    lines = HEAD.format(clocks=clocks, device=data["device"], grade=data["grade"], **where).splitlines() + [""]
     for scene in scenes:
         lines += section(scene, data["scenes"][scene.name], mhz)
     return "\n".join(lines).rstrip("\n") + "\n"

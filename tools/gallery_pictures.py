@@ -9,6 +9,7 @@ import subprocess
 import gallery_errors
 import matplotlib.image
 import numpy as np
+import PIL.Image
 import world_scene as ws
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
@@ -16,6 +17,7 @@ from matplotlib.figure import Figure
 from picture import COLOURS
 
 WIDTH, HEIGHT, DPI = 960, 540, 120
+FRAMES, SMALLER = 48, 0.75                # of a film
 GROUND, INK, FAINT = "#eef0f4", "#22252b", "#9aa0aa"
 matplotlib.rcParams.update({"font.family": "DejaVu Sans", "font.size": 8, "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
                             "axes.edgecolor": FAINT, "axes.facecolor": GROUND, "axes.spines.top": False, "axes.spines.right": False})
@@ -79,9 +81,9 @@ def flag(fp3, folder, scene):
 def heap(fp3, folder, scene):
     recording, picture = folder / "heap.h5", folder / "heap.png"
     ws.call(fp3, ws.put(folder, scene.text(folder), scene.name), "--steps", 384, "--every", 384, "--output", recording)
-    subprocess.run([fp3, "view", recording, "--png", picture, "--width", "1440", "--height", "810", "--turn", "30:15", "--box", "0:3.2,0:2.4,0:3.2"],
+    subprocess.run([fp3, "view", recording, "--png", picture, "--width", "1280", "--height", "720", "--turn", "30:15", "--box", "0:3.2,0:2.4,0:3.2"],
                    check=True, capture_output=True)
-    pixels = matplotlib.image.imread(picture)[190:190 + HEIGHT, 220:220 + WIDTH]
+    pixels = matplotlib.image.imread(picture)[160:160 + HEIGHT, 138:138 + WIDTH]
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI)
     figure.figimage(pixels)
     return figure
@@ -113,15 +115,18 @@ def dam(fp3, folder, scene):
 
 
 def eight(fp3, folder, scene):
+    """A film of one period, which goes on where it began."""
     found, _ = record(fp3, folder, scene, "--every", 8)
-    x = ws.vectors(found, "x")
-    figure, axes = canvas()
-    end = 500
-    axes.plot(x[:, 0, 0], x[:, 0, 1], color=FAINT, linewidth=0.7)
-    trails(axes, x[end - 150:end, :, 0], x[end - 150:end, :, 1], COLOURS, 3.5)
-    axes.scatter(x[end - 1, :, 0], x[end - 1, :, 1], s=130, c=COLOURS[:3], zorder=3, linewidths=0)
-    bare(axes, (-1.25, 1.25), (-0.7, 0.7))
-    return figure
+    x = ws.vectors(found, "x")[:-1]
+    for n in range(0, len(x), len(x) // FRAMES):
+        figure, axes = canvas(360)
+        figure.set_dpi(DPI * SMALLER)
+        axes.plot(x[:, 0, 0], x[:, 0, 1], color=FAINT, linewidth=0.7)
+        way = np.roll(x, 150 - n, axis=0)[:151]
+        trails(axes, way[..., 0], way[..., 1], COLOURS, 3)
+        axes.scatter(x[n, :, 0], x[n, :, 1], s=90, c=COLOURS[:3], zorder=3, linewidths=0)
+        bare(axes, (-1.2, 1.2), (-0.45, 0.45))
+        yield figure
 
 
 def chain(fp3, folder, scene):
@@ -142,7 +147,7 @@ def pendulums(fp3, folder, scene):
     found, times = record(fp3, folder, scene, "--every", 64)
     x1, y1, x2, y2 = gallery_errors.bobs(found)
     paint = colours_of("turbo", x1.shape[1], 0.05, 0.95)
-    figure, axes = canvas(360, ncols=3)
+    figure, axes = canvas(340, ncols=3)
     for one, t in zip(axes, (5, 6, 7)):
         n = np.searchsorted(times, t)
         rods = np.stack([np.stack([np.zeros_like(x1[n]), x1[n], x2[n]], -1), np.stack([np.zeros_like(x1[n]), y1[n], y2[n]], -1)], -1)
@@ -150,7 +155,7 @@ def pendulums(fp3, folder, scene):
         one.scatter(x2[n], y2[n], s=7, c=paint, linewidths=0, zorder=3)
         one.plot([0], [0], "o", color=INK, markersize=3, zorder=4)
         one.set_title(f"{t} s", y=0)
-        bare(one, (-2.1, 2.1), (-2.4, 2.1))
+        bare(one, (-2.1, 2.1), (-2.4, 2.05))
     return figure
 
 
@@ -222,7 +227,19 @@ def lorenz(fp3, folder, scene):
 
 # ---- all of them ----
 
+def pixels(figure):
+    drawn = FigureCanvasAgg(figure)
+    drawn.draw()
+    return PIL.Image.fromarray(np.asarray(drawn.buffer_rgba())).convert("RGB")
+
+
 def draw(fp3, folder, scene, path):
-    """path: the PNG."""
-    figure = globals()[scene.name](fp3, folder, scene)
-    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None}, pil_kwargs={"optimize": True})
+    """path: the PNG. Several figures make a film, an animated PNG, whose pictures share their colours."""
+    found = globals()[scene.name](fp3, folder, scene)
+    if isinstance(found, Figure):
+        pixels(found).save(path, optimize=True)
+        return
+    frames = [pixels(figure) for figure in found]
+    first = frames[0].quantize(48, dither=0)
+    frames = [first] + [frame.quantize(palette=first, dither=0) for frame in frames[1:]]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 // 12, loop=0, optimize=True)

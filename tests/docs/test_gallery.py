@@ -98,7 +98,8 @@ def test_every_scene_has_a_picture_with_something_on_it():
     assert [path.name for path in paths] == sorted(f"{name}.png" for name in BY_NAME)
     for path in paths:
         (width, height), _ = pixels(path.read_bytes())
-        assert width == 960 and 300 <= height <= 540 and not is_blank(path.read_bytes()), path.name
+        assert 720 <= width <= 960 and 270 <= height <= 540 and not is_blank(path.read_bytes()), path.name
+        assert path.stat().st_size <= 300e3, path.name
     assert sum(path.stat().st_size for path in paths) <= 2.5e6
 
 
