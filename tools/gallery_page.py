@@ -31,12 +31,12 @@ The second table has a row for each engine and configuration:
 
 - *Form*: empty for the whole scene. Otherwise it says how the scene was made smaller for the slower engines.
 - *Object-steps*: the steps of all objects together. Objects of an adaptive scene choose their own number.
-- *ns*: nanoseconds for a step of one object on this computer, by one thread: the shortest of up to 40 runs in five seconds. `isa` simulates
-  instructions. Native code of `fast` works on 16 objects at once, so an object costs more if there are few. A small form is too short to be
-  timed by `fast`.
+- *ns*: nanoseconds for a step of one object on this computer, by one thread: the shortest of up to 40 runs in five seconds. A run
+  longer than 20 ms counts by the time that the processor gave it. `isa` simulates instructions. Native code of `fast` works on 16
+  objects at once, so an object costs more if there are few. A small form is too short to be timed by `fast`.
 - *Cycles*: clock cycles of the simulated hardware for a step of one object, in a run that includes loading and storing. They are exact.
-- *µs*: the same in microseconds at the configuration's clock on an {device}, grade {grade}: {clocks}.
-  The clock is nextpnr's estimate after place and route ([sizes](sizes.md)).
+- *µs*: the same in microseconds at the configuration's clock on an {device}, grade {grade}:
+  {clocks}. The clock is nextpnr's estimate after place and route ([sizes](sizes.md)).
 - *Hash*: the hash of all words of all states at the end. Rows of one form must have the same.
 
 Measured {date} on {processors} processors, {processor}, at a load of {load}; revision {revision}.
@@ -50,7 +50,7 @@ NOTES = {
     "plummer": "The cluster after 1.25 units of time, and the way of each star until then. Fast stars are bright. Close encounters are chaotic, so\n"
                "the error is that of what must not change: energy, angular momentum and the cluster's size.",
     "dam": "The water at four times. Fast water is bright. The front is compared with an experiment: Martin and Moyce, Philosophical Transactions\n"
-           "of the Royal Society A 244 (1952).",
+           "of the Royal Society A 244 (1952). There g is gravity and a the width of the column.",
     "eight": "One period: the three bodies, the way that they have just come, and the whole orbit. After a period each body is back where it began.",
     "pendulums": "All pendulums at three times. The colour is the angle at which they began, from blue to red. The swing is chaotic.",
     "arenstorf": "The orbit in axes that turn with earth and moon. It is dark where the satellite is fast. After a period the satellite is back where\n"
@@ -113,9 +113,9 @@ def measured(parts):
     """When and where, of scenes that may have been measured one by one."""
     def all_of(name, form="{}"):
         return ", ".join(dict.fromkeys(form.format(part[name]) for part in parts))
-    loads = sorted(part["load"] for part in parts)
+    loads = [f"{load:.1f}" for load in sorted(part["load"] for part in parts)]
     said = {name: all_of(name) for name in ("date", "processors", "processor")}
-    return said | {"revision": all_of("revision", "`{}`"), "load": f"{loads[0]:.1f} to {loads[-1]:.1f}"}
+    return said | {"revision": all_of("revision", "`{}`"), "load": " to ".join(dict.fromkeys((loads[0], loads[-1])))}
 
 
 def page(scenes, data):
