@@ -18,7 +18,7 @@ file, and only draws and writes. Both need `make setup-bench`. To see one move:
 [Scenes](scenes.md) explains the files, [Looking at a recording](view.md) the viewer.
 
 ## How to read the tables
-The first table of a section has the error of the result. All engines have the same bits, so it is the error of each of them.
+The first table of a section has the error of the result. Engines have the same bits, so each engine that runs the scene has this error.
 
 - *Expected*: what theory, a published value or double precision gives; 0 if the row is a difference; empty if there is none.
 - *Found*: what the scene gives.
@@ -36,7 +36,8 @@ The second table has a row for each engine and configuration:
   objects at once, so an object costs more if there are few. A small form is too short to be timed by `fast`.
 - *Cycles*: clock cycles of the simulated hardware for a step of one object, in a run that includes loading and storing. They are exact.
 - *µs*: the same in microseconds at the configuration's clock on an {device}, grade {grade}:
-  {clocks}. The clock is nextpnr's estimate after place and route ([sizes](sizes.md)).
+  {clocks}.
+  The clock is nextpnr's estimate after place and route ([sizes](sizes.md)); a configuration that was not placed has none.
 - *Hash*: the hash of all words of all states at the end. Rows of one form must have the same.
 
 Measured {date} on {processors} processors, {processor}, at a load of {load}; revision {revision}.
