@@ -74,6 +74,13 @@ def test_objects_that_are_not_there_make_no_step(bench, tmp_path, root):
     assert found["steps_in_a_frame"] == pytest.approx(2 * 1e9 / 60 / found["ns_per_object_step"] / 64)
 
 
+@pytest.mark.parametrize("scene", ["dam", "heap"])
+def test_a_scene_that_is_too_large_for_isa_is_not_compared(bench, root, scene):
+    """dam has few enough objects, but its records are larger."""
+    done = bench(root / f"programs/world/{scene}.scene", "--steps", 8)
+    assert done.returncode == 0 and "engine isa: not compared, the scene is too large for it" in done.stdout, done.stderr
+
+
 @pytest.mark.parametrize("arguments, words", [
     (["programs/mixed.scene", "--plot", "x.svg"], "found --plot and 'programs/mixed.scene'"),
     (["programs/mixed.scene", "kepler"], "expected one scene, or models"),
