@@ -127,6 +127,7 @@ static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_pr
     char path[PATH_SIZE];
     fp3_measure_options with = fp3_measure_default("fast", what->is_quick);
     with.integrators = what->integrator_count ? what->integrators : NULL;
+    with.config = what->config;
     with.say = say;
     with.user = progress;
     fp3_model *model = NULL;

@@ -13,7 +13,8 @@ typedef struct {
     unsigned integrator_count;
     const char *json, *csv, *plot, *html; /* or NULL */
     int argc;
-    char **argv; /* the command, for html */
+    char **argv;        /* the command, for html */
+    const char *config; /* of engine and hardware, alone; NULL: those that were placed, and peers */
     int is_quick;
 } fp3_bench_models;
 

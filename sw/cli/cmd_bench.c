@@ -25,7 +25,9 @@ enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT, KEY_HTML };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0,
-     "Run on this configuration (default: on all; with SCENE: the scene's)", 0},
+     "Run on this configuration (default: on all; with SCENE: the scene's). With MODEL: measure "
+     "nothing but this",
+     0},
     {"program", 'p', "NAME", 0,
      "A program of programs/ by its name, or a path (default: " FP3_BENCH_SHIPS ")", 0},
     {"model", KEY_MODEL, NULL, 0, "The program is a model, whatever its name", 0},
@@ -66,7 +68,7 @@ typedef enum { OF_PROGRAMS = 1, OF_MODELS = 2, OF_SCENE = 4 } form;
 static const struct {
     int key;
     unsigned forms;
-} allowed[] = {{'c', OF_PROGRAMS | OF_SCENE},
+} allowed[] = {{'c', OF_PROGRAMS | OF_MODELS | OF_SCENE},
                {'p', OF_PROGRAMS},
                {'P', OF_PROGRAMS},
                {'n', OF_PROGRAMS | OF_SCENE},
@@ -105,11 +107,11 @@ static void check_form(struct argp_state *state, const options *o) {
             "found --%s and '%s': with SCENE there are --config, --steps, --quick and --json",
             o->not_for[2], o->scene.path);
     if (model && o->not_for[1])
-        argp_error(
-            state,
-            "found --%s and '%s': with MODEL there are --integrator, --quick, --json, --csv, "
-            "--plot and --html",
-            o->not_for[1], model);
+        argp_error(state,
+                   "found --%s and '%s': with MODEL there are --config, --integrator, --quick, "
+                   "--json, --csv, "
+                   "--plot and --html",
+                   o->not_for[1], model);
     if (!o->scene.path && !model && o->not_for[0])
         argp_error(state, "found --%s, expected MODEL%s", o->not_for[0],
                    strcmp(o->not_for[0], "quick") == 0 ? " or SCENE" : "");
@@ -132,7 +134,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     note_option(o, key);
     switch (key) {
     case 'c':
-        o->programs.config = o->scene.config = text;
+        o->programs.config = o->models.config = o->scene.config = text;
         break;
     case 'p':
         o->programs.program = text;

@@ -98,6 +98,15 @@ static fp3_status add_peers(fp3_measure *m, const fp3_measure_options *o, fp3_er
     return status || !o->more ? status : o->more(&m->points, &m->problem, o, slopes, error);
 }
 
+/* Nothing can be measured on the configuration that was asked for: why the first was left out. */
+static fp3_status fail_as_left_out(const fp3_measure *m, const fp3_measure_options *options,
+                                   fp3_error *error) {
+    const char *why =
+        json_string_value(json_object_get(json_array_get(m->points.left_out, 0), "why"));
+    return fp3_fail(error, FP3_E_PROGRAM, "nothing to measure on configuration '%s': %s",
+                    options->config, why ? why : "no integrator applies");
+}
+
 fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *options,
                              fp3_measure *m, fp3_error *error) {
     *m = (fp3_measure){.points = {.left_out = json_array(),
@@ -112,9 +121,11 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
         status = fp3_measure_machines_open(&m->machines, error);
     if (!status)
         status = fp3_measure_add_programs(&m->points, &m->problem, options, m->machines, error);
-    if (!status)
+    if (!status && options->config && !m->points.count)
+        status = fail_as_left_out(m, options, error);
+    if (!status && !options->config)
         status = add_loop(m, options, error);
-    if (!status)
+    if (!status && !options->config)
         status = add_peers(m, options, error);
     return status ? status : fp3_measure_points_time(&m->points, error);
 }

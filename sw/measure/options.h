@@ -17,8 +17,10 @@ typedef fp3_status fp3_measure_solver_fn(fp3_measure_points *points,
 
 struct fp3_measure_options {
     unsigned variants, repeats;
-    double patience;                /* of fp3_measure_points */
-    const char *engine;             /* of fp3: "fast" or "isa" */
+    double patience;    /* of fp3_measure_points */
+    const char *engine; /* of fp3: "fast" or "isa" */
+    const char *
+        config; /* of engine and hardware, and nothing is measured beside; NULL: those that were placed, and peers */
     const char *const *integrators; /* ended by NULL; NULL: all that are built in */
     uint64_t objects;               /* of a timed run */
     uint64_t object_steps;          /* at most so many in a timed run: then of fewer objects */

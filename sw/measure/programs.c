@@ -16,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define CONFIG "many_full" /* whose program the engines in software run */
+#define CONFIG "many_full" /* unless another is asked for */
 #define CHECKED_STEPS 8    /* of fixed ones, of the runs in which engines are compared */
 #define CHECKED_OBJECTS 8  /* of the others, whose runs are whole, on isa */
 #define RUNGS_WORSE 4      /* after so many without a smaller error nothing is left but rounding */
@@ -52,7 +52,8 @@ typedef struct {
     fp3_arithmetic arithmetic;
     steps_kind kind;
     fp3_model *adapted;                /* NULL: steps are FIXED */
-    fp3_compiled *compiled;            /* for CONFIG */
+    const char *config;                /* whose program the engines in software run */
+    fp3_compiled *compiled;            /* for it */
     fp3_measure_pace pace[PACES_MOST]; /* worth a point, the coarsest first */
     double *ends[PACES_MOST];          /* of the variants, with each */
     double seconds[PACES_MOST];        /* that they took, alone */
@@ -143,7 +144,7 @@ static fp3_status add_software(const family *f, unsigned i, unsigned threads, fp
     point.expected = f->seconds[i] / f->problem->variants;
     point.objects = fp3_measure_run_objects(f->options, f->pace[i].made, point.expected, threads);
     const fp3_status status = fp3_measure_machines_engine(
-        f->machines, f->options->engine, CONFIG, threads, point.objects, &t->run.engine, error);
+        f->machines, f->options->engine, f->config, threads, point.objects, &t->run.engine, error);
     if (status)
         free(t);
     return status ? status : add(f, &point, i, error);
@@ -325,7 +326,7 @@ static fp3_status sample(family *f, fp3_error *error) {
     int is_over = 0;
     fp3_measure_pace pace;
     r.is_flipped = f->adapted && f->options->is_flipped;
-    fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
+    fp3_status status = fp3_measure_machines_engine(f->machines, f->options->engine, f->config, 1,
                                                     f->problem->variants, &r.engine, error);
     for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
          k++) {
@@ -369,7 +370,7 @@ static fp3_status run_brief(family *f, fp3_error *error) {
         return FP3_OK;
     }
     if (!status)
-        status = fp3_measure_machines_engine(f->machines, f->options->engine, CONFIG, 1,
+        status = fp3_measure_machines_engine(f->machines, f->options->engine, f->config, 1,
                                              f->problem->variants, &r.engine, error);
     if (!status)
         status = fp3_measure_run_solve(&r, f->problem, &f->brief, f->brief_ends, &seconds, &stats,
@@ -382,9 +383,12 @@ static fp3_status add_all(family *f, fp3_error *error) {
     uint64_t objects, cycles;
     fp3_status status = run_brief(f, error);
     if (!status && strcmp(f->options->engine, "isa") != 0)
-        status = agree(f, f->compiled, "isa", CONFIG, &f->brief, f->brief_ends, &objects, &cycles,
-                       error);
-    for (int i = 0; !status && i < (f->adapted ? HARDWARE_ADAPTED : HARDWARE); i++)
+        status = agree(f, f->compiled, "isa", f->config, &f->brief, f->brief_ends, &objects,
+                       &cycles, error);
+    if (!status && f->options->config)
+        status = add_hardware(f, f->config, error);
+    for (int i = 0;
+         !status && !f->options->config && i < (f->adapted ? HARDWARE_ADAPTED : HARDWARE); i++)
         status = add_hardware(f, hardware[i], error);
     for (unsigned i = 0; !status && i < f->count; i++) {
         status = add_software(f, i, 1, error);
@@ -397,7 +401,7 @@ static fp3_status add_all(family *f, fp3_error *error) {
 static fp3_status add_family(family *f, fp3_error *error) {
     fp3_measure_points_say(f->points, "%s: %s, %s", f->problem->model->name, f->name,
                            fp3_arithmetic_of(f->arithmetic)->name);
-    fp3_status status = compile(f, f->options->engine, CONFIG, &f->compiled, error);
+    fp3_status status = compile(f, f->options->engine, f->config, &f->compiled, error);
     if (status || !f->compiled)
         return status;
     status = sample(f, error);
@@ -475,8 +479,11 @@ static fp3_status add_integrator(const family *shared, const char *name, steps_k
 fp3_status fp3_measure_add_programs(fp3_measure_points *points, const fp3_measure_problem *problem,
                                     const fp3_measure_options *options,
                                     fp3_measure_machines *machines, fp3_error *error) {
-    const family shared = {
-        .points = points, .problem = problem, .options = options, .machines = machines};
+    const family shared = {.points = points,
+                           .problem = problem,
+                           .options = options,
+                           .machines = machines,
+                           .config = options->config ? options->config : CONFIG};
     fp3_status status = FP3_OK;
     const char *name;
     for (int kind = FIXED; kind < KINDS; kind++)

@@ -172,3 +172,18 @@ def test_without_a_compiler_it_says_so(build, root, tmp_path):
                            "--json", tmp_path / "x.json"], env={"PATH": "/usr/bin:/bin", "FP3_CC": "no-such-cc"},
                           capture_output=True, text=True, timeout=120)
     assert done.returncode != 0 and "no-such-cc" in done.stderr and not (tmp_path / "x.json").exists()
+
+
+def test_one_configuration_is_measured_alone(fp3, root, tmp_path):
+    """In its own arithmetic: Cell's is truncated, and so less accurate."""
+    errors = {}
+    for config in ("many_full", "cell"):
+        done = subprocess.run([fp3, "bench", root / "programs/oscillator.ode", "--quick", "-c", config, "-i", "rk4", "--json", tmp_path / config],
+                              capture_output=True, text=True, timeout=200)
+        assert done.returncode == 0, done.stderr
+        points = json.loads((tmp_path / config).read_text())["points"]
+        assert {(point["engine"], point["config"]) for point in points} == {("fast", None), ("rtl", config)}
+        errors[config] = min(point["error_median"] for point in points if point["arithmetic"] == "plain" and point["integrator"] == "rk4")
+    assert errors["cell"] > 2 * errors["many_full"]
+    done = subprocess.run([fp3, "bench", root / "programs/kepler.ode", "--quick", "-c", "single", "-i", "rk4"], capture_output=True, text=True, timeout=200)
+    assert done.returncode == 2 and "nothing to measure on configuration 'single': " in done.stderr, done.stderr
