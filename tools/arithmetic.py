@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""What each arithmetic does to the error of models, and what it costs: `make arithmetic`.
+
+    tools/arithmetic.py --fp3 build/bin/fp3 --output build/results/arithmetic.json    measures
+    tools/arithmetic.py --output FILE --report                                       writes page and picture from it
+
+A configuration stands for an arithmetic: the same machine but for that. `fp3 bench MODEL --config` has the error of each integrator and time
+step against the truth, over 64 objects that differ, and the cycles of the hardware, whose bits must be those of engine fast or isa. LUTs and clock
+are those of `make synth TOP=fp3`.
+
+The result is an object. `rows` has arithmetic, model, integrator (with its update, and its steps), error_median, error_worst, cycles of an object over
+the model's span, lut4, mhz (null: not placed) and words_differing. `units` has the cores: unit, lut4, ff, dsp, ebr, cuts, mhz_median,
+error_bound_ulp, inputs_checked. `left_out` says which arithmetic cannot run what, and why.
+"""
+
+import argparse
+import collections
+import datetime
+import io
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import measured
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+# Configuration, and what pages call its arithmetic.
+ARITHMETICS = {"many_full": "binary32", "flush": "flushed", "cell": "Cell's"}
+INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "rk4", "dopri5")
+# Worst error of an operation in units of the last place, by rule: to nearest half a unit, truncated one; inputs_checked: pairs of binary32, by proof.
+UNITS = [(top, config, 1 if config == "cell" else 0.5) for config in ARITHMETICS for top in ("fp_add", "fp_mul")]
+PAIRS = 2 ** 64
+DEVICE, GRADE = "LFE5U-85F", 6
+PAGE, PICTURE = ROOT / "docs/arithmetic.md", ROOT / "docs/arithmetic.svg"
+BEGIN, END = "<!-- measured -->\n", "<!-- measured end -->\n"
+COLOURS = ("#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
+TARGETS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+def placed(rows, top, config):
+    """The row of make synth, or nothing."""
+    return next((row for row in rows if (row["top"], row["config"], row["device"], row["grade"]) == (top, config, DEVICE, GRADE)), None)
+
+
+def models():
+    return sorted(path.stem for path in (ROOT / "programs").glob("*.ode"))
+
+
+def bench(fp3, model, config):
+    """The points of the hardware, or why there are none."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "x.json"
+        done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--quick", "--config", config, "--json", path,
+                               *(f"--integrator={name}" for name in INTEGRATORS)], cwd=ROOT, capture_output=True, text=True)
+        if done.returncode == 2:
+            return [], re.sub(r"^fp3 bench: |\x1b\[[0-9;]*m", "", done.stderr.strip().splitlines()[-1])
+        if done.returncode:
+            sys.exit(f"tools/arithmetic.py: {model}, {config}: {done.stderr.strip()}")
+        return [point for point in json.loads(path.read_text())["points"] if point["engine"] == "rtl"], None
+
+
+def measure(fp3, wanted, synth):
+    rows, left_out = [], []
+    for model in wanted:
+        for config, arithmetic in ARITHMETICS.items():
+            print(f"{model}, {config}", file=sys.stderr, flush=True)
+            points, why = bench(fp3, model, config)
+            if why:
+                left_out.append({"arithmetic": arithmetic, "model": model, "why": why})
+            of = placed(synth, "fp3", config)
+            rows += [{"arithmetic": arithmetic, "model": model,
+                      "integrator": f"{point['integrator']}, {point['arithmetic']}", "h": point["h"], "tolerance": point["tolerance"],
+                      "error_median": point["error_median"], "error_worst": point["error_worst"], "cycles": point["cycles"],
+                      "lut4": of and of["lut4"], "mhz": of and of["fmax_median"], "words_differing": 0} for point in points]
+    units = []
+    for top, config, bound in UNITS:
+        if of := placed(synth, top, config):
+            units.append({"unit": top, "arithmetic": ARITHMETICS[config], "lut4": of["lut4"], "ff": of["ff"], "dsp": of["dsp"], "ebr": of["ebr"],
+                          "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": PAIRS})
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    return {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": INTEGRATORS, "rows": rows, "units": units, "left_out": left_out}
+
+
+# ---- page and picture ---------------------------------------------------------------------------
+
+def cost(row):
+    """LUT4 times ns of an object over the span, or nothing."""
+    return row["lut4"] * row["cycles"] * 1e3 / row["mhz"] if row["mhz"] else None
+
+
+def cheapest(rows, target):
+    """The row with the fewest cycles whose median error is at most the target."""
+    good = [row for row in rows if row["error_median"] <= target]
+    return min(good, key=lambda row: row["cycles"]) if good else None
+
+
+def front(rows):
+    """Points that no cheaper one is as accurate as."""
+    kept = []
+    for row in sorted((row for row in rows if cost(row)), key=cost):
+        if not kept or row["error_median"] < kept[-1]["error_median"]:
+            kept.append(row)
+    return kept
+
+
+def page(found):
+    by = collections.defaultdict(list)
+    for row in found["rows"]:
+        by[row["model"], row["arithmetic"]].append(row)
+    names = [name for name in ARITHMETICS.values() if any(key[1] == name for key in by)]
+    yield f"Measured {found['measured']} by `make arithmetic`, revision `{found['revision']}`, on 64 objects that differ; integrators: " \
+          f"{', '.join(f'`{name}`' for name in found['integrators'])}, plain, compensated and folded, with fixed and with adaptive steps.\n\n"
+    yield "The first table has the smallest error of each model (median of the objects, relative to the size of each state) in each arithmetic, " \
+          "and the worst object's, in brackets. *–*: it cannot run the model.\n\n"
+    yield f"| model | {' | '.join(names)} |\n|---|{'---|' * len(names)}\n"
+    for model in sorted({key[0] for key in by}):
+        best = [min(by[model, name], key=lambda row: row["error_median"], default=None) for name in names]
+        yield f"| `{model}` | " + " | ".join(f"{row['error_median']:.1e} ({row['error_worst']:.1e})" if row else "–" for row in best) + " |\n"
+    yield "\nThe second table has the cost of reaching an error: the fewest cycles of an object over the model's span, times the time of a cycle, times the LUT4 of " \
+          "the machine, relative to binary32. Less than 1 is cheaper. The median over the models, and in brackets how many of them reach that error.\n\n"
+    yield f"| error | {' | '.join(names)} |\n|---|{'---|' * len(names)}\n"
+    for target in TARGETS:
+        cells = []
+        for name in names:
+            ratios, reached = [], 0
+            for model in sorted({key[0] for key in by}):
+                one, base = cheapest(by[model, name], target), cheapest(by[model, "binary32"], target)
+                reached += one is not None
+                if one and base and cost(one) and cost(base):
+                    ratios.append(cost(one) / cost(base))
+            ratios.sort()
+            cells.append(f"{ratios[len(ratios) // 2]:.2f} ({reached})" if ratios else f"– ({reached})")
+        yield f"| {target:.0e} | " + " | ".join(cells) + " |\n"
+    yield "\n![Error against cost for each model, a line for each arithmetic](arithmetic.svg)\n\n"
+    yield "*Error (median) against LUT4 times µs of an object over the span, the best of all integrators and steps. Further left is cheaper, further down more accurate.*\n"
+
+
+def draw(found, path):
+    import plot
+    by = collections.defaultdict(list)
+    for row in found["rows"]:
+        by[row["model"]].append(row)
+    columns = 4
+    lines = -(-len(by) // columns)
+    figure = plot.Figure(figsize=(12, 2.4 * lines))
+    axes = figure.subplots(lines, columns, squeeze=False)
+    for ax in axes.flat[len(by):]:
+        ax.set_visible(False)
+    for ax, model in zip(axes.flat, sorted(by)):
+        for name, colour in zip(ARITHMETICS.values(), COLOURS):
+            points = front([row for row in by[model] if row["arithmetic"] == name])
+            if points:
+                ax.loglog([cost(row) / 1e3 for row in points], [row["error_median"] for row in points], "o-", color=colour, markersize=3, linewidth=1.2, label=name)
+        ax.set_title(model, fontsize=9)
+        ax.tick_params(labelsize=7)
+        ax.grid(alpha=0.3)
+    axes.flat[0].legend(fontsize=7)
+    figure.supxlabel("LUT4 times µs of an object over the span", fontsize=9)
+    figure.supylabel("error, median", fontsize=9)
+    figure.tight_layout()
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    path.write_text(re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue()))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="What each arithmetic does to the error of models, and what it costs.")
+    parser.add_argument("--fp3", help="measure with this program")
+    parser.add_argument("--output", type=pathlib.Path, required=True, help="the figures, JSON: written, or read with --report")
+    parser.add_argument("--model", action="append", help="only this model of programs/; may be repeated")
+    parser.add_argument("--report", action="store_true", help="write docs/arithmetic.md's tables and its picture")
+    args = parser.parse_args()
+    if args.fp3:
+        found = measure(args.fp3, args.model or models(), measured.known()["rows"])
+        args.output.parent.mkdir(parents=True, exist_ok=True)
+        args.output.write_text(json.dumps(found, indent=1) + "\n")
+    if args.report:
+        found = json.loads(args.output.read_text())
+        before, _, rest = PAGE.read_text().partition(BEGIN)
+        _, _, behind = rest.partition(END)
+        PAGE.write_text(before + BEGIN + "".join(page(found)) + END + behind)
+        draw(found, PICTURE)
+
+
+if __name__ == "__main__":
+    main()
