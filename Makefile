@@ -236,7 +236,7 @@ define TEST_BINARY
 $(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE_LIB) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
-	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS)
+	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS) $(if $(filter tests/lns/%,$(1)),-lmpfr -lgmp)
 endef
 $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 

@@ -22,7 +22,7 @@ PARTS = {
     "Tutorials": ["tutorials/game_loop", "tutorials/accuracy", "tutorials/fpga"],
     "Models": ["models", "gallery", "integrators", "adaptive", "relations", "scenes", "outputs", "view"],
     "Command and libraries": ["command", "tuner", "fast", "batch", "python", "playground", "installing"],
-    "Hardware": ["integration", "configurations", "arithmetic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
+    "Hardware": ["integration", "configurations", "arithmetic", "logarithmic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
     "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "truth", "glossary"],
     "Measured": ["results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "everywhere"],
 }

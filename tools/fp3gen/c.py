@@ -4,6 +4,7 @@ from .check import Bad, NAME
 from .configs import config_value
 from .estimates import estimates
 from .isa import GIVES, MORE, UNITS, WRITES, counter_of
+from .logarithms import curves, sums
 from .registers import address_rows, counter_rows, exceptions, field_rows, shown, shown_word
 from .text import MARK, columns
 
@@ -99,6 +100,19 @@ def estimates_c():
     return c_header("estimates", "estimates() there", [
         "/* Fractions of 9 bits: see estimate.c. */",
         "static const unsigned short fp3_estimates[2048] = {", *[f"    {line}" for line in lines], "};"])
+
+
+def logarithms_c():
+    def rows(words):
+        cells = ["{" + ", ".join(map(str, word)) + "}," for word in words]
+        return ["    " + " ".join(cells[i:i + 4]) for i in range(0, len(cells), 4)]
+
+    return c_header("logarithms", "logarithms.py there", [
+        "/* See lns.c. */", "#include <stdint.h>", "",
+        "typedef struct {", "    int32_t c0;", "    uint32_t c1, c2, c3;", "} fp3_lns_sum;", "",
+        "typedef struct {", "    int32_t c0, c1, c2;", "} fp3_lns_curve;", "",
+        "static const fp3_lns_sum fp3_lns_sums[1024] = {", *rows(sums()), "};", "",
+        "static const fp3_lns_curve fp3_lns_curves[1024] = {", *rows(curves()), "};"])
 
 
 def registers_c(regs, revision):

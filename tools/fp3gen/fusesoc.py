@@ -14,7 +14,7 @@ def rtl_sources(root, pattern):
 
 def headers(root):
     """What the sources include, from rtl/."""
-    return [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh", "parameters.vh", "config_keys.vh", "host_map.vh", "settings.vh", "events.vh",
+    return [f"gen/{name}" for name in ("isa.vh", "registers.vh", "estimates.vh", "lns_curves.vh", "lns_sums.vh", "parameters.vh", "config_keys.vh", "host_map.vh", "settings.vh", "events.vh",
                                        "operands.vh", "choices.vh", "choice_of.vh", "config_values.vh", "config_rules.vh", "timing.vh")] + rtl_sources(root, "*.vh")
 
 

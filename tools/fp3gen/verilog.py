@@ -3,6 +3,7 @@
 from .configs import MASK_BITS, keys_of
 from .estimates import estimates
 from .isa import code_bits
+from .logarithms import CURVE_BITS, SUM_BITS, curves, packed, sums
 from .registers import address_rows, counter_rows, field_rows, stream_mask
 from .text import MARK, columns
 
@@ -55,6 +56,23 @@ def estimates_verilog():
             "// Included inside a module. Word i is ESTIMATES[9*i +: 9].",
             "localparam [9*2048-1:0] ESTIMATES = {",
             ",\n".join(line(table[i:i + 12]) for i in range(0, 2048, 12)), "};"]
+
+
+def logarithms_verilog(name, what, words, bits):
+    width, digits = sum(bits), -(-sum(bits) // 4)
+    table = [f"{width}'h{word:0{digits}x}" for word in packed(words, bits)][::-1]
+    return [f"// {MARK.format(source='logarithms.py there')}",
+            f"// Included inside a module. Word i is {name}[{width}*i +: {width}]: {what}.",
+            f"localparam [{width}*{len(words)}-1:0] {name} = {{",
+            ",\n".join("    " + ", ".join(table[i:i + 6]) for i in range(0, len(table), 6)), "};"]
+
+
+def sums_verilog():
+    return logarithms_verilog("SUMS", "{c0, c1, c2, c3}, of a sum and then of a difference", sums(), SUM_BITS)
+
+
+def curves_verilog():
+    return logarithms_verilog("CURVES", "{c0, c1, c2}, of a logarithm and then of a power", curves(), CURVE_BITS)
 
 
 def registers_verilog(regs):

@@ -1,0 +1,179 @@
+/* lns.c - see lns.h; rtl/fp/lns_*.v does the same. */
+#include "lns.h"
+
+#include "gen/logarithms.h"
+
+#include <fp3/isa.h>
+
+#define SIGN 0x80000000u
+#define FIELD 0x7fffffffu
+#define INFINITE 0x7f800000u
+#define ONE ((int64_t)FP3_BITS_ONE)
+#define FOUR (UINT32_C(1) << 25) /* a distance of 4: nearer operands that cancel take another way */
+#define FAR (UINT32_C(1) << 28)  /* a distance of 32: the smaller operand does not count */
+
+static int is_nan(uint32_t a) { return (a & FIELD) > INFINITE; }
+
+static int is_infinite(uint32_t a) { return (a & FIELD) == INFINITE; }
+
+static int is_zero(uint32_t a) { return !(a & FIELD); }
+
+static uint32_t invalid(uint32_t *flags) {
+    *flags = FP3_FLAG_INVALID;
+    return FP3_BITS_NAN;
+}
+
+/* What leaves the range becomes zero or infinity. */
+static uint32_t limited(uint32_t sign, int64_t n, uint32_t *flags) {
+    if (n <= 0) {
+        *flags |= FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT;
+        return sign;
+    }
+    if (n >= INFINITE) {
+        *flags |= FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT;
+        return sign | INFINITE;
+    }
+    return sign | (uint32_t)n;
+}
+
+uint32_t fp3_lns_mul(uint32_t a, uint32_t b, uint32_t *flags) {
+    const uint32_t sign = (a ^ b) & SIGN;
+    *flags = 0;
+    if (is_nan(a) || is_nan(b))
+        return FP3_BITS_NAN;
+    if ((is_infinite(a) && is_zero(b)) || (is_zero(a) && is_infinite(b)))
+        return invalid(flags);
+    if (is_infinite(a) || is_infinite(b))
+        return sign | INFINITE;
+    if (is_zero(a) || is_zero(b))
+        return sign;
+    return limited(sign, (int64_t)(a & FIELD) + (b & FIELD) - ONE, flags);
+}
+
+uint32_t fp3_lns_div(uint32_t a, uint32_t b, uint32_t *flags) {
+    const uint32_t sign = (a ^ b) & SIGN;
+    *flags = 0;
+    if (is_nan(a) || is_nan(b))
+        return FP3_BITS_NAN;
+    if ((is_infinite(a) && is_infinite(b)) || (is_zero(a) && is_zero(b)))
+        return invalid(flags);
+    if (is_zero(b) && !is_infinite(a))
+        *flags = FP3_FLAG_DIVIDE_BY_ZERO;
+    if (is_infinite(a) || is_zero(b))
+        return sign | INFINITE;
+    if (is_zero(a) || is_infinite(b))
+        return sign;
+    return limited(sign, (int64_t)(a & FIELD) - (b & FIELD) + ONE, flags);
+}
+
+uint32_t fp3_lns_rcp(uint32_t a, uint32_t *flags) { return fp3_lns_div(FP3_BITS_ONE, a, flags); }
+
+/* Half of an even or odd number, to nearest, ties to even. */
+static uint32_t half(uint32_t twice, uint32_t *flags) {
+    *flags = twice & 1 ? FP3_FLAG_INEXACT : 0;
+    return (twice + (twice >> 1 & 1)) >> 1;
+}
+
+uint32_t fp3_lns_sqrt(uint32_t a, uint32_t *flags) {
+    *flags = 0;
+    if (is_nan(a))
+        return FP3_BITS_NAN;
+    if (is_zero(a) || a == INFINITE)
+        return a;
+    return a & SIGN ? invalid(flags) : half(a + FP3_BITS_ONE, flags);
+}
+
+uint32_t fp3_lns_rsqrt(uint32_t a, uint32_t *flags) {
+    *flags = 0;
+    if (is_nan(a))
+        return FP3_BITS_NAN;
+    if (is_zero(a)) {
+        *flags = FP3_FLAG_DIVIDE_BY_ZERO;
+        return INFINITE;
+    }
+    if (a & SIGN)
+        return invalid(flags);
+    return a == INFINITE ? 0 : half(3 * FP3_BITS_ONE - a, flags);
+}
+
+/* A function of x / 2^24 in 0 .. 1, in units of 2^-28: log2(1 + x) - x, or with power 1 + x - 2^x. */
+static int64_t curve(uint32_t x, int power) {
+    const fp3_lns_curve *word = &fp3_lns_curves[512 * power + (x >> 15)];
+    const int64_t v = x & 0x7fff;
+    const int64_t t = word->c1 - (word->c2 * v >> 16);
+    return word->c0 + (t * v >> 14);
+}
+
+int32_t fp3_lns_of_distance(uint32_t r, int subtract) {
+    const int band = r >> 27 ? 2 : r >> 26 ? 1 : 0; /* r below 32, 16, 8 */
+    const uint32_t first[] = {0, 256, 384};
+    const uint32_t u = r >> band & 0x3ffff;
+    const uint32_t word = first[band] + (r >> (18 + band) & (band ? 127 : 255));
+    const fp3_lns_sum *c = &fp3_lns_sums[512 * !!subtract + word];
+    const int64_t t = ((int64_t)c->c2 * u >> 12) + c->c3;
+    int64_t sum = c->c0 - ((int64_t)c->c1 * u >> 14) + (t * u >> 21);
+    if (subtract && r < FOUR) { /* r = 2^(1 - n) (1 + f) */
+        uint32_t n = 0;
+        while (n < 24 && !(r << n & FOUR >> 1))
+            n++;
+        const uint32_t f = (r << n) & 0xffffff;
+        sum += (((int64_t)f - ((int64_t)(n + 1) << 24)) * 16) + curve(f, 0);
+    } else if (subtract) {
+        sum = ~sum;
+    }
+    return (int32_t)(sum >> 5);
+}
+
+static uint32_t sum(uint32_t a, uint32_t b, uint32_t *flags) {
+    *flags = 0;
+    if (is_nan(a) || is_nan(b))
+        return FP3_BITS_NAN;
+    if (is_infinite(a) && is_infinite(b) && a != b)
+        return invalid(flags);
+    const uint32_t x = a & FIELD, y = b & FIELD;
+    const uint32_t big = x < y ? b : a, r = x < y ? y - x : x - y;
+    const int subtract = (a ^ b) >> 31;
+    if (subtract && r == 0)
+        return 0;
+    if (is_infinite(big) || is_zero(a) || is_zero(b))
+        return big; /* of two zeros they have one sign */
+    /* 2^x + 2^y is a power of two of this fineness in two cases alone: docs/logarithmic.md */
+    *flags = (subtract ? r == UINT32_C(1) << 23 : r == 0) ? 0 : FP3_FLAG_INEXACT;
+    if (r >= FAR)
+        return big;
+    return limited(big & SIGN, (int64_t)(big & FIELD) + fp3_lns_of_distance(r, subtract), flags);
+}
+
+uint32_t fp3_lns_add(uint32_t a, uint32_t b, uint32_t *flags) { return sum(a, b, flags); }
+
+uint32_t fp3_lns_sub(uint32_t a, uint32_t b, uint32_t *flags) { return sum(a, b ^ SIGN, flags); }
+
+uint32_t fp3_lns_from_float(uint32_t a, uint32_t *flags) {
+    const uint32_t sign = a & SIGN, size = a & FIELD;
+    *flags = 0;
+    if (is_nan(a))
+        return FP3_BITS_NAN;
+    if (size == 0 || size == INFINITE)
+        return a;
+    if (size <= 0x400000) { /* up to 2^-127 */
+        *flags = FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT;
+        return sign;
+    }
+    const uint32_t e = size >> 23, f = e ? (size & 0x7fffff) << 1 : (size & 0x3fffff) << 2;
+    if (f)
+        *flags = FP3_FLAG_INEXACT;
+    return sign | ((e << 23) + (uint32_t)(((int64_t)f * 16 + curve(f, 0) + 16) >> 5));
+}
+
+uint32_t fp3_lns_to_float(uint32_t a, uint32_t *flags) {
+    const uint32_t sign = a & SIGN, size = a & FIELD;
+    *flags = 0;
+    if (is_nan(a))
+        return FP3_BITS_NAN;
+    if (size == 0 || size == INFINITE)
+        return a;
+    const uint32_t e = size >> 23, x = (size & 0x7fffff) << 1;
+    const int64_t one = 1 << 28, fraction = (int64_t)x * 16 - curve(x, 1);
+    *flags = (x ? FP3_FLAG_INEXACT : 0) | (e ? 0 : FP3_FLAG_UNDERFLOW);
+    return sign | (uint32_t)(e ? (e * one + fraction + 16) >> 5 : (one + fraction + 32) >> 6);
+}
