@@ -79,7 +79,7 @@ else
 # ---- what there is ------------------------------------------------------------------------------
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
-CORES   := fp_add fp_mul
+CORES   := fp_add fp_mul lns_add lns_mul lns_root lns_from_float lns_to_float
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib sequence solo unit
@@ -154,6 +154,7 @@ HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/f
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
+LNS      := $(BUILD)/obj/sim/lns_bench_shim.o $(BUILD)/verilated/lns_bench/hardware.a $(RUNTIME)
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
 .PHONY: all sim
@@ -233,10 +234,10 @@ $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
-$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(MEASURE_LIB) $(LIB)
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(if $(filter tests/lns/%,$(1)),$(LNS)) $(MEASURE_LIB) $(LIB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
-	@$(if $(filter tests/fp/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS) $(if $(filter tests/lns/%,$(1)),-lmpfr -lgmp)
+	@$(if $(filter tests/fp/% tests/lns/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS) $(if $(filter tests/lns/%,$(1)),-lmpfr -lgmp)
 endef
 $(foreach c,$(TEST_C),$(eval $(call TEST_BINARY,$(c))))
 
@@ -274,6 +275,7 @@ $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
 endef
 $(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o,,-DFP3_CONFIG=$(c))))
 $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
+$(eval $(call VERILATED,lns_bench,lns_bench,tests/lns/lns_bench.v,sim/lns_bench_shim.cpp,$(BUILD)/obj/sim/lns_bench_shim.o))
 
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4

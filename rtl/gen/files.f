@@ -18,6 +18,13 @@ rtl/fp/fp_mul_scale.v
 rtl/fp/fp_rint.v
 rtl/fp/fp_scale.v
 rtl/fp/fp_value.v
+rtl/fp/lns_add.v
+rtl/fp/lns_add_curve.v
+rtl/fp/lns_curve.v
+rtl/fp/lns_from_float.v
+rtl/fp/lns_mul.v
+rtl/fp/lns_root.v
+rtl/fp/lns_to_float.v
 rtl/fp3.v
 rtl/front/decode.v
 rtl/front/fetch.v

@@ -5,8 +5,9 @@
  * lns_certify checks the functions behind a sum. Here whole operations are computed again from the numbers that words stand
  * for, with what becomes of zeros, infinities, NaN, range, signs and flags.
  */
+#include "lns_operands.h"
+
 #include <fp3/isa.h>
-#include <gsl/gsl_rng.h>
 #include <inttypes.h>
 #include <machine/lns.h>
 #include <math.h>
@@ -17,8 +18,6 @@
 
 #define BOUND 0.65    /* promised, in last places */
 #define PRECISION 400 /* bits: 2^128 - 2^-127 has 255 */
-#define INFINITE 0x7f800000u
-#define COUNT(array) (sizeof(array) / sizeof *(array))
 
 enum {
     NX = FP3_FLAG_INEXACT,
@@ -63,7 +62,7 @@ typedef struct {
 /* The number of a word, to 400 bits. */
 static void number_of(mpfr_t x, uint32_t word, int is_float) {
     const uint32_t size = word & 0x7fffffff;
-    if (size > INFINITE) {
+    if (size > LNS_INFINITE) {
         mpfr_set_nan(x);
         return;
     }
@@ -71,7 +70,7 @@ static void number_of(mpfr_t x, uint32_t word, int is_float) {
         float value;
         memcpy(&value, &size, sizeof value);
         mpfr_set_d(x, (double)value, MPFR_RNDN);
-    } else if (size == INFINITE) {
+    } else if (size == LNS_INFINITE) {
         mpfr_set_inf(x, 1);
     } else if (size == 0) {
         mpfr_set_zero(x, 1);
@@ -152,8 +151,8 @@ static int is_good(operation op, const numbers *n, int is_exact, uint32_t z, uin
         return 0;
     if (op != TO && (place < 1 - bound || size == 0))
         return place < bound && size == 0 && flags == (UF | NX);
-    if (op != TO && (place > INFINITE - 1 + bound || size >= INFINITE))
-        return place > INFINITE - bound && size == INFINITE && flags == (OF | NX);
+    if (op != TO && (place > LNS_INFINITE - 1 + bound || size >= LNS_INFINITE))
+        return place > LNS_INFINITE - bound && size == LNS_INFINITE && flags == (OF | NX);
     if (flags != ((is_exact || is_whole ? 0u : (uint32_t)NX) | (is_tiny ? UF : 0u)))
         return 0;
     const double error = fabs(size - place);
@@ -174,10 +173,10 @@ static int check(operation op, uint32_t a, uint32_t b, numbers *n, double *worst
         good = is_good(op, n, is_exact, z, flags, worst);
     } else {
         const uint32_t expected = mpfr_nan_p(n->z) ? FP3_BITS_NAN
-                                                   : (mpfr_zero_p(n->z) ? 0 : INFINITE) |
+                                                   : (mpfr_zero_p(n->z) ? 0 : LNS_INFINITE) |
                                                          (uint32_t) !!mpfr_signbit(n->z) << 31;
         /* FP3's 1 / sqrt(-0) is +infinity */
-        good = z == (op == RSQRT && a == 0x80000000 ? INFINITE : expected) &&
+        good = z == (op == RSQRT && a == 0x80000000 ? LNS_INFINITE : expected) &&
                flags == special_flags(op, n);
     }
     if (!good)
@@ -186,41 +185,10 @@ static int check(operation op, uint32_t a, uint32_t b, numbers *n, double *worst
     return good;
 }
 
-/* Operands at all distances, near and far, and anything. */
-static void draw(gsl_rng *rng, uint32_t *a, uint32_t *b) {
-    *a = (uint32_t)gsl_rng_get(rng);
-    const uint32_t other = (uint32_t)gsl_rng_get(rng), kind = (uint32_t)gsl_rng_get(rng) >> 29;
-    if (kind == 0)
-        *b = other;
-    else
-        *b = ((*a & 0x7fffffff) + (other >> (kind + 2 + (uint32_t)gsl_rng_get(rng) % 20))) %
-                 INFINITE |
-             (other << 31);
-    if (kind & 1) {
-        const uint32_t swap = *a;
-        *a = *b;
-        *b = swap;
-    }
-}
-
-static size_t special_words(uint32_t *words) {
-    static const uint32_t sizes[] = {0,          1,          2,          3,          0x3fffff,
-                                     0x400000,   0x400001,   0x7fffff,   0x800000,   0x800001,
-                                     0x1fc00000, 0x3effffff, 0x3f000000, 0x3f7fffff, 0x3f800000,
-                                     0x3f800001, 0x40000000, 0x40000001, 0x41800000, 0x4f7fffff,
-                                     0x4f800000, 0x4f800001, 0x7effffff, 0x7f000000, 0x7f7ffffe,
-                                     0x7f7fffff, 0x7f800000, 0x7f800001, 0x7fc00000, 0x7fffffff};
-    size_t n = 0;
-    for (size_t i = 0; i < COUNT(sizes); i++)
-        for (uint32_t sign = 0; sign < 2; sign++)
-            words[n++] = sizes[i] | sign << 31;
-    return n;
-}
-
 int main(int argc, char **argv) {
     const unsigned long pairs = argc > 1 ? strtoul(argv[1], NULL, 10) : 200000;
-    uint32_t words[128];
-    const size_t count = special_words(words);
+    uint32_t words[LNS_SPECIAL];
+    const size_t count = lns_special_words(words);
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
     if (!rng)
         return 2;
@@ -235,7 +203,7 @@ int main(int argc, char **argv) {
                 failed += !check((operation)op, words[i], words[j], &n, &worst);
         for (unsigned long i = 0; i < pairs && failed < 10; i++) {
             uint32_t a, b;
-            draw(rng, &a, &b);
+            lns_draw(rng, &a, &b);
             failed += !check((operation)op, a, b, &n, &worst);
         }
         printf("%s: %zu special and %lu random operands, largest error %.4f of the last place: "

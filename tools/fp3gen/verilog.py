@@ -58,21 +58,25 @@ def estimates_verilog():
             ",\n".join(line(table[i:i + 12]) for i in range(0, 2048, 12)), "};"]
 
 
-def logarithms_verilog(name, what, words, bits):
-    width, digits = sum(bits), -(-sum(bits) // 4)
-    table = [f"{width}'h{word:0{digits}x}" for word in packed(words, bits)][::-1]
-    return [f"// {MARK.format(source='logarithms.py there')}",
-            f"// Included inside a module. Word i is {name}[{width}*i +: {width}]: {what}.",
-            f"localparam [{width}*{len(words)}-1:0] {name} = {{",
-            ",\n".join("    " + ", ".join(table[i:i + 6]) for i in range(0, len(table), 6)), "};"]
+def logarithms_verilog(words, bits, *names):
+    """Equal parts of the words, each a parameter."""
+    width, digits, each = sum(bits), -(-sum(bits) // 4), len(words) // len(names)
+    out = [f"// {MARK.format(source='logarithms.py there')}",
+           f"// Included inside a module, which uses what it needs; hence the lint_off. Word i is NAME[{width}*i +: {width}].",
+           "// verilator lint_off UNUSEDPARAM"]
+    for part, name in enumerate(names):
+        table = [f"{width}'h{word:0{digits}x}" for word in packed(words[each * part:each * (part + 1)], bits)][::-1]
+        out += [f"localparam [{width}*{each}-1:0] {name} = {{",
+                ",\n".join("    " + ", ".join(table[i:i + 6]) for i in range(0, each, 6)), "};"]
+    return out + ["// verilator lint_on UNUSEDPARAM"]
 
 
 def sums_verilog():
-    return logarithms_verilog("SUMS", "{c0, c1, c2, c3}, of a sum and then of a difference", sums(), SUM_BITS)
+    return logarithms_verilog(sums(), SUM_BITS, "SUMS", "DIFFERENCES")
 
 
 def curves_verilog():
-    return logarithms_verilog("CURVES", "{c0, c1, c2}, of a logarithm and then of a power", curves(), CURVE_BITS)
+    return logarithms_verilog(curves(), CURVE_BITS, "LOGS", "POWERS")
 
 
 def registers_verilog(regs):

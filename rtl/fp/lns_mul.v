@@ -1,0 +1,38 @@
+// lns_mul: z = a * b or a / b of logarithmic words, exact unless the result leaves the range.
+//
+// Purpose   Adds or subtracts two logarithms.
+// Latency   0. A function: no clock.
+// Result    0 * infinity, 0 / 0, infinity / infinity and NaN give the NaN 7FC00000; x / 0 an infinity and DZ.
+//
+//     divide_i 0, a_i 40000000, b_i C0800000  ->  z_o C1000000, flags_o 0      (2 * -4)
+`default_nettype none
+module lns_mul (
+    input  wire        divide_i,
+    input  wire [31:0] a_i,
+    input  wire [31:0] b_i,
+    output wire [31:0] z_o,
+    output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
+);
+`include "gen/isa.vh"
+    wire a_top = &a_i[30:23], b_top = &b_i[30:23], a_rest = |a_i[22:0], b_rest = |b_i[22:0];
+    wire a_infinite = a_top && !a_rest, b_infinite = b_top && !b_rest;
+    wire a_zero = ~|a_i[30:0], b_zero = ~|b_i[30:0];
+
+    // Division by 0 is multiplication by infinity, and the reverse.
+    wire b_large = divide_i ? b_zero : b_infinite, b_small = divide_i ? b_infinite : b_zero;
+    wire nan     = (a_top && a_rest) || (b_top && b_rest);
+    wire invalid = !nan && ((a_infinite && b_small) || (a_zero && b_large));
+    wire infinite   = a_infinite || b_large, zero = a_zero || b_small;
+
+    // 1 is at 127 * 2^23: a + b - 127 = a + ~(126 - b), and so on.
+    wire [32:0] sum   = {2'd0, a_i[30:0]} + ({2'd0, b_i[30:0]} ^ {33{divide_i}}) + {32'd0, divide_i};
+    wire [9:0]  place = sum[32:23] + (divide_i ? 10'd127 : -10'd127);      // signed: -128 to 383
+    wire        under = place[9] || ~|{place[8:0], sum[22:0]};
+    wire        over  = !place[9] && (place[8] || &place[7:0]);
+    wire        is_number = !nan && !infinite && !zero;
+    assign z_o = nan || invalid ? BITS_NAN
+               : {a_i[31] ^ b_i[31], infinite || (over && !zero) ? {8'd255, 23'd0} : zero || under ? 31'd0 : {place[7:0], sum[22:0]}};
+    assign flags_o = {invalid, divide_i && b_zero && !nan && !invalid && !a_infinite, is_number && over, is_number && under,
+                      is_number && (over || under)};
+endmodule
+`default_nettype wire

@@ -1,0 +1,29 @@
+// lns_root: z = sqrt(a) or 1 / sqrt(a) of a logarithmic word, to the nearest word, ties to even.
+//
+// Purpose   Halves a logarithm.
+// Latency   0. A function: no clock.
+// Result    Of numbers below 0 the NaN 7FC00000 and NV; sqrt(-0) is -0, 1 / sqrt of either zero is infinity and DZ.
+//
+//     inverse_i 1, a_i 40800000  ->  z_o 3F000000, flags_o 0      (1 / sqrt(4))
+`default_nettype none
+module lns_root (
+    input  wire        inverse_i,
+    input  wire [31:0] a_i,
+    output wire [31:0] z_o,
+    output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
+);
+`include "gen/isa.vh"
+    wire top = &a_i[30:23], rest = |a_i[22:0];
+    wire nan = top && rest, zero = ~|a_i[30:0];
+    wire invalid = a_i[31] && !nan && !zero;
+    wire is_number = !a_i[31] && !top && !zero;
+
+    // Twice the result: a + 127, or 381 - a.
+    wire [31:0] twice = inverse_i ? {9'd381, 23'd0} - {1'b0, a_i[30:0]} : {1'b0, a_i[30:0]} + BITS_ONE;
+    wire [30:0] half  = twice[31:1] + {30'd0, twice[0] && twice[1]};
+    wire        infinite = inverse_i ? zero : top && !rest;
+    assign z_o = nan || invalid ? BITS_NAN
+               : {zero && a_i[31] && !inverse_i, infinite ? {8'd255, 23'd0} : half & {31{is_number}}};
+    assign flags_o = {invalid, inverse_i && zero, 2'b00, is_number && twice[0]};
+endmodule
+`default_nettype wire
