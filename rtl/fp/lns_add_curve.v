@@ -21,43 +21,29 @@ module lns_add_curve (
         words[512 + i] = DIFFERENCES[67*i +: 67];
     end
 
-    // Intervals of 1/32 below 8, 1/16 below 16, 1/8 above. Of u, what is beyond 18 bits makes no difference.
-    reg [9:0]  at_q;
-    reg [17:0] u0_q, u1_q, u2_q;
-    reg [66:0] read_q, word_q;
+    // Intervals of 1/32 below 8, 1/16 below 16, 1/8 above. Of u, what is beyond 18 bits makes no difference. Registers before and
+    // behind a product are its own.
+    reg  [9:0]  at_q;
+    reg  [17:0] u0_q, u1_q, u2_q, u3_q;
+    reg  [66:0] read_q;
+    reg  [29:0] c0_q, late_c0_q, line_q, late_line_q;
+    reg  [6:0]  c3_q, late_c3_q;
+    wire [35:0] fall, curve, bend;
+    wire        unused = &{fall[13:0], curve[35:30], curve[11:0], bend[20:0]};
+    multiply #(.CUTS(2'b11)) u_fall (.clk_i(clk_i), .a_i(read_q[36:19]), .b_i(u1_q), .p_o(fall));
+    multiply #(.CUTS(2'b11)) u_curve (.clk_i(clk_i), .a_i({6'd0, read_q[18:7]}), .b_i(u1_q), .p_o(curve));
+    multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i(curve[29:12] + {11'd0, late_c3_q}), .b_i(u3_q), .p_o(bend));
     always @(posedge clk_i) begin
-        at_q   <= {minus_i, r_i[27] ? {2'b11, r_i[26:20]} : r_i[26] ? {2'b10, r_i[25:19]} : {1'b0, r_i[25:18]}};
-        u0_q   <= r_i[27] ? r_i[19:2] : r_i[26] ? r_i[18:1] : r_i[17:0];
-        read_q <= words[at_q];
-        u1_q   <= u0_q;
-        word_q <= read_q;
-        u2_q   <= u1_q;
+        at_q        <= {minus_i, r_i[27] ? {2'b11, r_i[26:20]} : r_i[26] ? {2'b10, r_i[25:19]} : {1'b0, r_i[25:18]}};
+        u0_q        <= r_i[27] ? r_i[19:2] : r_i[26] ? r_i[18:1] : r_i[17:0];
+        read_q      <= words[at_q];
+        {u1_q, u2_q, u3_q} <= {u0_q, u1_q, u2_q};
+        {c0_q, c3_q}           <= {read_q[66:37], read_q[6:0]};
+        {late_c0_q, late_c3_q} <= {c0_q, c3_q};
+        line_q      <= late_c0_q - {8'd0, fall[35:14]};
+        late_line_q <= line_q;
     end
-
-    wire [35:0] fall  = {18'd0, word_q[36:19]} * {18'd0, u2_q};
-    wire [29:0] curve = {18'd0, word_q[18:7]} * {12'd0, u2_q};
-    wire        unused_products = &{fall[13:0], curve[11:0]};
-    reg  [29:0] c0_q;
-    reg  [6:0]  c3_q;
-    reg  [21:0] fall_q;
-    reg  [17:0] curve_q, u3_q, slope_q, u4_q;
-    reg  [29:0] line_q, line2_q;
-    wire [35:0] product = {18'd0, slope_q} * {18'd0, u4_q};
-    wire        unused_product = &product[20:0];
-    reg  [14:0] bend_q;
-    always @(posedge clk_i) begin
-        c0_q    <= word_q[66:37];
-        c3_q    <= word_q[6:0];
-        fall_q  <= fall[35:14];
-        curve_q <= curve[29:12];
-        u3_q    <= u2_q;
-        slope_q <= curve_q + {11'd0, c3_q};
-        u4_q    <= u3_q;
-        line_q  <= c0_q - {8'd0, fall_q};
-        line2_q <= line_q;
-        bend_q  <= product[35:21];
-    end
-    assign line_o = line2_q;
-    assign bend_o = {15'd0, bend_q};
+    assign line_o = late_line_q;
+    assign bend_o = {15'd0, bend[35:21]};
 endmodule
 `default_nettype wire

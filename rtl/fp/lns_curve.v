@@ -2,7 +2,7 @@
 //
 // Purpose   log2(1 + x), or with POWER 2^x - 1, x in 0 .. 1: x itself and a small correction, which is tabulated. The bits of
 //           curve() in sw/machine/lns.c.
-// Latency   4: the table, a register behind it as block RAM is slow, the slope, its product with the rest of x. A new x every cycle.
+// Latency   4: the table, a register behind it as block RAM is slow, products, their difference. A new x every cycle.
 //
 //     x_i 800000, POWER 0  ->  value_o 95C01A6, which is 0.58496 * 2^28, four edges later
 `default_nettype none
@@ -18,35 +18,24 @@ module lns_curve #(
     integer i;
     initial for (i = 0; i < 512; i = i + 1) words[i] = POWER != 0 ? POWERS[53*i +: 53] : LOGS[53*i +: 53];
 
-    reg [52:0] read_q, word_q;
-    reg [23:0] read_x_q, x_q;
+    // c0 + c1 * v - c2 * v^2, v being what of x the table has not seen. Registers before and behind a product are its own.
+    reg [52:0]  read_q;
+    reg [24:0]  c0_q;
+    reg [23:0]  read_x_q, x_q;
+    reg [19:0]  rest_q;
+    reg [27:0]  base_q, late_base_q;
+    wire [35:0] square, line, bend;
+    wire        unused = &{square[35:30], square[12:0], line[35:34], line[13:0], bend[35:27], bend[16:0]};
+    multiply #(.CUTS(2'b01)) u_square (.clk_i(clk_i), .a_i({3'd0, x_i[14:0]}), .b_i({3'd0, x_i[14:0]}), .p_o(square));
+    multiply #(.SIGNED(1), .CUTS(2'b11)) u_line (.clk_i(clk_i), .a_i(read_q[27:10]), .b_i({3'd0, read_x_q[14:0]}), .p_o(line));
+    multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i({8'd0, read_q[9:0]}), .b_i({1'b0, square[29:13]}), .p_o(bend));
     always @(posedge clk_i) begin
-        read_q   <= words[x_i[23:15]];
-        word_q   <= read_q;
-        read_x_q <= x_i;
-        x_q      <= read_x_q;
-    end
-
-    // (c1 - c2 * v) * v, v being what of x the table has not seen.
-    wire [24:0]        c0   = word_q[52:28];
-    wire signed [17:0] c1   = word_q[27:10];
-    wire [24:0]        bend = {15'd0, word_q[9:0]} * {10'd0, x_q[14:0]};
-    wire               unused_bend = &bend[15:0];
-    reg signed [17:0]  slope_q;
-    reg [14:0]         v_q;
-    reg [27:0]         base_q;
-    always @(posedge clk_i) begin
-        slope_q <= c1 - {9'd0, bend[24:16]};
-        v_q     <= x_q[14:0];
-        base_q  <= POWER != 0 ? {x_q, 4'd0} - {3'd0, c0} : {x_q, 4'd0} + {3'd0, c0};
-    end
-
-    wire signed [33:0] product = slope_q * $signed({1'b0, v_q});
-    wire               unused_product = &product[13:0];
-    reg [19:0]         rest_q;
-    reg [27:0]         late_base_q;
-    always @(posedge clk_i) begin
-        rest_q      <= product[33:14];
+        read_q      <= words[x_i[23:15]];
+        read_x_q    <= x_i;
+        c0_q        <= read_q[52:28];
+        x_q         <= read_x_q;
+        base_q      <= POWER != 0 ? {x_q, 4'd0} - {3'd0, c0_q} : {x_q, 4'd0} + {3'd0, c0_q};
+        rest_q      <= line[33:14] - {10'd0, bend[26:17]};
         late_base_q <= base_q;
     end
     wire [27:0] rest = {{8{rest_q[19]}}, rest_q};

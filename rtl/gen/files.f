@@ -50,6 +50,7 @@ rtl/lib/delay.v
 rtl/lib/delay_ram.v
 rtl/lib/lutram_1r1w.v
 rtl/lib/lzc.v
+rtl/lib/multiply.v
 rtl/lib/mux4.v
 rtl/lib/ram_1r1w.v
 rtl/lib/ram_forward.v

@@ -100,8 +100,7 @@ uint32_t fp3_lns_rsqrt(uint32_t a, uint32_t *flags) {
 static int64_t curve(uint32_t x, int power) {
     const fp3_lns_curve *word = &fp3_lns_curves[512 * power + (x >> 15)];
     const int64_t v = x & 0x7fff;
-    const int64_t t = word->c1 - (word->c2 * v >> 16);
-    return word->c0 + (t * v >> 14);
+    return word->c0 + (word->c1 * v >> 14) - (word->c2 * (v * v >> 13) >> 17);
 }
 
 int32_t fp3_lns_of_distance(uint32_t r, int subtract) {

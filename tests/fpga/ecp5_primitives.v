@@ -23,7 +23,8 @@ module MULT18X18D (
     wire [17:0] b = {B17, B16, B15, B14, B13, B12, B11, B10, B9, B8, B7, B6, B5, B4, B3, B2, B1, B0};
     reg  [17:0] a_q, b_q;
     reg  [35:0] product_q;
-    wire [35:0] product = (REG_INPUTA_CLK == "CLK0" ? a_q : a) * (REG_INPUTB_CLK == "CLK0" ? b_q : b);
+    wire [17:0] left = REG_INPUTA_CLK == "CLK0" ? a_q : a, right = REG_INPUTB_CLK == "CLK0" ? b_q : b;
+    wire [35:0] product = {{18{SIGNEDA && left[17]}}, left} * {{18{SIGNEDB && right[17]}}, right};
     always @(posedge CLK0)
         if (RST0)     {a_q, b_q, product_q} <= 72'd0;
         else if (CE0) {a_q, b_q, product_q} <= {a, b, product};
@@ -33,7 +34,7 @@ module MULT18X18D (
 
     initial
         if (REG_PIPELINE_CLK != "NONE" || SOURCEB_MODE != "B_SHIFT" || CLK0_DIV != "ENABLED"
-                || {SIGNEDA, SIGNEDB, SOURCEA, SOURCEB} !== 4'd0)
+                || SIGNEDA !== SIGNEDB || {SOURCEA, SOURCEB} !== 2'd0)
             $fatal(1, "%m: not modelled");
 endmodule
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-MODULES = ("fp_mul_product", "mux4", "ram_registered")
+MODULES = ("fp_mul_product", "multiply", "mux4", "ram_registered")
 
 
 def bench(root, tmp_path, broken=None):
@@ -37,6 +37,8 @@ BUGS = {
                                    "{1'b0, lh[FRAC:0] + hl[FRAC:0]}"),
     "no register at the inputs": ("fp_mul_product", 'IN = CUTS[0] ? "CLK0"', 'IN = 1\'b0 ? "CLK0"'),
     "no register at the output": ("fp_mul_product", 'OUT = CUTS[1] ? "CLK0"', 'OUT = 1\'b0 ? "CLK0"'),
+    "no register at a product's operands": ("multiply", 'IN = CUTS[0] ? "CLK0"', 'IN = 1\'b0 ? "CLK0"'),
+    "a signed product is none": ("multiply", "IS_SIGNED = SIGNED != 0", "IS_SIGNED = 1'b0"),
     "words of a choice exchanged": ("mux4", ".A(d2_i[i]), .B(d3_i[i])", ".A(d3_i[i]), .B(d2_i[i])"),
     "late bit of a choice inverted": ("mux4", ".ALUT(high), .BLUT(low)", ".ALUT(low), .BLUT(high)"),
     "halves of a word exchanged": ("ram_registered", "{out_b, out_a}", "{out_a, out_b}"),

@@ -101,7 +101,7 @@ def sums():
 
 @functools.cache
 def curves():
-    """1,024 words of log2(1 + x) - x, then 1 + x - 2^x, x in 0 .. 1: c0 + (c1 - c2 * v) * v, c0 and c2 in 2^-28, c1 signed in 2^-27.
+    """1,024 words of log2(1 + x) - x, then 1 + x - 2^x, x in 0 .. 1: c0 + c1 * v - c2 * v^2, c0 and c2 in 2^-28, c1 signed in 2^-27.
 
     At x = 0 both are 0.
     """
@@ -111,8 +111,8 @@ def curves():
             points, second = fit(function, word / 512, 1 / 512)
             c2 = round(-second * UNIT)
             linear = slope(points, -c2 / UNIT)
-            c1 = math.floor(linear * 2.0 ** 27)     # the product that is subtracted loses half a place on average
-            c0 = 0 if word == 0 else round(centre(points, linear, -c2 / UNIT) * UNIT + 0.5)
+            c1 = round(linear * 2.0 ** 27)
+            c0 = 0 if word == 0 else round(centre(points, linear, -c2 / UNIT) * UNIT)
             words.append((c0, c1, c2))
     return words
 
