@@ -56,20 +56,27 @@ module lns_add (
     delay #(.W(38), .N(7)) u_word (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({minus_q && !near, nan, invalid, none, big, !exact, big_q}), .q_o({invert, kind, word}));
 
-    // Two steps to move the distance's highest bit to the top, 1: 8 or 16 places, 2: up to 7.
-    wire [24:0] by16 = |r_q[24:9] ? r_q[24:0] : {r_q[8:0], 16'd0};
-    wire [24:0] by8  = |by16[24:17] ? by16 : {by16[16:0], 8'd0};
+    // Two steps to move the distance's highest bit to the top, 1: by multiples of 8, 2: up to 7.
+    wire        by16 = ~|r_q[24:9];
+    wire        by8  = by16 ? ~|r_q[8:1] : ~|r_q[24:17];
+    wire [24:0] moved;
+    mux4 #(.W(25)) u_coarse (.n_i({by16, by8}), .d0_i(r_q[24:0]), .d1_i({r_q[16:0], 8'd0}), .d2_i({r_q[8:0], 16'd0}),
+        .d3_i({r_q[0], 24'd0}), .q_o(moved));
     reg  [24:0] moved_q;
     reg  [1:0]  upper_q;
     reg         near_q;
     always @(posedge clk_i) begin
-        moved_q <= by8;
-        upper_q <= {~|r_q[24:9], ~|by16[24:17]};
+        moved_q <= moved;
+        upper_q <= {by16, by8};
         near_q  <= near;
     end
-    wire [24:0] by4 = |moved_q[24:21] ? moved_q : {moved_q[20:0], 4'd0};
-    wire [24:0] by2 = |by4[24:23] ? by4 : {by4[22:0], 2'd0};
-    wire [23:0] by1 = by2[24] ? by2[23:0] : {by2[22:0], 1'b0};
+    wire        by4 = ~|moved_q[24:21];
+    wire        by2 = by4 ? ~|moved_q[20:19] : ~|moved_q[24:23];
+    wire        by1 = by4 ? (by2 ? !moved_q[18] : !moved_q[20]) : (by2 ? !moved_q[22] : !moved_q[24]);
+    wire [24:0] nearly;
+    mux4 #(.W(25)) u_fine (.n_i({by4, by2}), .d0_i(moved_q), .d1_i({moved_q[22:0], 2'd0}), .d2_i({moved_q[20:0], 4'd0}),
+        .d3_i({moved_q[18:0], 6'd0}), .q_o(nearly));
+    wire        unused_top = nearly[24];                  // 1 unless by1
     reg  [23:0] fraction_q;
     reg  [5:0]  whole_q;                                  // log2(r) - 2 without the fraction's: -1 - places
     always @(posedge clk_i)
@@ -77,8 +84,8 @@ module lns_add (
             fraction_q <= 24'd0;
             whole_q    <= 6'd0;
         end else begin
-            fraction_q <= by1;
-            whole_q    <= {1'b1, ~upper_q, |moved_q[24:21], |by4[24:23], by2[24]};
+            fraction_q <= by1 ? {nearly[22:0], 1'b0} : nearly[23:0];
+            whole_q    <= ~{1'b0, upper_q, by4, by2, by1};
         end
 
     wire [27:0] log;

@@ -14,31 +14,23 @@ module lns_add_curve (
     output wire [29:0] bend_o
 );
 `include "gen/lns_sums.vh"
-    (* rom_style = "block" *) reg [66:0] words [0:1023];
-    integer i;
-    initial for (i = 0; i < 512; i = i + 1) begin
-        words[i]       = SUMS[67*i +: 67];
-        words[512 + i] = DIFFERENCES[67*i +: 67];
-    end
-
     // Intervals of 1/32 below 8, 1/16 below 16, 1/8 above. Of u, what is beyond 18 bits makes no difference. Registers before and
     // behind a product are its own.
-    reg  [9:0]  at_q;
+    wire [9:0]  at = {minus_i, r_i[27] ? {2'b11, r_i[26:20]} : r_i[26] ? {2'b10, r_i[25:19]} : {1'b0, r_i[25:18]}};
+    wire [66:0] word;
     reg  [17:0] u0_q, u1_q, u2_q, u3_q;
-    reg  [66:0] read_q;
     reg  [29:0] c0_q, late_c0_q, line_q, late_line_q;
     reg  [6:0]  c3_q, late_c3_q;
     wire [35:0] fall, curve, bend;
     wire        unused = &{fall[13:0], curve[35:30], curve[11:0], bend[20:0]};
-    multiply #(.CUTS(2'b11)) u_fall (.clk_i(clk_i), .a_i(read_q[36:19]), .b_i(u1_q), .p_o(fall));
-    multiply #(.CUTS(2'b11)) u_curve (.clk_i(clk_i), .a_i({6'd0, read_q[18:7]}), .b_i(u1_q), .p_o(curve));
+    rom_registered #(.ADDR_W(10), .W(67), .WORDS({DIFFERENCES, SUMS})) u_words (.clk_i(clk_i), .at_i(at), .word_o(word));
+    multiply #(.CUTS(2'b11)) u_fall (.clk_i(clk_i), .a_i(word[36:19]), .b_i(u1_q), .p_o(fall));
+    multiply #(.CUTS(2'b11)) u_curve (.clk_i(clk_i), .a_i({6'd0, word[18:7]}), .b_i(u1_q), .p_o(curve));
     multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i(curve[29:12] + {11'd0, late_c3_q}), .b_i(u3_q), .p_o(bend));
     always @(posedge clk_i) begin
-        at_q        <= {minus_i, r_i[27] ? {2'b11, r_i[26:20]} : r_i[26] ? {2'b10, r_i[25:19]} : {1'b0, r_i[25:18]}};
         u0_q        <= r_i[27] ? r_i[19:2] : r_i[26] ? r_i[18:1] : r_i[17:0];
-        read_q      <= words[at_q];
         {u1_q, u2_q, u3_q} <= {u0_q, u1_q, u2_q};
-        {c0_q, c3_q}           <= {read_q[66:37], read_q[6:0]};
+        {c0_q, c3_q}           <= {word[66:37], word[6:0]};
         {late_c0_q, late_c3_q} <= {c0_q, c3_q};
         line_q      <= late_c0_q - {8'd0, fall[35:14]};
         late_line_q <= line_q;

@@ -14,27 +14,21 @@ module lns_curve #(
     output wire [27:0] value_o         // in 2^-28
 );
 `include "gen/lns_curves.vh"
-    (* rom_style = "block" *) reg [52:0] words [0:511];
-    integer i;
-    initial for (i = 0; i < 512; i = i + 1) words[i] = POWER != 0 ? POWERS[53*i +: 53] : LOGS[53*i +: 53];
-
     // c0 + c1 * v - c2 * v^2, v being what of x the table has not seen. Registers before and behind a product are its own.
-    reg [52:0]  read_q;
-    reg [24:0]  c0_q;
+    wire [52:0] word;
     reg [23:0]  read_x_q, x_q;
     reg [19:0]  rest_q;
     reg [27:0]  base_q, late_base_q;
     wire [35:0] square, line, bend;
     wire        unused = &{square[35:30], square[12:0], line[35:34], line[13:0], bend[35:27], bend[16:0]};
-    multiply #(.CUTS(2'b01)) u_square (.clk_i(clk_i), .a_i({3'd0, x_i[14:0]}), .b_i({3'd0, x_i[14:0]}), .p_o(square));
-    multiply #(.SIGNED(1), .CUTS(2'b11)) u_line (.clk_i(clk_i), .a_i(read_q[27:10]), .b_i({3'd0, read_x_q[14:0]}), .p_o(line));
-    multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i({8'd0, read_q[9:0]}), .b_i({1'b0, square[29:13]}), .p_o(bend));
+    rom_registered #(.ADDR_W(9), .W(53), .WORDS(POWER != 0 ? POWERS : LOGS)) u_words (.clk_i(clk_i), .at_i(x_i[23:15]), .word_o(word));
+    multiply #(.CUTS(2'b11)) u_square (.clk_i(clk_i), .a_i({3'd0, x_i[14:0]}), .b_i({3'd0, x_i[14:0]}), .p_o(square));
+    multiply #(.SIGNED(1), .CUTS(2'b10)) u_line (.clk_i(clk_i), .a_i(word[27:10]), .b_i({3'd0, x_q[14:0]}), .p_o(line));
+    multiply #(.CUTS(2'b10)) u_bend (.clk_i(clk_i), .a_i({8'd0, word[9:0]}), .b_i({1'b0, square[29:13]}), .p_o(bend));
     always @(posedge clk_i) begin
-        read_q      <= words[x_i[23:15]];
         read_x_q    <= x_i;
-        c0_q        <= read_q[52:28];
         x_q         <= read_x_q;
-        base_q      <= POWER != 0 ? {x_q, 4'd0} - {3'd0, c0_q} : {x_q, 4'd0} + {3'd0, c0_q};
+        base_q      <= POWER != 0 ? {x_q, 4'd0} - {3'd0, word[52:28]} : {x_q, 4'd0} + {3'd0, word[52:28]};
         rest_q      <= line[33:14] - {10'd0, bend[26:17]};
         late_base_q <= base_q;
     end

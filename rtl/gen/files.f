@@ -55,6 +55,7 @@ rtl/lib/mux4.v
 rtl/lib/ram_1r1w.v
 rtl/lib/ram_forward.v
 rtl/lib/ram_registered.v
+rtl/lib/rom_registered.v
 rtl/lib/shift_right_sticky.v
 rtl/sequence/batch.v
 rtl/sequence/dual_pace.v

@@ -53,16 +53,6 @@ module ecp5_bench;
             end
         end
 
-        for (i = 0; i < 8; i = i + 1) begin : g_multiply
-            wire [35:0] generic, device;
-            multiply #(.SIGNED(i / 4), .CUTS(i % 4)) u_generic (.clk_i(clk), .a_i(a[17:0]), .b_i(b[23:6]), .p_o(generic));
-            ecp5_multiply #(.SIGNED(i / 4), .CUTS(i % 4)) u_device (.clk_i(clk), .a_i(a[17:0]), .b_i(b[23:6]), .p_o(device));
-            always @(posedge clk) if (settled && generic !== device) begin
-                errors = errors + 1;
-                $display("multiply SIGNED %0d CUTS %0d: %h, generic %h", i / 4, i % 4, device, generic);
-            end
-        end
-
         // One bit, and words of any width: every choice of every four bits comes up.
         for (i = 0; i < 2; i = i + 1) begin : g_mux4
             localparam W = i == 0 ? 1 : 26;

@@ -1,11 +1,14 @@
-"""Logarithmic arithmetic: its model against MPFR for every input, and with bugs put in on purpose."""
+"""Logarithmic arithmetic: its model against MPFR for every input, its hardware against the model, and both with bugs put in on purpose."""
 
 import re
 import subprocess
 
 import pytest
 
+from bugs import Bug, source
+
 INPUTS = {"sum": 2**28, "difference": 2**28 - 1, "from_float": 2**23, "to_float": 2**23, "to_float, subnormal": 2**23 - 1}
+UNITS = ["add", "sub", "mul", "div", "sqrt", "rsqrt", "from_float", "to_float"]
 OPERATIONS = ["mul", "div", "add", "sub", "sqrt", "rsqrt", "rcp", "from_float", "to_float"]
 
 
@@ -29,6 +32,16 @@ def test_operations_of_all_kinds_of_operands(build, long):
     done = start(build / "tests/lns_pairs", 10**6 if long else 20000)
     assert done.returncode == 0, done.stdout
     assert re.findall(r"^(\w+): .*: 0 wrong$", done.stdout, re.M) == OPERATIONS
+
+
+def passes(done):
+    return done.returncode == 0 and re.findall(r"^(\w+): .*[1-9]\d* random pairs.*: 0 mismatches$", done.stdout, re.M) == UNITS
+
+
+def test_hardware(build, long):
+    """Every operation: all pairs of special words, and 3*10^5 random pairs (10^7)."""
+    done = start(build / "tests/lns_rtl", 10**7 if long else 3 * 10**5)
+    assert passes(done), done.stdout
 
 
 # name, file, what is there once, the bug, the test that sees it
@@ -57,3 +70,39 @@ def test_bug_is_found(root, tmp_path, name, file, right, wrong, test):
                  root / f"tests/lns/{test}.c", tmp_path / "sw/machine/lns.c", "-o", tmp_path / test, "-lgsl", "-lgslcblas", "-lmpfr", "-lgmp", "-lm")
     assert done.returncode == 0, done.stderr
     assert start(tmp_path / test, 101).returncode == 1
+
+
+# Bugs of one model together, where it shows which unit has one: the operations that must fail, and no others.
+HARDWARE_BUGS = [
+    ({"sub", "add", "div", "sqrt", "rsqrt", "from_float", "to_float"}, [
+        Bug("a difference without its logarithm", "lns_add.v", "{whole, log}", "{whole, 28'd0}"),
+        Bug("a quotient is out by one", "lns_mul.v", "+ {32'd0, divide_i}", "+ 33'd0"),
+        Bug("a root's tie goes up", "lns_root.v", "twice[0] && twice[1]", "twice[0]"),
+        Bug("a subnormal number is not moved", "lns_from_float.v", "{a_i[21:0], 2'b00}", "{a_i[22:0], 1'b0}"),
+        Bug("a subnormal result is rounded as others", "lns_to_float.v", "is_tiny ? power_q[5] : power_q[4]", "power_q[4]")]),
+    ({"sub", "add"}, [Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan")]),
+    ({"sub", "add"}, [Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4")]),
+    ({"sub", "add"}, [Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||")]),
+]
+
+
+@pytest.mark.parametrize("wrong, bugs", HARDWARE_BUGS, ids=[bugs[0].name.replace(" ", "_") for _, bugs in HARDWARE_BUGS])
+def test_hardware_bugs_are_found(root, build, tmp_path, wrong, bugs):
+    for bug in bugs:
+        (tmp_path / bug.file).write_text(bug.put(source(root, bug.file).read_text(encoding="utf-8")), encoding="utf-8")
+    done = start("verilator", "--cc", "-Wno-lint", "-y", tmp_path, "-f", "rtl/fp3.f", "--top-module", "lns_bench", "--Mdir", tmp_path / "cc",
+                 "tests/lns/lns_bench.v", cwd=root)
+    assert done.returncode == 0, done.stderr
+    # One file, unoptimised: the shortest way to a program that runs for a tenth of a second.
+    files = [*sorted((tmp_path / "cc").glob("*.cpp")), root / "sim/lns_bench_shim.cpp"]
+    (tmp_path / "all.cc").write_text("".join(f'#include "{file}"\n' for file in files))
+    verilator = start("verilator", "--getenv", "VERILATOR_ROOT").stdout.strip() + "/include"
+    done = start("gcc", "-std=c11", "-D_GNU_SOURCE", "-c", "-I", root / "sim", "-I", root / "sw/include", "-I", root / "sw", root / "tests/lns/lns_rtl.c",
+                 "-o", tmp_path / "lns_rtl.o")
+    assert done.returncode == 0, done.stderr
+    done = start("g++", "-std=c++17", "-O0", "-I", tmp_path / "cc", "-I", root / "sim", "-isystem", verilator, tmp_path / "all.cc", tmp_path / "lns_rtl.o",
+                 build / "lib/libfp3.a", build / "obj/verilator/verilated.o", build / "obj/verilator/verilated_threads.o", "-o", tmp_path / "lns_rtl",
+                 "-lgsl", "-lgslcblas", "-lm", "-pthread")
+    assert done.returncode == 0, done.stderr
+    done = start(tmp_path / "lns_rtl", 20000)
+    assert set(re.findall(r"^(\w+): .*: [1-9]\d* mismatches$", done.stdout, re.M)) == wrong, done.stdout
