@@ -1,9 +1,9 @@
 // lns_from_float: the logarithmic word of a binary32 number.
 //
 // Purpose   The exponent, and the logarithm of the significand. Numbers up to 2^-127 become zeros, with UF and NX.
-// Latency   5; a new number every cycle.
+// Latency   6; a new number every cycle.
 //
-//     a_i 40400000  ->  z_o 404AE00D, which is 2^(128 + 0.58496 - 127), five edges later
+//     a_i 40400000  ->  z_o 404AE00D, which is 2^(128 + 0.58496 - 127), six edges later
 `default_nettype none
 module lns_from_float (
     input  wire        clk_i,
@@ -21,10 +21,14 @@ module lns_from_float (
 
     wire [27:0] log;
     wire [11:0] around;
-    lns_curve u_log (.clk_i(clk_i), .x_i(x), .value_o(log));
-    delay #(.W(12), .N(5)) u_around (.clk_i(clk_i), .rst_i(1'b0), .d_i({nan, lost, |x, a_i[31:23]}), .q_o(around));
+    reg  [23:0] x_q;
+    lns_curve u_log (.clk_i(clk_i), .x_i(x_q), .value_o(log));
+    delay #(.W(12), .N(6)) u_around (.clk_i(clk_i), .rst_i(1'b0), .d_i({nan, lost, |x, a_i[31:23]}), .q_o(around));
     reg  [27:0] log_q;
-    always @(posedge clk_i) log_q <= log;
+    always @(posedge clk_i) begin
+        x_q   <= x;
+        log_q <= log;
+    end
     wire        is_nan, is_lost, is_inexact, sign;
     wire [7:0]  e;
     assign {is_nan, is_lost, is_inexact, sign, e} = around;

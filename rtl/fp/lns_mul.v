@@ -24,9 +24,9 @@ module lns_mul (
     wire invalid = !nan && ((a_infinite && b_small) || (a_zero && b_large));
     wire infinite   = a_infinite || b_large, zero = a_zero || b_small;
 
-    // 1 is at 127 * 2^23: a + b - 127 = a + ~(126 - b), and so on.
-    wire [32:0] sum   = {2'd0, a_i[30:0]} + ({2'd0, b_i[30:0]} ^ {33{divide_i}}) + {32'd0, divide_i};
-    wire [9:0]  place = sum[32:23] + (divide_i ? 10'd127 : -10'd127);      // signed: -128 to 383
+    // 1 is at 127 * 2^23. The integer parts are signed here: -127 to 383.
+    wire [32:0] sum   = {2'd0, a_i[30:0]} + ({2'd0, b_i[30:0]} ^ {33{divide_i}}) + {divide_i ? 10'd127 : -10'd127, 22'd0, divide_i};
+    wire [9:0]  place = sum[32:23];
     wire        under = place[9] || ~|{place[8:0], sum[22:0]};
     wire        over  = !place[9] && (place[8] || &place[7:0]);
     wire        is_number = !nan && !infinite && !zero;

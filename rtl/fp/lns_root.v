@@ -18,12 +18,15 @@ module lns_root (
     wire invalid = a_i[31] && !nan && !zero;
     wire is_number = !a_i[31] && !top && !zero;
 
-    // Twice the result: a + 127, or 381 - a.
-    wire [31:0] twice = inverse_i ? {9'd381, 23'd0} - {1'b0, a_i[30:0]} : {1'b0, a_i[30:0]} + BITS_ONE;
-    wire [30:0] half  = twice[31:1] + {30'd0, twice[0] && twice[1]};
+    // Half of a + 127 or of 381 - a: half of a or its inverse, half of the constant, and a carry, which is what rounds a tie.
+    wire        tie   = a_i[0] && a_i[1];
+    wire [30:0] moved = {1'b0, a_i[30:1]} ^ {31{inverse_i}};
+    wire [30:0] half;
+    wire        unused_carry;
+    assign {half, unused_carry} = {moved, 1'b1} + {inverse_i ? 9'd381 : 9'd127, 22'd0, inverse_i ^ tie};
     wire        infinite = inverse_i ? zero : top && !rest;
     assign z_o = nan || invalid ? BITS_NAN
                : {zero && a_i[31] && !inverse_i, infinite ? {8'd255, 23'd0} : half & {31{is_number}}};
-    assign flags_o = {invalid, inverse_i && zero, 2'b00, is_number && twice[0]};
+    assign flags_o = {invalid, inverse_i && zero, 2'b00, is_number && a_i[0]};
 endmodule
 `default_nettype wire
