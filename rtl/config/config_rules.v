@@ -29,6 +29,9 @@ module config_rules #(
         if (INTERLEAVE != 0 && ADD_LATENCY + MUL_LATENCY < 3) begin : g_latency
             INTERLEAVE_needs_latencies_of_3_in_all u_error ();
         end
+        if (LOGARITHMIC != 0 && (SCHEDULERS != 1 || MUL_LATENCY < 2 || ADD_LATENCY < 10)) begin : g_logarithmic
+            LOGARITHMIC_needs_one_SCHEDULER_and_latencies_of_2_and_10 u_error ();
+        end
         if (NEIGHBOURS != 0 && SCHEDULERS != 1) begin : g_neighbours_shape
             NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end

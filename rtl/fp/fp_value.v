@@ -69,7 +69,7 @@ module fp_value #(
                 .q_o({made, one, is_estimate, is_rint, is_exponent, chosen}));
 
             wire [31:13] estimate;
-            if (ESTIMATE != 0) begin : g_estimate
+            if (ESTIMATE != 0 && LOGARITHMIC == 0) begin : g_estimate
                 fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;

@@ -1,12 +1,15 @@
 // lns_mul: z = a * b or a / b of logarithmic words, exact unless the result leaves the range.
 //
 // Purpose   Adds or subtracts two logarithms.
-// Latency   0. A function: no clock.
+// Latency   0, or 1 with CUT: a register behind the sum.
 // Result    0 * infinity, 0 / 0, infinity / infinity and NaN give the NaN 7FC00000; x / 0 an infinity and DZ.
 //
 //     divide_i 0, a_i 40000000, b_i C0800000  ->  z_o C1000000, flags_o 0      (2 * -4)
 `default_nettype none
-module lns_mul (
+module lns_mul #(
+    parameter CUT = 0
+) (
+    input  wire        clk_i,
     input  wire        divide_i,
     input  wire [31:0] a_i,
     input  wire [31:0] b_i,
@@ -22,17 +25,22 @@ module lns_mul (
     wire b_large = divide_i ? b_zero : b_infinite, b_small = divide_i ? b_infinite : b_zero;
     wire nan     = (a_top && a_rest) || (b_top && b_rest);
     wire invalid = !nan && ((a_infinite && b_small) || (a_zero && b_large));
-    wire infinite   = a_infinite || b_large, zero = a_zero || b_small;
+    wire infinite = a_infinite || b_large, zero = a_zero || b_small;
 
     // 1 is at 127 * 2^23. The integer parts are signed here: -127 to 383.
     wire [32:0] sum   = {2'd0, a_i[30:0]} + ({2'd0, b_i[30:0]} ^ {33{divide_i}}) + {divide_i ? 10'd127 : -10'd127, 22'd0, divide_i};
-    wire [9:0]  place = sum[32:23];
-    wire        under = place[9] || ~|{place[8:0], sum[22:0]};
-    wire        over  = !place[9] && (place[8] || &place[7:0]);
-    wire        is_number = !nan && !infinite && !zero;
-    assign z_o = nan || invalid ? BITS_NAN
-               : {a_i[31] ^ b_i[31], infinite || (over && !zero) ? {8'd255, 23'd0} : zero || under ? 31'd0 : {place[7:0], sum[22:0]}};
-    assign flags_o = {invalid, divide_i && b_zero && !nan && !invalid && !a_infinite, is_number && over, is_number && under,
-                      is_number && (over || under)};
+    wire        by_zero = divide_i && b_zero && !nan && !invalid && !a_infinite;
+    wire [38:0] known;
+    cut #(.W(39), .ON(CUT)) u_cut (.clk_i(clk_i),
+        .d_i({a_i[31] ^ b_i[31], nan || invalid, invalid, by_zero, infinite, zero, sum}), .q_o(known));
+    wire        sign, is_nan, is_invalid, is_by_zero, is_infinite, none;
+    wire [9:0]  place;
+    wire [22:0] fraction;
+    assign {sign, is_nan, is_invalid, is_by_zero, is_infinite, none, place, fraction} = known;
+    wire        is_number = !is_nan && !is_infinite && !none;
+    wire        under = is_number && (place[9] || ~|{place[8:0], fraction});
+    wire        over  = is_number && !place[9] && (place[8] || &place[7:0]);
+    assign z_o = is_nan ? BITS_NAN : {sign, is_infinite || over ? {8'd255, 23'd0} : {place[7:0], fraction} & {31{!none && !under}}};
+    assign flags_o = {is_invalid, is_by_zero, over, under, over || under};
 endmodule
 `default_nettype wire

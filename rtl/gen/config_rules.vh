@@ -75,6 +75,18 @@ end
 if (DUAL > 0 && STATUS != 0) begin : g_dual_excludes_status
     DUAL_excludes_STATUS u_error ();
 end
+if (LOGARITHMIC < 0 || LOGARITHMIC > 1) begin : g_logarithmic_must_be_0_to_1
+    LOGARITHMIC_must_be_0_to_1 u_error ();
+end
+if (LOGARITHMIC > 0 && INTERLEAVE == 0) begin : g_logarithmic_needs_interleave
+    LOGARITHMIC_needs_INTERLEAVE u_error ();
+end
+if (LOGARITHMIC > 0 && DUAL != 0) begin : g_logarithmic_excludes_dual
+    LOGARITHMIC_excludes_DUAL u_error ();
+end
+if (LOGARITHMIC > 0 && ROUND != 0) begin : g_logarithmic_excludes_round
+    LOGARITHMIC_excludes_ROUND u_error ();
+end
 if (SCALE < 0 || SCALE > 1) begin : g_scale_must_be_0_to_1
     SCALE_must_be_0_to_1 u_error ();
 end
@@ -146,6 +158,9 @@ if (FINITE > 0 && SUBNORMAL != 0) begin : g_finite_excludes_subnormal
 end
 if (FINITE > 0 && NEAREST != 0) begin : g_finite_excludes_nearest
     FINITE_excludes_NEAREST u_error ();
+end
+if (FINITE > 0 && LOGARITHMIC != 0) begin : g_finite_excludes_logarithmic
+    FINITE_excludes_LOGARITHMIC u_error ();
 end
 if (ADD_LATENCY < 1 || ADD_LATENCY > 255) begin : g_add_latency_must_be_1_to_255
     ADD_LATENCY_must_be_1_to_255 u_error ();

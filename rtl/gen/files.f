@@ -78,6 +78,7 @@ rtl/tile_scheduler.v
 rtl/unit/adder.v
 rtl/unit/arbiter.v
 rtl/unit/lane_arith.v
+rtl/unit/log_arith.v
 rtl/unit/multiplier.v
 rtl/unit/shared_arith.v
 rtl/unit/solo_arith.v

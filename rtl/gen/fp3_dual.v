@@ -61,6 +61,7 @@ module fp3_dual (
         .WRITEBACK_STALL (0),
         .CHAIN           (0),
         .DUAL            (1),
+        .LOGARITHMIC     (0),
         .SCALE           (1),
         .SELECT          (0),
         .ESTIMATE        (0),

@@ -61,6 +61,7 @@ module fp3_paper (
         .WRITEBACK_STALL (1),
         .CHAIN           (0),
         .DUAL            (0),
+        .LOGARITHMIC     (0),
         .SCALE           (0),
         .SELECT          (0),
         .ESTIMATE        (0),

@@ -61,6 +61,7 @@ module fp3_small (
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
         .DUAL            (0),
+        .LOGARITHMIC     (0),
         .SCALE           (0),
         .SELECT          (0),
         .ESTIMATE        (0),

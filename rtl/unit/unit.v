@@ -19,7 +19,11 @@ module unit #(
     `RESULT_FIELDS
     assign `OPERANDS = operands_i;
     generate
-        if (DUAL == 0) begin : g_single
+        if (LOGARITHMIC != 0) begin : g_logarithmic
+            wire unused = &{`OPERANDS, `RESULT};
+            log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `RESULT = result_o;
+        end else if (DUAL == 0) begin : g_single
             wire unused = &{`OPERANDS, `RESULT};
             lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
             assign `RESULT = result_o;

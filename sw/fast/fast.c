@@ -92,6 +92,12 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
                           "configuration '%s' truncates, and engine 'fast' only rounds to nearest "
                           "here: engine 'isa' does both",
                           def->config->name);
+    if (!status && def->config->logarithmic)
+        status =
+            fp3_fail(error, FP3_E_PROGRAM,
+                     "configuration '%s' is logarithmic, which engine 'fast' does not compute: "
+                     "engine 'isa' does",
+                     def->config->name);
     if (!status && def->native && !def->is_interpreted && !w.is_interpreted)
         status = open_file(f, def->native, error);
     if (status) {

@@ -29,116 +29,118 @@
 #define FP3_ADDR_COPIES         0x0058u
 
 /* Fields of registers. */
-#define FP3_ID_REVISION_HI              7
-#define FP3_ID_REVISION_LO              0
-#define FP3_ID_LETTERS_HI               31
-#define FP3_ID_LETTERS_LO               8
-#define FP3_SHAPE_REGISTERS_HI          7
-#define FP3_SHAPE_REGISTERS_LO          0
-#define FP3_SHAPE_CONSTANTS_HI          15
-#define FP3_SHAPE_CONSTANTS_LO          8
-#define FP3_SHAPE_CONTEXTS_HI           31
-#define FP3_SHAPE_CONTEXTS_LO           16
-#define FP3_FEATURES_CHAIN_HI           0
-#define FP3_FEATURES_CHAIN_LO           0
-#define FP3_FEATURES_BYPASS_HI          1
-#define FP3_FEATURES_BYPASS_LO          1
-#define FP3_FEATURES_WRITEBACK_STALL_HI 2
-#define FP3_FEATURES_WRITEBACK_STALL_LO 2
-#define FP3_FEATURES_SUBNORMAL_HI       3
-#define FP3_FEATURES_SUBNORMAL_LO       3
-#define FP3_FEATURES_NEAREST_HI         4
-#define FP3_FEATURES_NEAREST_LO         4
-#define FP3_FEATURES_DUAL_HI            5
-#define FP3_FEATURES_DUAL_LO            5
-#define FP3_FEATURES_MORE_HI            7
-#define FP3_FEATURES_MORE_LO            7
-#define FP3_FEATURES_ADD_LATENCY_HI     15
-#define FP3_FEATURES_ADD_LATENCY_LO     8
-#define FP3_FEATURES_MUL_LATENCY_HI     23
-#define FP3_FEATURES_MUL_LATENCY_LO     16
-#define FP3_FEATURES_INTERLEAVE_HI      24
-#define FP3_FEATURES_INTERLEAVE_LO      24
-#define FP3_FEATURES_SLEEP_HI           25
-#define FP3_FEATURES_SLEEP_LO           25
-#define FP3_FEATURES_FLAGS_HI           26
-#define FP3_FEATURES_FLAGS_LO           26
-#define FP3_FEATURES_STATUS_HI          27
-#define FP3_FEATURES_STATUS_LO          27
-#define FP3_FEATURES_SCALE_HI           28
-#define FP3_FEATURES_SCALE_LO           28
-#define FP3_FEATURES_SELECT_HI          29
-#define FP3_FEATURES_SELECT_LO          29
-#define FP3_FEATURES_ESTIMATE_HI        30
-#define FP3_FEATURES_ESTIMATE_LO        30
-#define FP3_FEATURES_ROUND_HI           31
-#define FP3_FEATURES_ROUND_LO           31
-#define FP3_CONTROL_START_HI            0
-#define FP3_CONTROL_START_LO            0
-#define FP3_CONTROL_STOP_HI             1
-#define FP3_CONTROL_STOP_LO             1
-#define FP3_STATUS_RUNNING_HI           0
-#define FP3_STATUS_RUNNING_LO           0
-#define FP3_STATUS_DONE_HI              1
-#define FP3_STATUS_DONE_LO              1
-#define FP3_STATUS_ILLEGAL_HI           2
-#define FP3_STATUS_ILLEGAL_LO           2
-#define FP3_STATUS_STOPPED_HI           3
-#define FP3_STATUS_STOPPED_LO           3
-#define FP3_RECORD_LOG2_HI              2
-#define FP3_RECORD_LOG2_LO              0
-#define FP3_ARRAY_TILES_HI              7
-#define FP3_ARRAY_TILES_LO              0
-#define FP3_ARRAY_SCHEDULERS_HI         15
-#define FP3_ARRAY_SCHEDULERS_LO         8
-#define FP3_ARRAY_LANES_HI              23
-#define FP3_ARRAY_LANES_LO              16
-#define FP3_FLAGS_INEXACT_HI            0
-#define FP3_FLAGS_INEXACT_LO            0
-#define FP3_FLAGS_UNDERFLOW_HI          1
-#define FP3_FLAGS_UNDERFLOW_LO          1
-#define FP3_FLAGS_OVERFLOW_HI           2
-#define FP3_FLAGS_OVERFLOW_LO           2
-#define FP3_FLAGS_DIVIDE_BY_ZERO_HI     3
-#define FP3_FLAGS_DIVIDE_BY_ZERO_LO     3
-#define FP3_FLAGS_INVALID_HI            4
-#define FP3_FLAGS_INVALID_LO            4
-#define FP3_INTERRUPT_ENABLE_HI         0
-#define FP3_INTERRUPT_ENABLE_LO         0
-#define FP3_INTERRUPT_ENDED_HI          1
-#define FP3_INTERRUPT_ENDED_LO          1
-#define FP3_FEATURES_MORE_NEIGHBOURS_HI 0
-#define FP3_FEATURES_MORE_NEIGHBOURS_LO 0
-#define FP3_FEATURES_MORE_EXCHANGE_HI   1
-#define FP3_FEATURES_MORE_EXCHANGE_LO   1
-#define FP3_FEATURES_MORE_FINITE_HI     2
-#define FP3_FEATURES_MORE_FINITE_LO     2
-#define FP3_HALF_UPPER_HI               0
-#define FP3_HALF_UPPER_LO               0
-#define FP3_COPIES_ROW_HI               19
-#define FP3_COPIES_ROW_LO               0
-#define FP3_COPIES_LANE_HI              25
-#define FP3_COPIES_LANE_LO              20
-#define FP3_COPIES_EVERY_HI             31
-#define FP3_COPIES_EVERY_LO             31
-#define FP3_OBJECTS_PLACE_HI            19
-#define FP3_OBJECTS_PLACE_LO            0
-#define FP3_OBJECTS_LENGTH_HI           31
-#define FP3_OBJECTS_LENGTH_LO           20
-#define FP3_STATUS_FLAGS_HI             4
-#define FP3_STATUS_FLAGS_LO             0
-#define FP3_STATUS_STEP_HI              31
-#define FP3_STATUS_STEP_LO              5
+#define FP3_ID_REVISION_HI               7
+#define FP3_ID_REVISION_LO               0
+#define FP3_ID_LETTERS_HI                31
+#define FP3_ID_LETTERS_LO                8
+#define FP3_SHAPE_REGISTERS_HI           7
+#define FP3_SHAPE_REGISTERS_LO           0
+#define FP3_SHAPE_CONSTANTS_HI           15
+#define FP3_SHAPE_CONSTANTS_LO           8
+#define FP3_SHAPE_CONTEXTS_HI            31
+#define FP3_SHAPE_CONTEXTS_LO            16
+#define FP3_FEATURES_CHAIN_HI            0
+#define FP3_FEATURES_CHAIN_LO            0
+#define FP3_FEATURES_BYPASS_HI           1
+#define FP3_FEATURES_BYPASS_LO           1
+#define FP3_FEATURES_WRITEBACK_STALL_HI  2
+#define FP3_FEATURES_WRITEBACK_STALL_LO  2
+#define FP3_FEATURES_SUBNORMAL_HI        3
+#define FP3_FEATURES_SUBNORMAL_LO        3
+#define FP3_FEATURES_NEAREST_HI          4
+#define FP3_FEATURES_NEAREST_LO          4
+#define FP3_FEATURES_DUAL_HI             5
+#define FP3_FEATURES_DUAL_LO             5
+#define FP3_FEATURES_MORE_HI             7
+#define FP3_FEATURES_MORE_LO             7
+#define FP3_FEATURES_ADD_LATENCY_HI      15
+#define FP3_FEATURES_ADD_LATENCY_LO      8
+#define FP3_FEATURES_MUL_LATENCY_HI      23
+#define FP3_FEATURES_MUL_LATENCY_LO      16
+#define FP3_FEATURES_INTERLEAVE_HI       24
+#define FP3_FEATURES_INTERLEAVE_LO       24
+#define FP3_FEATURES_SLEEP_HI            25
+#define FP3_FEATURES_SLEEP_LO            25
+#define FP3_FEATURES_FLAGS_HI            26
+#define FP3_FEATURES_FLAGS_LO            26
+#define FP3_FEATURES_STATUS_HI           27
+#define FP3_FEATURES_STATUS_LO           27
+#define FP3_FEATURES_SCALE_HI            28
+#define FP3_FEATURES_SCALE_LO            28
+#define FP3_FEATURES_SELECT_HI           29
+#define FP3_FEATURES_SELECT_LO           29
+#define FP3_FEATURES_ESTIMATE_HI         30
+#define FP3_FEATURES_ESTIMATE_LO         30
+#define FP3_FEATURES_ROUND_HI            31
+#define FP3_FEATURES_ROUND_LO            31
+#define FP3_CONTROL_START_HI             0
+#define FP3_CONTROL_START_LO             0
+#define FP3_CONTROL_STOP_HI              1
+#define FP3_CONTROL_STOP_LO              1
+#define FP3_STATUS_RUNNING_HI            0
+#define FP3_STATUS_RUNNING_LO            0
+#define FP3_STATUS_DONE_HI               1
+#define FP3_STATUS_DONE_LO               1
+#define FP3_STATUS_ILLEGAL_HI            2
+#define FP3_STATUS_ILLEGAL_LO            2
+#define FP3_STATUS_STOPPED_HI            3
+#define FP3_STATUS_STOPPED_LO            3
+#define FP3_RECORD_LOG2_HI               2
+#define FP3_RECORD_LOG2_LO               0
+#define FP3_ARRAY_TILES_HI               7
+#define FP3_ARRAY_TILES_LO               0
+#define FP3_ARRAY_SCHEDULERS_HI          15
+#define FP3_ARRAY_SCHEDULERS_LO          8
+#define FP3_ARRAY_LANES_HI               23
+#define FP3_ARRAY_LANES_LO               16
+#define FP3_FLAGS_INEXACT_HI             0
+#define FP3_FLAGS_INEXACT_LO             0
+#define FP3_FLAGS_UNDERFLOW_HI           1
+#define FP3_FLAGS_UNDERFLOW_LO           1
+#define FP3_FLAGS_OVERFLOW_HI            2
+#define FP3_FLAGS_OVERFLOW_LO            2
+#define FP3_FLAGS_DIVIDE_BY_ZERO_HI      3
+#define FP3_FLAGS_DIVIDE_BY_ZERO_LO      3
+#define FP3_FLAGS_INVALID_HI             4
+#define FP3_FLAGS_INVALID_LO             4
+#define FP3_INTERRUPT_ENABLE_HI          0
+#define FP3_INTERRUPT_ENABLE_LO          0
+#define FP3_INTERRUPT_ENDED_HI           1
+#define FP3_INTERRUPT_ENDED_LO           1
+#define FP3_FEATURES_MORE_NEIGHBOURS_HI  0
+#define FP3_FEATURES_MORE_NEIGHBOURS_LO  0
+#define FP3_FEATURES_MORE_EXCHANGE_HI    1
+#define FP3_FEATURES_MORE_EXCHANGE_LO    1
+#define FP3_FEATURES_MORE_FINITE_HI      2
+#define FP3_FEATURES_MORE_FINITE_LO      2
+#define FP3_FEATURES_MORE_LOGARITHMIC_HI 4
+#define FP3_FEATURES_MORE_LOGARITHMIC_LO 4
+#define FP3_HALF_UPPER_HI                0
+#define FP3_HALF_UPPER_LO                0
+#define FP3_COPIES_ROW_HI                19
+#define FP3_COPIES_ROW_LO                0
+#define FP3_COPIES_LANE_HI               25
+#define FP3_COPIES_LANE_LO               20
+#define FP3_COPIES_EVERY_HI              31
+#define FP3_COPIES_EVERY_LO              31
+#define FP3_OBJECTS_PLACE_HI             19
+#define FP3_OBJECTS_PLACE_LO             0
+#define FP3_OBJECTS_LENGTH_HI            31
+#define FP3_OBJECTS_LENGTH_LO            20
+#define FP3_STATUS_FLAGS_HI              4
+#define FP3_STATUS_FLAGS_LO              0
+#define FP3_STATUS_STEP_HI               31
+#define FP3_STATUS_STEP_LO               5
 
 /* X(NAME, word): the registers that show the configuration, and what they must show for this one. */
-#define FP3_SHOWN(X, config)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                              \
-    X(ID,            (3u & 255) << 0 | (4608051u & 16777215) << 8)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                        \
-    X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
-    X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                             \
-    X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours | (config)->exchange | (config)->finite) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
-    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                    \
-    X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                               \
-    X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1 | ((config)->finite & 1) << 2)
+#define FP3_SHOWN(X, config)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                      \
+    X(ID,            (3u & 255) << 0 | (4608051u & 16777215) << 8)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                \
+    X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                    \
+    X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
+    X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours | (config)->exchange | (config)->finite | (config)->logarithmic) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
+    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
+    X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                       \
+    X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1 | ((config)->finite & 1) << 2 | ((config)->logarithmic & 1) << 4)
 #define FP3_ID_LETTERS 0x465033u
 
 /* Counters: 48 bits in two words each, low word first. */

@@ -7,6 +7,7 @@
 
 #include "estimate.h"
 #include "finite.h"
+#include "lns.h"
 
 #include <assert.h>
 #include <float.h>
@@ -180,14 +181,57 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
     return is_chosen ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f) : NAN;
 }
 
+/* x plus or minus y * z. */
+static uint32_t log_chained(int is_minus, uint32_t x, uint32_t y, uint32_t z, uint32_t *flags) {
+    uint32_t earlier;
+    const uint32_t product = fp3_lns_mul(y, z, &earlier);
+    const uint32_t d = (is_minus ? fp3_lns_sub : fp3_lns_add)(x, product, flags);
+    *flags |= earlier;
+    return d;
+}
+
+/* The same operations of logarithmic words. */
+static uint32_t log_calculate(uint32_t op, const uint32_t operands[3], uint32_t *flags) {
+    const uint32_t a = operands[0], b = operands[1], c = operands[2];
+    const uint32_t half = 0x3f000000, two = 0x40000000;
+    uint32_t chosen;
+    switch (op) {
+    case FP3_OP_ADD:
+        return fp3_lns_add(a, b, flags);
+    case FP3_OP_SUB:
+        return fp3_lns_sub(a, b, flags);
+    case FP3_OP_MUL:
+        return fp3_lns_mul(a, b, flags);
+    case FP3_OP_MADD:
+    case FP3_OP_MSUB:
+        return log_chained(op == FP3_OP_MSUB, c, a, b, flags);
+    case FP3_OP_ADDH:
+    case FP3_OP_SUBH:
+        return log_chained(op == FP3_OP_SUBH, a, b, half, flags);
+    case FP3_OP_ADDT:
+    case FP3_OP_SUBT:
+        return log_chained(op == FP3_OP_SUBT, a, b, two, flags);
+    case FP3_OP_RCP:
+        return fp3_lns_rcp(a, flags);
+    case FP3_OP_RSQRT:
+        return fp3_lns_rsqrt(a, flags);
+    default:
+        break;
+    }
+    const int is_chosen = choose(op, a, b, c, &chosen);
+    assert(is_chosen);
+    return fp3_lns_add(is_chosen ? chosen : FP3_BITS_NAN, FP3_BITS_MINUS_ZERO, flags);
+}
+
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags) {
-    if (config->finite) {
-        uint32_t raised_there;
-        const uint32_t bits = fp3_finite_execute(op, operands, &raised_there);
+    if (config->finite || config->logarithmic) {
+        uint32_t there;
+        const uint32_t d = config->finite ? fp3_finite_execute(op, operands, &there)
+                                          : log_calculate(op, operands, &there);
         if (flags)
-            *flags = config->flags ? raised_there : 0;
-        return bits;
+            *flags = config->flags ? there : 0;
+        return d;
     }
     if (flags)
         fp3_fpu_forget();

@@ -14,9 +14,9 @@ module lns_bench (
     output wire [159:0] z_o,
     output wire [24:0]  flags_o
 );
-    wire unused = &clk_i[2:1];
+    wire unused = clk_i[2];
     lns_add u_add (.clk_i(clk_i[0]), .sub_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[31:0]), .flags_o(flags_o[4:0]));
-    lns_mul u_mul (.divide_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[63:32]), .flags_o(flags_o[9:5]));
+    lns_mul #(.CUT(1)) u_mul (.clk_i(clk_i[1]), .divide_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[63:32]), .flags_o(flags_o[9:5]));
     lns_root u_root (.inverse_i(other_i), .a_i(a_i), .z_o(z_o[95:64]), .flags_o(flags_o[14:10]));
     lns_from_float u_from (.clk_i(clk_i[3]), .a_i(a_i), .z_o(z_o[127:96]), .flags_o(flags_o[19:15]));
     lns_to_float u_to (.clk_i(clk_i[4]), .a_i(a_i), .z_o(z_o[159:128]), .flags_o(flags_o[24:20]));

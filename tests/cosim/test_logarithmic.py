@@ -1,0 +1,41 @@
+"""A configuration whose words are logarithms: the hardware against the isa engine, and who says that it does not compute so."""
+
+import re
+import subprocess
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def tree(root, build, tmp_path_factory):
+    """`many_full` with this arithmetic, at the least latencies."""
+    tree = tmp_path_factory.mktemp("logs") / "tree"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(root / "tools")
+        import random_configs
+        from fp3gen.read import load
+        row = next(row for row in load(root).configs if row["name"] == "many_full")
+        row |= {"name": "logs", "logarithmic": 1, "round": 0, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 10}
+        random_configs.build(row, tree, build)
+    return tree
+
+
+def test_random_streams_retire_alike(tree):
+    done = subprocess.run([tree / "random_stream", "--instructions", "60000", "--seed", "9"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^logs: [6-9]\d{4} instructions .* agree", done.stdout, re.M), done.stdout
+
+
+def test_who_does_not_compute_so_says_it(root, build, tree):
+    """The compiler, and the engine fast."""
+    objects = sorted((build / "obj/sw/cli").glob("*.o"))
+    done = subprocess.run(["gcc", "-o", tree / "fp3", tree / "own.o", *objects, build / "obj/measure.a", build / "lib/libfp3.a",
+                           *"-lgsl -lgslcblas -lconfig -lz -ldl -ljansson -lm".split()], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    done = subprocess.run([tree / "fp3", "run", root / "programs/ship.ode", "-c", "logs"], capture_output=True, text=True)
+    assert done.returncode and "configuration 'logs' is logarithmic: models are compiled for binary32" in done.stderr, done.stderr
+    assert subprocess.run([tree / "fp3", "asm", root / "programs/ship.s", "-o", tree / "ship.fp3"]).returncode == 0
+    done = subprocess.run([tree / "fp3", "run", tree / "ship.fp3", "-c", "logs", "--engine", "fast", "--params", root / "programs/ship.cfg"],
+                          capture_output=True, text=True)
+    assert done.returncode and "configuration 'logs' is logarithmic, which engine 'fast' does not compute: engine 'isa' does" in done.stderr, done.stderr
