@@ -73,7 +73,7 @@ module fp_value #(
                 fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;
-                assign estimate = 19'd0;
+                assign estimate = {LOGARITHMIC != 0, 18'd0};               // -0: log_arith adds the reciprocal
             end
             wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint

@@ -25,7 +25,7 @@ module log_arith #(
     assign result_o  = `RESULT;
     wire unused = operands_twice | operands_half;          // y says so
 
-    // A reciprocal takes the place of the product, and -0 that of what is added to it.
+    // A reciprocal takes the place of the product; fp_value gives -0, to which it is added.
     wire        root    = ESTIMATE != 0 && operands_choice == CHOICE_RSQRT;
     wire        inverse = ESTIMATE != 0 && operands_choice == CHOICE_RCP;
     wire [31:0] quotient, rooted, rooted_q;
@@ -43,20 +43,21 @@ module log_arith #(
     delay #(.W(38), .N(MUL_CORE)) u_root_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({root, rooted_flags, rooted}),
         .q_o({is_root, rooted_flags_q, rooted_q}));
 
-    wire        no_product;                                // in the next cycle
+    wire        no_product, reciprocal;                    // in the next cycle
+    delay #(.W(1), .N(MUL_LATENCY - 1)) u_reciprocal (.clk_i(clk_i), .rst_i(1'b0), .d_i(root || inverse), .q_o(reciprocal));
     wire [31:0] product_late;
     wire [4:0]  flags_late;
     delay #(.W(37), .N(MUL_LATENCY - MUL_CORE - 1)) u_late (.clk_i(clk_i), .rst_i(1'b0),
         .d_i(is_root ? {rooted_flags_q, rooted_q} : {quotient_flags, quotient}), .q_o({flags_late, product_late}));
     reg  [31:0] product_q;
     reg  [4:0]  flags_q;
-    always @(posedge clk_i) {flags_q, product_q} <= no_product ? {5'd0, BITS_MINUS_ZERO} : {flags_late, product_late};
+    always @(posedge clk_i) {flags_q, product_q} <= no_product && !reciprocal ? {5'd0, BITS_MINUS_ZERO} : {flags_late, product_late};
 
     wire        subtract;
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
-    fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(root || inverse ? CHOICE_NONE : operands_choice),
-        .a_i(root || inverse ? BITS_MINUS_ZERO : operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .no_product_o(no_product));
+    fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
+        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .no_product_o(no_product));
 
     wire [31:0] sum;
     wire [4:0]  sum_flags, earlier_flags;

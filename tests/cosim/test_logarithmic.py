@@ -27,6 +27,13 @@ def test_random_streams_retire_alike(tree):
     assert re.search(r"^logs: [6-9]\d{4} instructions .* agree", done.stdout, re.M), done.stdout
 
 
+def test_verilator_has_no_warning(tree):
+    rooms = [word for room in sorted((tree / "rtl").iterdir()) if room.is_dir() and room.name != "gen" for word in ("-y", room)]
+    done = subprocess.run(["verilator", "--lint-only", "-Wall", "-DFP3_CHECK", f"+incdir+{tree}/rtl", f"+incdir+{tree}/rtl/gen", "-y", tree / "rtl", *rooms,
+                           "+libext+.v", "--top-module", "fp3_logs", tree / "rtl/gen/fp3_logs.v"], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+
+
 def test_who_does_not_compute_so_says_it(root, build, tree):
     """The compiler, and the engine fast."""
     objects = sorted((build / "obj/sw/cli").glob("*.o"))
