@@ -4,7 +4,7 @@
 #include <string.h>
 
 extern const fp3_sweep fp3_sweep_plain, fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut,
-    fp3_sweep_finite;
+    fp3_sweep_finite, fp3_sweep_logarithmic;
 
 /* The kinds of this family, from the least on, and those among them that this processor is. */
 #if defined __x86_64__
@@ -29,10 +29,12 @@ static int is_kind(int kind) {
 #endif
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-/* Other arithmetic is rare: for them the least kind of processor has to do. */
+/* Other arithmetic is rare: for it the least kind of processor has to do. */
 static const fp3_sweep *rare(const fp3_config *config) {
     if (config->finite)
         return &fp3_sweep_finite;
+    if (config->logarithmic)
+        return &fp3_sweep_logarithmic;
     if (config->subnormal)
         return &fp3_sweep_cut;
     return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;
@@ -47,7 +49,7 @@ int fp3_sweep_is_kind(const char *name) {
 
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
     const fp3_sweep *best = kinds[0];
-    if (!config->subnormal || !config->nearest)
+    if (!config->subnormal || !config->nearest || config->logarithmic)
         return rare(config);
     for (int i = 0; i < KINDS && is_kind(i); i++) {
         best = kinds[i];

@@ -50,6 +50,8 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_status status = FP3_E_SYSTEM;
     if (FP3_FPU_IS_SOFT)
         fp3_fail(&why, FP3_E_SYSTEM, "no flags here");
+    else if (f->plan.config->logarithmic)
+        fp3_fail(&why, FP3_E_SYSTEM, "of logarithmic words there is no native code");
     else if (!is_interpreted && !f->native.library)
         status = fp3_fast_native_open(&f->plan, f->sweep->name, may_compile, &f->native, &why);
     if (status && !f->native.library)
@@ -60,12 +62,19 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
                  f->native.no_cache);
 }
 
+static fp3_status no_native(const char *path, fp3_error *error) {
+    return fp3_fail(error, FP3_E_ARGUMENT, "%s: of logarithmic words there is no native code",
+                    path);
+}
+
 /* Of a lesser kind of processor than this one, maybe. */
 static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
     fp3_fast_kind kind;
     if (FP3_FPU_IS_SOFT)
         return fp3_fail(error, FP3_E_ARGUMENT, "%s: native code needs a processor with flags",
                         path);
+    if (f->plan.config->logarithmic)
+        return no_native(path, error);
     fp3_status status = fp3_fast_native_kind(path, &kind, error);
     if (status)
         return status;
@@ -92,12 +101,6 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
                           "configuration '%s' truncates, and engine 'fast' only rounds to nearest "
                           "here: engine 'isa' does both",
                           def->config->name);
-    if (!status && def->config->logarithmic)
-        status =
-            fp3_fail(error, FP3_E_PROGRAM,
-                     "configuration '%s' is logarithmic, which engine 'fast' does not compute: "
-                     "engine 'isa' does",
-                     def->config->name);
     if (!status && def->native && !def->is_interpreted && !w.is_interpreted)
         status = open_file(f, def->native, error);
     if (status) {
@@ -121,6 +124,8 @@ fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error) {
 }
 
 fp3_status fp3_fast_write_native(const fp3_fast *f, const char *path, fp3_error *error) {
+    if (f->plan.config->logarithmic)
+        return no_native(path, error);
     return fp3_fast_native_write(&f->plan, path, f->sweep->name, error);
 }
 

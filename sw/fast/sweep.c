@@ -1,5 +1,5 @@
 /* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
- * FP3_FINITE. */
+ * FP3_FINITE or FP3_LOGARITHMIC. */
 #include "sweep.h"
 
 #ifndef FP3_SWEEP
@@ -10,12 +10,17 @@
 #ifndef FP3_FINITE
 #define FP3_FINITE 0
 #endif
+#ifndef FP3_LOGARITHMIC
+#define FP3_LOGARITHMIC 0
+#endif
 #ifndef FP3_SWEEP_NAME
 #define FP3_SWEEP_NAME FP3_SWEEP_LEAST
 #endif
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "tiny.h"
+
+#include "logs.h"
 
 #include <fp3/isa.h>
 #include <machine/watch.h>
@@ -149,6 +154,19 @@ static void calculate(machine *m) {
 #undef CASE
 #undef OPERANDS
 
+/* Logarithmic words; their flags are raised as the processor raises those of floats. */
+static void calculate_logs(machine *m) {
+    fp3_i all = fp3_all(0), flags;
+    EACH {
+        m->to[j] = fp3_logs(m->now->in.op, A, B, C, &flags);
+        all |= flags;
+    }
+    uint32_t raised = 0;
+    for (int i = 0; i < FP3_LANES; i++)
+        raised |= (uint32_t)all[i];
+    fp3_fpu_set(fp3_fpu_get() | fp3_logs_sticky(raised));
+}
+
 /* Where an object sleeps it keeps what it has. */
 static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
     const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
@@ -160,7 +178,7 @@ static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
 
 /* What is left to do with results. */
 static void finish(machine *m) {
-    if (m->now->is_behind)
+    if (m->now->is_behind && !FP3_LOGARITHMIC)
         EACH m->to[j] = fp3_behind(m->to[j]);
     if (m->now->is_one_nan || m->is_watched)
         EACH m->to[j] = fp3_one_nan(m->to[j]);
@@ -171,7 +189,9 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
+    if (FP3_LOGARITHMIC)
+        calculate_logs(m);
+    else if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
         calculate_tiny(m);
     else
         calculate(m);
@@ -239,7 +259,7 @@ static void execute(machine *m) {
         store(m);
         break;
     default:
-        if (FP3_FPU_IS_SOFT && !m->is_watched)
+        if (FP3_FPU_IS_SOFT && !FP3_LOGARITHMIC && !m->is_watched)
             raise(m);
         arithmetic(m);
     }
@@ -338,6 +358,11 @@ static fp3_v product_of(fp3_v a, fp3_v b) {
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;
+    if (FP3_LOGARITHMIC) {
+        fp3_i flags;
+        fp3_logs(m->now->in.op, a, b, c, &flags);
+        return flags;
+    }
     switch (m->now->in.op) {
     case FP3_OP_ADD:
         return flags_of_sum(a, b);

@@ -19,7 +19,7 @@ typedef struct {
     uint32_t writeback_stall; /* 1: nothing is issued in a cycle in which a result is written */
     uint32_t chain;           /* 1: `madd` and `msub` exist */
     uint32_t dual;            /* 1: a sum and a product are under way at once; registers of even number hold sums, of odd number products */
-    uint32_t logarithmic;     /* 1: words are logarithms (logarithmic.md), and `rcp` and `rsqrt` are no estimates; both cores' cuts count for nothing */
+    uint32_t logarithmic;     /* 1: words are logarithms ([logarithmic.md](logarithmic.md)); the cuts of adder and multiplier do not matter then */
     uint32_t scale;           /* 1: `addh`, `subh`, `addt`, `subt` exist */
     uint32_t select;          /* 1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist */
     uint32_t estimate;        /* 1: `rcp` and `rsqrt` exist */

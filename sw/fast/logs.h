@@ -1,0 +1,30 @@
+/* logs.h - operations of logarithmic words for a vector of objects: lane by lane, by machine/execute.h. For sweep.c, behind tiny.h. */
+#ifndef FP3_FAST_LOGS_H
+#define FP3_FAST_LOGS_H
+
+#include <fp3/isa.h>
+#include <machine/execute.h>
+
+/* The results; flags are those of each lane. */
+static inline fp3_v fp3_logs(uint32_t op, fp3_v a, fp3_v b, fp3_v c, fp3_i *flags) {
+    static const fp3_config config = {.logarithmic = 1, .flags = 1};
+    fp3_u d = {0};
+    for (int i = 0; i < FP3_LANES; i++) {
+        uint32_t raised;
+        const uint32_t operands[] = {((fp3_u)a)[i], ((fp3_u)b)[i], ((fp3_u)c)[i]};
+        d[i] = fp3_execute(&config, op, operands, &raised);
+        (*flags)[i] = (int)raised;
+    }
+    return (fp3_v)d;
+}
+
+/* Flags of the machine as the processor would raise them. */
+static inline uint64_t fp3_logs_sticky(uint32_t flags) {
+    return (flags & FP3_FLAG_INVALID ? FP3_FPU_INVALID : 0) |
+           (flags & FP3_FLAG_DIVIDE_BY_ZERO ? FP3_FPU_DIVIDE_BY_ZERO : 0) |
+           (flags & FP3_FLAG_OVERFLOW ? FP3_FPU_OVERFLOW : 0) |
+           (flags & FP3_FLAG_UNDERFLOW ? FP3_FPU_UNDERFLOW : 0) |
+           (flags & FP3_FLAG_INEXACT ? FP3_FPU_INEXACT : 0);
+}
+
+#endif
