@@ -5,6 +5,7 @@
     tools/synth.py --top fp_add --config single --grades 8 --seeds 1
     tools/synth.py --top group --config lanes          four lanes that share their control
     tools/synth.py --top trim                          what a feature costs: synthesis only
+    tools/synth.py --top lns_add --grades 6            a unit of logarithmic arithmetic; only where it is named
     tools/synth.py --device GW2AR-18 --top fp3 --config single --seeds 1      another device
 
 A core is placed with the cuts of each configuration, and with the best places found for each number of
@@ -64,6 +65,10 @@ WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no
 CORES = ("fp_add", "fp_mul")
 LANES = {"lane": 1, "group": 4}
 TOPS = (*CORES, *LANES, "fp3", "trim")
+# Units of logarithmic arithmetic, which no configuration changes: parameters, inputs of one bit, operands, registers inside. Without a
+# clock where there are none.
+LOGS = {"lns_add": ("", ["sub_i"], ["a_i", "b_i"], 9), "lns_mul": ("#(.CUT(1)) ", ["divide_i"], ["a_i", "b_i"], 1), "lns_root": ("", ["inverse_i"], ["a_i"], 0),
+        "lns_from_float": ("", [], ["a_i"], 6), "lns_to_float": ("", [], ["a_i"], 5)}
 # What a user chooses between, from the cheapest.
 SIZES = ("small", "uncut", "single", "many", "paper", "single_full", "many_full", "lanes", "dual", "array")
 
@@ -141,6 +146,12 @@ def core(top, row, around):
     parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .FINITE({row['finite']}), .CUTS(7'd{cuts})"
     wrapper = around("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
+
+
+def log_unit(top, around):
+    parameters, bits, words, cuts = LOGS[top]
+    wrapper = around("top", [(name, 1) for name in bits] + [(name, 32) for name in words], [("z_o", 32), ("flags_o", 5)], f"{top} {parameters}u_{top}")
+    return cuts, wrapper if cuts else wrapper.replace(f"u_{top} (.clk_i(clk_i), ", f"u_{top} (")
 
 
 # Lanes of a group and their arithmetic between registers; the headers know how wide the bundles are.
@@ -345,6 +356,13 @@ def plan(args, configs):
         if top == "trim":
             trims = trimmed(configs, designs)
             continue
+        if top in LOGS:
+            for device in args.device:
+                family = DEVICES[device].family
+                cuts, wrapper = log_unit(top, narrow if FAMILIES[family].pin else registered)
+                designs[wrapper, family, True] = (top + f"-{family}" * (family != "ecp5"), [])
+                wanted.append((top, "any", device, cuts, designs[wrapper, family, True][0], False))
+            continue
         for row in configs + (depths(top) if top in CORES else []):
             if top in LANES and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1 or row["lanes"] < LANES[top]):
                 continue
@@ -369,7 +387,7 @@ def trim(what, base, name):
 def arguments(configs):
     names = [name for row in configs for name, _ in variants("lane", row, "ecp5")] + sorted({row["name"] for top in CORES for row in depths(top)})
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--top", choices=TOPS, action="append", help="default: all of them")
+    parser.add_argument("--top", choices=(*TOPS, *LOGS), action="append", help="default: all of them but lns_...")
     parser.add_argument("--config", choices=names, action="append", help="default: all of them")
     parser.add_argument("--sizes", action="store_true", help=f"--top fp3 of {', '.join(SIZES)}")
     parser.add_argument("--device", choices=DEVICES, action="append", help="default: LFE5U-85F; with --sizes all of them")
