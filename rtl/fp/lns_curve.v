@@ -4,7 +4,7 @@
 //           curve() in sw/machine/lns.c.
 // Latency   4: the table, a register behind it as block RAM is slow, products, their difference. A new x every cycle.
 //
-//     x_i 800000, POWER 0  ->  value_o 95C01A6, which is 0.58496 * 2^28, four edges later
+//     x_i 800000, POWER 0  ->  value_o 95C01A4, which is 0.58496 * 2^28, four edges later
 `default_nettype none
 module lns_curve #(
     parameter POWER = 0
