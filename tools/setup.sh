@@ -26,13 +26,13 @@ libgsl-dev           | <gsl/gsl_errno.h> | sim   | the truth in double: GSL's in
 libjansson-dev       | <jansson.h>       | sim   | writes results as JSON
 libconfig-dev        | <libconfig.h>     | sim   | reads parameter and scene files, errors with their lines
 libhdf5-dev          | /usr/lib/*/pkgconfig/hdf5*.pc | sim | writes what a run records as HDF5
-libmpfr-dev          | <mpfr.h>          | sim   | what the tests hold logarithmic arithmetic against, with a proved error
 pkg-config           | pkg-config        | sim   | says where libhdf5 is, and in tests how programs outside the tree find libfp3
 zlib1g-dev           | <zlib.h>          | sim   | CRC-32 of program images
 python3              | python:tomllib    | sim   | 3.11 or later: the generator of headers and register map
 python3-venv         | python:ensurepip  | setup | holds yosys and nextpnr in .venv/
 python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
+libmpfr-dev          | <mpfr.h>          | test  | what the tests hold logarithmic arithmetic against, with a proved error
 python3-h5py         | python:h5py       | test  | opens recordings as their readers do
 groff-base           | groff             | test  | shows the man page: no warning from it
 tcl                  | tclsh             | test  | reads what Edalize writes for yosys
