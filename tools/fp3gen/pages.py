@@ -37,36 +37,41 @@ def isa_page(isa):
         return ", then ".join(unit.get(name, name) for name in op["path"])
 
     body = [
-        f"Revision {isa['revision']}. Every instruction is one 32-bit word and works on IEEE 754 binary32 numbers.",
-        "", "## The word", "", *layout(fields, {name: name for name in fields}), "",
-        "`d` names the destination, `a`, `b` and `c` the operands. An operand that an instruction does not",
-        "have must be 0. A word with any other code than those below ends the run as illegal; code 0 stays",
-        f"free, so erased memory is never executed. Codes from {MORE} on are all ones in `op` with the code less {MORE} in `c`: room for",
-        "instructions without an operand `c`.", "",
+        f"Revision {isa['revision']}. Every instruction is one 32-bit word. Values are IEEE 754 binary32 numbers.",
+        "[Assembly language](assembly.md) has whole programs; the [glossary](glossary.md) explains record, visit, part, phase and list.",
+        "", "## The word", "", "A word has five fields:", "", *layout(fields, {name: name for name in fields}), "",
+        "`op` is the instruction's code, `d` its destination; `a`, `b` and `c` are its operands. A field that the instruction",
+        f"does not use must be 0. Codes from {MORE} on stand in `c`: `op` is all ones, and `c` is the code minus {MORE}. So these instructions have no",
+        "operand `c`. A word whose code is not in the table below ends the run as illegal. Code 0 is unused, so erased memory is illegal, too.", "",
         "## Banks", "",
-        *markdown(["operand codes", "in assembly", "bank"],
+        "An operand's value in its field chooses a bank and a register in it:", "",
+        *markdown(["value", "in assembly", "bank"],
                   [[f"{b['base']} .. {b['base'] + b['count'] - 1}",
                     f"`{b['prefix']}0` .. `{b['prefix']}{b['count'] - 1}`",
-                    {"object": "the object's own registers; the only possible destinations",
+                    {"object": "the object's own registers; a destination is always one of these",
                      "shared": "constants that all objects of a scheduler share; written by the host"}[name]]
                    for name, b in banks.items()]), "",
-        "A configuration may hold fewer registers, and lack instructions: [configurations.md](configurations.md).", "",
+        "A configuration may have fewer registers, and leave out instructions: [configurations](configurations.md).", "",
         "## Instructions", "",
-        *markdown(["mnemonic", "code", "operands", "meaning", "unit"],
-                  [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`",
+        "The table's columns are the instruction's name, its code, the fields that it uses, what it does, and the functional units that its operands",
+        "go through. `record[d]` is word d of the object's record. The unit *value* compares, selects, estimates and rounds; *sequence*",
+        "is the scheduler's control of loops and phases.", "",
+        *markdown(["name", "code", "operands", "meaning", "unit"],
+                  [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`" if op["operands"] else "–",
                     f"`{op['meaning']}`", path(op)] for op in isa["op"]]),
-        "", "Results are rounded to nearest, ties to even, with gradual underflow, unless the configuration says",
-        "otherwise; a NaN result is always 7FC00000. Each result raises its flags: invalid, divide by zero,",
-        "overflow, underflow, inexact."]
+        "", "Results are rounded to nearest, ties to even, with gradual underflow; a NaN result is always 7FC00000. The configuration `flush` flushes subnormal",
+        "numbers to zero, and `cell` has neither infinity nor NaN: [arithmetic](arithmetic.md) has its results. An instruction can raise the flags invalid,",
+        "overflow, underflow and inexact. None raises the fifth flag, divide by zero.", "",
+        "\"Needs `chain`\" and the like below name the key of a configuration that must be 1."]
     for op in isa["op"]:
         text, code = example(isa, op)
         used = {name: name if name in op["operands"] else "0" for name in fields}
         used["op"] = f"op = {op['code']}" if op["code"] < MORE else "all ones"
         used["c"] = used["c"] if op["code"] < MORE else str(op["code"] - MORE)
         body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {path(op)}."]
-        body += [f"Where `{op['needs']}` is 1."] if "needs" in op else []
+        body += [f"Needs `{op['needs']}`."] if "needs" in op else []
         body += [op["note"]] if "note" in op else []
-        body += ["", *layout(fields, used), "", f"`{op['name']} {text}` is the word `0x{code:08x}`."]
+        body += ["", *layout(fields, used), "", f"`{' '.join(filter(None, (op['name'], text)))}` is the word `0x{code:08x}`."]
     return page("Instruction set", "isa/isa.toml", body)
 
 
