@@ -97,7 +97,7 @@ def pendulums(lab, scene):
 def arenstorf(lab, scene):
     found, _ = record(lab, scene, "--observe", "r_x,r_y,jacobi", "--times", f"0,{17.0652165601579625588917206249!r}")
     x, y, jacobi = (abs(found[name][-1] - found[name][0])[0] for name in ("r_x", "r_y", "jacobi"))
-    yield row("distance from the start after a period, of the moon's distance", 0, np.hypot(x, y))
+    yield row("distance from the start after a period, as a share of the moon's distance", 0, np.hypot(x, y))
     yield row("change of Jacobi's integral after a period", 0, jacobi)
 
 
@@ -120,8 +120,8 @@ def ships(lab, scene):
     t = times[-1] - np.arange(48) * 235 // 47
     true_v = thrust / c * (1 - np.exp(-c * t / m))
     true_s = thrust / c * (t - m / c * (1 - np.exp(-c * t / m)))
-    yield row("largest error of a speed at the end, as a share of it", 0, abs(found["v"][-1] / true_v - 1).max())
-    yield row("largest error of a place at the end, as a share of the way", 0, abs(found["s"][-1] / true_s - 1).max())
+    yield row("largest relative error of a speed at the end", 0, abs(found["v"][-1] / true_v - 1).max())
+    yield row("largest relative error of a distance at the end", 0, abs(found["s"][-1] / true_s - 1).max())
 
 
 def lorenz(lab, scene):
@@ -134,10 +134,12 @@ def lorenz(lab, scene):
 
 # Of the scenes of programs/world: the function, the first words of the rows, and what they are called here, if not so.
 WORLD = {"heap": (world_contact.heap, {"force on the floor": ""}),
-         "plummer": (world_bodies.plummer, {"energy after": "", "change of angular momentum": "", "radius that has": ""}),
-         "dam": (world_water.dam, {"speed of the front": "speed of the front from t = 1.3 on, sqrt(2 g a)", "largest change of density": ""}),
-         "eight": (world_bodies.eight, {"how far bodies are from where they were": "", "largest change of energy": ""}),
-         "chain": (world_physics.chain, {"angular frequency of mode 1,": "", "largest error of the 32": ""})}
+         "plummer": (world_bodies.plummer, {"energy after": "", "change of angular momentum": "",
+                                            "radius that has": "radius within which half of the mass is, mean from t = 4 on"}),
+         "dam": (world_water.dam, {"speed of the front": "speed of the front from t = 1.3 on, in sqrt(2 g a)", "largest change of density": ""}),
+         "eight": (world_bodies.eight, {"how far bodies are from where they were": "largest distance of a body from its start, after a period",
+                                        "largest change of energy": ""}),
+         "chain": (world_physics.chain, {"angular frequency of mode 1,": "", "largest error of the 32": "largest relative error of the 32 frequencies"})}
 OWN = {function.__name__: function for function in (flag, pendulums, arenstorf, van_der_pol, duffing, ships, lorenz)}
 
 
