@@ -34,14 +34,14 @@ instruction set, and `rtl` is the Verilog, simulated by Verilator. *ns* is measu
 
 - *Form*: empty for the whole scene. Otherwise it says how the scene was made smaller for the slower engines.
 - *Object-steps*: the steps of all objects together. With `tolerance` objects choose their own number of steps.
-- *ns*: nanoseconds for a step of one object on this computer, with one thread: the shortest of up to 40 runs in five seconds. If a run takes longer
-  than 20 ms, processor time counts where it is shorter than elapsed time, because other work interrupts long runs. `fast` works on 16 objects at
-  once, so an object costs more if there are few. It is not timed on a small form, which is too short.
+- *ns*: nanoseconds for a step of one object on this computer, with one thread: the shortest of up to 40 runs in five seconds. Of a run
+  longer than 20 ms, processor time counts if it is shorter. `fast` works on 16 objects at once, so an object costs more if there are few. It is not
+  timed on a small form, which is too short.
 - *Cycles*: clock cycles of the hardware for a step of one object, loading and storing of objects included. They are exact.
 - *µs*: the same in microseconds, at the configuration's clock on an {device}, grade {grade}:
   {clocks}.
   The clock is nextpnr's estimate after place and route ([sizes](sizes.md)); a configuration that was not placed has none.
-- *Hash*: the hash of all words of all states at the end. Rows with the same form have the same hash: the engines give the same bits.
+- *Hash*: the hash of all words of all states at the end. Rows with the same form must have the same.
 
 Measured {date} on a computer with {processors} processors, {processor}, at a load average of {load}; revision {revision}.
 """

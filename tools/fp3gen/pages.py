@@ -68,7 +68,7 @@ def isa_page(isa):
         used = {name: name if name in op["operands"] else "0" for name in fields}
         used["op"] = f"op = {op['code']}" if op["code"] < MORE else "all ones"
         used["c"] = used["c"] if op["code"] < MORE else str(op["code"] - MORE)
-        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`. Unit: {path(op)}."]
+        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`."]
         body += [f"Needs `{op['needs']}`."] if "needs" in op else []
         body += [op["note"]] if "note" in op else []
         body += ["", *layout(fields, used), "", f"`{' '.join(filter(None, (op['name'], text)))}` is the word `0x{code:08x}`."]
