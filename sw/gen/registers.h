@@ -113,8 +113,8 @@
 #define FP3_FEATURES_MORE_EXCHANGE_LO    1
 #define FP3_FEATURES_MORE_FINITE_HI      2
 #define FP3_FEATURES_MORE_FINITE_LO      2
-#define FP3_FEATURES_MORE_LOGARITHMIC_HI 8
-#define FP3_FEATURES_MORE_LOGARITHMIC_LO 8
+#define FP3_FEATURES_MORE_LOGARITHMIC_HI 4
+#define FP3_FEATURES_MORE_LOGARITHMIC_LO 4
 #define FP3_HALF_UPPER_HI                0
 #define FP3_HALF_UPPER_LO                0
 #define FP3_COPIES_ROW_HI                19
@@ -140,7 +140,7 @@
     X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours | (config)->exchange | (config)->finite | (config)->logarithmic) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
     X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                            \
     X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                       \
-    X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1 | ((config)->finite & 1) << 2 | ((config)->logarithmic & 1) << 8)
+    X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1 | ((config)->finite & 1) << 2 | ((config)->logarithmic & 1) << 4)
 #define FP3_ID_LETTERS 0x465033u
 
 /* Counters: 48 bits in two words each, low word first. */
