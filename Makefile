@@ -585,6 +585,13 @@ picture: all ## Draw README's picture, after make setup-bench; MEASURE=1: with n
 gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/gallery.md: five minutes; MEASURE=0: only draw, ONLY="eight dam"
 	@$(PYTHON) tools/gallery.py --fp3 $(BUILD)/bin/fp3 $(if $(filter 0,$(MEASURE)),,--measure) $(if $(ONLY),--only $(ONLY))
 
+.PHONY: arithmetic arithmetic-report
+arithmetic: all ## What each arithmetic does to the error of models, and what it costs: half an hour; MODEL="kepler lorenz". JSON in build/results
+	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
+
+arithmetic-report: | need-plot ## Write docs/arithmetic.md's tables and its picture from it
+	@$(PYTHON) tools/arithmetic.py --output $(RESULTS)/arithmetic.json --report
+
 everywhere-report: ## Write docs/everywhere.md from it
 	@$(PYTHON) tools/everywhere.py --output $(RESULTS)/everywhere.json --report docs/everywhere.md
 

@@ -49,12 +49,12 @@ def models():
     return sorted(path.stem for path in (ROOT / "programs").glob("*.ode"))
 
 
-def bench(fp3, model, config):
+def bench(fp3, model, config, integrators):
     """The points of the hardware, or why there are none."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "x.json"
         done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--quick", "--config", config, "--json", path,
-                               *(f"--integrator={name}" for name in INTEGRATORS)], cwd=ROOT, capture_output=True, text=True)
+                               *(f"--integrator={name}" for name in integrators)], cwd=ROOT, capture_output=True, text=True)
         if done.returncode == 2:
             return [], re.sub(r"^fp3 bench: |\x1b\[[0-9;]*m", "", done.stderr.strip().splitlines()[-1])
         if done.returncode:
@@ -62,12 +62,12 @@ def bench(fp3, model, config):
         return [point for point in json.loads(path.read_text())["points"] if point["engine"] == "rtl"], None
 
 
-def measure(fp3, wanted, synth):
+def measure(fp3, wanted, integrators, synth):
     rows, left_out = [], []
     for model in wanted:
         for config, arithmetic in ARITHMETICS.items():
             print(f"{model}, {config}", file=sys.stderr, flush=True)
-            points, why = bench(fp3, model, config)
+            points, why = bench(fp3, model, config, integrators)
             if why:
                 left_out.append({"arithmetic": arithmetic, "model": model, "why": why})
             of = placed(synth, "fp3", config)
@@ -81,7 +81,7 @@ def measure(fp3, wanted, synth):
             units.append({"unit": top, "arithmetic": ARITHMETICS[config], "lut4": of["lut4"], "ff": of["ff"], "dsp": of["dsp"], "ebr": of["ebr"],
                           "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": PAIRS})
     revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    return {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": INTEGRATORS, "rows": rows, "units": units, "left_out": left_out}
+    return {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "rows": rows, "units": units, "left_out": left_out}
 
 
 # ---- page and picture ---------------------------------------------------------------------------
@@ -171,10 +171,11 @@ def main():
     parser.add_argument("--fp3", help="measure with this program")
     parser.add_argument("--output", type=pathlib.Path, required=True, help="the figures, JSON: written, or read with --report")
     parser.add_argument("--model", action="append", help="only this model of programs/; may be repeated")
+    parser.add_argument("--integrator", action="append", help=f"only this integrator; may be repeated (default: {', '.join(INTEGRATORS)})")
     parser.add_argument("--report", action="store_true", help="write docs/arithmetic.md's tables and its picture")
     args = parser.parse_args()
     if args.fp3:
-        found = measure(args.fp3, args.model or models(), measured.known()["rows"])
+        found = measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"])
         args.output.parent.mkdir(parents=True, exist_ok=True)
         args.output.write_text(json.dumps(found, indent=1) + "\n")
     if args.report:
