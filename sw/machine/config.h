@@ -18,6 +18,9 @@ fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_er
 /* Schedulers in all: each has its own program and counters. */
 uint32_t fp3_config_schedulers(const fp3_config *config);
 
+/* Whether both have the same arithmetic (docs/arithmetic.md): the same program then gives the same bits on both. */
+int fp3_config_computes_as(const fp3_config *config, const fp3_config *other);
+
 /* What a configuration has for a key, the key's name, and what messages call an instruction that
  * needs it: NULL if none does. */
 uint32_t fp3_config_value(const fp3_config *config, fp3_key key);

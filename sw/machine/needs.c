@@ -49,8 +49,8 @@ static const fp3_config *find_nearest(const fp3_needs *needs, const fp3_config *
     const fp3_config *best = NULL;
     for (uint32_t i = 0; i < fp3_config_count; i++) {
         const fp3_config *other = &fp3_configs[i];
-        if (other->interleave == config->interleave && has_operations(needs, other) &&
-            find_short(needs, other) == ROWS &&
+        if (other->interleave == config->interleave && fp3_config_computes_as(config, other) &&
+            has_operations(needs, other) && find_short(needs, other) == ROWS &&
             (!best || distance(config, other) < distance(config, best)))
             best = other;
     }

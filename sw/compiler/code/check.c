@@ -1,6 +1,7 @@
 /* check.c - operations, constants and words against what a configuration has. */
 #include "check.h"
 
+#include "machine/config.h"
 #include "machine/operation.h"
 
 #include <fp3/isa.h>
@@ -16,13 +17,13 @@ static int has_angles(const fp3_step *step) {
     return 0;
 }
 
-/* "; 'single_full' has it": those with as many objects as this one, or "". */
+/* "; 'single_full' has it": those with as many objects as this one and the same arithmetic, or "". */
 static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_t size) {
     size_t length = 0;
     text[0] = '\0';
     for (uint32_t i = 0; i < fp3_config_count; i++) {
         const fp3_config *other = &fp3_configs[i];
-        if (other->interleave != config->interleave ||
+        if (other->interleave != config->interleave || !fp3_config_computes_as(config, other) ||
             fp3_operation_lacks(other, op) != FP3_KEY_NONE || length >= size)
             continue;
         length += (size_t)snprintf(text + length, size - length, "%s'%s'",
