@@ -79,7 +79,7 @@ else
 # ---- what there is ------------------------------------------------------------------------------
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
-CORES   := fp_add fp_mul lns_add lns_mul lns_root lns_from_float lns_to_float
+CORES   := fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib sequence solo unit

@@ -12,7 +12,9 @@ struct fp3_bench {
     Vfp_bench hardware{&context, "fp_bench"};
 };
 
-static unsigned unit_of(unsigned row, fp3_bench_op op) { return 2 * row + (op == FP3_BENCH_MUL); }
+static unsigned unit_of(unsigned row, fp3_bench_op op) {
+    return 3 * row + (op >= FP3_BENCH_MADD ? 2 : op == FP3_BENCH_MUL);
+}
 
 fp3_bench *fp3_bench_open(void) {
     fp3_bench *bench = new (std::nothrow) fp3_bench;
@@ -28,7 +30,7 @@ void fp3_bench_close(fp3_bench *bench) {
 }
 
 unsigned fp3_bench_rows(const fp3_bench *bench) {
-    return sizeof bench->hardware.info_o / sizeof(uint32_t) / 2;
+    return sizeof bench->hardware.info_o / sizeof(uint32_t) / 3;
 }
 
 fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_bench_op op) {
@@ -45,16 +47,18 @@ fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_benc
 }
 
 void fp3_bench_run(fp3_bench *bench, unsigned row, fp3_bench_op op, size_t n, const uint32_t *a,
-                   const uint32_t *b, uint32_t *z, uint8_t *flags) {
+                   const uint32_t *b, const uint32_t *c, uint32_t *z, uint8_t *flags) {
     Vfp_bench &hardware = bench->hardware;
     const unsigned unit = unit_of(row, op);
     const size_t latency = fp3_bench_describe(bench, row, op).latency + 1; // the result register
 
-    hardware.sub_i = op == FP3_BENCH_SUB;
+    hardware.sub_i = op == FP3_BENCH_SUB || op == FP3_BENCH_MSUB;
     for (size_t i = 0; i < n + latency; i++) {
         if (i < n) {
             hardware.a_i = a[i];
             hardware.b_i = b[i];
+            if (c)
+                hardware.c_i = c[i];
         }
         hardware.clk_i = 0;
         hardware.eval();

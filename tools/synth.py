@@ -62,7 +62,7 @@ from fp3gen.text import columns
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = pathlib.Path("build/synth")  # relative: the tools run in ROOT and see no more than that
-CORES = ("fp_add", "fp_mul")
+CORES = ("fp_add", "fp_mul", "fp_fma")
 LANES = {"lane": 1, "group": 4}
 TOPS = (*CORES, *LANES, "fp3", "trim")
 # Units of logarithmic arithmetic, which no configuration changes: parameters, inputs of one bit, operands, registers inside. Without a
@@ -104,6 +104,7 @@ TRIMS = {
 DEPTHS = {
     "fp_add": (0x00, 0x04, 0x0a, 0x2a, 0x56, 0x6e, 0x7f),
     "fp_mul": (0x00, 0x04, 0x12, 0x2a, 0x2b, 0x3b, 0x7f),
+    "fp_fma": (0x000, 0x7ff),  # the ends alone
 }
 GOAL = 200  # MHz; nextpnr weighs paths against the slowest, so that it gets the same with any goal
 
@@ -136,14 +137,22 @@ def registered(name, inputs, outputs, instance, clock="clk_i"):
 
 def depths(top):
     """The core by number of cuts, each as if it were a configuration."""
-    mask = "add_cuts" if top == "fp_add" else "mul_cuts"
-    return [{"name": f"cuts{cuts.bit_count()}", mask: cuts, "subnormal": 1, "nearest": 1, "finite": 0} for cuts in DEPTHS[top]]
+    mode = {"subnormal": 1, "nearest": 1, "finite": 0, "interleave": int(top == "fp_fma")}
+    return [{"name": f"cuts{cuts.bit_count()}", **split(top, cuts), **mode} for cuts in DEPTHS[top]]
+
+
+def split(top, cuts):
+    """The keys that say where a core is cut. A fused multiply-add has the multiplier's first four cuts, and then the adder's."""
+    return {"fp_add": {"add_cuts": cuts}, "fp_mul": {"mul_cuts": cuts}, "fp_fma": {"add_cuts": cuts >> 4, "mul_cuts": cuts & 15}}[top]
 
 
 def core(top, row, around):
-    cuts = row["add_cuts" if top == "fp_add" else "mul_cuts"]
-    inputs = [("sub_i", 1)] * (top == "fp_add") + [("a_i", 32), ("b_i", 32)]
-    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), .FINITE({row['finite']}), .CUTS(7'd{cuts})"
+    cuts = {"fp_add": row.get("add_cuts"), "fp_mul": row.get("mul_cuts"),
+            "fp_fma": row.get("add_cuts", 0) << 4 | row.get("mul_cuts", 0) & 15}[top]
+    inputs = {"fp_add": [("sub_i", 1), ("a_i", 32), ("b_i", 32)], "fp_mul": [("a_i", 32), ("b_i", 32)],
+              "fp_fma": [("x_i", 32), ("y_i", 32), ("no_product_i", 1), ("subtract_i", 1), ("z_i", 32)]}[top]
+    own = f".CUTS(11'd{cuts})" if top == "fp_fma" else f".FINITE({row['finite']}), .CUTS(7'd{cuts})"
+    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), {own}"
     wrapper = around("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 
@@ -321,7 +330,7 @@ def numbers(text):
 
 def variants(top, row, family):
     """A configuration's designs: its name, and whether they use the family's own versions of modules."""
-    if not flow.has_own(family, row) or (family == "ecp5" and top in CORES):
+    if not flow.has_own(family, row) or (family == "ecp5" and top in ("fp_add", "fp_mul")):
         return [(row["name"], False)]
     return [(row["name"], True)] + [(f"{row['name']}-inferred", False)] * (top == "lane")
 
@@ -364,6 +373,8 @@ def plan(args, configs):
                 wanted.append((top, "any", device, cuts, designs[wrapper, family, True][0], False))
             continue
         for row in configs + (depths(top) if top in CORES else []):
+            if top == "fp_fma" and not row.get("fused") and not row["name"].startswith("cuts"):
+                continue
             if top in LANES and (not row["interleave"] or row["tiles"] * row["schedulers"] > 1 or row["lanes"] < LANES[top]):
                 continue
             for device in args.device:

@@ -11,6 +11,11 @@ rtl/fp/fp_add_round.v
 rtl/fp/fp_add_swap.v
 rtl/fp/fp_estimate.v
 rtl/fp/fp_exponent.v
+rtl/fp/fp_fma.v
+rtl/fp/fp_fma_align.v
+rtl/fp/fp_fma_normalize.v
+rtl/fp/fp_fma_product.v
+rtl/fp/fp_fma_round.v
 rtl/fp/fp_mul.v
 rtl/fp/fp_mul_pack.v
 rtl/fp/fp_mul_product.v

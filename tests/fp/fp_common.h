@@ -13,11 +13,11 @@
 
 enum { FP3_BATCH = 4096, FP3_REPORTS = 10, FP3_ALL = -1 };
 
-static const char *const fp3_op_names[] = {"add", "sub", "mul"};
+static const char *const fp3_op_names[] = {"add", "sub", "mul", "madd", "msub"};
 
 /* An operation's number, -1 for an unknown name. */
 static inline int fp3_op_of(const char *name) {
-    for (int op = 0; op < 3; op++)
+    for (int op = 0; op < FP3_BENCH_OPS; op++)
         if (strcmp(name, fp3_op_names[op]) == 0)
             return op;
     return -1;
@@ -28,8 +28,8 @@ typedef struct {
     unsigned long seed;
     uint64_t pairs; /* random pairs for each operation */
     int op, row;    /* FP3_ALL, or the only one */
-    bool one;       /* only the pair a, b */
-    uint32_t a, b;
+    bool one;       /* only the operands a, b, c */
+    uint32_t a, b, c;
     const char *program;
 } fp3_fp_options;
 
@@ -61,10 +61,13 @@ static inline error_t fp3_option(int key, char *arg, struct argp_state *state) {
         opt->b = (uint32_t)fp3_number(arg, UINT32_MAX, state);
         opt->one = true;
         return 0;
+    case 'c':
+        opt->c = (uint32_t)fp3_number(arg, UINT32_MAX, state);
+        return 0;
     case 'o':
         opt->op = fp3_op_of(arg);
         if (opt->op < 0)
-            argp_error(state, "'%s' is not add, sub or mul", arg);
+            argp_error(state, "'%s' is not add, sub, mul, madd or msub", arg);
         return 0;
     case ARGP_KEY_END:
         if (opt->one && (opt->op == FP3_ALL || opt->row == FP3_ALL))
@@ -78,12 +81,13 @@ static inline error_t fp3_option(int key, char *arg, struct argp_state *state) {
 /* Exits on a wrong command line. */
 static inline fp3_fp_options fp3_parse(int argc, char **argv, const char *doc, uint64_t pairs) {
     static const struct argp_option table[] = {
-        {"op", 'o', "NAME", 0, "Only add, sub or mul", 0},
+        {"op", 'o', "NAME", 0, "Only add, sub, mul, madd (c + a * b) or msub (c - a * b)", 0},
         {"row", 'r', "N", 0, "Only this row of tests/fp/fp_bench.v", 0},
         {"seed", 's', "N", 0, "Seed of the random pairs (1)", 0},
         {"pairs", 'n', "N", 0, "Random pairs for each operation", 0},
         {"a", 'a', "BITS", 0, "Replay one pair: first operand", 0},
         {"b", 'b', "BITS", 0, "Replay one pair: second operand", 0},
+        {"c", 'c', "BITS", 0, "Replay one pair: third operand, of madd and msub (0)", 0},
         {0}};
     const struct argp argp = {table, fp3_option, NULL, doc, NULL, NULL, NULL};
     fp3_fp_options opt = {
@@ -95,7 +99,7 @@ static inline fp3_fp_options fp3_parse(int argc, char **argv, const char *doc, u
 /* One batch of operands, what is expected, and what a core gave. */
 typedef struct {
     size_t n;
-    uint32_t a[FP3_BATCH], b[FP3_BATCH], z[FP3_BATCH], got_z[FP3_BATCH];
+    uint32_t a[FP3_BATCH], b[FP3_BATCH], c[FP3_BATCH], z[FP3_BATCH], got_z[FP3_BATCH];
     uint8_t flags[FP3_BATCH], got_flags[FP3_BATCH];
 } fp3_batch;
 
@@ -130,7 +134,7 @@ static inline void fp3_print_result(const char *what, uint32_t z, unsigned flags
 static inline uint64_t fp3_check(fp3_bench *bench, unsigned row, fp3_bench_op op, fp3_batch *t,
                                  const char *program, unsigned *reported) {
     uint64_t wrong = 0;
-    fp3_bench_run(bench, row, op, t->n, t->a, t->b, t->got_z, t->got_flags);
+    fp3_bench_run(bench, row, op, t->n, t->a, t->b, t->c, t->got_z, t->got_flags);
     if (memcmp(t->z, t->got_z, t->n * sizeof *t->z) == 0 &&
         memcmp(t->flags, t->got_flags, t->n) == 0)
         return 0;
@@ -140,12 +144,14 @@ static inline uint64_t fp3_check(fp3_bench *bench, unsigned row, fp3_bench_op op
         wrong++;
         if ((*reported)++ >= FP3_REPORTS)
             continue;
-        printf("FAIL %s 0x%08" PRIx32 " 0x%08" PRIx32 "  (%s, cuts 0x%x)\n", fp3_op_names[op],
-               t->a[i], t->b[i], fp3_row_name(row), fp3_bench_describe(bench, row, op).cuts);
+        printf("FAIL %s 0x%08" PRIx32 " 0x%08" PRIx32 " 0x%08" PRIx32 "  (%s, cuts 0x%x)\n",
+               fp3_op_names[op], t->a[i], t->b[i], t->c[i], fp3_row_name(row),
+               fp3_bench_describe(bench, row, op).cuts);
         fp3_print_result("expected", t->z[i], t->flags[i]);
         fp3_print_result("got", t->got_z[i], t->got_flags[i]);
-        printf("  replay:  %s --row %u --op %s --a 0x%" PRIx32 " --b 0x%" PRIx32 "\n", program, row,
-               fp3_op_names[op], t->a[i], t->b[i]);
+        printf("  replay:  %s --row %u --op %s --a 0x%" PRIx32 " --b 0x%" PRIx32 " --c 0x%" PRIx32
+               "\n",
+               program, row, fp3_op_names[op], t->a[i], t->b[i], t->c[i]);
     }
     return wrong;
 }

@@ -49,7 +49,7 @@ static inline void fp3_pair(gsl_rng *rng, unsigned exp, unsigned frac, fp3_bench
                             uint32_t *b) {
     const uint32_t all = (UINT32_C(1) << frac) - 1;
     const int f = (int)frac, top = (1 << exp) - 2, bias = top / 2; /* top: the largest finite */
-    const bool mul = op == FP3_BENCH_MUL;
+    const bool mul = op >= FP3_BENCH_MUL;
     uint32_t fa = fp3_fraction(rng, frac), fb = fp3_fraction(rng, frac);
     int ea = fp3_between(rng, 0, top), eb = fp3_between(rng, 0, top);
 
@@ -117,6 +117,55 @@ static inline void fp3_pair(gsl_rng *rng, unsigned exp, unsigned frac, fp3_bench
     const uint32_t q = (signs >> 30 & 1) << (exp + frac) | (uint32_t)eb << frac | fb;
     *a = signs >> 29 & 1 ? p : q;
     *b = signs >> 29 & 1 ? q : p;
+}
+
+/* An addend for the product of a and b, mostly where they meet: it cancels the product, or is half a unit of one
+ * of them away from where it changes something. */
+static inline uint32_t fp3_third(gsl_rng *rng, unsigned exp, unsigned frac, uint32_t a,
+                                 uint32_t b) {
+    const uint32_t all = (UINT32_C(1) << frac) - 1, hidden = all + 1;
+    const int f = (int)frac, top = (1 << exp) - 2, bias = top / 2;
+    const uint32_t ea = a >> frac & (uint32_t)(top + 1), eb = b >> frac & (uint32_t)(top + 1);
+    uint64_t product = (uint64_t)((a & all) | (ea ? hidden : 0)) * ((b & all) | (eb ? hidden : 0));
+    int e =
+        (int)(ea ? ea : 1) + (int)(eb ? eb : 1) - bias + 1; /* of the product's bit 2 * frac + 1 */
+    while (product && !(product >> (2 * frac + 1) & 1)) {
+        product <<= 1;
+        e--;
+    }
+    uint32_t fraction = (uint32_t)(product >> (frac + 1)) & all;
+    switch (fp3_below(rng, 8)) {
+    case 0: /* any bits */
+        return (uint32_t)gsl_rng_get(rng) & ((hidden << (exp + 1)) - 1);
+    case 1: /* the product, rounded up or down */
+        fraction = (fraction + fp3_below(rng, 2)) & all;
+        break;
+    case 2: /* nearly */
+        fraction = (fraction + (uint32_t)fp3_between(rng, -3, 3)) & all;
+        e += fp3_between(rng, -1, 1);
+        break;
+    case 3: /* at every distance */
+        fraction = fp3_fraction(rng, frac);
+        e += fp3_between(rng, -2 * f - 6, 2 * f + 8);
+        break;
+    case 4: /* the ends of the window */
+        fraction = fp3_fraction(rng, frac);
+        e += (fp3_below(rng, 2) ? f + 2 : -f - 2) + fp3_between(rng, -3, 3);
+        break;
+    case 5: /* few bits are the same */
+        fraction ^= all >> fp3_below(rng, frac + 1) & (uint32_t)gsl_rng_get(rng);
+        break;
+    case 6: /* zero, or subnormal */
+        fraction = fp3_below(rng, 2) ? 0 : fp3_fraction(rng, frac);
+        e = 0;
+        break;
+    default: /* any finite number near it */
+        fraction = fp3_fraction(rng, frac);
+        e += fp3_between(rng, -3, 3);
+        break;
+    }
+    e = e < 0 ? 0 : e > top ? top : e;
+    return fp3_below(rng, 2) << (exp + frac) | (uint32_t)e << frac | fraction;
 }
 
 #endif

@@ -1,9 +1,10 @@
 /* fp_small - the cores in small formats against tables of all representable numbers.
  *
- * The 8-bit format (4-bit exponent, 3-bit fraction) in its five modes with all 65,536 pairs, and
- * binary16 with random pairs. The exact result is a double, as these formats are small enough. It
- * is rounded by looking up its two neighbours: once among the format's own numbers, for the value,
- * and once among numbers with the same fractions and all exponents, for overflow and underflow.
+ * The 8-bit format (4-bit exponent, 3-bit fraction) in its five modes with all 65,536 pairs, and binary16 with random pairs.
+ * Multiply-add, which Cell's arithmetic does not have, takes as many of the 8-bit format's 16,777,216 triples as --pairs says.
+ * The exact result is a double, as these formats are small enough. Only the exact sum of binary16's multiply-add may be longer: it is
+ * rounded to odd, which no later rounding notices. The double is rounded by looking up its two neighbours: once among the
+ * format's own numbers, for the value, and once among numbers with the same fractions and all exponents, for overflow and underflow.
  * What zero, infinity and NaN give is taken from the host's double arithmetic.
  */
 #include <math.h>
@@ -87,17 +88,54 @@ static bool signalling(const reference *ref, uint32_t code) {
     return isnan(decode(ref, code)) && !(code >> (ref->core.frac - 1) & 1);
 }
 
-static uint32_t expected(const reference *ref, fp3_bench_op op, uint32_t a, uint32_t b,
+/* a + b; if it is not exact, the neighbour with an odd last bit. */
+static double sum_to_odd(double a, double b) {
+    const double s = a + b, of_b = s - a, error = (a - (s - of_b)) + (b - of_b);
+    uint64_t bits;
+    memcpy(&bits, &s, sizeof bits);
+    return isfinite(s) && error != 0 && !(bits & 1) ? nextafter(s, error > 0 ? INFINITY : -INFINITY)
+                                                    : s;
+}
+
+static double exact_result(fp3_bench_op op, double x, double y, double z) {
+    switch (op) {
+    case FP3_BENCH_ADD:
+        return x + y;
+    case FP3_BENCH_SUB:
+        return x - y;
+    case FP3_BENCH_MADD:
+        return sum_to_odd(z, x * y);
+    case FP3_BENCH_MSUB:
+        return sum_to_odd(z, -(x * y));
+    default:
+        return x * y;
+    }
+}
+
+/* Whether a result that is NaN is invalid. */
+static bool is_invalid(const reference *ref, fp3_bench_op op, const uint32_t code[3],
+                       const double v[3]) {
+    const bool is_fused = op >= FP3_BENCH_MADD;
+    bool is_nan = false, is_signalling = false;
+    for (int i = 0; i < 2 + is_fused; i++) {
+        is_nan = is_nan || isnan(v[i]);
+        is_signalling = is_signalling || signalling(ref, code[i]);
+    }
+    return is_signalling || !is_nan ||
+           (is_fused && isnan(v[0] * v[1]) && !isnan(v[0]) && !isnan(v[1]));
+}
+
+static uint32_t expected(const reference *ref, fp3_bench_op op, const uint32_t code_of[3],
                          uint8_t *flags) {
-    const double x = decode(ref, a), y = decode(ref, b);
-    const double exact = op == FP3_BENCH_ADD ? x + y : op == FP3_BENCH_SUB ? x - y : x * y;
+    const double v[3] = {decode(ref, code_of[0]), decode(ref, code_of[1]), decode(ref, code_of[2])};
+    const double exact = exact_result(op, v[0], v[1], v[2]);
     const uint32_t sign = (uint32_t) !!signbit(exact) << (ref->core.exp + ref->core.frac);
     const uint32_t infinity = (uint32_t)ref->format.n - 1;
     const double magnitude = fabs(exact), least_normal = ref->format.value[1u << ref->core.frac];
 
     *flags = 0;
     if (isnan(exact)) {
-        if (signalling(ref, a) || signalling(ref, b) || (!isnan(x) && !isnan(y)))
+        if (is_invalid(ref, op, code_of, v))
             *flags = NV;
         return infinity | 1u << (ref->core.frac - 1);
     }
@@ -125,7 +163,7 @@ static uint32_t expected(const reference *ref, fp3_bench_op op, uint32_t a, uint
 static uint64_t flush(const reference *ref, fp3_bench *bench, unsigned row, fp3_bench_op op,
                       fp3_batch *t, const char *program, unsigned *reported) {
     for (size_t i = 0; i < t->n; i++)
-        t->z[i] = expected(ref, op, t->a[i], t->b[i], &t->flags[i]);
+        t->z[i] = expected(ref, op, (uint32_t[]){t->a[i], t->b[i], t->c[i]}, &t->flags[i]);
     const uint64_t wrong = fp3_check(bench, row, op, t, program, reported);
     t->n = 0;
     return wrong;
@@ -139,7 +177,10 @@ static uint64_t run(const fp3_fp_options *opt, fp3_bench *bench, unsigned row, f
     unsigned reported = 0;
     const fp3_bench_core core = fp3_bench_describe(bench, row, op);
     const unsigned bits = 1 + core.exp + core.frac;
-    const uint64_t pairs = opt->one ? 1 : bits <= 8 ? UINT64_C(1) << (2 * bits) : opt->pairs;
+    const bool is_fused = op >= FP3_BENCH_MADD;
+    const uint64_t all = UINT64_C(1) << (is_fused ? 3 : 2) * bits;
+    const bool is_all = bits <= 8 && (!is_fused || opt->pairs >= all);
+    const uint64_t pairs = opt->one ? 1 : is_all ? all : opt->pairs;
     gsl_rng *rng = gsl_rng_alloc(FP3_PAIRS_RNG);
 
     if (!rng || !reference_open(&ref, core))
@@ -147,15 +188,19 @@ static uint64_t run(const fp3_fp_options *opt, fp3_bench *bench, unsigned row, f
     gsl_rng_set(rng, opt->seed + (unsigned long)op);
     t->n = 0;
     for (uint64_t i = 0; i < pairs; i++) {
-        uint32_t a = opt->a, b = opt->b;
-        if (!opt->one && bits <= 8) {
-            a = (uint32_t)(i >> bits);
-            b = (uint32_t)i & ((1u << bits) - 1);
+        uint32_t a = opt->a, b = opt->b, c = opt->c;
+        if (!opt->one && is_all) {
+            const uint32_t mask = (1u << bits) - 1;
+            a = (uint32_t)(i >> bits) & mask;
+            b = (uint32_t)i & mask;
+            c = (uint32_t)(i >> 2 * bits) & mask;
         } else if (!opt->one) {
             fp3_pair(rng, core.exp, core.frac, op, &a, &b);
+            c = is_fused ? fp3_third(rng, core.exp, core.frac, a, b) : 0;
         }
         t->a[t->n] = a;
         t->b[t->n] = b;
+        t->c[t->n] = c;
         if (++t->n == FP3_BATCH)
             wrong += flush(&ref, bench, row, op, t, opt->program, &reported);
     }
@@ -164,9 +209,9 @@ static uint64_t run(const fp3_fp_options *opt, fp3_bench *bench, unsigned row, f
         fp3_print_result("as expected", t->z[0], t->flags[0]);
     printf("%s, %s: %" PRIu64 " pairs%s: %" PRIu64 " mismatches\n", fp3_op_names[op],
            fp3_row_name(row), pairs,
-           opt->one    ? ""
-           : bits <= 8 ? " (all)"
-                       : " (random)",
+           opt->one ? ""
+           : is_all ? " (all)"
+                    : " (random)",
            wrong);
     gsl_rng_free(rng);
     reference_close(&ref);
@@ -190,8 +235,10 @@ int main(int argc, char **argv) {
     uint64_t wrong = 0;
     fp3_batch batch = {.n = 0};
     for (unsigned row = 0; row <= FP3_BENCH_BINARY16 && row < fp3_bench_rows(bench); row++)
-        for (int op = 0; op < 3; op++)
-            if ((opt.row == FP3_ALL || opt.row == (int)row) && (opt.op == FP3_ALL || opt.op == op))
+        for (int op = 0; op < FP3_BENCH_OPS; op++)
+            if ((opt.row == FP3_ALL || opt.row == (int)row) &&
+                (opt.op == FP3_ALL || opt.op == op) &&
+                (row != FP3_BENCH_SMALL_CELL || op < FP3_BENCH_MADD))
                 wrong += run(&opt, bench, row, (fp3_bench_op)op, &batch);
     fp3_bench_close(bench);
     return wrong != 0;

@@ -2,7 +2,7 @@
  *
  *     testfloat_gen -rnear_even -tininessafter -level 1 f32_add | build/tests/fp_testfloat --op add
  *
- * A line is "A B Z flags" in hexadecimal; the flags are invalid 16, divide by zero 8, overflow 4,
+ * A line is "A B Z flags" in hexadecimal, of madd (f32_mulAdd) "A B C Z flags"; the flags are invalid 16, divide by zero 8, overflow 4,
  * underflow 2, inexact 1. Each vector goes through the uncut core and every named set of cuts.
  */
 #include "fp_common.h"
@@ -18,13 +18,13 @@ static uint64_t flush(const fp3_fp_options *opt, fp3_bench *bench, fp3_batch *t,
     return wrong;
 }
 
-/* "A B Z flags", nothing else. */
-static bool parse_line(const char *line, unsigned long field[4]) {
+/* "A B Z flags", of f32_mulAdd "A B C Z flags", nothing else. */
+static bool parse_line(const char *line, int operands, unsigned long field[5]) {
     char *end = (char *)(uintptr_t)line;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < operands + 2; i++) {
         const char *start = end;
         field[i] = strtoul(start, &end, 16);
-        if (end == start || field[i] > (i < 3 ? 0xffffffff : 0x1f))
+        if (end == start || field[i] > (i <= operands ? 0xffffffff : 0x1f))
             return false;
     }
     return end[strspn(end, " \r\n")] == '\0';
@@ -33,8 +33,8 @@ static bool parse_line(const char *line, unsigned long field[4]) {
 int main(int argc, char **argv) {
     const fp3_fp_options opt =
         fp3_parse(argc, argv, "Tests the binary32 cores against vectors on stdin.", 0);
-    if (opt.op == FP3_ALL || opt.row != FP3_ALL || opt.one) {
-        fprintf(stderr, "fp_testfloat: --op is needed, and nothing else\n");
+    if (opt.op == FP3_ALL || opt.op == FP3_BENCH_MSUB || opt.row != FP3_ALL || opt.one) {
+        fprintf(stderr, "fp_testfloat: --op add, sub, mul or madd is needed, and nothing else\n");
         return 2;
     }
     fp3_bench *bench = fp3_bench_open();
@@ -43,24 +43,26 @@ int main(int argc, char **argv) {
         return 1;
     }
 
+    const int operands = opt.op == FP3_BENCH_MADD ? 3 : 2;
     char line[128];
     uint64_t vectors = 0, wrong = 0;
     unsigned reported = 0;
     bool readable = true;
     fp3_batch t = {.n = 0};
     while (fgets(line, sizeof line, stdin)) {
-        unsigned long field[4];
+        unsigned long field[5];
         vectors++;
-        readable = parse_line(line, field);
+        readable = parse_line(line, operands, field);
         if (!readable) {
-            fprintf(stderr, "fp_testfloat: line %" PRIu64 " is not 'A B Z flags': %s\n", vectors,
-                    line);
+            fprintf(stderr, "fp_testfloat: line %" PRIu64 " is not '%s Z flags': %s\n", vectors,
+                    operands == 3 ? "A B C" : "A B", line);
             break;
         }
         t.a[t.n] = (uint32_t)field[0];
         t.b[t.n] = (uint32_t)field[1];
-        t.z[t.n] = (uint32_t)field[2];
-        t.flags[t.n] = (uint8_t)field[3];
+        t.c[t.n] = operands == 3 ? (uint32_t)field[2] : 0;
+        t.z[t.n] = (uint32_t)field[operands];
+        t.flags[t.n] = (uint8_t)field[operands + 1];
         if (++t.n == FP3_BATCH)
             wrong += flush(&opt, bench, &t, &reported);
     }

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import pytest
 
-OPS = ("add", "sub", "mul")
+PAIR_OPS = ("add", "sub", "mul")
+OPS = (*PAIR_OPS, "madd", "msub")
 MODES = {"flushed_truncated": 0, "flushed_nearest": 1, "gradual_truncated": 2, "gradual_nearest": 3, "cell": 4}
 BINARY16 = 5
 
@@ -29,16 +30,16 @@ def passes(done):
 
 @pytest.mark.parametrize("op", OPS)
 def test_host(build, op, long):
-    """3*10^5 random pairs (10^7) and all pairs of special values, uncut and with every configuration's cuts."""
+    """3*10^5 random pairs (10^7) and all pairs of special values, uncut and with every configuration's cuts. Of multiply-add some
+    triples of special values (all of them)."""
     passes(start(build / "tests/fp_host", "--op", op, "--pairs", 10**7 if long else 3 * 10**5))
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("op", OPS)
-@pytest.mark.parametrize("mode", MODES)
-def test_small(build, op, mode):
-    """All pairs of the 8-bit format."""
-    passes(start(build / "tests/fp_small", "--op", op, "--row", MODES[mode]))
+@pytest.mark.parametrize("op, mode", [(op, mode) for mode in MODES for op in (PAIR_OPS if mode == "cell" else OPS)])
+def test_small(build, op, mode, long):
+    """All pairs of the 8-bit format; of its multiply-add 3*10^5 triples (all of them)."""
+    passes(start(build / "tests/fp_small", "--op", op, "--row", MODES[mode], "--pairs", 2**24 if long else 3 * 10**5))
 
 
 @pytest.mark.parametrize("op", OPS)
@@ -46,7 +47,7 @@ def test_binary16(build, op):
     passes(start(build / "tests/fp_small", "--op", op, "--row", BINARY16))
 
 
-@pytest.mark.parametrize("op", OPS)
+@pytest.mark.parametrize("op", PAIR_OPS)
 def test_cell(build, op, long):
     """Cell's arithmetic in binary32's format: the cores and the functions of the engine isa, 10^6 random pairs (10^8)."""
     passes(start(build / "tests/fp_cell", "--op", op, "--pairs", 10**8 if long else 10**6))
@@ -102,6 +103,8 @@ class Bug(NamedTuple):
 
 ADD, SWAP, NEAR, ROUND = "rtl/fp/fp_add.v", "rtl/fp/fp_add_swap.v", "rtl/fp/fp_add_near.v", "rtl/fp/fp_add_round.v"
 MUL, SCALE, PRODUCT, CUT = "rtl/fp/fp_mul.v", "rtl/fp/fp_mul_scale.v", "rtl/fp/fp_mul_product.v", "rtl/lib/cut.v"
+FMA, FMA_PRODUCT, ALIGN = "rtl/fp/fp_fma.v", "rtl/fp/fp_fma_product.v", "rtl/fp/fp_fma_align.v"
+NORMALIZE, FMA_ROUND = "rtl/fp/fp_fma_normalize.v", "rtl/fp/fp_fma_round.v"
 BUGS = [
     Bug("sum sticky forgets a shift", "add", 3, ADD, "(lost2 || more2 ||", "(lost2 ||"),
     Bug("sum truncated without its borrow", "sub", 2, ADD, "(NEAREST != 0 || !sticky3)", "1'b1"),
@@ -126,6 +129,17 @@ BUGS = [
     Bug("sum without infinities underflows to -0", "sub", 4, ROUND, "sign0 && !(FINITE != 0 && tiny)", "sign0"),
     Bug("product without infinities overflows too early", "mul", 4, SCALE, "(FINITE == 0 ? 1 : 0)", "1"),
     Bug("product without infinities is -0", "mul", 4, MUL, "sign_5 && !(FINITE != 0 && exponent_5 == ALL_0)", "sign_5"),
+    Bug("fused forgets what z loses", "madd", 3, FMA, "more_9 || lost_9", "more_9"),
+    Bug("fused distance one short", "madd", 3, FMA_PRODUCT, "FRAC + 4 - ", "FRAC + 5 - "),
+    Bug("fused moves a product of zero", "madd", 3, FMA, "px_zero || distance", "distance"),
+    Bug("fused keeps a subnormal operand", "msub", 1, FMA, "z_i[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || z_normal}}", "z_i[FRAC-1:0]"),
+    Bug("fused shifts beyond the exponent", "madd", 3, NORMALIZE, "(!tight || limit_1[3:2] != 2'd0)", "1'b1"),
+    Bug("fused ties of a negative sum", "msub", 3, FMA_ROUND, "(half && t[0])", "half"),
+    Bug("fused tiny before rounding", "madd", 3, FMA_ROUND, "&& !(NEAREST != 0 && SUBNORMAL", "&& !(1'b0 && SUBNORMAL"),
+    Bug("fused zero keeps its sign", "msub", 3, FMA_ROUND, "!(zero_1 && minus_1 && usual_1)", "1'b1"),
+    Bug("fused flushed without a flag", "madd", 0, FMA_ROUND, "!exact || flush}", "!exact}"),
+    Bug("fused zero times infinity valid", "madd", 3, FMA_PRODUCT, "&& !y_quiet_0) || clash}", "&& !y_quiet_0)}"),
+    Bug("fused loses bits without a word", "madd", 7, ALIGN, "lost[n_1]", "lost[7] && n_1 > 4"),
     Bug("register inverts a bit", "add", 8, CUT, "d_q <= d_i;", "d_q <= d_i ^ 1'b1;"),
 ]
 
@@ -179,6 +193,9 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
 FORMATS = [("fp_mul", "rtl/fp", 8, 2, None), ("fp_mul", "rtl/fp", 8, 30, None), ("fp_mul", "rtl/fp", 3, 23, None),
            ("fp_mul", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_mul", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
            ("fp_mul", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
+           ("fp_fma", "rtl/fp", 3, 2, None), ("fp_fma", "rtl/fp", 8, 30, None),
+           ("fp_fma", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_fma", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp_fma", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
            ("fp_add", "rtl/fp", 4, 2, None), ("fp_add", "rtl/fp", 7, 30, None),
            ("fp_add", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_add", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
            ("fp_add", "rtl/fp", 3, 2, "EXP_must_be_more_than_clog2_of_FRAC_plus_4"),

@@ -17,9 +17,9 @@ fi
 
 status=0
 for level in ${@:-1 2}; do
-    for op in add sub mul; do
+    for op in add sub mul madd; do
         printf "level %s, " "$level"
-        "$gen" -rnear_even -tininessafter -level "$level" "f32_$op" | "$test" --op "$op" || status=1
+        "$gen" -rnear_even -tininessafter -level "$level" "f32_${op/madd/mulAdd}" | "$test" --op "$op" || status=1
     done
 done
 exit $status
