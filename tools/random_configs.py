@@ -76,11 +76,14 @@ def draw(rng):
     row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
     row |= {"select": row["chain"] and rng.choice([0, 1, 1]), "estimate": rng.choice([0, 1, 1])}
     # Whatever else makes instructions.
-    row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and name not in row
+    row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and name not in row and name != "fused"
             and all(row.get(other) for other in key.get("needs", []))}
     row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
     chance = random.Random(repr(row))          # of its own: the draws above stay as they are
-    return dual(chance, row) if row["interleave"] and row.get("schedulers") == 1 and chance.random() < 0.2 else row
+    if not row["interleave"] or row.get("schedulers") != 1:
+        return row
+    kind = chance.random()
+    return dual(chance, row) if kind < 0.2 else row | {"fused": 1, "chain": 0, "scale": 0} if kind > 0.8 else row
 
 
 def dual(rng, row):

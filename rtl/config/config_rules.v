@@ -35,6 +35,9 @@ module config_rules #(
         if (NEIGHBOURS != 0 && SCHEDULERS != 1) begin : g_neighbours_shape
             NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end
+        if (FUSED != 0 && SCHEDULERS != 1) begin : g_fused_shape
+            FUSED_needs_one_SCHEDULER u_error ();
+        end
         if (ADD_SPARE < 1) begin : g_add_latency
             ADD_LATENCY_must_be_more_than_the_cuts u_error ();
         end

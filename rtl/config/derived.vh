@@ -46,7 +46,7 @@ parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
 // schedulers share an adder that z may want at once, or where z is what is read for y.
-parameter integer Z_LATE  = INTERLEAVE != 0 && CHAIN != 0 && VALUES == 0 && SCHEDULERS == 1 ? MUL_LATENCY : 0,
+parameter integer Z_LATE  = INTERLEAVE != 0 && (CHAIN != 0 || FUSED != 0) && VALUES == 0 && SCHEDULERS == 1 ? MUL_LATENCY : 0,
 // And: from an issue to the next one of the same context, at least; and from the last issue
 // of a round to its last report, through the lanes and back.
 parameter integer GAP     = LATENCY + TIMING_GAP,

@@ -54,8 +54,8 @@ module decode #(
     wire plain_add   = op == OP_ADD || op == OP_SUB || half || twice || valued;
     assign to_add    = plain_add || (takes && !takes_mul);
     assign to_mul    = op == OP_MUL || takes_mul;
-    assign to_chain  = CHAIN != 0 && (op == OP_MADD || op == OP_MSUB);
-    assign subtract  = op == OP_SUB || op == OP_MSUB || op == OP_SUBH || op == OP_SUBT
+    assign to_chain  = (CHAIN != 0 && (op == OP_MADD || op == OP_MSUB)) || (FUSED != 0 && (op == OP_FMADD || op == OP_FMSUB));
+    assign subtract  = op == OP_SUB || op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH || op == OP_SUBT
                     || (is_more && (more == OP_SUBN || more == OP_SUBL));
     assign to_sleep  = SLEEP != 0 && op == OP_SLEEP;
     assign st        = INTERLEAVE != 0 && op == OP_ST;

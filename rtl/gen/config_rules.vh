@@ -54,6 +54,24 @@ end
 if (CHAIN < 0 || CHAIN > 1) begin : g_chain_must_be_0_to_1
     CHAIN_must_be_0_to_1 u_error ();
 end
+if (FUSED < 0 || FUSED > 1) begin : g_fused_must_be_0_to_1
+    FUSED_must_be_0_to_1 u_error ();
+end
+if (FUSED > 0 && INTERLEAVE == 0) begin : g_fused_needs_interleave
+    FUSED_needs_INTERLEAVE u_error ();
+end
+if (FUSED > 0 && CHAIN != 0) begin : g_fused_excludes_chain
+    FUSED_excludes_CHAIN u_error ();
+end
+if (FUSED > 0 && SCALE != 0) begin : g_fused_excludes_scale
+    FUSED_excludes_SCALE u_error ();
+end
+if (FUSED > 0 && FINITE != 0) begin : g_fused_excludes_finite
+    FUSED_excludes_FINITE u_error ();
+end
+if (FUSED > 0 && LOGARITHMIC != 0) begin : g_fused_excludes_logarithmic
+    FUSED_excludes_LOGARITHMIC u_error ();
+end
 if (DUAL < 0 || DUAL > 1) begin : g_dual_must_be_0_to_1
     DUAL_must_be_0_to_1 u_error ();
 end
@@ -62,6 +80,9 @@ if (DUAL > 0 && INTERLEAVE == 0) begin : g_dual_needs_interleave
 end
 if (DUAL > 0 && CHAIN != 0) begin : g_dual_excludes_chain
     DUAL_excludes_CHAIN u_error ();
+end
+if (DUAL > 0 && FUSED != 0) begin : g_dual_excludes_fused
+    DUAL_excludes_FUSED u_error ();
 end
 if (DUAL > 0 && ESTIMATE != 0) begin : g_dual_excludes_estimate
     DUAL_excludes_ESTIMATE u_error ();
@@ -96,8 +117,8 @@ end
 if (SELECT < 0 || SELECT > 1) begin : g_select_must_be_0_to_1
     SELECT_must_be_0_to_1 u_error ();
 end
-if (SELECT > 0 && CHAIN == 0) begin : g_select_needs_chain
-    SELECT_needs_CHAIN u_error ();
+if (SELECT > 0 && CHAIN == 0 && FUSED == 0) begin : g_select_needs_chain_or_fused
+    SELECT_needs_CHAIN_or_FUSED u_error ();
 end
 if (ESTIMATE < 0 || ESTIMATE > 1) begin : g_estimate_must_be_0_to_1
     ESTIMATE_must_be_0_to_1 u_error ();

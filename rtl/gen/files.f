@@ -82,6 +82,7 @@ rtl/tile.v
 rtl/tile_scheduler.v
 rtl/unit/adder.v
 rtl/unit/arbiter.v
+rtl/unit/fused_arith.v
 rtl/unit/lane_arith.v
 rtl/unit/log_arith.v
 rtl/unit/multiplier.v

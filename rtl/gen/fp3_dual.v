@@ -60,6 +60,7 @@ module fp3_dual (
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (0),
+        .FUSED           (0),
         .DUAL            (1),
         .LOGARITHMIC     (0),
         .SCALE           (1),

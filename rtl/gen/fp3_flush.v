@@ -60,6 +60,7 @@ module fp3_flush (
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),
+        .FUSED           (0),
         .DUAL            (0),
         .LOGARITHMIC     (0),
         .SCALE           (0),

@@ -60,6 +60,7 @@ module fp3_paper (
         .BYPASS          (0),
         .WRITEBACK_STALL (1),
         .CHAIN           (0),
+        .FUSED           (0),
         .DUAL            (0),
         .LOGARITHMIC     (0),
         .SCALE           (0),

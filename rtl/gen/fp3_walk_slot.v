@@ -60,6 +60,7 @@ module fp3_walk_slot (
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (0),
+        .FUSED           (0),
         .DUAL            (0),
         .LOGARITHMIC     (0),
         .SCALE           (0),

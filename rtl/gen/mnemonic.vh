@@ -7,6 +7,8 @@ function [8*5-1:0] mnemonic(input [7:0] code);
         8'd3:    mnemonic = "mul  ";
         8'd4:    mnemonic = "madd ";
         8'd5:    mnemonic = "msub ";
+        8'd25:   mnemonic = "fmadd";
+        8'd26:   mnemonic = "fmsub";
         8'd6:    mnemonic = "sleep";
         8'd7:    mnemonic = "ld   ";
         8'd8:    mnemonic = "lds  ";

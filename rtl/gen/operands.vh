@@ -16,6 +16,8 @@ function has_a(input [CODE_W-1:0] op);
         op == OP_MUL ||
         op == OP_MADD ||
         op == OP_MSUB ||
+        op == OP_FMADD ||
+        op == OP_FMSUB ||
         op == OP_SLEEP ||
         op == OP_ADDH ||
         op == OP_SUBH ||
@@ -41,6 +43,8 @@ function has_b(input [CODE_W-1:0] op);
         op == OP_MUL ||
         op == OP_MADD ||
         op == OP_MSUB ||
+        op == OP_FMADD ||
+        op == OP_FMSUB ||
         op == OP_SLEEP ||
         op == OP_ADDH ||
         op == OP_SUBH ||
@@ -56,5 +60,7 @@ function has_c(input [CODE_W-1:0] op);
     has_c =
         op == OP_MADD ||
         op == OP_MSUB ||
+        op == OP_FMADD ||
+        op == OP_FMSUB ||
         op == OP_SEL;
 endfunction

@@ -11,6 +11,7 @@ parameter [31:0] STORE_WORDS     = 0,   // words of object store in each lane; 0
 parameter [31:0] BYPASS          = 1,   // 1: a result goes straight to an operand that waits for it
 parameter [31:0] WRITEBACK_STALL = 0,   // 1: nothing is issued in a cycle in which a result is written
 parameter [31:0] CHAIN           = 1,   // 1: `madd` and `msub` exist
+parameter [31:0] FUSED           = 0,   // 1: `fmadd` and `fmsub` exist, which round once; the multiplier's cuts count as far as the product
 parameter [31:0] DUAL            = 0,   // 1: a sum and a product are under way at once; registers of even number hold sums, of odd number products
 parameter [31:0] LOGARITHMIC     = 0,   // 1: words are logarithms ([logarithmic.md](logarithmic.md)); the cuts of adder and multiplier do not matter then
 parameter [31:0] SCALE           = 0,   // 1: `addh`, `subh`, `addt`, `subt` exist
@@ -32,10 +33,11 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [927:0] CONFIG = {
+parameter [959:0] CONFIG = {
     25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, FINITE, NEAREST, SUBNORMAL, STATUS, FLAGS,
-    EXCHANGE, NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, CHAIN, WRITEBACK_STALL,
-    BYPASS, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES, INTERLEAVE},
+    EXCHANGE, NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED, CHAIN,
+    WRITEBACK_STALL, BYPASS, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES,
+    INTERLEAVE},
 // verilator lint_on WIDTHCONCAT
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
 parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)

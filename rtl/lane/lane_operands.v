@@ -42,7 +42,7 @@ module lane_operands #(
         .write_addr_i(write_register_i), .write_value_i(write_value_i),
         .read_i(1'b1), .read_addr_i(issue_y), .read_value_o(y_i2));
     generate
-        if (CHAIN != 0) begin : g_z
+        if (CHAIN != 0 || FUSED != 0) begin : g_z
             ram_registered #(.ADDR_W(REG_W)) u_z (.clk_i(clk_i), .write_i(write_i),
                 .write_addr_i(write_register_i), .write_value_i(write_value_i),
                 .read_i(1'b1), .read_addr_i(issue_z), .read_value_o(z_i2));

@@ -1,7 +1,7 @@
 // unit: the arithmetic of one stream of a lane, behind its socket.
 //
-// Purpose   The only place that knows which arithmetic a configuration has: z +/- x * y in one stream; or, where a sum and a
-//           product may issue at once, z +/- x in the first stream, x * y in the second, and neither waits for the other.
+// Purpose   The only place that knows which arithmetic a configuration has: z +/- x * y in one stream, rounded twice or
+//           once; or, where a sum and a product may issue at once, z +/- x in the first stream, x * y in the second, and neither waits for the other.
 // Latency   UNIT_LATENCY: that of the slower one where there are two; new operands every cycle.
 //
 //     unit #(.CONFIG(CONFIG)) u_unit (.clk_i(clk_i), .operands_i(operands), .result_o(result));
@@ -19,7 +19,11 @@ module unit #(
     `RESULT_FIELDS
     assign `OPERANDS = operands_i;
     generate
-        if (LOGARITHMIC != 0) begin : g_logarithmic
+        if (FUSED != 0) begin : g_fused
+            wire unused = &{`OPERANDS, `RESULT};
+            fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `RESULT = result_o;
+        end else if (LOGARITHMIC != 0) begin : g_logarithmic
             wire unused = &{`OPERANDS, `RESULT};
             log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
             assign `RESULT = result_o;

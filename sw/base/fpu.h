@@ -5,7 +5,7 @@
  * to look closer. A sum is exact where it is tiny, so it raises none on either.
  *
  * WebAssembly has neither flags nor modes: there fpu_soft.h finds both. FP3_FPU_SOFT asks for it elsewhere, which is how it is
- * tested. fp3_fpu_add, _mul and _rint are for whoever counts on either.
+ * tested. fp3_fpu_add, _mul, _fma and _rint are for whoever counts on either.
  */
 #ifndef FP3_FPU_H
 #define FP3_FPU_H
@@ -100,6 +100,12 @@ static inline void fp3_fpu_pause(void) { __asm__ volatile("nop"); }
 
 static inline float fp3_fpu_add(float a, float b) { return a + b; }
 static inline float fp3_fpu_mul(float a, float b) { return a * b; }
+/* a b + c, rounded once. 754 leaves open whether infinity times 0 is invalid if a quiet NaN is added; FP3's is. */
+static inline float fp3_fpu_fma(float a, float b, float c) {
+    if ((isinf(a) && b == 0) || (a == 0 && isinf(b)))
+        fp3_fpu_set(fp3_fpu_get() | FP3_FPU_INVALID);
+    return fmaf(a, b, c);
+}
 static inline float fp3_fpu_rint(float a) { return nearbyintf(a); }
 #endif
 

@@ -45,7 +45,7 @@ static float rounded(double x) {
     return d;
 }
 
-/* The sum of two floats, rounded to odd: of the two doubles beside the exact sum that whose last bit is 1. */
+/* The sum of two doubles, rounded to odd: of the two doubles beside the exact sum that whose last bit is 1. */
 static double odd_sum(double a, double b) {
     double sum = a + b;
     const double of_b = sum - a;
@@ -68,6 +68,16 @@ static float result(float a, float b, double exact) {
 float fp3_fpu_add(float a, float b) { return result(a, b, odd_sum(a, b)); }
 
 float fp3_fpu_mul(float a, float b) { return result(a, b, (double)a * (double)b); }
+
+/* Infinity times 0 is invalid whatever is added. */
+float fp3_fpu_fma(float a, float b, float c) {
+    const double product = (double)a * (double)b, exact = odd_sum(product, (double)c);
+    if (is_signalling(a) || is_signalling(b) || is_signalling(c) ||
+        (isnan(product) && !isnan(a) && !isnan(b)) ||
+        (isnan(exact) && !isnan(product) && !isnan(c)))
+        fp3_fpu_register |= FP3_FPU_INVALID;
+    return rounded(exact);
+}
 
 float fp3_fpu_rint(float a) {
     return fp3_fpu_register & FP3_FPU_TO_ZERO ? truncf(a) : nearbyintf(a);

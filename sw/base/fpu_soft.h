@@ -31,6 +31,8 @@ static inline void fp3_fpu_pause(void) {}
 /* Rounded as the register says, which gets the flags. */
 float fp3_fpu_add(float a, float b);
 float fp3_fpu_mul(float a, float b);
+/* a b + c, rounded once. */
+float fp3_fpu_fma(float a, float b, float c);
 /* ... to an integer; it raises nothing. */
 float fp3_fpu_rint(float a);
 

@@ -209,8 +209,8 @@ static int origin(const unsigned char *from, uint32_t operand) {
 
 static int is_sum(uint32_t op) {
     return op == FP3_OP_ADD || op == FP3_OP_SUB || op == FP3_OP_MUL || op == FP3_OP_MADD ||
-           op == FP3_OP_MSUB || op == FP3_OP_ADDH || op == FP3_OP_SUBH || op == FP3_OP_ADDT ||
-           op == FP3_OP_SUBT;
+           op == FP3_OP_MSUB || op == FP3_OP_FMADD || op == FP3_OP_FMSUB || op == FP3_OP_ADDH ||
+           op == FP3_OP_SUBH || op == FP3_OP_ADDT || op == FP3_OP_SUBT;
 }
 
 /* Of operands that are not. */

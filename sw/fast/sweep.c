@@ -86,6 +86,13 @@ FP3_OPERATION fp3_v multiply(met *met, fp3_v a, fp3_v b) {
     return product.value;
 }
 
+FP3_OPERATION fp3_v fuse(met *met, fp3_v a, fp3_v b, fp3_v c) {
+    const fp3_product_of sum = fp3_tiny_fused(a, b, c);
+    met->subnormal |= sum.is_subnormal;
+    met->under |= sum.under;
+    return sum.value;
+}
+
 /* Operands, results and what products meet are locals, since a result might be a field of the machine, for
  * all that the compiler knows. */
 #define OPERANDS(m)                                                                                \
@@ -107,6 +114,8 @@ static void calculate_tiny(machine *m) {
         CASE(MUL, multiply(&met, *a, *b))
         CASE(MADD, fp3_add(*c, multiply(&met, *a, *b)))
         CASE(MSUB, fp3_sub(*c, multiply(&met, *a, *b)))
+        CASE(FMADD, fuse(&met, *a, *b, *c))
+        CASE(FMSUB, fuse(&met, fp3_minus(*a), *b, *c))
         CASE(ADDH, fp3_add(*a, multiply(&met, *b, FP3_HALF)))
         CASE(SUBH, fp3_sub(*a, multiply(&met, *b, FP3_HALF)))
         CASE(ADDT, fp3_add(*a, multiply(&met, *b, FP3_TWO)))
@@ -132,6 +141,8 @@ static void calculate(machine *m) {
         CASE(MUL, fp3_mul(*a, *b))
         CASE(MADD, fp3_madd(*a, *b, *c))
         CASE(MSUB, fp3_msub(*a, *b, *c))
+        CASE(FMADD, fp3_fmadd(*a, *b, *c))
+        CASE(FMSUB, fp3_fmsub(*a, *b, *c))
         CASE(ADDH, fp3_addh(*a, *b))
         CASE(SUBH, fp3_subh(*a, *b))
         CASE(ADDT, fp3_addt(*a, *b))
@@ -353,6 +364,20 @@ static fp3_v product_of(fp3_v a, fp3_v b) {
     return FP3_FINITE ? fp3_mul(a, b) : fp3_tiny_product(a, b).value;
 }
 
+/* Of a b + c, rounded once. */
+static fp3_i flags_of_fused(fp3_v a, fp3_v b, fp3_v c) {
+    const fp3_product_of d = fp3_tiny_fused(a, b, c);
+    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b);
+    const fp3_i finite = is_finite(a) & is_finite(b) & is_finite(c);
+    const fp3_i invalid = is_signalling(a) | is_signalling(b) | is_signalling(c) |
+                          (fp3_is_nan(fp3_flushed(a) * fp3_flushed(b)) & ~nan) |
+                          (fp3_is_nan(d.value) & ~nan & ~fp3_is_nan(c));
+    return marked(invalid, FP3_FLAG_INVALID) |
+           marked(finite & d.over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
+           marked(finite & d.under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) |
+           marked(finite & d.inexact, FP3_FLAG_INEXACT);
+}
+
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
  * and what is chosen or estimated is known from the operands. */
 static fp3_i flags_of(machine *m, unsigned j) {
@@ -374,6 +399,10 @@ static fp3_i flags_of(machine *m, unsigned j) {
         return flags_of_product(a, b) | flags_of_sum(c, product_of(a, b));
     case FP3_OP_MSUB:
         return flags_of_product(a, b) | flags_of_sum(c, fp3_minus(product_of(a, b)));
+    case FP3_OP_FMADD:
+        return flags_of_fused(a, b, c);
+    case FP3_OP_FMSUB:
+        return flags_of_fused(fp3_minus(a), b, c);
     case FP3_OP_ADDH:
         return flags_of_product(b, FP3_HALF) | flags_of_sum(a, product_of(b, FP3_HALF));
     case FP3_OP_SUBH:

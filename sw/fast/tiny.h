@@ -93,6 +93,24 @@ FP3_OPERATION fp3_product_of fp3_tiny_product(fp3_v x, fp3_v y) {
     return of;
 }
 
+/* a * b + c, rounded once, likewise. */
+FP3_OPERATION fp3_product_of fp3_tiny_fused(fp3_v x, fp3_v y, fp3_v z) {
+    const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), c = fp3_flushed(z);
+    const fp3_d exact[2] = {fp3_odd_sum(fp3_widened(a, 0) * fp3_widened(b, 0), fp3_widened(c, 0)),
+                            fp3_odd_sum(fp3_widened(a, 1) * fp3_widened(b, 1), fp3_widened(c, 1))};
+    const fp3_half_product p[2] = {fp3_round(exact[0]), fp3_round(exact[1])};
+    const fp3_i is_small = fp3_joined(p[0].is_small, p[1].is_small);
+    const fp3_i sign = fp3_joined((fp3_l)exact[0] < 0, (fp3_l)exact[1] < 0) & FP3_SIGN;
+    const fp3_i kept = fp3_whole_i(p[0].bits, p[1].bits) & (FP3_SUBNORMAL ? 0x00ffffff : 0);
+    const fp3_i under = fp3_joined(p[0].under, p[1].under);
+    return (fp3_product_of){
+        .value = fp3_choose(is_small, (fp3_v)(kept | sign), fp3_whole(p[0].normal, p[1].normal)),
+        .is_subnormal = is_small | fp3_is_subnormal(a) | fp3_is_subnormal(b) | fp3_is_subnormal(c),
+        .under = under,
+        .over = fp3_joined(p[0].over, p[1].over),
+        .inexact = fp3_joined(p[0].inexact, p[1].inexact) | under};
+}
+
 /* A product, and who met a subnormal number or underflow: what a run needs. */
 typedef struct {
     fp3_v value;
@@ -101,13 +119,6 @@ typedef struct {
 
 #if defined __FMA__ && FP3_SUBNORMAL && FP3_NEAREST
 
-FP3_OPERATION fp3_v fp3_fused(fp3_v a, fp3_v b, fp3_v c) {
-#if FP3_LANES == 16
-    return (fp3_v)__builtin_ia32_vfmaddps512_mask(a, b, c, (unsigned short)-1, 4 /* MXCSR */);
-#else
-    return (fp3_v)__builtin_ia32_vfmaddps256(a, b, c);
-#endif
-}
 #if FP3_LANES == 16
 #define FP3_LESSER(a, b) ((fp3_i)__builtin_ia32_pminsd512_mask(a, b, a, (unsigned short)-1))
 #define FP3_GREATER(a, b) ((fp3_i)__builtin_ia32_pmaxsd512_mask(a, b, a, (unsigned short)-1))

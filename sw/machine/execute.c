@@ -58,6 +58,34 @@ static float one(const fp3_config *config, uint32_t op, float x, float y) {
     return d;
 }
 
+/* How much the exact z + x y is more than d, to which it is rounded, times the sign of d. Only the sign counts, and whether it
+ * is less than -2^-151: of d = 2^-126 that is right, as a product is exact in double, and so is z - d. */
+static double beyond(float x, float y, float z, float d) {
+    return ((double)x * (double)y + ((double)z - (double)d)) * (double)copysignf(1.0f, d);
+}
+
+/* x y + z, rounded once. */
+static float fused(const fp3_config *config, float x, float y, float z) {
+    volatile float a = flushed(config, x), b = flushed(config, y), c = flushed(config, z), d;
+    const uint64_t before = fp3_fpu_get();
+    d = fp3_fpu_fma(a, b, c);
+    const float size = fabsf(d);
+    if (isless(size, FLT_MIN) == 0 && size != FLT_MIN)
+        return d; /* NaN, too */
+    const uint64_t after = fp3_fpu_get();
+    const double off = beyond(a, b, c, d);
+    const int is_zero = d == 0 && off == 0;
+    fp3_fpu_set(after); /* without what that raised */
+    const int is_below = size != FLT_MIN || off < 0;
+    if (!config->subnormal && is_below && !is_zero) {
+        fp3_fpu_set(after | FP3_FPU_UNDERFLOW | FP3_FPU_INEXACT);
+        return copysignf(0.0f, d);
+    }
+    if (FP3_FPU_IS_EARLY && size == FLT_MIN && (config->nearest ? off >= -0x1p-151 : off >= 0))
+        fp3_fpu_set(after & (before | ~(uint64_t)FP3_FPU_UNDERFLOW));
+    return d;
+}
+
 static uint32_t raised(const fp3_config *config) {
     const uint64_t raised = config->flags ? fp3_fpu_get() : 0;
     return (raised & FP3_FPU_INVALID ? FP3_FLAG_INVALID : 0) |
@@ -165,6 +193,10 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
         return chained(config, FP3_OP_ADD, c, a, b);
     case FP3_OP_MSUB:
         return chained(config, FP3_OP_SUB, c, a, b);
+    case FP3_OP_FMADD:
+        return fused(config, a, b, c);
+    case FP3_OP_FMSUB:
+        return fused(config, -a, b, c);
     case FP3_OP_ADDH:
         return chained(config, FP3_OP_ADD, a, b, 0.5f);
     case FP3_OP_SUBH:
@@ -255,8 +287,10 @@ double fp3_execute_exact(uint32_t op, double a, double b, double c) {
     case FP3_OP_MUL:
         return a * b;
     case FP3_OP_MADD:
+    case FP3_OP_FMADD:
         return c + a * b;
     case FP3_OP_MSUB:
+    case FP3_OP_FMSUB:
         return c - a * b;
     case FP3_OP_ADDH:
         return a + b / 2;

@@ -1,6 +1,7 @@
 """The proofs: adder and multiplier against yosys's IEEE 754 model, pipelines against the plain core."""
 
 from functools import partial
+from pathlib import Path
 
 import product
 from aig import FALSE, Aig, Question
@@ -194,6 +195,84 @@ class Mul(Proof):
         return "proved"
 
 
+class Fma(Mul):
+    """Fused multiply-add. As with the multiplication, one free word stands for the product on both sides."""
+    def __init__(self, yosys, files, fmt):
+        Proof.__init__(self, fmt)
+        g, self.c, sub = self.g, self.g.word("c", fmt.exp + fmt.frac + 1), self.g.word("sub", 1)
+        uncut = core(yosys, files, "fp_fma", fmt, 0)
+        self.inner = take_out(uncut, "fp_fma", "fp_mul_product")
+        width = 2 * fmt.frac + 2
+        free = g.word("product", width)
+        operands = {"x_i": self.a, "y_i": self.b, "z_i": self.c, "subtract_i": sub}
+        (a, a_normal), (b, b_normal), (c, _) = map(self.read, (self.a, self.b, self.c))
+        of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": a[:-1], "b_i": b[:-1], "product_i": free})
+        self.ours = yosys.map(uncut, "fp_fma").graft(g, operands | {"product.Y": free, "no_product_i": [FALSE]})
+        self.finite = of["finite_o"][0]
+        normal = g.choose(self.finite, of["normal_product_o"], g.word("otherwise", width))
+        signed = a[:-1] + [g.differ([a[-1]], sub)]
+        factors = {"a": signed, "b": b, "c": c, "product.Y": normal}
+        outputs = model(yosys, "muladd", fmt).graft(g, factors)
+        cut_off = model(yosys, "muladd", fmt._replace(nearest=False)).graft(g, factors)
+        magnitude, flags = self.result(cut_off)
+        tiny = g.both(self.read(magnitude)[1] ^ 1, g.either(g.differ(magnitude[:fmt.frac], [FALSE] * fmt.frac), flags[0]))
+        self.theirs = self.expect(self.invalid(self.result(outputs), a, b), tiny)
+        self.facts, self.factors = of, (outputs["product.A"], outputs["product.B"])
+        case = facts(yosys, "fma_cases", fmt).graft(g, operands)
+        self.distance, self.marks = case["distance_o"], {name: case[f"{name}_o"][0] for name in ("below", "above", "minus", "plain")}
+        about = [*self.distance, *self.marks.values(), self.facts["possible_o"][0]]
+        self.question = Question(g, [g.differ(*self.words())], about)
+        self.nothing = Question(g, [], about)
+
+    def invalid(self, result, a, b):
+        """754 leaves open whether infinity times zero is invalid if a quiet NaN is added. Ours is."""
+        g, (value, flags) = self.g, result
+        def is_all(word, bit):
+            return g.differ(word, [bit] * len(word)) ^ 1
+        def clash(x, y):
+            return g.both(g.both(is_all(x[self.fmt.frac:-1], 1), is_all(x[:self.fmt.frac], 0)), is_all(y[:-1], 0))
+        return value, flags[:4] + [g.either(flags[4], g.either(clash(a, b), clash(b, a)))]
+
+    def split(self):
+        below, above, minus, plain = (self.marks[name] for name in ("below", "above", "minus", "plain"))
+        for kind, plain in (("", plain), (", a subnormal factor", plain ^ 1)):
+            for name, sign in (("subtract", minus), ("add", minus ^ 1)):
+                yield f"{name}, far below{kind}", [sign, plain, below]
+                yield f"{name}, far above{kind}", [sign, plain, above]
+                for k in range(3 * self.fmt.frac + 13):
+                    yield f"{name}, distance {k - 2 * self.fmt.frac - 6}{kind}", [sign, plain, below ^ 1, above ^ 1] + [
+                        lit ^ 1 ^ (k >> i & 1) for i, lit in enumerate(self.distance)]
+
+    def cases(self):
+        split = dict(self.split())
+        yield "no operands outside the cases", partial(self.complete, split)
+        for name, case in split.items():
+            yield name, partial(self.equal, case)
+        yield "our product is of the significands", self.our_factors
+        yield "the model's product is of the normal significands", self.their_factors
+        yield "the tiles make the product", self.tiles
+
+    def complete(self, split):
+        if inputs := self.nothing.ask(*([lit ^ 1 for lit in case] for case in split.values())):
+            raise Different(f"no case holds {inputs}")
+        return "proved"
+
+    def equal(self, case=()):
+        possible = self.facts["possible_o"][0]
+        if not (inputs := self.question.ask(possible, *case)):
+            return "proved"
+        # The product may be one that these operands do not have: look for one that they have.
+        real = self.g.times(self.facts["sig_a_o"], self.facts["sig_b_o"])
+        other = self.g.differ(real, self.g.word("product", len(real)))
+        wrong = self.g.differ(*self.words())
+        inputs = Question(self.g, [wrong, other ^ 1, *case]).ask()
+        raise Different(self.example(inputs)) if inputs else Unclear("the product needs a closer description")
+
+    def example(self, inputs):
+        c, = self.g.values(inputs, (self.c,))
+        return f"c={c:0{(len(self.c) + 3) // 4}x} " + super().example(inputs)
+
+
 def cut(yosys, files, fmt, operation, mask):
     """A pipelined core is the uncut one, as many cycles later as its mask has ones.
 
@@ -204,12 +283,14 @@ def cut(yosys, files, fmt, operation, mask):
     Constants, and undefined bits (equally named in both circuits), fit in at every depth. The product is taken
     out of both, as its algebra is shown here, too: cadical need not know it.
     """
-    name, g, words = f"fp_{operation}", Aig(), []
+    name, g, words = "fma_late" if operation == "fma" else f"fp_{operation}", Aig(), []
+    if operation == "fma":
+        files = files | {"fma_late.v": Path(__file__).with_name("fma_late.v").read_text()}
     for cuts in (0, mask):
         design = core(yosys, files, name, fmt, cuts)
         if cuts:
             check_depth(yosys.map(design, name, flatten=True), cuts)
-        if operation == "mul":
+        if operation in ("mul", "fma"):
             product.prove(*take_out(design, name, "fp_mul_product"))
         netlist = yosys.map(design, name)
         inputs = {port: g.word(port, len(lits)) for port, lits in netlist.inputs.items() if port != "clk_i"}

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from aig import Unbalanced
-from equal import Add, Different, Mul, cut
+from equal import Add, Different, Fma, Mul, cut
 from product import Lemma
 
 
@@ -37,6 +37,14 @@ BUGS = [
     Bug("mul", "0 * inf is valid", "fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
     Bug("mul", "a tile forgotten", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),
     Bug("mul", "a carry between tiles lost", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c + hl_c}"),
+    Bug("fma", "bits of z lost unseen", "fp_fma.v", "more_9 || lost_9", "more_9"),
+    Bug("fma", "a product of zero moves z", "fp_fma.v", "px_zero || distance", "distance"),
+    Bug("fma", "a window one bit short", "fp_fma.v", "{1'b0, z_5[W-2:2], 1'b1}", "{1'b0, 1'b0, z_5[W-3:2], 1'b1}"),
+    Bug("fma", "shifted beyond the exponent", "fp_fma_normalize.v", "(!tight || limit_1[3:2] != 2'd0)", "1'b1"),
+    Bug("fma", "ties of a negative sum", "fp_fma_round.v", "(half && t[0])", "half"),
+    Bug("fma", "tininess before rounding", "fp_fma_round.v", "negative_i ? !g && !(r && more_i) : g && r", "1'b0"),
+    Bug("fma", "inf - inf is valid", "fp_fma.v", "|| (z_nan && !fz[FRAC-1]) || clash;", "|| (z_nan && !fz[FRAC-1]);"),
+    Bug("fma", "a register left out on one path", "fp_fma.v", ".ON(CUTS[8])", ".ON(0)", 0x7ff),
     Bug("mul", "a tie forgotten where one adder rounds", "fp_mul.v", "lower ? lo_tie : ", "", 0x20),
     Bug("add", "a register left out on one path", "fp_add_round.v", "over = last1 &&", "over = last0 &&", 0x40),
     Bug("add", "a register with an enable", "cut.v", "d_q <= d_i;", "if (d_i[0]) d_q <= d_i;", 0x40),
@@ -52,6 +60,8 @@ def find(yosys, files, fmt, bug):
             cut(yosys, files, fmt, bug.core, bug.mask)
         elif bug.core == "add":
             Add(yosys, files, fmt).equal()
+        elif bug.core == "fma":
+            Fma(yosys, files, fmt).equal()
         elif bug.file == "fp_mul_product.v":
             Mul(yosys, files, fmt).tiles()
         else:

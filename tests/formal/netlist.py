@@ -76,7 +76,7 @@ def model(yosys, operation, fmt):
     """symfpu's netlist of one operation, less its own assertions; of mul, the multiplication taken out."""
     design = yosys.design(f"symfpu -eb {fmt.exp} -sb {fmt.frac + 1} -op {operation} "
                           f"-rm {'RNE' if fmt.nearest else 'RTZ'}; delete t:$assert; opt_clean", {})
-    if operation == "mul":
+    if operation in ("mul", "muladd"):
         take_out(design, "symfpu", "$mul")
     return defined(yosys.map(design, "symfpu"))
 

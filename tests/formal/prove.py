@@ -26,7 +26,7 @@ import scale
 from netlist import Format, Yosys, sources
 
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("add", "mul", "cuts", "mutants", "control", "scale")
+PARTS = ("add", "mul", "fma", "cuts", "mutants", "control", "scale")
 
 
 def arguments():
@@ -40,6 +40,7 @@ def arguments():
     parser.add_argument("--case", type=re.compile, default="", help="only cases whose name matches this")
     parser.add_argument("--cuts-add", type=masks, help="masks, as 0x2a,0xfff (default: isa/configs.toml)")
     parser.add_argument("--cuts-mul", type=masks, help="likewise, for fp_mul")
+    parser.add_argument("--cuts-fma", type=masks, help="likewise, for fp_fma")
     parser.add_argument("--exp", type=int, default=8, help="exponent width (default: %(default)s)")
     parser.add_argument("--frac", type=int, default=23, help="fraction width (default: %(default)s)")
     parser.add_argument("--truncate", action="store_true", help="round toward zero, not to nearest even")
@@ -74,6 +75,11 @@ def configured_cuts(parser, args):
         if not used:
             parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
         setattr(args, f"cuts_{core}", sorted(used))
+    if args.cuts_fma is None:
+        args.cuts_fma = sorted({(c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
+                                for c in configs if c.get("fused")})
+    else:
+        args.cuts_fma = sorted((mask, format_of(args)) for mask in args.cuts_fma)
 
 
 def format_of(args):
@@ -88,10 +94,12 @@ def cases(args):
         yield from whole("add", lambda: equal.Add(yosys, files, fmt), args.case)
     if "mul" in args.only:
         yield from whole("mul", lambda: equal.Mul(yosys, files, fmt), args.case)
+    if "fma" in args.only:
+        yield from whole("fma", lambda: equal.Fma(yosys, files, fmt), args.case)
     rest = []
     if "cuts" in args.only:
         rest += [(core, f"cuts {mask:#x}{name_of(used)}", partial(equal.cut, yosys, files, used, core, mask))
-                 for core, cuts in (("add", args.cuts_add), ("mul", args.cuts_mul)) for mask, used in cuts]
+                 for core, cuts in (("add", args.cuts_add), ("mul", args.cuts_mul), ("fma", args.cuts_fma)) for mask, used in cuts]
     if "mutants" in args.only:
         rest += [(bug.core, f"seeded: {bug.name}", partial(mutants.find, yosys, files, fmt, bug))
                  for bug in mutants.BUGS]

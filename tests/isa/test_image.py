@@ -297,9 +297,9 @@ def test_info_says_what_a_program_needs(run, tmp_path):
 def test_info_of_the_build(run, root):
     said = run("info").stdout
     ops = tomllib.loads((root / "isa/isa.toml").read_text())["op"]
-    names, of_neighbours = [op["name"] for op in ops], [op["name"] for op in ops if op.get("needs") == "neighbours"]
+    names, left_out = [op["name"] for op in ops], [op["name"] for op in ops if op.get("needs") in ("neighbours", "fused")]
     assert f"instruction set revision 3: {' '.join(names)}\n" in said and "rcp" in names
-    assert re.search(r"^shared: [^\n]+\n(  [^w][^\n]+\n)+  without: min max [^\n]+ mull\n", said, re.M), said
-    assert re.search(rf"^shared_full: [^\n]+\n(  [^w][^\n]+\n)+  without: {' '.join(of_neighbours)}\n", said, re.M), said
+    assert re.search(r"^shared: [^\n]+\n(  [^w][^\n]+\n)+  without: fmadd fmsub min max [^\n]+ mull\n", said, re.M), said
+    assert re.search(rf"^shared_full: [^\n]+\n(  [^w][^\n]+\n)+  without: {' '.join(left_out)}\n", said, re.M), said
     for name in (root / "rtl" / "gen").glob("fp3_*.v"):
         assert f"\n{name.stem.removeprefix('fp3_')}: " in said

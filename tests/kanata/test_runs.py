@@ -18,7 +18,7 @@ RUNS = [("ship", "paper", 1, 1, ["--steps", "20"]),
         ("ship_madd", "array", 4, 24, ["--steps", "2", "--objects", "50"]),
         ("ship", "lanes", 1, 24, ["--steps", "2"]),
         ("ship_dual", "dual", 1, 30, ["--steps", "2"])]
-UNIT_OF = {"add": "add", "sub": "add", "addh": "add", "addt": "add", "mul": "mul", "madd": "chain", "msub": "chain", "sleep": "sleep", "ld": "memory",
+UNIT_OF = {"add": "add", "sub": "add", "addh": "add", "addt": "add", "mul": "mul", "madd": "chain", "msub": "chain", "fmadd": "chain", "fmsub": "chain", "sleep": "sleep", "ld": "memory",
            "lds": "memory", "st": "memory"}
 
 

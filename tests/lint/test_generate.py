@@ -162,7 +162,7 @@ MISTAKES = [
     ("configs.toml", "range    = [1, 64]", "range    = [64, 1]", "key 'tiles': range must be [least, most], not [64, 1]"),
     ("configs.toml", "window program", "window programs", "key 'program_words': 'window programs' is neither a window"),
     ("configs.toml", "default  = 1\nneeds", "default  = 65\nneeds", "key 'tiles': its default 65 is not in 1 .. 64"),
-    ("configs.toml", 'needs    = ["chain"]', 'needs    = ["chian"]', "key 'select': needs or excludes 'chian', which is no key"),
+    ("configs.toml", 'needs    = ["chain or fused"]', 'needs    = ["chian or fused"]', "key 'select': needs or excludes 'chian', which is no key"),
     ("configs.toml", 'meaning  = "words of instruction memory"\n', "", "key 'program_words': 'meaning' is missing"),
     ("configs.toml", 'meaning  = "1: exceptions are flagged"', 'meaning  = "flags"\nlack = "a flag"', "key 'flags': it has a 'lack', but no instruction"),
     ("configs.toml", 'name = "single"', 'name = "paper"', "config 'paper' is defined twice"),

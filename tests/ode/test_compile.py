@@ -14,7 +14,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 BUILD = os.environ["FP3_BUILD"]
 FP3 = os.path.join(BUILD, "fp3")
 PROGRAMS = os.path.join(ROOT, "programs")
-KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "ahead", "share", "zero"]
+KEEPING = ["common", "identity", "dead", "carry", "scale", "chain", "fuse", "ahead", "share", "zero"]
 CHANGING = ["fold-step", "fold-product", "own-weights", "small-angles", "exact-division"]
 
 

@@ -114,7 +114,8 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     done = subprocess.run([root / ".venv/bin/python", root / "tests/packages/read_map.py", "rdl", copy / "rtl/gen/fp3.rdl", "fp3_single"],
                           capture_output=True, text=True, timeout=120)
     fields = {name: {field[0]: field[4] for field in fields} for name, _, fields in json.loads(done.stdout)["fp3_single"]["registers"]}
-    assert fields["0.features_more"] == {"neighbours": 0, "exchange": 0, "finite": 0, "logarithmic": 0, "extra": value} and fields["0.features"]["more"] == (value != 0)
+    assert fields["0.features_more"] == {"neighbours": 0, "exchange": 0, "finite": 0, "fused": 0, "logarithmic": 0, "extra": value}
+    assert fields["0.features"]["more"] == (value != 0)
     (copy / "words.c").write_text('#include "machine/config.h"\n#include "gen/registers.h"\n#include <stdio.h>\n#include <string.h>\n'
                                   "const fp3_config c[] = {FP3_CONFIG_ROWS};\n"
                                   'int main(void) { int i = 0; while (strcmp(c[i].name, "single")) i++;\n'
@@ -126,7 +127,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     assert words[-1] == value << 13 and (words[-4] >> 7 & 1) == (value != 0)
 
 
-FUSED = """[key.fused]
+OWN = """[key.own]
 range    = [0, 1]
 default  = 0
 needs    = ["chain", "interleave"]
@@ -137,7 +138,7 @@ meaning  = "an arithmetic of its own"
 [key.add_latency]"""
 UNIT = """`default_nettype none
 `include "unit/socket.vh"
-module fused_arith #(
+module own_arith #(
 `include "config/config.vh"
 ) (
     input  wire                   clk_i,
@@ -154,24 +155,24 @@ endmodule
 
 def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
     """What it needs and excludes stands in the key's table; the module here gives x ^ y."""
-    (copy / "rtl/unit/fused_arith.v").write_text(UNIT)
-    replace(copy / "isa/configs.toml", ("[key.add_latency]", FUSED), ('name = "many"\n', 'name = "many"\nfused = 1\n'))
-    replace(copy / "rtl/unit/unit.v", ("        if (LOGARITHMIC != 0) begin : g_logarithmic", """        if (FUSED != 0) begin : g_fused
+    (copy / "rtl/unit/own_arith.v").write_text(UNIT)
+    replace(copy / "isa/configs.toml", ("[key.add_latency]", OWN), ('name = "many"\n', 'name = "many"\nown = 1\n'))
+    replace(copy / "rtl/unit/unit.v", ("        if (FUSED != 0) begin : g_fused", """        if (OWN != 0) begin : g_own
             wire unused = &{`OPERANDS, `RESULT};
-            fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            own_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
             assign `RESULT = result_o;
-        end else if (LOGARITHMIC != 0) begin : g_logarithmic"""))
+        end else if (FUSED != 0) begin : g_fused"""))
     madd = 4 << 27 | 1 << 21 | 64 << 14 | 1 << 7 | 1                                                      # r1 = r1 + k0 * r1
     said = run(copy, "many", ["w 2000 3", "w 800004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",
                               "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 800004 0"])
     assert shown(said) == [2, 3 ^ 5]
-    assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/unit.v", "rtl/unit/fused_arith.v"}
-    parameters = [f"-Pfp3.{text}=1" for text in ("INTERLEAVE", "FUSED", "SELECT")]
+    assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/unit.v", "rtl/unit/own_arith.v"}
+    parameters = [f"-Pfp3.{text}=1" for text in ("INTERLEAVE", "OWN", "SELECT")]
     done = subprocess.run(["iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", *parameters, "rtl/fp3.v"], cwd=copy, capture_output=True, text=True)
-    assert done.returncode != 0 and "FUSED_excludes_SELECT" in done.stderr
-    replace(copy / "isa/configs.toml", ("fused = 1\n", "fused = 1\nselect = 1\n"))
+    assert done.returncode != 0 and "OWN_excludes_SELECT" in done.stderr
+    replace(copy / "isa/configs.toml", ("own = 1\n", "own = 1\nselect = 1\n"))
     done = subprocess.run([sys.executable, copy / "tools/generate.py"], capture_output=True, text=True, timeout=60)
-    assert done.returncode != 0 and "config 'many': fused = 1 needs select = 0" in done.stderr
+    assert done.returncode != 0 and "config 'many': own = 1 needs select = 0" in done.stderr
 
 
 COUNTERS = "".join(f'[[counter]]\nname = "spare_{i}"\ndoc = "Never."\n' for i in range(20))

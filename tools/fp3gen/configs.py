@@ -55,13 +55,18 @@ def check_keys(tables, regs, root):
     for name in EXPECTED:
         need(name in known, FILE, f"there must be a key '{name}'")
     for name, key in known.items():
-        for other in key.get("needs", []) + key.get("excludes", []):
+        for other in [word for words in key.get("needs", []) for word in either(words)] + key.get("excludes", []):
             need(known.get(other, {}).get("range") == [0, 1], FILE,
                  f"key '{name}': needs or excludes {other!r}, which is no key that is 0 or 1")
         low, high = key["range"]
         need(low <= key.get("default", low) <= high, FILE,
              f"key '{name}': its default {key.get('default')} is not in {low} .. {high}")
     return known
+
+
+def either(words):
+    """The keys of "A or B", of which one must be 1."""
+    return words.split(" or ")
 
 
 def check_value(row, key, where):
@@ -73,8 +78,8 @@ def check_value(row, key, where):
     need(low <= value <= high, FILE, f"{said} is not in {config_value(name, low)} .. {config_value(name, high)}")
     need(not key.get("power_of_two") or value & (value - 1) == 0, FILE, f"{said} is not a power of two")
     if value > low:
-        for other in key.get("needs", []):
-            need(row[other], FILE, f"{said} needs {other} = 1")
+        for others in key.get("needs", []):
+            need(any(row[other] for other in either(others)), FILE, f"{said} needs {' = 1 or '.join(either(others))} = 1")
         for other in key.get("excludes", []):
             need(not row[other], FILE, f"{said} needs {other} = 0")
 
@@ -106,6 +111,7 @@ def check_interleaved(row, where, words):
     """What goes with what; rtl/config/config_rules.v checks the same."""
     need(row["lanes"] == 1 or row["schedulers"] == 1, FILE,
          f"{where}: lanes share one scheduler, or schedulers share one arithmetic unit, not both")
+    need(not row["fused"] or row["schedulers"] == 1, FILE, f"{where}: fused needs schedulers = 1, as these share an adder and a multiplier")
     need(row["tiles"] * row["schedulers"] <= 64, FILE, f"{where}: at most 64 schedulers have an address")
     need(row["store_words"] >= max(16, row["registers"]), FILE,
          f"{where}: store_words = {row['store_words']} holds no object of {row['registers']} registers, or less than two")

@@ -112,12 +112,18 @@ static uint32_t scaled(const chooser *c, uint32_t op, uint32_t product, uint32_t
 
 static int is_chained(const chooser *c, uint32_t product, uint32_t base) {
     const fp3_options *options = c->p->options;
-    if (!options->config->chain || !fp3_has_pass(options, FP3_PASS_CHAIN) ||
-        c->p->policy == CHAIN_NONE || !is_free_product(c, product))
+    if (!fp3_has_pass(options, FP3_PASS_CHAIN) || c->p->policy == CHAIN_NONE ||
+        !is_free_product(c, product))
         return 0;
     const dag_node *n = &c->g->nodes[product];
     return c->p->policy != CHAIN_EARLY || options->config->interleave ||
            c->ready[base] <= later(c->ready[n->a], c->ready[n->b]);
+}
+
+static uint32_t chain(const chooser *c, uint32_t op) {
+    const int is_fused = c->p->options->config->fused != 0;
+    return op == FP3_OP_ADD ? (is_fused ? FP3_OP_FMADD : FP3_OP_MADD)
+                            : (is_fused ? FP3_OP_FMSUB : FP3_OP_MSUB);
 }
 
 /* Node i = x +/- y, where it may take y in. */
@@ -128,8 +134,7 @@ static int absorb(const chooser *c, uint32_t i, uint32_t x, uint32_t y, fp3_choi
     if (scale)
         *made = (fp3_choice_of_node){scale, {x, other, FP3_NONE}, own};
     else if (is_chained(c, y, x))
-        *made = (fp3_choice_of_node){
-            n->op == FP3_OP_ADD ? FP3_OP_MADD : FP3_OP_MSUB, {product->a, product->b, x}, own};
+        *made = (fp3_choice_of_node){chain(c, n->op), {product->a, product->b, x}, own};
     else
         return 0;
     c->is_absorbed[y] = 1;
@@ -159,10 +164,9 @@ static void lengthen(const chooser *c, uint32_t i, fp3_choice_of_node *made) {
     if (c->p->policy < CHAIN_SLACK || c->p->one == FP3_NONE || !has_slack(c, i))
         return;
     if (n->op == FP3_OP_ADD || n->op == FP3_OP_SUB)
-        *made = (fp3_choice_of_node){
-            n->op == FP3_OP_ADD ? FP3_OP_MADD : FP3_OP_MSUB, {n->b, c->p->one, n->a}, 1};
+        *made = (fp3_choice_of_node){chain(c, n->op), {n->b, c->p->one, n->a}, 1};
     else if (n->op == FP3_OP_MUL)
-        *made = (fp3_choice_of_node){FP3_OP_MADD, {n->a, n->b, c->p->minus_zero}, 1};
+        *made = (fp3_choice_of_node){chain(c, FP3_OP_ADD), {n->a, n->b, c->p->minus_zero}, 1};
 }
 
 /* Users come after what they use, and they decide: from the last node to the first. */

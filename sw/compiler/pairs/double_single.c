@@ -86,12 +86,22 @@ static halved product_of(dag *g, uint32_t a, uint32_t b) {
     return (halved){product, rest, mul(g, x.low, y.low)};
 }
 
+static int is_fused(const dag *g) { return (g->passes & FP3_PASS(FP3_PASS_FUSE)) != 0; }
+
 fp3_pair fp3_two_product(dag *g, uint32_t a, uint32_t b) {
+    if (is_fused(g)) {
+        const uint32_t product = mul(g, a, b), minus = sub(g, fp3_dag_number(g, -0.0), product);
+        return (fp3_pair){product, fp3_pair_op(g, FP3_OP_FMADD, a, b, minus)};
+    }
     const halved h = product_of(g, a, b);
     return (fp3_pair){h.product, sub(g, h.tails, h.rest)};
 }
 
 fp3_pair fp3_two_product_less(dag *g, uint32_t a, uint32_t b) {
+    if (is_fused(g)) {
+        const uint32_t product = mul(g, a, b);
+        return (fp3_pair){product, fp3_pair_op(g, FP3_OP_FMSUB, a, b, product)};
+    }
     const halved h = product_of(g, a, b);
     return (fp3_pair){h.product, sub(g, h.rest, h.tails)};
 }

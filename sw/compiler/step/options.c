@@ -6,8 +6,10 @@
 unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     if (!config->scale)
         passes &= ~FP3_PASS(FP3_PASS_SCALE);
-    if (!config->chain)
+    if (!config->chain && !config->fused)
         passes &= ~FP3_PASS(FP3_PASS_CHAIN);
+    if (!config->fused)
+        passes &= ~FP3_PASS(FP3_PASS_FUSE);
     if (config->interleave)
         passes &= ~FP3_PASS(FP3_PASS_AHEAD);
     if (!(passes & FP3_PASS(FP3_PASS_COMMON))) /* carry finds a value by its one node */

@@ -33,6 +33,7 @@ FP3_API_BEGIN
     X(CARRY, "carry", 0, "what the step before has computed already is kept")                      \
     X(SCALE, "scale", 0, "half and twice ride on an addition, where the configuration can")        \
     X(CHAIN, "chain", 0, "a product goes straight into the addition that needs it")                \
+    X(FUSE, "fuse", 0, "the error of a product takes one fused multiply-add")                      \
     X(AHEAD, "ahead", 0, "operations of the next step fill the gaps of this one")                  \
     X(SHARE, "share", 0, "what all objects share is a constant, no register of each object")       \
     X(ZERO, "zero", 0, "a coefficient 0 of an integrator's table has no term")                     \

@@ -39,6 +39,8 @@ enum fp3_opcode {
     FP3_OP_MUL   = 3,
     FP3_OP_MADD  = 4,
     FP3_OP_MSUB  = 5,
+    FP3_OP_FMADD = 25,
+    FP3_OP_FMSUB = 26,
     FP3_OP_SLEEP = 6,
     FP3_OP_LD    = 7,
     FP3_OP_LDS   = 8,

@@ -1,0 +1,28 @@
+// fma_cases: the case that the operands of z + x * y or z - x * y fall in.
+`default_nettype none
+module fma_cases #(
+    parameter EXP = 8, FRAC = 23
+) (
+    input  wire [EXP+FRAC:0] x_i, y_i, z_i,
+    input  wire              subtract_i,
+    output wire [EXP+1:0]    distance_o,   // of the exponents: z's less the product's, plus 2 * FRAC + 6; if it is in 0 .. 3 * FRAC + 12
+    output wire              below_o,      // less: z is only a sticky bit
+    output wire              above_o,      // more: the product is
+    output wire              minus_o,      // the magnitudes are subtracted
+    output wire              plain_o       // both factors are normal
+);
+    // A subnormal has the exponent of the smallest normal number.
+    wire [EXP-1:0] field_x = x_i[FRAC +: EXP], exp_x = field_x | {{EXP-1{1'b0}}, field_x == 0};
+    wire [EXP-1:0] field_y = y_i[FRAC +: EXP], exp_y = field_y | {{EXP-1{1'b0}}, field_y == 0};
+    wire [EXP-1:0] field_z = z_i[FRAC +: EXP], exp_z = field_z | {{EXP-1{1'b0}}, field_z == 0};
+    wire [EXP+3:0] from = exp_z + ((1 << EXP) / 2 - 1) + 2 * FRAC + 6;
+    wire [EXP+3:0] sum  = exp_x + exp_y;
+    wire [EXP+3:0] distance = from - sum;
+
+    assign below_o    = distance[EXP+3];
+    assign above_o    = !below_o && distance > 3 * FRAC + 12;
+    assign distance_o = distance[EXP+1:0];
+    assign minus_o    = x_i[EXP+FRAC] ^ y_i[EXP+FRAC] ^ z_i[EXP+FRAC] ^ subtract_i;
+    assign plain_o    = field_x != 0 && field_y != 0;
+endmodule
+`default_nettype wire
