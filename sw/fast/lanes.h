@@ -296,9 +296,7 @@ FP3_OPERATION fp3_v fp3_fmadd(fp3_v a, fp3_v b, fp3_v c) {
 #endif
     return fp3_fused_of_wide(a, b, c);
 }
-FP3_OPERATION fp3_v fp3_fmsub(fp3_v a, fp3_v b, fp3_v c) {
-    return fp3_fmadd(fp3_minus(a), b, c);
-}
+FP3_OPERATION fp3_v fp3_fmsub(fp3_v a, fp3_v b, fp3_v c) { return fp3_fmadd(fp3_minus(a), b, c); }
 
 /* ---- comparison, selection ---- */
 

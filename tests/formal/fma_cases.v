@@ -9,7 +9,9 @@ module fma_cases #(
     output wire              below_o,      // less: z is only a sticky bit
     output wire              above_o,      // more: the product is
     output wire              minus_o,      // the magnitudes are subtracted
-    output wire              plain_o       // both factors are normal
+    output wire              plain_o,      // both factors are normal
+    output wire              tiny_o,       // none is
+    output wire [5:0]        zeros_o       // in front of the significand of the one that is subnormal
 );
     // A subnormal has the exponent of the smallest normal number.
     wire [EXP-1:0] field_x = x_i[FRAC +: EXP], exp_x = field_x | {{EXP-1{1'b0}}, field_x == 0};
@@ -24,5 +26,15 @@ module fma_cases #(
     assign distance_o = distance[EXP+1:0];
     assign minus_o    = x_i[EXP+FRAC] ^ y_i[EXP+FRAC] ^ z_i[EXP+FRAC] ^ subtract_i;
     assign plain_o    = field_x != 0 && field_y != 0;
+    assign tiny_o     = field_x == 0 && field_y == 0;
+
+    wire [FRAC-1:0] fraction = field_x == 0 ? x_i[FRAC-1:0] : y_i[FRAC-1:0];
+    reg [5:0] zeros;
+    integer   i;
+    always @* begin
+        zeros = FRAC + 1;
+        for (i = 0; i < FRAC; i = i + 1) if (fraction[i]) zeros = FRAC - i;
+    end
+    assign zeros_o    = zeros;
 endmodule
 `default_nettype wire

@@ -156,11 +156,24 @@ fp3_pair fp3_pair_scaled(dag *g, fp3_pair x, uint32_t power) {
     return (fp3_pair){mul(g, x.high, power), is_single(x) ? FP3_NONE : mul(g, x.low, power)};
 }
 
+/* z - a b, rounded once. */
+static uint32_t less_product(dag *g, uint32_t z, uint32_t a, uint32_t b) {
+    return fp3_pair_op(g, FP3_OP_FMSUB, a, b, z);
+}
+
+/* a - b, where a is the larger one. */
+static fp3_pair fast_two_difference(dag *g, uint32_t a, uint32_t b) {
+    const uint32_t s = sub(g, a, b);
+    return (fp3_pair){s, sub(g, sub(g, a, s), b)};
+}
+
 /* Algorithm 8: by a float. */
 static fp3_pair times_single(dag *g, fp3_pair x, uint32_t y) {
     if (is_single(x))
         return fp3_two_product(g, x.high, y);
     const fp3_pair p = fp3_two_product_less(g, x.high, y);
+    if (is_fused(g)) /* Algorithm 9 */
+        return fast_two_difference(g, p.high, less_product(g, p.low, x.low, y));
     return fp3_fast_two_sum(g, p.high, sub(g, mul(g, x.low, y), p.low));
 }
 
@@ -173,6 +186,9 @@ fp3_pair fp3_pair_mul(dag *g, fp3_pair x, fp3_pair y) {
     if (is_single(x) || is_single(y))
         return is_single(y) ? times_single(g, x, y.high) : times_single(g, y, x.high);
     const fp3_pair p = fp3_two_product_less(g, x.high, y.high);
+    if (is_fused(g))
+        return fast_two_difference(
+            g, p.high, less_product(g, less_product(g, p.low, x.low, y.high), x.high, y.low));
     const uint32_t crossed = add(g, mul(g, x.high, y.low), mul(g, x.low, y.high));
     return fp3_fast_two_sum(g, p.high, sub(g, crossed, p.low));
 }
