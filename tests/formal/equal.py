@@ -8,6 +8,7 @@ from aig import FALSE, Aig, Question
 from netlist import core, facts, model, take_out
 
 FLAGS = ("NX", "UF", "OF", "DZ", "NV")                   # bit 0 first
+SHORT = 10                                               # fraction bits: a subnormal factor is one case
 
 
 class Different(Exception):
@@ -219,8 +220,10 @@ class Fma(Mul):
         self.theirs = self.expect(self.invalid(self.result(outputs), a, b), tiny)
         self.facts, self.factors = of, (outputs["product.A"], outputs["product.B"])
         case = facts(yosys, "fma_cases", fmt).graft(g, operands)
-        self.distance, self.marks = case["distance_o"], {name: case[f"{name}_o"][0] for name in ("below", "above", "minus", "plain")}
-        about = [*self.distance, *self.marks.values(), self.facts["possible_o"][0]]
+        self.distance, self.zeros = case["distance_o"], case["zeros_o"]
+        self.below, self.above, self.minus, self.plain, self.tiny = (
+            case[f"{name}_o"][0] for name in ("below", "above", "minus", "plain", "tiny"))
+        about = [*self.distance, *self.zeros, self.below, self.above, self.minus, self.plain, self.tiny, of["possible_o"][0]]
         self.question = Question(g, [g.differ(*self.words())], about)
         self.nothing = Question(g, [], about)
 
@@ -234,23 +237,37 @@ class Fma(Mul):
         return value, flags[:4] + [g.either(flags[4], g.either(clash(a, b), clash(b, a)))]
 
     def split(self):
-        below, above, minus, plain = (self.marks[name] for name in ("below", "above", "minus", "plain"))
-        for kind, plain in (("", plain), (", a subnormal factor", plain ^ 1)):
-            for name, sign in (("subtract", minus), ("add", minus ^ 1)):
-                yield f"{name}, far below{kind}", [sign, plain, below]
-                yield f"{name}, far above{kind}", [sign, plain, above]
-                for k in range(3 * self.fmt.frac + 13):
-                    yield f"{name}, distance {k - 2 * self.fmt.frac - 6}{kind}", [sign, plain, below ^ 1, above ^ 1] + [
-                        lit ^ 1 ^ (k >> i & 1) for i, lit in enumerate(self.distance)]
+        """Those of normal factors by the distance; of a subnormal one in long formats by the zeros in front of it, too."""
+        fmt = self.fmt
+        equal = lambda word, n: [lit ^ 1 ^ (n >> i & 1) for i, lit in enumerate(word)]
+        one = [self.plain ^ 1, self.tiny ^ 1]
+        kinds = {"": [self.plain]}
+        if fmt.frac > SHORT:
+            kinds |= {f", {n} zeros in front of a factor": one + equal(self.zeros, n) for n in range(1, fmt.frac + 2)}
+        else:
+            kinds[", a subnormal factor"] = one
+        yield "no normal factor", [self.tiny]
+        for kind, limits in kinds.items():
+            for name, sign in (("subtract", self.minus), ("add", self.minus ^ 1)):
+                yield f"{name}, far below{kind}", [sign, self.below, *limits]
+                yield f"{name}, far above{kind}", [sign, self.above, *limits]
+                for k in range(3 * fmt.frac + 13):
+                    yield (f"{name}, distance {k - 2 * fmt.frac - 6}{kind}",
+                           [sign, self.below ^ 1, self.above ^ 1, *equal(self.distance, k), *limits])
 
     def cases(self):
+        """The zeros in front of a factor take hours in binary32, and are a part of their own: subnormal()."""
         split = dict(self.split())
         yield "no operands outside the cases", partial(self.complete, split)
         for name, case in split.items():
-            yield name, partial(self.equal, case)
+            if "zeros" not in name:
+                yield name, partial(self.equal, case)
         yield "our product is of the significands", self.our_factors
         yield "the model's product is of the normal significands", self.their_factors
         yield "the tiles make the product", self.tiles
+
+    def subnormal(self):
+        return [(name, partial(self.equal, case)) for name, case in self.split() if "zeros" in name]
 
     def complete(self, split):
         if inputs := self.nothing.ask(*([lit ^ 1 for lit in case] for case in split.values())):

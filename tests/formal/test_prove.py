@@ -5,18 +5,20 @@ import sys
 
 import pytest
 
-PARTS = ["add", "mutants", "mul", "cuts", "control", "scale"]
+PARTS = ["add", "mutants", "mul", "fma", "cuts", "control", "scale"]
 
 # What is asked for without --long, in place of the whole part.
 SHORT = {
     "add in 12 bits": ["add", "--exp", "5", "--frac", "6"],
-    "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry)"],
+    "mutants in 12 bits": ["mutants", "--exp", "5", "--frac", "6", "--case", "seeded: (?!a tile|a carry|fused)"],
+    "fused mutants in 8 bits": ["mutants", "--exp", "4", "--frac", "3", "--case", "seeded: fused"],
     "mutants in tiles": ["mutants", "--case", "seeded: a carry"],
     "control": ["control", "--case", "^(?!pace, (16|24) |dual_pace, [39] |scoreboard, latencies 14|arbiter, [34] schedulers, patience 127"
                 "|axi_lite, 2.4|seeded: (?!a (flag falls|write|grant (in|for a)|pause too|response)|only the lowest))"],
     "mul in 12 bits": ["mul", "--exp", "5", "--frac", "6"],
+    "fma in 8 bits": ["fma", "--exp", "4", "--frac", "3"],
     "product": ["mul", "--case", "^(?!all pairs)"],
-    "cuts": ["cuts", "--case", "0x(04|4|7f)$"],
+    "cuts": ["cuts", "--case", "0x(04|4|7f|7ff)$"],
     **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
        for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
     "scale": ["scale"],
