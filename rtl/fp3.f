@@ -10,6 +10,7 @@
 -y rtl/host
 -y rtl/lane
 -y rtl/lib
+-y rtl/lns
 -y rtl/sequence
 -y rtl/solo
 -y rtl/unit

@@ -23,13 +23,6 @@ rtl/fp/fp_mul_scale.v
 rtl/fp/fp_rint.v
 rtl/fp/fp_scale.v
 rtl/fp/fp_value.v
-rtl/fp/lns_add.v
-rtl/fp/lns_add_curve.v
-rtl/fp/lns_curve.v
-rtl/fp/lns_from_float.v
-rtl/fp/lns_mul.v
-rtl/fp/lns_root.v
-rtl/fp/lns_to_float.v
 rtl/fp3.v
 rtl/front/decode.v
 rtl/front/fetch.v
@@ -62,6 +55,13 @@ rtl/lib/ram_forward.v
 rtl/lib/ram_registered.v
 rtl/lib/rom_registered.v
 rtl/lib/shift_right_sticky.v
+rtl/lns/lns_add.v
+rtl/lns/lns_add_curve.v
+rtl/lns/lns_curve.v
+rtl/lns/lns_from_float.v
+rtl/lns/lns_mul.v
+rtl/lns/lns_root.v
+rtl/lns/lns_to_float.v
 rtl/sequence/batch.v
 rtl/sequence/dual_pace.v
 rtl/sequence/dual_turn.v

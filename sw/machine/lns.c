@@ -1,4 +1,4 @@
-/* lns.c - see lns.h; rtl/fp/lns_*.v does the same. */
+/* lns.c - see lns.h; rtl/lns/lns_*.v does the same. */
 #include "lns.h"
 
 #include "gen/logarithms.h"

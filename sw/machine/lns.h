@@ -1,4 +1,4 @@
-/* lns.h - logarithmic arithmetic, bit for bit as rtl/fp/lns_*.v computes it: see docs/logarithmic.md.
+/* lns.h - logarithmic arithmetic, bit for bit as rtl/lns/lns_*.v computes it: see docs/logarithmic.md.
  *
  *     uint32_t flags;
  *     const uint32_t two = fp3_lns_add(FP3_BITS_ONE, FP3_BITS_ONE, &flags);     0x40000000, flags 0

@@ -44,7 +44,7 @@ def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
     for name in ("tools/lint.sh", "rtl/fp3.f", ".clang-format"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(root / name, tmp_path / name)
-    for name in ("sw/base", "sim", "tests", "rtl/board", "rtl/bus", "rtl/lib", "rtl/config", "rtl/fp", "rtl/front", "rtl/gen", "rtl/host", "rtl/lane", "rtl/sequence", "rtl/solo", "rtl/unit"):
+    for name in ("sw/base", "sim", "tests", "rtl/board", "rtl/bus", "rtl/lib", "rtl/lns", "rtl/config", "rtl/fp", "rtl/front", "rtl/gen", "rtl/host", "rtl/lane", "rtl/sequence", "rtl/solo", "rtl/unit"):
         (tmp_path / name).mkdir(parents=True)
     (tmp_path / file).write_text(text)
     done = lint(tmp_path, *arguments)

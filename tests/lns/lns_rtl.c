@@ -1,4 +1,4 @@
-/* lns_rtl.c - rtl/fp/lns_*.v against sw/machine/lns.c, value and flags.
+/* lns_rtl.c - rtl/lns/lns_*.v against sw/machine/lns.c, value and flags.
  *
  *     lns_rtl [PAIRS]          of each operation every pair of special words, and so many random pairs (default 1,000,000)
  */

@@ -1,4 +1,4 @@
-"""The tables of logarithmic arithmetic: quadratics that rtl/fp/lns_*.v and sw/machine/lns.c evaluate.
+"""The tables of logarithmic arithmetic: quadratics that rtl/lns/lns_*.v and sw/machine/lns.c evaluate.
 
 docs/logarithmic.md says what they are for. Every function value comes from decimal, whose exp and ln are correctly rounded, so each
 machine makes the same tables. A quadratic goes through the function at three Chebyshev nodes. Its coefficients are then rounded,
