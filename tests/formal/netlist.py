@@ -64,9 +64,9 @@ def module(yosys, files, name, **parameters):
 
 
 def core(yosys, files, name, fmt, cuts):
-    """fp_add or fp_mul as JSON; refuses any state but plain registers."""
-    design = module(yosys, files, name, EXP=fmt.exp, FRAC=fmt.frac,
-                    SUBNORMAL=int(fmt.subnormal), NEAREST=int(fmt.nearest), FINITE=int(fmt.finite), CUTS=cuts)
+    """A core as JSON; refuses any state but plain registers. FINITE is 0 where it is not said: fp_fma has no such parameter."""
+    design = module(yosys, files, name, EXP=fmt.exp, FRAC=fmt.frac, SUBNORMAL=int(fmt.subnormal), NEAREST=int(fmt.nearest), CUTS=cuts,
+                    **({"FINITE": 1} if fmt.finite else {}))
     check_plain(design)
     return design
 
