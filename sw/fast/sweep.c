@@ -18,8 +18,7 @@
 #endif
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
-#include "tiny.h"
-
+#include "exceptions.h"
 #include "logs.h"
 
 #include <fp3/isa.h>
@@ -317,66 +316,7 @@ static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, ui
 
 /* ---- with a witness ---- */
 
-static fp3_i is_finite(fp3_v a) { return fp3_magnitude(a) < FP3_INFINITE; }
-static fp3_i is_signalling(fp3_v a) { return fp3_is_nan(a) & (((fp3_i)a & 0x00400000) == 0); }
-static fp3_i marked(fp3_i mask, int flag) { return mask & flag; }
 static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask & b); }
-
-/* Halves of a mask: |x| >= 2^128. */
-static fp3_l is_beyond(fp3_d x) { return ((fp3_l)x & FP3_WIDE_SIZE) >= FP3_WIDE_END; }
-
-static fp3_i flags_of_finite(fp3_finite of) {
-    return marked(of.over, FP3_FLAG_OVERFLOW) | marked(of.under, FP3_FLAG_UNDERFLOW) |
-           marked(of.inexact, FP3_FLAG_INEXACT);
-}
-
-/* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact shows in
- * the difference with the larger one, which is exact in every rounding (Dekker 1971). */
-static fp3_i flags_of_sum(fp3_v x, fp3_v y) {
-    if (FP3_FINITE)
-        return flags_of_finite(fp3_finite_sum(x, y, 1));
-    const fp3_v a = fp3_flushed(x), b = fp3_flushed(y), d = a + b;
-    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
-    const fp3_i over =
-        finite & (~is_finite(d) | fp3_joined(is_beyond(fp3_wide(a, 0) + fp3_wide(b, 0)),
-                                             is_beyond(fp3_wide(a, 1) + fp3_wide(b, 1))));
-    const fp3_i size = fp3_magnitude(d);
-    const fp3_i under = (size != 0) & (size < (FP3_SUBNORMAL ? 0 : FP3_LEAST));
-    const fp3_i inexact = finite & ((d - a != b) | (d - b != a));
-    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(d) & ~nan);
-    return marked(invalid, FP3_FLAG_INVALID) | marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
-           marked(under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) | marked(inexact, FP3_FLAG_INEXACT);
-}
-
-static fp3_i flags_of_product(fp3_v a, fp3_v b) {
-    if (FP3_FINITE)
-        return flags_of_finite(fp3_finite_product(a, b));
-    const fp3_product_of p = fp3_tiny_product(a, b);
-    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b), finite = is_finite(a) & is_finite(b);
-    const fp3_i invalid = is_signalling(a) | is_signalling(b) | (fp3_is_nan(p.value) & ~nan);
-    return marked(invalid, FP3_FLAG_INVALID) |
-           marked(finite & p.over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
-           marked(p.under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) |
-           marked(finite & p.inexact, FP3_FLAG_INEXACT);
-}
-
-static fp3_v product_of(fp3_v a, fp3_v b) {
-    return FP3_FINITE ? fp3_mul(a, b) : fp3_tiny_product(a, b).value;
-}
-
-/* Of a b + c, rounded once. */
-static fp3_i flags_of_fused(fp3_v a, fp3_v b, fp3_v c) {
-    const fp3_product_of d = fp3_tiny_fused(a, b, c);
-    const fp3_i nan = fp3_is_nan(a) | fp3_is_nan(b);
-    const fp3_i finite = is_finite(a) & is_finite(b) & is_finite(c);
-    const fp3_i invalid = is_signalling(a) | is_signalling(b) | is_signalling(c) |
-                          (fp3_is_nan(fp3_flushed(a) * fp3_flushed(b)) & ~nan) |
-                          (fp3_is_nan(d.value) & ~nan & ~fp3_is_nan(c));
-    return marked(invalid, FP3_FLAG_INVALID) |
-           marked(finite & d.over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT) |
-           marked(finite & d.under, FP3_FLAG_UNDERFLOW | FP3_FLAG_INEXACT) |
-           marked(finite & d.inexact, FP3_FLAG_INEXACT);
-}
 
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
  * and what is chosen or estimated is known from the operands. */
@@ -390,41 +330,45 @@ static fp3_i flags_of(machine *m, unsigned j) {
     }
     switch (m->now->in.op) {
     case FP3_OP_ADD:
-        return flags_of_sum(a, b);
+        return fp3_flags_of_sum(a, b);
     case FP3_OP_SUB:
-        return flags_of_sum(a, fp3_minus(b));
+        return fp3_flags_of_sum(a, fp3_minus(b));
     case FP3_OP_MUL:
-        return flags_of_product(a, b);
+        return fp3_flags_of_product(a, b);
     case FP3_OP_MADD:
-        return flags_of_product(a, b) | flags_of_sum(c, product_of(a, b));
+        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
     case FP3_OP_MSUB:
-        return flags_of_product(a, b) | flags_of_sum(c, fp3_minus(product_of(a, b)));
+        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_minus(fp3_product_value(a, b)));
     case FP3_OP_FMADD:
-        return flags_of_fused(a, b, c);
+        return fp3_flags_of_fused(a, b, c);
     case FP3_OP_FMSUB:
-        return flags_of_fused(fp3_minus(a), b, c);
+        return fp3_flags_of_fused(fp3_minus(a), b, c);
     case FP3_OP_ADDH:
-        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, product_of(b, FP3_HALF));
+        return fp3_flags_of_product(b, FP3_HALF) |
+               fp3_flags_of_sum(a, fp3_product_value(b, FP3_HALF));
     case FP3_OP_SUBH:
-        return flags_of_product(b, FP3_HALF) | flags_of_sum(a, fp3_minus(product_of(b, FP3_HALF)));
+        return fp3_flags_of_product(b, FP3_HALF) |
+               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_HALF)));
     case FP3_OP_ADDT:
-        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, product_of(b, FP3_TWO));
+        return fp3_flags_of_product(b, FP3_TWO) |
+               fp3_flags_of_sum(a, fp3_product_value(b, FP3_TWO));
     case FP3_OP_SUBT:
-        return flags_of_product(b, FP3_TWO) | flags_of_sum(a, fp3_minus(product_of(b, FP3_TWO)));
+        return fp3_flags_of_product(b, FP3_TWO) |
+               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_TWO)));
     case FP3_OP_MIN:
-        return marked(is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
+        return fp3_marked(fp3_is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_MAX:
-        return marked(is_signalling(fp3_max_raw(a, b)), FP3_FLAG_INVALID);
+        return fp3_marked(fp3_is_signalling(fp3_max_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_SEL:
-        return marked(is_signalling(fp3_sel(a, b, c)), FP3_FLAG_INVALID);
+        return fp3_marked(fp3_is_signalling(fp3_sel(a, b, c)), FP3_FLAG_INVALID);
     case FP3_OP_RSQRT:
-        return marked(is_signalling(fp3_rsqrt(a, table)), FP3_FLAG_INVALID);
+        return fp3_marked(fp3_is_signalling(fp3_rsqrt(a, table)), FP3_FLAG_INVALID);
     case FP3_OP_ABS:
     case FP3_OP_RCP:
     case FP3_OP_RINT:
     case FP3_OP_EXP2:
     case FP3_OP_LOGB:
-        return marked(is_signalling(a), FP3_FLAG_INVALID);
+        return fp3_marked(fp3_is_signalling(a), FP3_FLAG_INVALID);
     default:
         return fp3_all(0);
     }
@@ -468,7 +412,7 @@ static void begin_step(machine *m, fp3_witness *witness) {
 static void look_at_state(machine *m, const float *values, uint32_t reg, fp3_witness *witness) {
     const fp3_loose *row = (const fp3_loose *)(const void *)values;
     EACH {
-        const fp3_i new = ~is_finite((fp3_v)row[j]) & ~ROW(is_strayed)[j];
+        const fp3_i new = ~fp3_is_finite((fp3_v)row[j]) & ~ROW(is_strayed)[j];
         ROW(strayed)[j] = chosen(new, fp3_all((int)m->number), ROW(strayed)[j]);
         ROW(reg)[j] = chosen(new, fp3_all((int)reg), ROW(reg)[j]);
         ROW(bits)[j] = chosen(new, (fp3_i)row[j], ROW(bits)[j]);

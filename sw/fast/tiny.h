@@ -12,6 +12,8 @@
 
 #include "lanes.h"
 
+#include "fused.h"
+
 typedef struct {
     fp3_v value;
     fp3_i is_subnormal; /* an operand or the value before it was flushed */

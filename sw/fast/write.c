@@ -171,9 +171,10 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error)
     writer w = {.plan = plan, .to = to};
     fprintf(to,
             "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FINITE %d\n"
-            "#define FP3_FLAGS %d\n%s%s",
+            "#define FP3_FLAGS %d\n%s%s%s",
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->finite != 0,
-            plan->config->flags != 0, fp3_text_place, fp3_text_lanes);
+            plan->config->flags != 0, fp3_text_place, fp3_text_lanes,
+            plan->config->fused ? fp3_text_fused : "");
     if (plan->around.is_any && !plan->are_sums)
         return fp3_fail(error, FP3_E_SYSTEM, "a loop over neighbours keeps more than sums");
     if (plan->around.is_any)
