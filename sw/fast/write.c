@@ -44,6 +44,7 @@ static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
     if (is_masked)
         fprintf(w->to, ", (fp3_v)q%" PRIu32 "[j + %u])", d, vector);
     fprintf(w->to, ";\n");
+    fp3_write_stored(w, d, vector);
 }
 
 /* A row's vector. All rows are at a constant distance from `here`, so that the compiler needs one address. */

@@ -306,6 +306,7 @@ static void load_own(const writer *w, uint32_t d) {
 static void store_next(const writer *w, const fp3_fast_word *p) {
     fprintf(w->to, "        q%" PRIu32 "[j - p->bias] = %sr%" PRIu32 "_0%s;\n", p->in.d,
             p->is_one_nan ? "fp3_one_nan(" : "", p->in.d, p->is_one_nan ? ")" : "");
+    fp3_write_stored(w, p->in.d, 0);
 }
 
 static void phase(const writer *w, uint32_t number) {

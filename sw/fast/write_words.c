@@ -45,10 +45,19 @@ void fp3_write_keep(const writer *w, uint32_t reg, unsigned vector) {
             vector);
 }
 
+void fp3_write_stored(const writer *w, uint32_t reg, unsigned vector) {
+    if (w->plan->config->flags)
+        fp3_write_keep(w, reg, vector);
+}
+
 void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vector) {
     const int is_masked = p->is_masked;
     if (p->is_dead && !w->plan->config->flags)
         return;
+    /* Of two that are the same, one is chosen without a look at c. */
+    const int is_same = p->in.op == FP3_OP_SEL && p->in.a == p->in.b;
+    if (is_same && w->plan->config->flags && p->in.c < FP3_BANK_SHARED_BASE)
+        fp3_write_keep(w, p->in.c, vector);
     fprintf(w->to, "        r%" PRIu32 "_%u = ", p->in.d, vector);
     if (is_masked)
         fprintf(w->to, "fp3_choose(awake_%u, ", vector);

@@ -22,6 +22,8 @@ void fp3_write_operand(const fp3_writer *w, uint32_t number, unsigned vector);
 void fp3_write_constants(const fp3_writer *w);
 /* What nothing reads must be computed all the same, for its flags: the compiler is told that somebody reads it. */
 void fp3_write_keep(const fp3_writer *w, uint32_t reg, unsigned vector);
+/* Behind a store: a later one may overwrite the word, and then the store alone does not keep what it stored. */
+void fp3_write_stored(const fp3_writer *w, uint32_t reg, unsigned vector);
 void fp3_write_arithmetic(const fp3_writer *w, const fp3_fast_word *p, unsigned vector);
 /* A word that adds to what a loop keeps, and adds -0 where the mask is 0. */
 void fp3_write_sum(const fp3_writer *w, const fp3_fast_word *p, unsigned vector, const char *mask);

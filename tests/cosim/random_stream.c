@@ -662,7 +662,7 @@ static void vary(bench *b, chance *c) {
         fp3_config *config = fp3_engine_config(b->engine[k]);
         config->nearest = below(&own, 2);
         config->subnormal = below(&own, 2);
-        config->finite = !config->nearest && !config->subnormal && below(&own, 4);
+        config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
         b->varied = *config;
     }
