@@ -13,7 +13,7 @@ import cocotb
 from cocotb.triggers import Timer
 
 ISA = tomllib.loads(Path(os.environ["FP3_ISA"]).read_text())
-KEYS = {"interleave": 0, "dual": 0, "chain": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0,
+KEYS = {"interleave": 0, "dual": 0, "chain": 0, "fused": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0,
         **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
 SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "takes", "flips",
@@ -54,7 +54,7 @@ def expected(word):
     name, path, gives, takes = row["name"], row["path"], row.get("gives"), row.get("computes")
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
             "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
-            "subtract": int(name in ("sub", "msub", "subh", "subt", "subn", "subl")), "st": int(name == "st"), "lds": int(name == "lds"),
+            "subtract": int(name in ("sub", "msub", "fmsub", "subh", "subt", "subn", "subl")), "st": int(name == "st"), "lds": int(name == "lds"),
             **{other: int(name == other) for other in ("each", "next", "phase")},
             "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
             "twice": int(name in ("addt", "subt")), "half": int(name in ("addh", "subh")), "d": d,

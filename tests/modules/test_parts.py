@@ -24,7 +24,7 @@ class Part(NamedTuple):
 
 
 def decode(keys, words):
-    known = dict.fromkeys(("interleave", "dual", "chain", "scale", "select", "estimate", "round", "sleep", "neighbours"), 0)
+    known = dict.fromkeys(("interleave", "dual", "chain", "fused", "scale", "select", "estimate", "round", "sleep", "neighbours"), 0)
     return Part("decode", "decode", {key.upper(): value for key, value in {**known, **keys}.items()},
                 {"FP3_KEYS": json.dumps(keys), "FP3_WORDS": words})
 
@@ -44,6 +44,7 @@ PARTS = {
     "decode, dual": decode(DUAL, 6000),
     "decode, everything for one object in turn": decode(FULL, 4000),
     "decode, as little as can be": decode(PLAIN, 2000),
+    "decode, multiply-add rounded once": decode({**FULL, "chain": 0, "scale": 0, "fused": 1}, 3000),
     "decode, neighbours": decode({"registers": 32, "interleave": 1, "neighbours": 1}, 3000),
     "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
     "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, DUAL=1),
@@ -74,6 +75,10 @@ BUGS = {
         Bug("doubles are not kept apart", "decode.v", SCALED, "!(half && (a_odd || b_even))"),
         Bug("a scaled sum", "decode.v", SCALED, "!((half || twice) && a_odd)"),
         Bug("a scaled operand and a product", "decode.v", SCALED, "!((half || twice) && b_even)"),
+    ],
+    "decode, multiply-add rounded once": [
+        Bug("a difference is a sum", "decode.v", "op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH", "op == OP_MSUB || op == OP_SUBH"),
+        Bug("fmsub is a sum", "decode.v", "(op == OP_FMADD || op == OP_FMSUB)", "op == OP_FMADD"),
     ],
     "tile, batches": [
         Bug("the third batch has the rows of the second", "issue.v", "opened_q ? {ROW_W{1'b0}} : base_q + BATCH", "opened_q ? {ROW_W{1'b0}} : BATCH"),

@@ -117,6 +117,7 @@ def test_every_pass_saves_something_somewhere():
                           ("ship", ["-i", "rk4_paper", "-c", "single"]),
                           ("ship", ["-i", "rk4", "--with", "fold-step", "--with", "fold-product"]),
                           ("ship", ["-i", "rk4_paper", "--with", "fold-step", "--with", "fold-product", "--with", "own-weights"]),
+                          ("kepler", ["-i", "euler", "-c", "fused_full", "--double-single"]),
                           ("pendulum", ["-i", "rk4", "--with", "small-angles"])]:
         numbers = report(model(name), *options)
         for p in saved:
