@@ -28,10 +28,10 @@ import measured
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # Configuration, and what pages call its arithmetic.
-ARITHMETICS = {"many_full": "binary32", "flush": "flushed", "cell": "Cell's"}
+ARITHMETICS = {"many_full": "binary32", "flush": "flushed", "cell": "Cell's", "fused_full": "fused"}
 INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "rk4", "dopri5")
 # Worst error of an operation in units of the last place, by rule: to nearest half a unit, truncated one; inputs_checked: pairs of binary32, by proof.
-UNITS = [(top, config, 1 if config == "cell" else 0.5) for config in ARITHMETICS for top in ("fp_add", "fp_mul")]
+UNITS = [(top, config, 1 if config == "cell" else 0.5) for config in ("many_full", "flush", "cell") for top in ("fp_add", "fp_mul")]
 PAIRS = 2 ** 64
 DEVICE, GRADE = "LFE5U-85F", 6
 PAGE, PICTURE = ROOT / "docs/arithmetic.md", ROOT / "docs/arithmetic.svg"
@@ -62,8 +62,18 @@ def bench(fp3, model, config, integrators):
         return [point for point in json.loads(path.read_text())["points"] if point["engine"] == "rtl"], None
 
 
+def unit_of(synth, top, config, bound):
+    """A core as make synth has placed it, or nothing."""
+    of = placed(synth, top, config)
+    return of and {"unit": top, "arithmetic": ARITHMETICS[config], "lut4": of["lut4"], "ff": of["ff"], "dsp": of["dsp"], "ebr": of["ebr"],
+                   "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": PAIRS}
+
+
 def measure(fp3, wanted, integrators, synth):
-    rows, left_out = [], []
+    """Yields what there is after each model."""
+    rows, left_out, done = [], [], []
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    units = [unit for unit in (unit_of(synth, *of) for of in UNITS) if unit]
     for model in wanted:
         for config, arithmetic in ARITHMETICS.items():
             print(f"{model}, {config}", file=sys.stderr, flush=True)
@@ -75,13 +85,9 @@ def measure(fp3, wanted, integrators, synth):
                       "integrator": f"{point['integrator']}, {point['arithmetic']}", "h": point["h"], "tolerance": point["tolerance"],
                       "error_median": point["error_median"], "error_worst": point["error_worst"], "cycles": point["cycles"],
                       "lut4": of and of["lut4"], "mhz": of and of["fmax_median"], "words_differing": 0} for point in points]
-    units = []
-    for top, config, bound in UNITS:
-        if of := placed(synth, top, config):
-            units.append({"unit": top, "arithmetic": ARITHMETICS[config], "lut4": of["lut4"], "ff": of["ff"], "dsp": of["dsp"], "ebr": of["ebr"],
-                          "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": PAIRS})
-    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    return {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "rows": rows, "units": units, "left_out": left_out}
+        done.append(model)
+        yield {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "models": done, "rows": rows,
+               "units": units, "left_out": left_out}
 
 
 # ---- page and picture ---------------------------------------------------------------------------
@@ -175,9 +181,9 @@ def main():
     parser.add_argument("--report", action="store_true", help="write docs/arithmetic.md's tables and its picture")
     args = parser.parse_args()
     if args.fp3:
-        found = measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"])
         args.output.parent.mkdir(parents=True, exist_ok=True)
-        args.output.write_text(json.dumps(found, indent=1) + "\n")
+        for found in measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"]):
+            args.output.write_text(json.dumps(found, indent=1) + "\n")
     if args.report:
         found = json.loads(args.output.read_text())
         before, _, rest = PAGE.read_text().partition(BEGIN)
