@@ -138,7 +138,10 @@ static void print_config(const fp3_config *c) {
     print_missing(c);
     printf("  %s, %s; %s, %s\n",
            c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
-           c->nearest ? "rounds to nearest" : "truncates", c->flags ? "flags" : "no flags",
+           c->finite    ? "truncates, no infinity and no NaN"
+           : c->nearest ? "rounds to nearest"
+                        : "truncates",
+           c->flags ? "flags" : "no flags",
            c->status ? "status of objects" : "no status of objects");
 }
 

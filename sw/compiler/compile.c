@@ -1,6 +1,9 @@
 /* compile.c - runs the passes; their schedule becomes an image, and a text for people. */
 #include <fp3/compile.h>
 
+#include <fp3/isa.h>
+#include <machine/operation.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/host.h"
@@ -129,6 +132,26 @@ static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
     k->options = options[best];
     return FP3_OK;
 }
+/* Where subnormal numbers are flushed, 1/b from 2^126 on is 0, and so is y^2 of a root: no flag tells of the quotient. */
+static fp3_status warn_flushed(const fp3_config *config, fp3_compiled *made, fp3_error *error) {
+    static const char text[] = "configuration '%s' flushes what is below 2^-126 to 0: quotients of "
+                               "divisors, and roots of numbers, "
+                               "from about 2^126 on are wrong";
+    char *fit = made->warning, *all = NULL;
+    int has_estimate = 0;
+    for (uint32_t i = 0; i < made->image->code_count; i++)
+        has_estimate |= made->image->decoded[i].in.op == FP3_OP_RCP ||
+                        made->image->decoded[i].in.op == FP3_OP_RSQRT;
+    if (config->subnormal || !has_estimate)
+        return FP3_OK;
+    char own[256];
+    snprintf(own, sizeof own, text, config->name);
+    if (asprintf(&all, "%s%s%s", fit ? fit : "", fit ? "; " : "", own) < 0)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    free(fit);
+    made->warning = all;
+    return FP3_OK;
+}
 
 static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           const fp3_integrator *integrator, const fp3_compile_def *def,
@@ -155,6 +178,8 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     if (!status)
         status = fp3_inputs_make(&k->p.step, &k->p.code, &k->names, &made->inputs,
                                  &made->input_count, error);
+    if (!status)
+        status = warn_flushed(k->options.config, made, error);
     if (!status && def->finds_savings)
         fp3_savings(&k->p, integrator, &k->options, made->saved);
     return status;

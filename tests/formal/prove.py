@@ -51,7 +51,7 @@ def arguments():
     parser.add_argument("--results", type=Path, default=ROOT / "build/results/prove.json",
                         help="where the times go (default: %(default)s)")
     args = parser.parse_args()
-    args.only = args.only or list(PARTS)
+    args.only = args.only or (["add", "mul"] if args.cell else list(PARTS))     # no other part knows Cell's arithmetic
     args.yosys = os.path.abspath(shutil.which(args.yosys) or args.yosys)
     if "cuts" in args.only:
         configured_cuts(parser, args)

@@ -116,7 +116,7 @@ typedef struct {
     char *assembly;
     /* One line that begins with a line number of the model, if the integrator loses order on it: a
      * splitting is only of first order if a derivative that it kicks depends on more than
-     * positions. Else NULL. */
+     * positions. Or what a configuration that flushes subnormal numbers gets wrong. Else NULL. */
     char *warning;
     fp3_image *image;
     fp3_input *inputs;
