@@ -118,8 +118,8 @@ static fp3_status beside_isa(const fp3_scene *scene, side *first, uint64_t of, u
     fp3_status status = open_side(scene, &isa, error);
     if (!status)
         status = fp3_scene_load(scene, isa.handle, error);
-    if (status ==
-        FP3_E_PROGRAM) { /* engine fast ran it: only records are too large for the store */
+    /* Engine fast ran the program: only its records can be too large for the store. */
+    if (status == FP3_E_PROGRAM) {
         *steps = 0;
         status = FP3_OK;
     }
