@@ -53,7 +53,7 @@ def bench(fp3, model, config, integrators):
     """The points of the hardware, or why there are none."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "x.json"
-        done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--quick", "--config", config, "--json", path,
+        done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--no-times", "--config", config, "--json", path,
                                *(f"--integrator={name}" for name in integrators)], cwd=ROOT, capture_output=True, text=True)
         if done.returncode == 2:
             return [], re.sub(r"^fp3 bench: |\x1b\[[0-9;]*m", "", done.stderr.strip().splitlines()[-1])
