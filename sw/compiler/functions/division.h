@@ -15,6 +15,14 @@ fp3_series fp3_inverse_root(dag *g, uint32_t b);
 /* x y (1 + t) */
 term fp3_corrected(dag *g, term x, fp3_series s);
 
+/* The same of an inverse root that may be that of 0, as x/b and x/b^n are below. */
+term fp3_over_root(dag *g, term x, fp3_series s);
+term fp3_quotient(dag *g, term x, uint32_t b);
+term fp3_over_power(dag *g, term x, uint32_t b, unsigned n);
+
+/* x r^n of a reciprocal r. */
+term fp3_times_power(dag *g, term x, term r, unsigned n);
+
 /* Of b below 2^-126 with the estimate of 2^-126, so that b times it is small. */
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b);
 

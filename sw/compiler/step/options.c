@@ -17,6 +17,14 @@ unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     return passes;
 }
 
+fp3_status fp3_options_need_ieee(const fp3_config *config, const char *what, fp3_error *error) {
+    if (config->nearest && config->subnormal)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM, "%s needs %s, and configuration '%s' %s", what,
+                    config->nearest ? "subnormal numbers" : "rounding to nearest", config->name,
+                    config->nearest ? "flushes them" : "truncates");
+}
+
 fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,
                                uint64_t *observed, fp3_error *error) {
     assert(model->state_count <= FP3_STATES_MAX);

@@ -40,6 +40,8 @@ typedef struct {
     uint32_t count, room;
     uint32_t bucket[FP3_DAG_BUCKETS];
     unsigned passes; /* what fold.h may do */
+    int is_flushed;  /* the machine's subnormal numbers are zeros ... */
+    int is_finite;   /* ... and it has no infinities and no NaN */
     uint32_t note;   /* of the nodes made from now on */
     int is_abstract; /* quotients, roots and functions are nodes of their own */
     int has_failed;  /* out of memory */
