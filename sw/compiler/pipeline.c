@@ -95,6 +95,8 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
     if (!status)
         status = fp3_double_check(options, error);
     if (!status)
+        status = fp3_check_arithmetic(options, &p->fit, error);
+    if (!status)
         status = fp3_phases_check(model, integrator, options, error);
     if (status)
         return status;

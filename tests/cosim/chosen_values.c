@@ -345,11 +345,12 @@ static void check(bench *b, const input *inputs, size_t count) {
     fp3_engine_close(&engine);
 }
 
+/* What logarithms have instead of estimates, and no signalling NaN, tests/lns checks. */
 static int is_for(const fp3_config *config) {
     int is_any = 0;
     for (size_t p = 0; p < COUNT(programs); p++)
         is_any |= has(config, programs[p][0]);
-    return is_any && config->registers >= REGISTERS;
+    return is_any && config->registers >= REGISTERS && !config->logarithmic;
 }
 
 /* Of the processor's ways to execute those that it has; their order is that of what they need. */

@@ -8,12 +8,16 @@
  * at most 2^-25, and 1 - b y is exact. */
 fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RCP, b);
+    if (g->is_logarithmic)
+        return (fp3_series){y, FP3_NONE};
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
     return (fp3_series){y, add(g, e, mul(g, e, e))};
 }
 
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
 static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
+    if (g->is_logarithmic)
+        return (fp3_series){y, FP3_NONE};
     const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
     return (fp3_series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
 }
@@ -24,15 +28,18 @@ fp3_series fp3_inverse_root(dag *g, uint32_t b) {
 
 term fp3_corrected(dag *g, term x, fp3_series s) {
     const uint32_t q = fp3_dag_is_number(g, x.node, 1) ? s.estimate : mul(g, x.node, s.estimate);
-    return (term){add(g, q, mul(g, q, s.correction)), x.is_negative};
+    return (term){s.correction == FP3_NONE ? q : add(g, q, mul(g, q, s.correction)), x.is_negative};
 }
 
 /* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
- * infinite. */
+ * infinite. Of a logarithm, only that of 0 is above 2^63.5. */
 #define MOST 0x1p63
+#define MOST_OF_LOGARITHMS 0x1p64
 #define MOST_CORRECTION 0x1p-8
 
-static uint32_t finite(dag *g, uint32_t y) { return op2(g, FP3_OP_MIN, num(g, MOST), y); }
+static uint32_t finite(dag *g, uint32_t y) {
+    return op2(g, FP3_OP_MIN, num(g, g->is_logarithmic ? MOST_OF_LOGARITHMS : MOST), y);
+}
 
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b) {
     return root_series(g, b, finite(g, op1(g, FP3_OP_RSQRT, b)));
@@ -44,6 +51,8 @@ uint32_t fp3_root(dag *g, uint32_t b) {
 
 /* Of 0 the correction is a NaN: then min is its second operand. */
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
+    if (g->is_logarithmic)
+        return fp3_root(g, b);
     const fp3_series s = fp3_inverse_root(g, b);
     const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION));
     return fp3_corrected(g, fp3_term(b), (fp3_series){finite(g, s.estimate), t}).node;

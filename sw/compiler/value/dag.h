@@ -42,6 +42,7 @@ typedef struct {
     unsigned passes; /* what fold.h may do */
     uint32_t note;   /* of the nodes made from now on */
     int is_abstract; /* quotients, roots and functions are nodes of their own */
+    int is_logarithmic; /* rcp and rsqrt are no estimates: nothing corrects them */
     int has_failed;  /* out of memory */
     int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
 } dag;
