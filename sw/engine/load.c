@@ -41,6 +41,18 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     return FP3_OK;
 }
 
+/* An image may say what they have to be. */
+static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
+    const fp3_image_words has =
+        engine->config->logarithmic ? FP3_WORDS_LOGARITHMS : FP3_WORDS_FLOATS;
+    if (image->words == FP3_WORDS_ANY || image->words == has)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "the program is made for %s: words of configuration '%s' are %s",
+                    fp3_image_words_name(image->words), engine->config->name,
+                    fp3_image_words_name(has));
+}
+
 static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {
     for (uint32_t i = 0; i < image->constant_count; i++) {
         const fp3_constant *c = &image->constants[i];
@@ -58,7 +70,9 @@ static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {
 
 static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
     const fp3_needs needs = needs_of(image);
-    fp3_status status = fp3_needs_check(&needs, engine->config, engine->def.error);
+    fp3_status status = check_words(engine, image);
+    if (!status)
+        status = fp3_needs_check(&needs, engine->config, engine->def.error);
     if (!status)
         status = check_operations(engine, image);
     return status ? status : check_constants(engine, image);

@@ -91,8 +91,8 @@ static void look(const runner *r, int is_run, double *states, double *low) {
         const variable *v = &b->variables[i];
         double *to = v->role == ROLE_STATE ? states : v->role == ROLE_LOW ? low : NULL;
         if (to)
-            to[v->state] = value_of(r, is_run && v->last != FP3_NONE ? r->values[v->last]
-                                                                     : r->variables[i]);
+            to[v->state] =
+                value_of(r, is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i]);
     }
 }
 
@@ -115,8 +115,8 @@ static void join_words(const fp3_step *b, double *known, double *start) {
  * variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
  * estimate. */
 static fp3_status run_from(const fp3_step *b, const fp3_config *config, const double *params,
-                           double h, rounding rounding, double *start, const uint64_t *steps, size_t count, double *states,
-                           double *low, fp3_error *error) {
+                           double h, rounding rounding, double *start, const uint64_t *steps,
+                           size_t count, double *states, double *low, fp3_error *error) {
     const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
                 .rounding = rounding,
@@ -153,9 +153,9 @@ static fp3_status run_from(const fp3_step *b, const fp3_config *config, const do
 }
 
 /* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its way. */
-static fp3_status run(const fp3_compilation *k, const double *params, const double *initial, double h,
-                      rounding rounding, const uint64_t *steps, size_t count, double *states,
-                      double *low, fp3_error *error) {
+static fp3_status run(const fp3_compilation *k, const double *params, const double *initial,
+                      double h, rounding rounding, const uint64_t *steps, size_t count,
+                      double *states, double *low, fp3_error *error) {
     static const fp3_config ieee = {.nearest = 1, .subnormal = 1};
     const fp3_config *own = k->options.config;
     const fp3_config *config = fp3_format_is_float(own) ? &ieee : own;

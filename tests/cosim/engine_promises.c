@@ -596,7 +596,8 @@ static void steps_are_counted_as_far_as_words_do(bench *b) {
     EXPECT(fp3_engine_run(b->engine, 2, NULL) == FP3_E_ARGUMENT && says_number(b, limit - 1));
     EXPECT(!fp3_engine_run(b->engine, 1, NULL) && !fp3_engine_run(b->engine, 0, NULL));
     EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && says_number(b, limit));
-    EXPECT(!fp3_engine_get(b->engine, last, "steps", &x) && fabs((double)x - (double)limit) <= (is_float ? 0 : FP3_FORMAT_OFF));
+    EXPECT(!fp3_engine_get(b->engine, last, "steps", &x) &&
+           fabs((double)x - (double)limit) <= (is_float ? 0 : FP3_FORMAT_OFF));
     EXPECT(!fp3_engine_get(b->engine, last, "x", &x) && is_nearly(b, x, 5));
     EXPECT(!fp3_engine_load(b->engine, image)); /* registers stay */
     EXPECT(fp3_engine_run(b->engine, 1, NULL) == FP3_E_ARGUMENT && says_number(b, limit));
@@ -637,7 +638,7 @@ typedef enum { ALL, MACHINES, FAST } whose;
     X(an_illegal_word_ends_the_run_there, ANY, MACHINES)                                           \
     X(what_fast_cannot_execute_changes_nothing, ANY, FAST)                                         \
     X(the_cycle_limit_stops_a_run, ANY, MACHINES)                                                  \
-    X(steps_are_counted_as_far_as_words_do, ANY, ALL)                                             \
+    X(steps_are_counted_as_far_as_words_do, ANY, ALL)                                              \
     X(steps_are_counted_after_a_limit_too, ANY, MACHINES)                                          \
     X(no_steps_execute_nothing, ANY, ALL)                                                          \
     X(flags_are_those_of_the_last_run, ANY, ALL)                                                   \

@@ -43,6 +43,7 @@ static void run(bench *b, unsigned e) {
     def.engine = engines[e];
     def.config = b->config;
     def.objects = OBJECTS;
+    def.is_interpreted = 1;
     def.error = &error;
     need(fp3_engine_open(&def, &b->engine[e]), &error);
     need(fp3_bench_start(b->engine[e], b->compiled, b->model, b->model->step, OBJECTS, &error),
@@ -67,9 +68,9 @@ static void compare_object(bench *b, size_t object) {
     fp3_error error = {0};
     const fp3_model *m = b->model;
     fp3_bench_variant(m, object, params, initial);
-    need(fp3_compiled_reference(b->compiled, params, initial, m->step, &b->steps, 1, wanted,
-                                &error),
-         &error);
+    need(
+        fp3_compiled_reference(b->compiled, params, initial, m->step, &b->steps, 1, wanted, &error),
+        &error);
     need(fp3_compiled_exact(b->compiled, params, initial, m->step, &b->steps, 1, exact, &error),
          &error);
     for (uint32_t s = 0; s < m->state_count; s++)

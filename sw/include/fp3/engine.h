@@ -248,10 +248,8 @@ fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, s
 size_t fp3_engine_groups(const fp3_engine *engine);
 
 /* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
- * are kept, even those of a NaN, unless words of the configuration are not floats: then numbers are
- * converted (docs/logarithmic.md). FP3_E_ARGUMENT: no such object or register, or the store has no
- * room for that register with this number of objects, or a number has no word; nothing is read or
- * written. */
+ * are kept, even a NaN's, where words are floats (docs/logarithmic.md). FP3_E_ARGUMENT: no such object
+ * or register, no room for it with this number of objects, or no word for a number: nothing is done. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
