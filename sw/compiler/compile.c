@@ -187,10 +187,6 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
     *compiled = NULL;
     const fp3_config *config = NULL;
     fp3_status status = fp3_config_choose(def->config, &config, error);
-    if (!status && config->logarithmic)
-        status = fp3_fail(error, FP3_E_PROGRAM,
-                          "configuration '%s' is logarithmic: models are compiled for binary32",
-                          config->name);
     if (status)
         return status;
     fp3_compiled *made = calloc(1, sizeof *made);

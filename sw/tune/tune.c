@@ -3,7 +3,7 @@
 #include "sensitivity.h"
 
 #include "base/host.h"
-#include "machine/config.h"
+#include "machine/format.h"
 #include "scene/values.h"
 
 #include <fp3/compile.h>

@@ -1,4 +1,4 @@
-/* division.c - a series makes an estimate of 9 bits a quotient or root of 24. */
+/* division.c - a series makes an estimate of 9 bits a quotient or root of 24; with fewer bits its first term is enough. */
 #include "division.h"
 
 #include "compiler/value/ops.h"
@@ -10,6 +10,8 @@
  * at most 2^-25, and 1 - b y is exact. */
 fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RCP, b);
+    if (g->is_logarithmic)
+        return (fp3_series){y, FP3_NONE};
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
     return (fp3_series){y, add(g, e, mul(g, e, e))};
 }
@@ -17,9 +19,11 @@ fp3_series fp3_reciprocal(dag *g, uint32_t b) {
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). Flushed, y^2 may be 0, so that b y is
  * made first, which costs half a unit in the last place. */
 static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
+    if (g->is_logarithmic)
+        return (fp3_series){y, FP3_NONE};
     const uint32_t product = g->is_flushed ? mul(g, mul(g, b, y), y) : mul(g, b, mul(g, y, y));
-    const uint32_t e = sub(g, num(g, 1), product);
-    return (fp3_series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
+    const uint32_t e = sub(g, num(g, 1), product), half = num(g, 0.5);
+    return (fp3_series){y, mul(g, e, add(g, half, mul(g, num(g, 0.375), e)))};
 }
 
 fp3_series fp3_inverse_root(dag *g, uint32_t b) {
@@ -27,7 +31,7 @@ fp3_series fp3_inverse_root(dag *g, uint32_t b) {
 }
 
 static uint32_t corrected(dag *g, uint32_t estimate, uint32_t correction) {
-    return add(g, estimate, mul(g, estimate, correction));
+    return correction == FP3_NONE ? estimate : add(g, estimate, mul(g, estimate, correction));
 }
 
 term fp3_corrected(dag *g, term x, fp3_series s) {
@@ -85,17 +89,22 @@ term fp3_over_power(dag *g, term x, uint32_t b, unsigned n) {
     if (!g->is_flushed || fp3_dag_is_number(g, x.node, 1))
         return fp3_times_power(g, x, fp3_corrected(g, one(g), s), n);
     const term y = fp3_term(without_zero(g, s.estimate));
+    if (s.correction == FP3_NONE)
+        return fp3_times_power(g, x, y, n);
     const double unit = g->is_finite ? 0.5 : 1;
     const uint32_t factor = add(g, num(g, unit), mul(g, num(g, unit), s.correction));
     return fp3_term_mul(g, fp3_times_power(g, x, y, n), fp3_term_power(g, fp3_term(factor), n));
 }
 
 /* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
- * infinite. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
+ * infinite. Of a logarithm, only that of 0 is above 2^63.5. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
 #define MOST 0x1p63
+#define MOST_OF_LOGARITHMS 0x1p64
 #define MOST_CORRECTION 0x1p-8
 
-static uint32_t bounded(dag *g, uint32_t y) { return op2(g, FP3_OP_MIN, num(g, MOST), y); }
+static uint32_t bounded(dag *g, uint32_t y) {
+    return op2(g, FP3_OP_MIN, num(g, g->is_logarithmic ? MOST_OF_LOGARITHMS : MOST), y);
+}
 
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RSQRT, b);
@@ -112,6 +121,8 @@ uint32_t fp3_root(dag *g, uint32_t b) {
 
 /* Of 0 the correction is a NaN: then min is its second operand. */
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
+    if (g->is_logarithmic)
+        return fp3_root(g, b);
     const fp3_series s = fp3_inverse_root(g, b);
     if (g->is_finite)
         return root_of_series(g, b, s);
