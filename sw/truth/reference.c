@@ -33,7 +33,7 @@ static uint32_t bits_of(double x) {
 }
 
 static double apply(const runner *r, uint32_t op, double a, double b, double c) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1};
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23};
     if (r->rounding != ROUNDED)
         return fp3_execute_exact(op, a, b, c);
     const uint32_t operands[3] = {bits_of(a), bits_of(b), bits_of(c)};

@@ -43,7 +43,7 @@ static inline void open_operation(operation *o, const char *name) {
     char *report = NULL;
     fp3_error error;
     *o = (operation){
-        .name = name, .unit = "u^2", .config = {.nearest = 1, .subnormal = 1, .flags = 1}};
+        .name = name, .unit = "u^2", .config = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1}};
     if (fp3_model_read(source, strlen(source), name, &o->model, &report, &error))
         fail(name, error.text);
     fp3_known_open(&o->known, o->model, 2);

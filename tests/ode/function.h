@@ -107,7 +107,7 @@ static inline uint32_t leaf_bits(const program *p, uint32_t node, float x) {
 }
 
 static inline float by_execute(const program *p, float x, uint32_t *flags) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .flags = 1};
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1};
     uint32_t value[NODES_MAX] = {0}, raised;
     *flags = 0;
     for (uint32_t i = 0; i < p->g->count; i++) {
