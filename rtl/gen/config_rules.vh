@@ -108,6 +108,9 @@ end
 if (LOGARITHMIC > 0 && ROUND != 0) begin : g_logarithmic_excludes_round
     LOGARITHMIC_excludes_ROUND u_error ();
 end
+if (LOGARITHMIC > 0 && NEIGHBOURS != 0) begin : g_logarithmic_excludes_neighbours
+    LOGARITHMIC_excludes_NEIGHBOURS u_error ();
+end
 if (SCALE < 0 || SCALE > 1) begin : g_scale_must_be_0_to_1
     SCALE_must_be_0_to_1 u_error ();
 end

@@ -10,7 +10,7 @@
  * The fast engine has no retirements: its values are read, of all operands, however it executes.
  */
 #include "gen/registers.h"
-#include <fp3/engine.h>
+#include <engine/inside.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <machine/config.h>
@@ -282,8 +282,8 @@ static int load(bench *b, fp3_engine *engine) {
 static int run(bench *b, fp3_engine *engine, size_t count) {
     for (size_t i = 0; i < count; i++)
         for (uint32_t reg = 0; reg < 3; reg++) {
-            const float value = value_of(b->inputs[i].operand[reg]);
-            if (fp3_engine_write(engine, i, 1, reg, &value))
+            const uint32_t word = b->inputs[i].operand[reg];
+            if (fp3_engine_write_words(engine, i, 1, reg, &word))
                 return 1;
         }
     return fp3_engine_run(engine, 1, NULL) != FP3_OK;
@@ -295,11 +295,10 @@ static int compare_read(bench *b, fp3_engine *engine, size_t count) {
         if (!has(b->config, b->ops[i]))
             continue;
         for (size_t object = 0; object < count; object++) {
-            float value;
-            uint32_t flags;
-            if (fp3_engine_read(engine, object, 1, 3 + i, &value))
+            uint32_t got, flags;
+            if (fp3_engine_read_words(engine, object, 1, 3 + i, &got))
                 return 1;
-            const uint32_t *in = b->inputs[object].operand, got = bits_of(value);
+            const uint32_t *in = b->inputs[object].operand;
             const uint32_t bits = finished(b->config, choose(b->config, b->ops[i], in), &flags);
             b->checked++;
             if (got != bits && b->failed++ < REPORTS)
