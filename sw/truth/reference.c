@@ -11,36 +11,36 @@
 #include "before.h"
 #include "compiler/compiled.h"
 #include "machine/execute.h"
+#include "machine/format.h"
 
 /* What is rounded to FP32: all; only what the host gives the program; nothing. */
 typedef enum { ROUNDED, INPUTS_ROUNDED, EXACT } rounding;
 
 typedef struct {
     const fp3_step *b;
+    const fp3_config *config; /* whose numbers they are */
     rounding rounding;
     double *known, *variables, *next, *values;
 } runner;
 
-static double given(const runner *r, double x) {
-    return r->rounding == EXACT ? x : (double)(float)x;
+/* What has no word is refused where the program is loaded. */
+static uint32_t word_of(const runner *r, double x) {
+    const float f = (float)x;
+    uint32_t word;
+    if (fp3_format_word(r->config, f, &word))
+        memcpy(&word, &f, sizeof word);
+    return word;
 }
 
-static uint32_t bits_of(double x) {
-    const float f = (float)x;
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
+static double given(const runner *r, double x) {
+    return r->rounding == EXACT ? x : (double)fp3_format_value(r->config, word_of(r, x));
 }
 
 static double apply(const runner *r, uint32_t op, double a, double b, double c) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23};
     if (r->rounding != ROUNDED)
         return fp3_execute_exact(op, a, b, c);
-    const uint32_t operands[3] = {bits_of(a), bits_of(b), bits_of(c)};
-    const uint32_t bits = fp3_execute(&ieee, op, operands, NULL);
-    float d;
-    memcpy(&d, &bits, sizeof d);
-    return d;
+    const uint32_t operands[3] = {word_of(r, a), word_of(r, b), word_of(r, c)};
+    return (double)fp3_format_value(r->config, fp3_execute(r->config, op, operands, NULL));
 }
 
 static void evaluate(const runner *r, const dag *g) {
@@ -92,14 +92,22 @@ static void join_words(const fp3_step *b, double *known, double *start) {
             start[i] = 0;
 }
 
+/* That of the processor, or IEEE's: what flushes, truncates or has no infinity is compared with that. */
+static const fp3_config *arithmetic_of(const fp3_compilation *k) {
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .name = "FP32"};
+    return fp3_execute_is_of_words(k->options.config) ? k->options.config : &ieee;
+}
+
 /* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
  * variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
  * estimate. */
-static fp3_status run_from(const fp3_step *b, const double *params, double h, rounding rounding,
-                           double *start, const uint64_t *steps, size_t count, double *states,
-                           double *low, fp3_error *error) {
+static fp3_status run_from(const fp3_compilation *k, const double *params, double h,
+                           rounding rounding, double *start, const uint64_t *steps, size_t count,
+                           double *states, double *low, fp3_error *error) {
+    const fp3_step *b = &k->reference;
     const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
+                .config = arithmetic_of(k),
                 .rounding = rounding,
                 .known = calloc(b->known.count + 1u, sizeof *r.known),
                 .variables = start,
@@ -124,14 +132,16 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, ro
     return status;
 }
 
-static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
-                      rounding rounding, const uint64_t *steps, size_t count, double *states,
-                      double *low, fp3_error *error) {
+static fp3_status run(const fp3_compilation *k, const double *params, const double *initial,
+                      double h, rounding rounding, const uint64_t *steps, size_t count,
+                      double *states, double *low, fp3_error *error) {
+    const fp3_step *b = &k->reference;
+    const int64_t limit = fp3_format_counts(arithmetic_of(k));
     const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;
-    if (is_counted && count && steps[count - 1] > FP3_STEPS_LIMIT)
+    if (is_counted && count && steps[count - 1] > (uint64_t)limit)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%" PRIu64 " steps of equations with t: FP32 counts to %d",
-                        steps[count - 1], FP3_STEPS_LIMIT);
+                        "%" PRIu64 " steps of equations with t: %s counts to %" PRId64,
+                        steps[count - 1], arithmetic_of(k)->name, limit);
     fp3_status status = fp3_model_check_alone(b->model, error);
     if (status)
         return status;
@@ -140,9 +150,9 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
     if (!status)
         status = fp3_before_start(b, params, initial, h, 1, start, error);
     for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)
-        start[i] = (float)start[i];
+        start[i] = given(&(runner){.config = arithmetic_of(k), .rounding = rounding}, start[i]);
     if (!status)
-        status = run_from(b, params, h, rounding, start, steps, count, states, low, error);
+        status = run_from(k, params, h, rounding, start, steps, count, states, low, error);
     free(start);
     return status;
 }
@@ -167,7 +177,7 @@ fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const doub
     for (size_t i = 0; i < cells; i++)
         wide[i] = states[i];
     const fp3_status status =
-        run(&k->reference, params, initial, h, ROUNDED, steps, count, wide, wide + cells, error);
+        run(k, params, initial, h, ROUNDED, steps, count, wide, wide + cells, error);
     for (size_t i = 0; !status && i < cells; i++) {
         states[i] = canonical(wide[i]);
         if (low)
@@ -190,7 +200,7 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               double *states, fp3_error *error) {
     FP3_HOST;
     const fp3_compilation *k = compiled->self;
-    return run(&k->reference, params, initial, h, EXACT, steps, count, states, NULL, error);
+    return run(k, params, initial, h, EXACT, steps, count, states, NULL, error);
 }
 
 fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
@@ -199,5 +209,5 @@ fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *
     FP3_HOST;
     const fp3_compilation *k = compiled->self;
     const rounding rounding = k->options.arithmetic == FP3_DOUBLE_SINGLE ? EXACT : INPUTS_ROUNDED;
-    return run(&k->reference, params, initial, h, rounding, steps, count, states, NULL, error);
+    return run(k, params, initial, h, rounding, steps, count, states, NULL, error);
 }

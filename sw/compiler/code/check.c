@@ -5,6 +5,7 @@
 #include "machine/operation.h"
 
 #include <fp3/isa.h>
+#include <inttypes.h>
 #include <stdio.h>
 
 /* Whether a sine or a cosine is among what the program computes: `small-angles` is for these. */
@@ -32,14 +33,20 @@ static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_
 }
 
 /* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as the
- * polynomials are good for. */
+ * polynomials are good for. Its constants, as those of powers by a logarithm, are parts of 24 bits. */
 static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp3_noted *at,
                                  fp3_error *error) {
+    const char *what = at->text ? at->text : "the model";
+    const int is_of_function = op == FP3_OP_RINT || op == FP3_OP_EXP2 || op == FP3_OP_LOGB;
+    if (is_of_function && config->fraction < 23)
+        return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
+                           "%s counts on numbers of 24 bits, and configuration '%s' has %" PRIu32,
+                           what, config->name, config->fraction + 1);
     if (op != FP3_OP_RINT || config->nearest)
         return FP3_OK;
     return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
-                       "%s needs rounding to nearest, and configuration '%s' truncates",
-                       at->text ? at->text : "the model", config->name);
+                       "%s needs rounding to nearest, and configuration '%s' truncates", what,
+                       config->name);
 }
 
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,

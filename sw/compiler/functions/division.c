@@ -1,4 +1,4 @@
-/* division.c - a series makes an estimate of 9 bits a quotient or root of 24. */
+/* division.c - a series makes an estimate of 9 bits a quotient or root of 24; with fewer bits its first term is enough. */
 #include "division.h"
 
 #include "compiler/value/ops.h"
@@ -9,13 +9,15 @@
 fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RCP, b);
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
-    return (fp3_series){y, add(g, e, mul(g, e, e))};
+    return (fp3_series){y, g->terms == 1 ? e : add(g, e, mul(g, e, e))};
 }
 
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). */
 static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
     const uint32_t e = sub(g, num(g, 1), mul(g, b, mul(g, y, y)));
-    return (fp3_series){y, mul(g, e, add(g, num(g, 0.5), mul(g, num(g, 0.375), e)))};
+    const uint32_t half = num(g, 0.5);
+    return (fp3_series){y,
+                        mul(g, e, g->terms == 1 ? half : add(g, half, mul(g, num(g, 0.375), e)))};
 }
 
 fp3_series fp3_inverse_root(dag *g, uint32_t b) {
@@ -30,7 +32,7 @@ term fp3_corrected(dag *g, term x, fp3_series s) {
 /* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
  * infinite. */
 #define MOST 0x1p63
-#define MOST_CORRECTION 0x1p-8
+#define MOST_CORRECTION(g) ((g)->terms == 1 ? 0x1p-5 : 0x1p-8)
 
 static uint32_t finite(dag *g, uint32_t y) { return op2(g, FP3_OP_MIN, num(g, MOST), y); }
 
@@ -45,6 +47,6 @@ uint32_t fp3_root(dag *g, uint32_t b) {
 /* Of 0 the correction is a NaN: then min is its second operand. */
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
     const fp3_series s = fp3_inverse_root(g, b);
-    const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION));
+    const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION(g)));
     return fp3_corrected(g, fp3_term(b), (fp3_series){finite(g, s.estimate), t}).node;
 }

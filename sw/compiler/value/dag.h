@@ -34,6 +34,7 @@ typedef struct {
 } dag_node;
 
 #define FP3_DAG_BUCKETS 4096u
+#define FP3_DAG_TERMS 2 /* for 24 bits */
 typedef struct {
     known_table *known;
     dag_node *nodes;
@@ -41,6 +42,7 @@ typedef struct {
     uint32_t bucket[FP3_DAG_BUCKETS];
     unsigned passes; /* what fold.h may do */
     uint32_t note;   /* of the nodes made from now on */
+    int terms;       /* of the series behind an estimate: division.h */
     int is_abstract; /* quotients, roots and functions are nodes of their own */
     int has_failed;  /* out of memory */
     int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
