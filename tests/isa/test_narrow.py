@@ -1,0 +1,42 @@
+"""Numbers with fewer fraction bits than binary32: sw/machine/narrow.c against doubles (tests/isa/narrow.c)."""
+
+import re
+import subprocess
+
+import pytest
+
+FRACTIONS = (7, 8, 15, 18, 22, 23)
+
+
+def narrow(program, *arguments):
+    return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=600)
+
+
+@pytest.mark.parametrize("subnormal", [0, 1], ids=["flushed", "gradual"])
+@pytest.mark.parametrize("nearest", [0, 1], ids=["truncated", "nearest"])
+@pytest.mark.parametrize("fraction", FRACTIONS)
+def test_results_and_flags(build, fraction, nearest, subnormal, long):
+    """All pairs of special numbers and 10^5 random triples (10^7); of one operand, with up to 9 bits every number. 23 is binary32, by the host's FPU."""
+    done = narrow(build / "tests/narrow", fraction, nearest, subnormal, 10**7 if long else 10**5)
+    assert done.returncode == 0 and re.fullmatch(r"\d{7,} results, 0 wrong\n", done.stdout), done.stdout
+
+
+BUGS = {
+    "ties go up": ("(rest == half && kept & 1)", "rest == half"),
+    "a borrow of what is shifted out is lost": ("!= 0);\n    if (x.sign == y.sign)", "!= 0 && 0);\n    if (x.sign == y.sign)"),
+    "tininess before rounding": ("e < 0 || shortened", "e < 1 || shortened"),
+    "low bits count": ("word & UINT32_MAX << below(config)", "word + 0 * below(config)"),
+    "a truncated overflow is infinite": ("config->nearest ? INFINITE", "1 ? INFINITE"),
+}
+
+
+@pytest.mark.parametrize("bug", BUGS)
+def test_a_bug_is_found(root, build, tmp_path, bug):
+    text = (root / "sw/machine/narrow.c").read_text()
+    right, wrong = BUGS[bug]
+    assert text.count(right) == 1, right
+    (tmp_path / "narrow_own.c").write_text(text.replace(right, wrong).replace('"narrow.h"', '"machine/narrow.h"'))
+    subprocess.run(["gcc", "-O1", "-std=c11", "-D_GNU_SOURCE", "-Isw", "-Isw/include", "-o", tmp_path / "narrow", build / "obj/tests/isa/narrow.o",
+                    tmp_path / "narrow_own.c", build / "lib/libfp3.a", "-lm"], cwd=root, check=True)
+    done = [narrow(tmp_path / "narrow", 7, nearest, 1, 10**4) for nearest in (0, 1)]
+    assert any(run.returncode for run in done), bug
