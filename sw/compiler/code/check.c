@@ -1,6 +1,7 @@
 /* check.c - operations, constants and words against what a configuration has. */
 #include "check.h"
 
+#include "language/evaluate.h"
 #include "machine/config.h"
 #include "machine/operation.h"
 
@@ -33,20 +34,36 @@ static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_
 }
 
 /* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as the
- * polynomials are good for. Its constants, as those of powers by a logarithm, are parts of 24 bits. */
+ * polynomials are good for. */
 static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp3_noted *at,
                                  fp3_error *error) {
-    const char *what = at->text ? at->text : "the model";
-    const int is_of_function = op == FP3_OP_RINT || op == FP3_OP_EXP2 || op == FP3_OP_LOGB;
-    if (is_of_function && config->fraction < 23)
-        return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
-                           "%s counts on numbers of 24 bits, and configuration '%s' has %" PRIu32,
-                           what, config->name, config->fraction + 1);
     if (op != FP3_OP_RINT || config->nearest)
         return FP3_OK;
     return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
-                       "%s needs rounding to nearest, and configuration '%s' truncates", what,
-                       config->name);
+                       "%s needs rounding to nearest, and configuration '%s' truncates",
+                       at->text ? at->text : "the model", config->name);
+}
+
+/* Whether an operation is of a function with constants: those are made for 24 bits. A power has some if it is made by a logarithm. */
+static int is_of_function(const fp3_model *model, uint32_t op, const fp3_noted *at) {
+    const int is_of_power = op == FP3_OP_RINT || op == FP3_OP_EXP2 || op == FP3_OP_LOGB;
+    for (uint32_t i = 0; at->line && i < model->expr_count; i++) {
+        const fp3_expr *e = &model->exprs[i];
+        if (e->line == at->line && e->column == at->column && !e->is_known &&
+            fp3_ode_has_constants(e->op) && (e->op != FP3_EXPR_POWER || is_of_power))
+            return 1;
+    }
+    return 0;
+}
+
+static fp3_status check_bits(const fp3_model *model, const fp3_config *config, uint32_t op,
+                             const fp3_noted *at, fp3_error *error) {
+    if (config->fraction == 23 || !is_of_function(model, op, at))
+        return FP3_OK;
+    return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
+                       "%s: its constants are made for numbers of 24 bits, and configuration '%s' "
+                       "has %" PRIu32,
+                       at->text, config->name, config->fraction + 1);
 }
 
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
@@ -65,7 +82,9 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
                                    ? " (for angles up to pi/2 the pass `small-angles` does without)"
                                    : "");
         }
-        const fp3_status status = check_rounding(config, ops[i].op, &at, error);
+        fp3_status status = check_rounding(config, ops[i].op, &at, error);
+        if (!status)
+            status = check_bits(step->model, config, ops[i].op, &at, error);
         if (status)
             return status;
     }

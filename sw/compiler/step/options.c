@@ -2,12 +2,9 @@
 #include "options.h"
 
 #include "compiler/value/dag.h"
-#include "compiler/value/formula.h"
-#include "language/evaluate.h"
 
 #include <assert.h>
 #include <inttypes.h>
-#include <stdlib.h>
 
 unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     if (!config->scale)
@@ -35,31 +32,6 @@ static fp3_status no_bits(const char *what, const fp3_config *config, fp3_error 
                     config->name, config->fraction + 1);
 }
 
-/* The first function that has constants, and is not known before the run. */
-static uint32_t find_function(const fp3_model *model) {
-    uint32_t i = 0;
-    while (i < model->expr_count &&
-           (model->exprs[i].is_known || model->exprs[i].op == FP3_EXPR_POWER ||
-            !fp3_ode_has_constants(model->exprs[i].op)))
-        i++;
-    return i;
-}
-
-static fp3_status check_functions(const fp3_model *model, const fp3_config *config,
-                                  fp3_error *error) {
-    const uint32_t found = find_function(model);
-    if (found == model->expr_count)
-        return FP3_OK;
-    char *text = fp3_formula_expr(model, found);
-    const fp3_expr *e = &model->exprs[found];
-    const fp3_status status =
-        fp3_fail_at(error, FP3_E_PROGRAM, NULL, e->line, e->column,
-                    "%s counts on numbers of 24 bits, and configuration '%s' has %" PRIu32,
-                    text ? text : "a function", config->name, config->fraction + 1);
-    free(text);
-    return status;
-}
-
 fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model, fp3_error *error) {
     const fp3_config *config = options->config;
     if (config->fraction == 23)
@@ -70,7 +42,7 @@ fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model,
         return no_bits("double-single", config, error);
     if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
         return no_bits("the pass `exact-division`", config, error);
-    return check_functions(model, config, error);
+    return FP3_OK;
 }
 
 fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,
