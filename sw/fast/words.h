@@ -17,12 +17,14 @@ static inline fp3_config fp3_words_config(const fp3_config *config) {
 static inline fp3_v fp3_words(const fp3_config *config, uint32_t op, fp3_v a, fp3_v b, fp3_v c,
                               fp3_i *flags) {
     fp3_u d = {0};
+    fp3_i all = fp3_all(0);
     for (int i = 0; i < FP3_LANES; i++) {
         uint32_t raised;
         const uint32_t operands[] = {((fp3_u)a)[i], ((fp3_u)b)[i], ((fp3_u)c)[i]};
         d[i] = fp3_execute(config, op, operands, &raised);
-        (*flags)[i] = (int)raised;
+        all[i] = (int)raised;
     }
+    *flags = all;
     return (fp3_v)d;
 }
 

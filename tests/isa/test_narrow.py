@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-FRACTIONS = (7, 8, 15, 18, 22, 23)
+FRACTIONS = (7, 15, 18, 22)
 
 
 def narrow(program, *arguments):
@@ -16,8 +16,8 @@ def narrow(program, *arguments):
 @pytest.mark.parametrize("nearest", [0, 1], ids=["truncated", "nearest"])
 @pytest.mark.parametrize("fraction", FRACTIONS)
 def test_results_and_flags(build, fraction, nearest, subnormal, long):
-    """All pairs of special numbers and 10^5 random triples (10^7); of one operand, with up to 9 bits every number. 23 is binary32, by the host's FPU."""
-    done = narrow(build / "tests/narrow", fraction, nearest, subnormal, 10**7 if long else 10**5)
+    """All pairs of special numbers and 3*10^4 random triples (10^7); of one operand, with up to 9 bits every number."""
+    done = narrow(build / "tests/narrow", fraction, nearest, subnormal, 10**7 if long else 3 * 10**4)
     assert done.returncode == 0 and re.fullmatch(r"\d{7,} results, 0 wrong\n", done.stdout), done.stdout
 
 

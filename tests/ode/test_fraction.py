@@ -57,9 +57,9 @@ def test_the_error_is_that_of_the_fraction(tmp_path):
     assert off["many_full"] < off["middle"] < 64 * 2 ** -16 < off["bfloat"] < 64 * 2 ** -8, off
 
 
-@pytest.mark.parametrize("config, most", [      # sampled as binary32's are, and the same bounds are the largest found
-    ("bfloat", {"1/x": 0.71, "a/x": 1.3, "1/x:large": 2, "a/x:large": 2, "sqrt(x)": 1.32, "1/sqrt(x)": 0.88, "a/sqrt(x)": 1.45}),
-    ("middle", {"1/x": 1.15, "a/x": 1.68, "1/x:large": 1.15, "a/x:large": 2.2, "sqrt(x)": 1.68, "1/sqrt(x)": 1.27, "a/sqrt(x)": 1.67})])
+@pytest.mark.parametrize("config, most", [      # a little more than the largest found
+    ("bfloat", {"1/x": 0.71, "a/x": 1.3, "1/x:large": 0.71, "a/x:large": 1.4, "sqrt(x)": 1.32, "1/sqrt(x)": 0.88, "a/sqrt(x)": 1.5}),
+    ("middle", {"1/x": 1.15, "a/x": 1.7, "1/x:large": 1.15, "a/x:large": 2.3, "sqrt(x)": 1.68, "1/sqrt(x)": 1.27, "a/sqrt(x)": 1.7})])
 def test_quotients_and_roots(build, config, most):
     """In units of the last place."""
     said = subprocess.run([build / "tests/accuracy", config], capture_output=True, text=True, check=True).stdout
