@@ -19,6 +19,7 @@
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "exceptions.h"
+#include "short.h"
 #include "words.h"
 
 #include <fp3/isa.h>
@@ -168,15 +169,25 @@ static void calculate(machine *m) {
 /* By the machine's own words; their flags are raised as the processor raises those of floats, and nothing that it raises itself. */
 static void calculate_words(machine *m) {
     const uint64_t before = fp3_fpu_get();
+    const uint32_t op = m->now->in.op, sources = fp3_operation_find(op)->sources;
+    fp3_short quick = fp3_short_of(&m->config);
     fp3_i all = fp3_all(0), flags;
     EACH {
-        m->to[j] = fp3_words(&m->config, m->now->in.op, A, B, C, &flags);
+        if (!FP3_FPU_IS_SOFT && !m->config.logarithmic &&
+            fp3_short_apply(&quick, op, sources, A, B, C, m->place->table, &m->to[j]))
+            continue;
+        m->to[j] = fp3_words(&m->config, op, A, B, C, &flags);
         all |= flags;
     }
+    __asm__ volatile(
+        "" ::
+            : "memory"); /* results are there, and so are the flags of sums in double */
+    const uint64_t inexact = op == FP3_OP_RINT ? 0 : fp3_fpu_get() & FP3_FPU_INEXACT;
     uint32_t raised = 0;
     for (int i = 0; i < FP3_LANES; i++)
         raised |= (uint32_t)all[i];
-    fp3_fpu_set(before | fp3_words_sticky(raised));
+    raised |= fp3_short_any(quick.lost) ? (uint32_t)FP3_FLAG_INEXACT : 0;
+    fp3_fpu_set(before | inexact | fp3_words_sticky(raised));
 }
 
 /* Where an object sleeps it keeps what it has. */
@@ -244,19 +255,12 @@ static void store(machine *m) {
 
 static fp3_i flags_of(machine *m, unsigned j);
 
-static int all_of(fp3_i bits) {
-    int all = 0;
-    for (int i = 0; i < FP3_LANES; i++)
-        all |= bits[i];
-    return all;
-}
-
 /* What a processor with flags would raise now. */
 static void raise(machine *m) {
     fp3_i flags = fp3_all(0);
     find_sources(m);
     EACH flags |= flags_of(m, j);
-    fp3_fpu_set(fp3_fpu_get() | (unsigned)all_of(flags));
+    fp3_fpu_set(fp3_fpu_get() | (unsigned)fp3_any(flags));
 }
 
 static void execute(machine *m) {
@@ -299,8 +303,8 @@ static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast
 }
 
 static unsigned seen_by(const machine *m) {
-    return (all_of(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
-           (all_of(m->under) ? FP3_SEEN_UNDERFLOW : 0);
+    return (fp3_any(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
+           (fp3_any(m->under) ? FP3_SEEN_UNDERFLOW : 0);
 }
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
