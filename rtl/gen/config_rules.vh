@@ -186,6 +186,18 @@ end
 if (FINITE > 0 && LOGARITHMIC != 0) begin : g_finite_excludes_logarithmic
     FINITE_excludes_LOGARITHMIC u_error ();
 end
+if (FRACTION < 7 || FRACTION > 23) begin : g_fraction_must_be_7_to_23
+    FRACTION_must_be_7_to_23 u_error ();
+end
+if (FRACTION < 23 && DUAL != 0) begin : g_fraction_excludes_dual
+    FRACTION_excludes_DUAL u_error ();
+end
+if (FRACTION < 23 && LOGARITHMIC != 0) begin : g_fraction_excludes_logarithmic
+    FRACTION_excludes_LOGARITHMIC u_error ();
+end
+if (FRACTION < 23 && FINITE != 0) begin : g_fraction_excludes_finite
+    FRACTION_excludes_FINITE u_error ();
+end
 if (ADD_LATENCY < 1 || ADD_LATENCY > 255) begin : g_add_latency_must_be_1_to_255
     ADD_LATENCY_must_be_1_to_255 u_error ();
 end

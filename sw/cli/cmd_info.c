@@ -136,6 +136,8 @@ static void print_config(const fp3_config *c) {
            c->bypass ? "bypass" : "no bypass",
            c->writeback_stall ? "writeback stall" : "no writeback stall");
     print_missing(c);
+    if (c->fraction < 23)
+        printf("  numbers have %u fraction bits, not 23\n", c->fraction);
     printf("  %s, %s; %s, %s\n",
            c->logarithmic ? "words are logarithms"
            : c->subnormal ? "subnormal numbers"

@@ -201,7 +201,9 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};
     made->self = k;
-    status = compile(k, model, integrator, def, made, error);
+    status = fp3_options_check(&k->options, model, error);
+    if (!status)
+        status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)
         status = FP3_E_PROGRAM; /* what is too large for a machine is a wrong program for it */
     if (status)

@@ -1,5 +1,5 @@
 /* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
- * FP3_FINITE or FP3_LOGARITHMIC. */
+ * FP3_FINITE or FP3_OF_WORDS. */
 #include "sweep.h"
 
 #ifndef FP3_SWEEP
@@ -10,8 +10,8 @@
 #ifndef FP3_FINITE
 #define FP3_FINITE 0
 #endif
-#ifndef FP3_LOGARITHMIC
-#define FP3_LOGARITHMIC 0
+#ifndef FP3_OF_WORDS
+#define FP3_OF_WORDS 0
 #endif
 #ifndef FP3_SWEEP_NAME
 #define FP3_SWEEP_NAME FP3_SWEEP_LEAST
@@ -19,7 +19,8 @@
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "exceptions.h"
-#include "logs.h"
+#include "short.h"
+#include "words.h"
 
 #include <fp3/isa.h>
 #include <machine/watch.h>
@@ -35,9 +36,10 @@ typedef struct {
 typedef struct {
     const fp3_fast_place *place;
     const fp3_fast_word *now;
-    uint32_t number; /* of the step */
-    int is_last;     /* part: those asleep take part */
-    int is_tiny;     /* products as in tiny.h */
+    fp3_config config; /* with FP3_OF_WORDS */
+    uint32_t number;   /* of the step */
+    int is_last;       /* part: those asleep take part */
+    int is_tiny;       /* products as in tiny.h */
     fp3_i subnormal, under;
     int is_watched; /* every value is looked at: a NaN is the machine's */
     source from[3];
@@ -164,17 +166,28 @@ static void calculate(machine *m) {
 #undef CASE
 #undef OPERANDS
 
-/* Logarithmic words; their flags are raised as the processor raises those of floats. */
-static void calculate_logs(machine *m) {
+/* By the machine's own words; their flags are raised as the processor raises those of floats, and nothing that it raises itself. */
+static void calculate_words(machine *m) {
+    const uint64_t before = fp3_fpu_get();
+    const uint32_t op = m->now->in.op, sources = fp3_operation_find(op)->sources;
+    fp3_short quick = fp3_short_of(&m->config);
     fp3_i all = fp3_all(0), flags;
     EACH {
-        m->to[j] = fp3_logs(m->now->in.op, A, B, C, &flags);
+        if (!FP3_FPU_IS_SOFT && !m->config.logarithmic &&
+            fp3_short_apply(&quick, op, sources, A, B, C, m->place->table, &m->to[j]))
+            continue;
+        m->to[j] = fp3_words(&m->config, op, A, B, C, &flags);
         all |= flags;
     }
+    __asm__ volatile(
+        "" ::
+            : "memory"); /* results are there, and so are the flags of sums in double */
+    const uint64_t inexact = op == FP3_OP_RINT ? 0 : fp3_fpu_get() & FP3_FPU_INEXACT;
     uint32_t raised = 0;
     for (int i = 0; i < FP3_LANES; i++)
         raised |= (uint32_t)all[i];
-    fp3_fpu_set(fp3_fpu_get() | fp3_logs_sticky(raised));
+    raised |= fp3_short_any(quick.lost) ? (uint32_t)FP3_FLAG_INEXACT : 0;
+    fp3_fpu_set(before | inexact | fp3_words_sticky(raised));
 }
 
 /* Where an object sleeps it keeps what it has. */
@@ -188,7 +201,7 @@ static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
 
 /* What is left to do with results. */
 static void finish(machine *m) {
-    if (m->now->is_behind && !FP3_LOGARITHMIC)
+    if (m->now->is_behind && !FP3_OF_WORDS)
         EACH m->to[j] = fp3_behind(m->to[j]);
     if (m->now->is_one_nan || m->is_watched)
         EACH m->to[j] = fp3_one_nan(m->to[j]);
@@ -199,8 +212,8 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    if (FP3_LOGARITHMIC)
-        calculate_logs(m);
+    if (FP3_OF_WORDS)
+        calculate_words(m);
     else if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
         calculate_tiny(m);
     else
@@ -213,7 +226,8 @@ static void fall_asleep(machine *m) {
     fp3_v *d = row_of(m->place, m->now->in.d);
     find_sources(m);
     EACH {
-        const fp3_i now = awake[j] & fp3_sleeps(A, B);
+        const fp3_i now =
+            awake[j] & (FP3_OF_WORDS ? fp3_words_sleep(&m->config, A, B) : fp3_sleeps(A, B));
         d[j] = fp3_choose(now, (fp3_v)fp3_all((int)m->number), d[j]);
         awake[j] &= ~now;
     }
@@ -241,19 +255,12 @@ static void store(machine *m) {
 
 static fp3_i flags_of(machine *m, unsigned j);
 
-static int all_of(fp3_i bits) {
-    int all = 0;
-    for (int i = 0; i < FP3_LANES; i++)
-        all |= bits[i];
-    return all;
-}
-
 /* What a processor with flags would raise now. */
 static void raise(machine *m) {
     fp3_i flags = fp3_all(0);
     find_sources(m);
     EACH flags |= flags_of(m, j);
-    fp3_fpu_set(fp3_fpu_get() | (unsigned)all_of(flags));
+    fp3_fpu_set(fp3_fpu_get() | (unsigned)fp3_any(flags));
 }
 
 static void execute(machine *m) {
@@ -269,7 +276,7 @@ static void execute(machine *m) {
         store(m);
         break;
     default:
-        if (FP3_FPU_IS_SOFT && !FP3_LOGARITHMIC && !m->is_watched)
+        if (FP3_FPU_IS_SOFT && !FP3_OF_WORDS && !m->is_watched)
             raise(m);
         arithmetic(m);
     }
@@ -288,25 +295,33 @@ static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_numbe
 
 static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number) {
-    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST};
+    machine m = {.place = place,
+                 .config = fp3_words_config(plan->config),
+                 .number = number,
+                 .is_last = part == FP3_PART_LAST};
     make_part(&m, plan, part, steps);
 }
 
 static unsigned seen_by(const machine *m) {
-    return (all_of(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
-           (all_of(m->under) ? FP3_SEEN_UNDERFLOW : 0);
+    return (fp3_any(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
+           (fp3_any(m->under) ? FP3_SEEN_UNDERFLOW : 0);
 }
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
                      fp3_fast_part_number part, uint32_t steps, uint32_t number) {
-    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_tiny = 1};
+    machine m = {.place = place,
+                 .config = fp3_words_config(plan->config),
+                 .number = number,
+                 .is_last = part == FP3_PART_LAST,
+                 .is_tiny = 1};
     make_part(&m, plan, part, steps);
     *place->seen |= seen_by(&m);
 }
 
 static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
                       uint32_t end) {
-    machine m = {.place = place, .is_tiny = FP3_FPU_IS_EARLY};
+    machine m = {
+        .place = place, .config = fp3_words_config(plan->config), .is_tiny = FP3_FPU_IS_EARLY};
     for (uint32_t pc = first; pc < end; pc++) {
         m.now = &plan->code[pc];
         execute(&m);
@@ -323,9 +338,9 @@ static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask &
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;
-    if (FP3_LOGARITHMIC) {
+    if (FP3_OF_WORDS) {
         fp3_i flags;
-        fp3_logs(m->now->in.op, a, b, c, &flags);
+        fp3_words(&m->config, m->now->in.op, a, b, c, &flags);
         return flags;
     }
     switch (m->now->in.op) {
@@ -434,6 +449,7 @@ static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast
                   uint32_t steps, uint32_t number, fp3_witness *witness) {
     const fp3_fast_part *of = &w->plan->part[part];
     machine m = {.place = place,
+                 .config = fp3_words_config(w->plan->config),
                  .number = number,
                  .is_last = part == FP3_PART_LAST,
                  .is_tiny = 1,

@@ -2,13 +2,16 @@
 #include "format.h"
 
 #include "lns.h"
+#include "narrow.h"
 
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <string.h>
 
+#define INFINITE 0x7f800000u
+
 typedef struct {
-    fp3_key key; /* configurations in which it is not 0 have this format */
+    int (*has)(const fp3_config *config); /* whether a configuration has this format */
     const char *(*word)(const fp3_config *config, uint32_t bits, uint32_t *word);
     uint32_t (*bits)(const fp3_config *config, uint32_t word);
     int64_t (*counts)(const fp3_config *config);
@@ -36,12 +39,42 @@ static int64_t log_counts(const fp3_config *config) {
     return 8192;
 }
 
-static const format formats[] = {{FP3_KEY_LOGARITHMIC, log_word, log_bits, log_counts}};
+static int is_log(const fp3_config *config) { return config->logarithmic != 0; }
+
+/* To the nearest number with fewer fraction bits, ties to even; a NaN is the quiet one. */
+static const char *narrow_word(const fp3_config *config, uint32_t bits, uint32_t *word) {
+    const uint32_t sign = bits & FP3_BITS_MINUS_ZERO, size = bits & ~FP3_BITS_MINUS_ZERO;
+    const uint32_t below = 23 - config->fraction;
+    const uint32_t odd = size >> below & 1, half = UINT32_C(1) << (below - 1);
+    const uint32_t rounded = fp3_narrow_read(config, size + half - 1 + odd);
+    if (size >= INFINITE) {
+        *word = size > INFINITE ? FP3_BITS_NAN : bits;
+        return NULL;
+    }
+    if (rounded == INFINITE)
+        return "is rounded to infinity: a fraction of fewer bits does not reach it";
+    if (size && !rounded)
+        return "is rounded to 0: a fraction of fewer bits does not reach it";
+    *word = sign | rounded;
+    return NULL;
+}
+
+static uint32_t narrow_bits(const fp3_config *config, uint32_t word) {
+    return fp3_narrow_read(config, word);
+}
+
+/* From there on 1 is at most half of the last place. */
+static int64_t narrow_counts(const fp3_config *config) { return INT64_C(2) << config->fraction; }
+
+static int is_narrow(const fp3_config *config) { return config->fraction < 23; }
+
+static const format formats[] = {{is_log, log_word, log_bits, log_counts},
+                                 {is_narrow, narrow_word, narrow_bits, narrow_counts}};
 
 /* NULL: binary32. */
 static const format *format_of(const fp3_config *config) {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        if (fp3_config_value(config, formats[i].key))
+        if (formats[i].has(config))
             return &formats[i];
     return NULL;
 }

@@ -123,7 +123,7 @@ static uint32_t choose_finite(uint32_t op, const uint32_t *in) {
     }
 }
 
-static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in) {
+static uint32_t choose_read(const fp3_config *config, uint32_t op, const uint32_t *in) {
     if (config->finite)
         return choose_finite(op, in);
     const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
@@ -151,6 +151,13 @@ static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in
     default:
         return fp3_estimate_rsqrt(in[0]);
     }
+}
+
+/* Bits below the fraction are read as 0, by the adder behind, too. */
+static uint32_t choose(const fp3_config *config, uint32_t op, const uint32_t *in) {
+    const uint32_t kept = UINT32_MAX << (23 - config->fraction);
+    const uint32_t read[] = {in[0] & kept, in[1] & kept, in[2] & kept};
+    return choose_read(config, op, read) & kept;
 }
 
 /* The sum with -0. */

@@ -9,6 +9,7 @@
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
+#include <machine/config.h>
 #include <machine/format.h>
 #include <math.h>
 #include <stdio.h>
@@ -622,9 +623,9 @@ static void steps_are_counted_after_a_limit_too(bench *b) {
     fp3_image_free(&image);
 }
 
-/* Which configurations a promise is about, and whose it is: the fast engine has the host's memory for a
+/* Which configurations a promise is about (FLOAT: their words are binary32), and whose it is: the fast engine has the host's memory for a
  * store, refuses illegal words, and counts no cycles. */
-typedef enum { ANY, STORE, SLEEP, STATUS } about;
+typedef enum { ANY, FLOAT, STORE, SLEEP, FLOAT_SLEEP, STATUS } about;
 typedef enum { ALL, MACHINES, FAST } whose;
 
 #define PROMISES(X)                                                                                \
@@ -632,7 +633,7 @@ typedef enum { ALL, MACHINES, FAST } whose;
     X(nothing_runs_before_a_load, ANY, ALL)                                                        \
     X(registers_out_of_range_are_refused, ANY, ALL)                                                \
     X(registers_are_0_at_first, ANY, ALL)                                                          \
-    X(every_register_keeps_its_bits, ANY, ALL)                                                     \
+    X(every_register_keeps_its_bits, FLOAT, ALL)                                                   \
     X(load_refuses_what_does_not_fit, ANY, ALL)                                                    \
     X(names_are_those_of_the_program, ANY, ALL)                                                    \
     X(an_illegal_word_ends_the_run_there, ANY, MACHINES)                                           \
@@ -648,7 +649,7 @@ typedef enum { ALL, MACHINES, FAST } whose;
     X(only_programs_with_a_sleep_have_sleepers, ANY, ALL)                                          \
     X(any_number_of_objects_is_moved, STORE, ALL)                                                  \
     X(more_objects_leave_room_for_fewer_registers, STORE, MACHINES)                                \
-    X(objects_sleep_when_they_say_so, SLEEP, ALL)                                                  \
+    X(objects_sleep_when_they_say_so, FLOAT_SLEEP, ALL)                                            \
     X(a_repeated_run_takes_the_same_cycles, SLEEP, ALL)                                            \
     X(a_visit_ends_when_all_sleep, SLEEP, ALL)                                                     \
     X(objects_are_woken_and_removed, SLEEP, ALL)                                                   \
@@ -667,8 +668,11 @@ static int concerns(const promise *p, const char *engine, const fp3_config *conf
         return 0;
     if (config->dual) /* the programs here mix sums and products; test_dual.py has others */
         return 0;
-    return p->about == ANY || (p->about == STORE && config->interleave) ||
-           (p->about == SLEEP && config->sleep) || (p->about == STATUS && config->status);
+    if ((p->about == FLOAT || p->about == FLOAT_SLEEP) && !fp3_format_is_float(config))
+        return 0;
+    return p->about == ANY || p->about == FLOAT || (p->about == STORE && config->interleave) ||
+           ((p->about == SLEEP || p->about == FLOAT_SLEEP) && config->sleep) ||
+           (p->about == STATUS && config->status);
 }
 
 /* Whether the promise is kept. */

@@ -127,7 +127,7 @@ static inline uint32_t execute_on(const program *p, const fp3_config *config, ui
 }
 
 static inline float by_execute(const program *p, float x, uint32_t *flags) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .flags = 1};
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1};
     return float_of(execute_on(p, &ieee, bits_of(x), 0, flags));
 }
 

@@ -13,7 +13,7 @@ fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     if (g->is_logarithmic)
         return (fp3_series){y, FP3_NONE};
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
-    return (fp3_series){y, add(g, e, mul(g, e, e))};
+    return (fp3_series){y, g->terms == 1 ? e : add(g, e, mul(g, e, e))};
 }
 
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). Flushed, y^2 may be 0, so that b y is
@@ -23,7 +23,8 @@ static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
         return (fp3_series){y, FP3_NONE};
     const uint32_t product = g->is_flushed ? mul(g, mul(g, b, y), y) : mul(g, b, mul(g, y, y));
     const uint32_t e = sub(g, num(g, 1), product), half = num(g, 0.5);
-    return (fp3_series){y, mul(g, e, add(g, half, mul(g, num(g, 0.375), e)))};
+    return (fp3_series){y,
+                        mul(g, e, g->terms == 1 ? half : add(g, half, mul(g, num(g, 0.375), e)))};
 }
 
 fp3_series fp3_inverse_root(dag *g, uint32_t b) {
@@ -100,7 +101,7 @@ term fp3_over_power(dag *g, term x, uint32_t b, unsigned n) {
  * infinite. Of a logarithm, only that of 0 is above 2^63.5. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
 #define MOST 0x1p63
 #define MOST_OF_LOGARITHMS 0x1p64
-#define MOST_CORRECTION 0x1p-8
+#define MOST_CORRECTION(g) ((g)->terms == 1 ? 0x1p-5 : 0x1p-8)
 
 static uint32_t bounded(dag *g, uint32_t y) {
     return op2(g, FP3_OP_MIN, num(g, g->is_logarithmic ? MOST_OF_LOGARITHMS : MOST), y);
@@ -126,6 +127,6 @@ uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
     const fp3_series s = fp3_inverse_root(g, b);
     if (g->is_finite)
         return root_of_series(g, b, s);
-    const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION));
+    const uint32_t t = op2(g, FP3_OP_MIN, s.correction, num(g, MOST_CORRECTION(g)));
     return root_of_series(g, b, (fp3_series){bounded(g, s.estimate), t});
 }
