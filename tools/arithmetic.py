@@ -68,8 +68,8 @@ def bench(fp3, model, config, integrators):
 
 
 def unit_of(synth, top, config, bound, checked):
-    """A core as make synth has placed it, or nothing. One that is of a single configuration has none in its row."""
-    of = placed(synth, top, config) or placed(synth, top, top)
+    """A core as make synth has placed it, or nothing. One that any configuration has is of none."""
+    of = placed(synth, top, config) or placed(synth, top, "any")
     return of and {"unit": top, "arithmetic": ARITHMETICS[config], "lut4": of["lut4"], "ff": of["ff"], "dsp": of["dsp"], "ebr": of["ebr"],
                    "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": checked}
 
