@@ -196,7 +196,7 @@ VECTORS           := -O3 -frounding-math -Wno-psabi
 
 $(call obj,sw/fast/sweep.c): CFLAGS += $(VECTORS)
 $(call obj,sw/fast/fast.c sw/fast/block.c sw/fast/drive.c sw/engine/near.c): CFLAGS += -O3
-$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/fused.h sw/fast/turns.h
+$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/fused.h sw/fast/halves.h sw/fast/turns.h
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready

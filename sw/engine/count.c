@@ -4,6 +4,7 @@
 #include "cells.h"
 #include "checks.h"
 #include "life.h"
+#include "machine/storage.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -18,15 +19,19 @@ static fp3_status no_count(fp3_engine *engine, size_t object, float n) {
                     object, (double)n, FP3_STEPS_LIMIT, FP3_STEPS_LIMIT);
 }
 
+/* How far records and FP32 count. */
+static int64_t limit_of(const fp3_engine *engine) { return fp3_storage_counts(engine->config); }
+
 static fp3_status check(fp3_engine *engine, uint32_t group, int64_t counted, uint32_t steps) {
-    if (counted + steps <= FP3_STEPS_LIMIT)
+    if (counted + steps <= limit_of(engine))
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                     "%s%" PRIu32 " steps from '" FP3_NAME_STEPS "' = %" PRId64
-                    " on: the program counts its steps in FP32, which ends at %d (a longer step h "
-                    "reaches a later time)",
+                    " on: the program counts its steps in %s, which ends at %" PRId64
+                    " (a longer step h reaches a later time)",
                     fp3_engine_prefix(group, engine->layout.count).text, steps, counted,
-                    FP3_STEPS_LIMIT);
+                    engine->config->storage ? fp3_storage_name(engine->config) : "FP32",
+                    limit_of(engine));
 }
 
 /* Each object makes the steps that it lives to see. */

@@ -19,6 +19,7 @@
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "exceptions.h"
+#include "halves.h"
 #include "logs.h"
 
 #include <fp3/isa.h>
@@ -36,6 +37,7 @@ typedef struct {
     const fp3_fast_place *place;
     const fp3_fast_word *now;
     uint32_t number; /* of the step */
+    int storage;     /* the configuration's key */
     int is_last;     /* part: those asleep take part */
     int is_tiny;     /* products as in tiny.h */
     fp3_i subnormal, under;
@@ -229,14 +231,29 @@ static void load(machine *m) {
     keep(m, m->scratch, d);
 }
 
+static fp3_v value_stored(const machine *m, unsigned j) {
+    const fp3_v value = row_of(m->place, m->now->in.d)[j];
+    return m->now->is_one_nan ? fp3_one_nan(value) : value;
+}
+
+static fp3_i draws(const machine *m, unsigned j) {
+    const fp3_i *objects = (const fp3_i *)(const void *)m->place->objects;
+    return fp3_draws(m->place->seed, objects[j], m->number, m->now->in.d);
+}
+
 static void store(machine *m) {
     const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
-    const fp3_v *d = row_of(m->place, m->now->in.d);
     fp3_loose *to = record_of(m);
     EACH {
-        const fp3_v value = m->now->is_one_nan ? fp3_one_nan(d[j]) : d[j];
+        const fp3_v whole = value_stored(m, j);
+        const fp3_v value = m->storage ? fp3_stored(m->storage, whole, draws(m, j)) : whole;
         to[j] = m->is_last ? value : fp3_choose(awake[j], value, (fp3_v)to[j]);
     }
+}
+
+static int has_flags(const machine *m) {
+    return fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op)) ||
+           (m->storage && m->now->in.op == FP3_OP_ST);
 }
 
 static fp3_i flags_of(machine *m, unsigned j);
@@ -257,6 +274,8 @@ static void raise(machine *m) {
 }
 
 static void execute(machine *m) {
+    if (FP3_FPU_IS_SOFT && !FP3_LOGARITHMIC && !m->is_watched && has_flags(m))
+        raise(m);
     switch (m->now->in.op) {
     case FP3_OP_SLEEP:
         fall_asleep(m);
@@ -269,10 +288,16 @@ static void execute(machine *m) {
         store(m);
         break;
     default:
-        if (FP3_FPU_IS_SOFT && !FP3_LOGARITHMIC && !m->is_watched)
-            raise(m);
         arithmetic(m);
     }
+}
+
+static machine machine_of(const fp3_fast_plan *plan, const fp3_fast_place *place,
+                          fp3_fast_part_number part, uint32_t number) {
+    return (machine){.place = place,
+                     .number = number,
+                     .storage = (int)plan->config->storage,
+                     .is_last = part == FP3_PART_LAST};
 }
 
 static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_number part,
@@ -288,7 +313,7 @@ static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_numbe
 
 static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number) {
-    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST};
+    machine m = machine_of(plan, place, part, number);
     make_part(&m, plan, part, steps);
 }
 
@@ -299,7 +324,8 @@ static unsigned seen_by(const machine *m) {
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
                      fp3_fast_part_number part, uint32_t steps, uint32_t number) {
-    machine m = {.place = place, .number = number, .is_last = part == FP3_PART_LAST, .is_tiny = 1};
+    machine m = machine_of(plan, place, part, number);
+    m.is_tiny = 1;
     make_part(&m, plan, part, steps);
     *place->seen |= seen_by(&m);
 }
@@ -318,6 +344,12 @@ static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, ui
 
 static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask & b); }
 
+static fp3_i flags_of_store(const machine *m, unsigned j) {
+    fp3_i over;
+    fp3_rounded(m->storage, value_stored(m, j), draws(m, j), &over);
+    return fp3_marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT);
+}
+
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
  * and what is chosen or estimated is known from the operands. */
 static fp3_i flags_of(machine *m, unsigned j) {
@@ -329,6 +361,8 @@ static fp3_i flags_of(machine *m, unsigned j) {
         return flags;
     }
     switch (m->now->in.op) {
+    case FP3_OP_ST:
+        return flags_of_store(m, j);
     case FP3_OP_ADD:
         return fp3_flags_of_sum(a, b);
     case FP3_OP_SUB:
@@ -433,18 +467,15 @@ static void look_at_states(machine *m, const fp3_watch_plan *w, fp3_witness *wit
 static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast_part_number part,
                   uint32_t steps, uint32_t number, fp3_witness *witness) {
     const fp3_fast_part *of = &w->plan->part[part];
-    machine m = {.place = place,
-                 .number = number,
-                 .is_last = part == FP3_PART_LAST,
-                 .is_tiny = 1,
-                 .is_watched = 1};
+    machine m = machine_of(w->plan, place, part, number);
+    m.is_tiny = m.is_watched = 1;
     for (uint32_t i = 0; i < steps; i++) {
         m.number += part == FP3_PART_STEP;
         if (part == FP3_PART_STEP)
             begin_step(&m, witness);
         for (uint32_t pc = of->first; pc < of->end; pc++) {
             m.now = &w->plan->code[pc];
-            if (fp3_operation_is_arithmetic(fp3_operation_find(m.now->in.op)))
+            if (has_flags(&m))
                 note_flags(&m, part == FP3_PART_FIRST || w->is_ahead[pc], witness);
             execute(&m);
         }

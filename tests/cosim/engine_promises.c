@@ -607,9 +607,10 @@ static void steps_are_counted_after_a_limit_too(bench *b) {
     fp3_image_free(&image);
 }
 
-/* Which configurations a promise is about, and whose it is: the fast engine has the host's memory for a
+/* Which configurations a promise is about (WORDS: those whose records have every number of
+ * binary32), and whose it is: the fast engine has the host's memory for a
  * store, refuses illegal words, and counts no cycles. */
-typedef enum { ANY, STORE, SLEEP, STATUS } about;
+typedef enum { ANY, STORE, SLEEP, STATUS, WORDS, WORD_STATUS } about;
 typedef enum { ALL, MACHINES, FAST } whose;
 
 #define PROMISES(X)                                                                                \
@@ -617,17 +618,17 @@ typedef enum { ALL, MACHINES, FAST } whose;
     X(nothing_runs_before_a_load, ANY, ALL)                                                        \
     X(registers_out_of_range_are_refused, ANY, ALL)                                                \
     X(registers_are_0_at_first, ANY, ALL)                                                          \
-    X(every_register_keeps_its_bits, ANY, ALL)                                                     \
+    X(every_register_keeps_its_bits, WORDS, ALL)                                                   \
     X(load_refuses_what_does_not_fit, ANY, ALL)                                                    \
     X(names_are_those_of_the_program, ANY, ALL)                                                    \
     X(an_illegal_word_ends_the_run_there, ANY, MACHINES)                                           \
     X(what_fast_cannot_execute_changes_nothing, ANY, FAST)                                         \
     X(the_cycle_limit_stops_a_run, ANY, MACHINES)                                                  \
-    X(steps_are_counted_as_far_as_fp32_does, ANY, ALL)                                             \
-    X(steps_are_counted_after_a_limit_too, ANY, MACHINES)                                          \
+    X(steps_are_counted_as_far_as_fp32_does, WORDS, ALL)                                           \
+    X(steps_are_counted_after_a_limit_too, WORDS, MACHINES)                                        \
     X(no_steps_execute_nothing, ANY, ALL)                                                          \
-    X(flags_are_those_of_the_last_run, ANY, ALL)                                                   \
-    X(failures_are_those_of_the_last_run, ANY, ALL)                                                \
+    X(flags_are_those_of_the_last_run, WORDS, ALL)                                                 \
+    X(failures_are_those_of_the_last_run, WORDS, ALL)                                              \
     X(the_bus_log_has_every_transfer, ANY, ALL)                                                    \
     X(the_counters_of_units_add_up, ANY, MACHINES)                                                 \
     X(only_programs_with_a_sleep_have_sleepers, ANY, ALL)                                          \
@@ -637,7 +638,7 @@ typedef enum { ALL, MACHINES, FAST } whose;
     X(a_repeated_run_takes_the_same_cycles, SLEEP, ALL)                                            \
     X(a_visit_ends_when_all_sleep, SLEEP, ALL)                                                     \
     X(objects_are_woken_and_removed, SLEEP, ALL)                                                   \
-    X(an_object_knows_when_it_failed, STATUS, ALL)
+    X(an_object_knows_when_it_failed, WORD_STATUS, ALL)
 
 typedef struct {
     const char *name;
@@ -653,7 +654,9 @@ static int concerns(const promise *p, const char *engine, const fp3_config *conf
     if (config->dual) /* the programs here mix sums and products; test_dual.py has others */
         return 0;
     return p->about == ANY || (p->about == STORE && config->interleave) ||
-           (p->about == SLEEP && config->sleep) || (p->about == STATUS && config->status);
+           (p->about == SLEEP && config->sleep) || (p->about == STATUS && config->status) ||
+           (p->about == WORDS && !config->storage) ||
+           (p->about == WORD_STATUS && config->status && !config->storage);
 }
 
 /* Whether the promise is kept. */

@@ -115,6 +115,7 @@ typedef struct {
     /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
      * interleave. */
     uint32_t visit;
+    uint32_t seed; /* with `storage`: stores round at random, by draws from it; 0: to nearest */
     /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
     fp3_retire_fn *retire;
     void *retire_user;
