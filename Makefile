@@ -589,6 +589,13 @@ gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/ga
 arithmetic: all ## What each arithmetic does to the error of models, and what it costs: half an hour; MODEL="kepler lorenz". JSON in build/results
 	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
 
+.PHONY: storage storage-report
+storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: two minutes
+	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3
+
+storage-report: all ## Write docs/arithmetic.md's table of it
+	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --report
+
 arithmetic-report: | need-plot ## Write docs/arithmetic.md's tables and its picture from it
 	@$(PYTHON) tools/arithmetic.py --output $(RESULTS)/arithmetic.json --report
 

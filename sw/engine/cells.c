@@ -5,6 +5,7 @@
 #include "origin.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 #define BLOCK 512 /* words that are written at once where all are the same */
@@ -65,7 +66,34 @@ static fp3_status too_large(fp3_engine *engine, fp3_cells cells, uint32_t word) 
                     fp3_storage_name(engine->config), (double)fp3_storage_most(engine->config));
 }
 
-/* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits. */
+/* The name that a parameter of the object's program has, or NULL: the register is none. */
+static const char *param_of(const fp3_engine *engine, size_t object, uint32_t reg) {
+    const fp3_image *image = fp3_layout_group_of(&engine->layout, object)->image;
+    for (uint32_t i = 0; image && i < image->symbol_count; i++)
+        if (image->symbols[i].index == reg && image->symbols[i].symbol_class == FP3_SYMBOL_PARAM)
+            return image->symbols[i].name;
+    return NULL;
+}
+
+/* A state may come close to 0 and have fewer digits there; a parameter means what it says. */
+static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word, uint32_t stored) {
+    float value, kept;
+    memcpy(&value, &word, sizeof value);
+    memcpy(&kept, &stored, sizeof kept);
+    const float off = fabsf(value - kept),
+                bound = fabsf(value) / (float)fp3_storage_counts(engine->config);
+    const char *name = off > bound ? param_of(engine, cells.first, cells.number) : NULL;
+    if (!name)
+        return FP3_OK;
+    return fp3_fail(
+        engine->def.error, FP3_E_ARGUMENT,
+        "object %zu, parameter '%s': %.9g is too small: configuration '%s' keeps records "
+        "in %s, where it would be %.9g (a shared constant has all bits)",
+        cells.first, name, (double)value, engine->config->name, fp3_storage_name(engine->config),
+        (double)kept);
+}
+
+/* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits, or a parameter would lose its digits. */
 static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *words,
                               uint32_t *to) {
     const uint32_t infinite = 0x7f800000;
@@ -73,10 +101,12 @@ static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *w
         uint32_t word, flags;
         memcpy(&word, (const char *)words + i * sizeof word, sizeof word);
         to[i] = fp3_stored(engine->config, word, NULL, &flags);
-        cells.first++;
+        const fp3_cells one = {cells.kind, cells.number, cells.first + i, 1};
         if (~word & infinite && !(~to[i] & infinite))
-            return too_large(engine, (fp3_cells){cells.kind, cells.number, cells.first - 1, 1},
-                             word);
+            return too_large(engine, one, word);
+        const fp3_status status = check_small(engine, one, word, to[i]);
+        if (status)
+            return status;
     }
     return FP3_OK;
 }
